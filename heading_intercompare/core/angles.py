@@ -1,0 +1,209 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Arithmetic on the circle, and the one conversion between headings and quaternions.
+
+Nobody else in the package subtracts two headings. Live nodes and bag readers call the same
+functions here, so a recorded quaternion gives the live heading to the bit.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+__all__ = ['circular_mean', 'heading_from_quaternion', 'quaternion_from_heading',
+           'unwrap_deg', 'wrap180', 'wrap360']
+
+
+def wrap180(angle_deg: ArrayLike, center_deg: float = 0.0) -> np.ndarray:
+    """
+    Reduce angles to [center - 180, center + 180).
+
+    Parameters
+    ----------
+    angle_deg : array_like, shape (n,) or scalar
+        Angles, degrees. nan and infinity give nan.
+    center_deg : float
+        Middle of the range, degrees.
+
+    Returns
+    -------
+    ndarray, shape of `angle_deg`
+        The reduced angles. Exactly +180 above the centre becomes -180. The remainder and the one
+        addition of 360 are exact, so 359 - 1 gives -2 and no rounding is added.
+
+    References
+    ----------
+    GK (1): the wrap of the difference.
+
+    Examples
+    --------
+    >>> wrap180([359.0 - 1.0, 180.0, -180.0]).tolist()
+    [-2.0, -180.0, -180.0]
+
+    """
+    angle = np.asarray(angle_deg, dtype=np.float64) - center_deg
+    finite = np.isfinite(angle)
+    if not finite.all():
+        angle = np.where(finite, angle, np.nan)
+    d = np.fmod(angle, 360.0)
+    d = np.where(d >= 180.0, d - 360.0, d)
+    d = np.where(d < -180.0, d + 360.0, d)
+    return d + center_deg
+
+
+def wrap360(angle_deg: ArrayLike) -> np.ndarray:
+    """
+    Reduce angles to [0, 360).
+
+    Parameters
+    ----------
+    angle_deg : array_like, shape (n,) or scalar
+        Angles, degrees. nan and infinity give nan.
+
+    Returns
+    -------
+    ndarray, shape of `angle_deg`
+        The reduced angles; a tiny negative angle that rounds to 360 becomes 0.
+
+    Examples
+    --------
+    >>> wrap360([-10.0, 360.0, 725.0, -1e-20]).tolist()
+    [350.0, 0.0, 5.0, 0.0]
+
+    """
+    angle = np.asarray(angle_deg, dtype=np.float64)
+    finite = np.isfinite(angle)
+    if not finite.all():
+        angle = np.where(finite, angle, np.nan)
+    d = np.fmod(angle, 360.0)
+    d = np.where(d < 0.0, d + 360.0, d)
+    return np.where(d >= 360.0, 0.0, d) + 0.0
+
+
+def unwrap_deg(heading_deg: ArrayLike) -> np.ndarray:
+    """
+    Return the headings as a continuous angle: the first one plus the sum of wrapped steps.
+
+    Parameters
+    ----------
+    heading_deg : array_like, shape (n,)
+        Headings in stamp order, degrees, finite.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Degrees, no longer confined to [0, 360). Empty for n = 0.
+
+    Examples
+    --------
+    >>> unwrap_deg([350.0, 10.0, 350.0]).tolist()
+    [350.0, 370.0, 350.0]
+
+    """
+    heading = np.asarray(heading_deg, dtype=np.float64)
+    if heading.size == 0:
+        return heading.copy()
+    steps = wrap180(np.diff(heading))
+    return heading[0] + np.concatenate(([0.0], np.cumsum(steps)))
+
+
+def circular_mean(angle_deg: ArrayLike) -> tuple[float, float]:
+    """
+    Return the mean direction and the length of the mean resultant.
+
+    Parameters
+    ----------
+    angle_deg : array_like, shape (n,)
+        Angles, degrees, finite.
+
+    Returns
+    -------
+    mean_deg : float
+        Direction in [-180, 180); nan for n = 0 or a resultant of zero length.
+    resultant_length : float
+        In [0, 1]; 1 when all angles agree, nan for n = 0.
+
+    Examples
+    --------
+    >>> mean_deg, length = circular_mean([350.0, 10.0])
+    >>> round(abs(mean_deg), 9), round(length, 6)
+    (0.0, 0.984808)
+
+    """
+    angle = np.radians(np.asarray(angle_deg, dtype=np.float64))
+    if angle.size == 0:
+        return float('nan'), float('nan')
+    c, s = float(np.cos(angle).mean()), float(np.sin(angle).mean())
+    length = min(1.0, float(np.hypot(c, s)))
+    if length == 0.0:
+        return float('nan'), 0.0
+    return float(wrap180(np.degrees(np.arctan2(s, c)))), length
+
+
+def heading_from_quaternion(x: ArrayLike, y: ArrayLike, z: ArrayLike, w: ArrayLike,
+                            convention: str = 'enu') -> np.ndarray:
+    """
+    Return the heading of an orientation.
+
+    Parameters
+    ----------
+    x, y, z, w : array_like, shape (n,)
+        The quaternion body to world; it need not be normalised.
+    convention : {'enu', 'ned'}
+        'enu' (REP-103): world axes east, north, up, heading = 90 - yaw.
+        'ned': world axes north, east, down, heading = yaw.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Headings in [0, 360), degrees; nan where the quaternion is zero or not finite.
+
+    Raises
+    ------
+    ValueError
+        If the convention is unknown.
+
+    Examples
+    --------
+    >>> heading_from_quaternion([0.0], [0.0], [0.0], [1.0]).tolist()
+    [90.0]
+
+    """
+    x, y, z, w = (np.asarray(q, dtype=np.float64) for q in (x, y, z, w))
+    with np.errstate(over='ignore', invalid='ignore'):
+        norm2 = x * x + y * y + z * z + w * w
+        good = np.isfinite(norm2) & (norm2 > 0.0)
+        yaw = np.arctan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+    yaw_deg = np.degrees(np.where(good, yaw, np.nan))
+    if convention == 'enu':
+        return wrap360(90.0 - yaw_deg)
+    if convention == 'ned':
+        return wrap360(yaw_deg)
+    raise ValueError(f"convention = {convention!r}: use 'enu' or 'ned'")
+
+
+def quaternion_from_heading(heading_deg: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """
+    Return z and w of the level ENU quaternion of a heading; x and y are zero.
+
+    Parameters
+    ----------
+    heading_deg : array_like, shape (n,)
+        Headings, degrees clockwise from true north.
+
+    Returns
+    -------
+    z, w : ndarray, shape (n,)
+        Components of the rotation by yaw = 90 - heading about the upward axis.
+
+    Examples
+    --------
+    >>> z, w = quaternion_from_heading([90.0])
+    >>> z.tolist(), w.tolist()
+    ([0.0], [1.0])
+
+    """
+    half = np.radians(wrap180(90.0 - np.asarray(heading_deg, dtype=np.float64))) / 2.0
+    return np.sin(half), np.cos(half)

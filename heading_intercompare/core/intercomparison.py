@@ -1,0 +1,280 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The stages joined: pairs into runs, runs into a verdict; live, in replay and offline."""
+
+from __future__ import annotations
+
+from typing import Any, Iterable, Mapping, Sequence
+
+from .criteria import Limits
+from .difference import difference
+from .judge import figures, homogeneity, judge, RunResult
+from .ledger import Ledger, LedgerSegment
+from .pairing import Pairer
+from .records import Headings, Pairs
+from .rolling import Rolling
+from .run_series import RunSeries
+from .runs import RunCutter
+from .settings import Settings
+from .statistics import count_outside
+from .verdict import Verdict
+
+__all__ = ['analyze', 'Compliance', 'Intercomparison', 'join']
+
+
+class Compliance:
+    """
+    Cut pairs into runs and judge each run at its end.
+
+    Parameters
+    ----------
+    settings : Settings
+        With the norms.
+    source : str
+        Name of the input, stated with each run.
+    table : sequence of (start_ns, stop_ns), optional
+        Where the runs are; without it marks decide, else the first pair opens a run.
+
+    Raises
+    ------
+    SettingsError
+        If a norm is missing.
+
+    Notes
+    -----
+    Time is what the stamps say: nothing here reads a clock, so a replay at any rate and an
+    analysis of the recording give the live verdict.
+    """
+
+    def __init__(self, settings: Settings, *, source: str = '',
+                 table: Sequence[tuple[int, int]] | None = None) -> None:
+        self.settings = settings
+        self.newest_ns: int | None = None
+        self._limits = Limits.of(settings.norms, settings.model)
+        self._source = source
+        self._cutter = RunCutter(settings.runs, table)
+        self._run: RunSeries | None = None
+        self._run_key: int | None = None
+        self._finished: list[tuple[RunResult, int]] = []
+        self._n_short = 0
+        self._rolling = Rolling(settings.window_s)
+
+    def update(self, pairs: Pairs) -> None:
+        """Take pairs in stamp order; runs that end with them are judged."""
+        if not len(pairs):
+            return
+        for piece in self._cutter.update(pairs.stamp_ns):
+            if piece.key != self._run_key:
+                self._end_run()
+                self._run = RunSeries(piece.cut_ns, self.settings)
+                self._run_key = piece.key
+            self._run.update(pairs[piece.lo:piece.hi])
+        self._rolling.update(difference(pairs, self.settings.installation_offset_deg,
+                                        self.settings.wrap_center_deg))
+        self.newest_ns = int(pairs.stamp_ns[-1])
+        self._end_run_if_cut()
+
+    def mark(self, kind: str, stamp_ns: int) -> None:
+        """Start or stop a run behind the pair of a stamp; see `RunCutter.mark`."""
+        if self._cutter.mark(kind, stamp_ns):
+            self._finished.clear()
+            self._run = self._run_key = None
+        self._end_run_if_cut()
+
+    def finish(self) -> None:
+        """End the run in progress and judge it."""
+        self._end_run()
+
+    def _end_run_if_cut(self) -> None:
+        if self._run is not None and self._cutter.current != self._run_key:
+            self._end_run()
+
+    def _end_run(self) -> None:
+        run, self._run, self._run_key = self._run, None, None
+        if run is None or run.start_ns is None:
+            return
+        if run.end_ns - run.start_ns < round(self.settings.runs.min_duration_s * 1e9):
+            self._n_short += 1
+            return
+        result = judge(run, self.settings, len(self._finished) + 1, self._source)
+        self._finished.append((result, run.cut_ns))
+
+    @property
+    def finished_runs(self) -> int:
+        """Number of runs judged so far."""
+        return len(self._finished)
+
+    def run_figures(self) -> dict[str, Any]:
+        """Return the figures of the run in progress; ``n`` is 0 outside runs."""
+        run = self._run
+        result: dict[str, Any] = {'run': len(self._finished) + 1 if run else 0}
+        if run is None:
+            return {**result, 'n': 0}
+        result |= {'start_ns': run.start_ns, 'newest_ns': run.end_ns, 'n_input': run.n_input,
+                   'n_invalid': run.n_invalid, 'n_stabilization': run.n_stabilization}
+        if not len(run):
+            return {**result, 'n': 0}
+        limits = Limits.of(self.settings.norms, self.settings.model, run.rs_variance_factor)
+        x = run.x_deg.values
+        return result | figures(run.moments, lambda c, limit: count_outside(x, c, limit),
+                                limits, self.settings)
+
+    def rolling_figures(self) -> dict[str, Any]:
+        """Return the figures of the rolling window; ``n`` is 0 before the first pair."""
+        moments = self._rolling.moments()
+        if moments.n == 0:
+            return {'n': 0}
+        return {'start_ns': self._rolling.start_ns, 'newest_ns': self.newest_ns,
+                **figures(moments, self._rolling.count_outside, self._limits, self.settings)}
+
+    def results(self, ledger: Ledger | None = None) -> list[RunResult]:
+        """
+        Return the runs judged so far, each with its share of a ledger.
+
+        Parameters
+        ----------
+        ledger : Ledger, optional
+            Of the pairer that made the pairs; without it the pairs are all that was received.
+
+        """
+        results = [result for result, _ in self._finished]
+        if not results:
+            return []
+        if ledger is None:
+            shares = [LedgerSegment(cut_ns, {'paired': r.verdict.n_input,
+                                             'rs_used': r.verdict.n_input})
+                      for r, cut_ns in self._finished]
+        else:
+            shares = ledger.shares([cut_ns for _, cut_ns in self._finished])
+        short = (f'{self._n_short} pieces shorter than runs.min_duration_s were left out',) \
+            if self._n_short else ()
+        return [r.with_pairing(share, short if at == 0 else ())
+                for at, (r, share) in enumerate(zip(results, shares))]
+
+    def verdict(self, ledger: Ledger | None = None,
+                inputs: Iterable[Mapping[str, Any]] = ()) -> Verdict:
+        """Return the verdict on the runs judged so far."""
+        return join(self.results(ledger), self.settings, inputs)
+
+
+def join(results: Sequence[RunResult], settings: Settings,
+         inputs: Iterable[Mapping[str, Any]] = ()) -> Verdict:
+    """
+    Return the verdict on runs, numbered in the order given.
+
+    Parameters
+    ----------
+    results : sequence of RunResult
+        Of one input or of several.
+    settings : Settings
+    inputs : iterable of mapping
+        ``path``, ``sha256``, ``ts_topic``, ``rs_topic`` of each input.
+
+    """
+    results = [r.numbered(at + 1) for at, r in enumerate(results)]
+    return Verdict.of([r.verdict for r in results],
+                      [r.outcome_among(len(results), settings) for r in results],
+                      settings, tuple(inputs), homogeneity(results))
+
+
+class Intercomparison:
+    """
+    Pair two streams and judge the pairs, in one process.
+
+    Parameters
+    ----------
+    settings : Settings
+        With the norms.
+    source, table
+        As for `Compliance`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> stamps = np.arange(1, 201) * 10 ** 9
+    >>> rs = Headings.of(stamps, np.full(200, 90.0))
+    >>> ts = Headings.of(stamps, 90.0 + 0.1 * np.sin(np.arange(200) * 2.0))
+    >>> comparison = Intercomparison(Settings.from_mapping(
+    ...     {'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}}))
+    >>> comparison.update(ts=ts, rs=rs)
+    >>> comparison.finish()
+    >>> comparison.verdict().outcome.value
+    'compliant'
+
+    """
+
+    def __init__(self, settings: Settings, *, source: str = '',
+                 table: Sequence[tuple[int, int]] | None = None) -> None:
+        self.compliance = Compliance(settings, source=source, table=table)
+        self.pairer = Pairer(settings)
+        for start_ns, _ in table or ():
+            self.pairer.ledger.cut(start_ns)
+
+    def update(self, ts: Headings | None = None, rs: Headings | None = None) -> Pairs:
+        """Take readings; return the pairs they made."""
+        pairs = self.pairer.update(ts, rs)
+        self.compliance.update(pairs)
+        return pairs
+
+    def mark(self, kind: str, stamp_ns: int) -> None:
+        """Start or stop a run behind the pair of a stamp."""
+        if kind == 'start':
+            self.pairer.ledger.cut(stamp_ns + 1)
+        self.compliance.mark(kind, stamp_ns)
+
+    def finish(self) -> Pairs:
+        """End both streams and the run in progress; return the last pairs."""
+        pairs = self.pairer.flush()
+        self.compliance.update(pairs)
+        self.compliance.finish()
+        return pairs
+
+    def results(self) -> list[RunResult]:
+        """Return the runs judged so far, for `join` with those of other inputs."""
+        return self.compliance.results(self.pairer.ledger)
+
+    def verdict(self, inputs: Iterable[Mapping[str, Any]] = ()) -> Verdict:
+        """Return the verdict on the runs judged so far."""
+        return join(self.results(), self.compliance.settings, inputs)
+
+
+def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings],
+            settings: Settings) -> Verdict:
+    """
+    Judge a TS by an RS.
+
+    Parameters
+    ----------
+    ts, rs : Headings, or equally long lists of them
+        Readings of the two sensors; in lists, each element is an input of its own.
+    settings : Settings
+        With the norms.
+
+    Returns
+    -------
+    Verdict
+        On all runs of all inputs.
+
+    Raises
+    ------
+    SettingsError
+        If a norm is missing.
+    ValueError
+        If the lists differ in length.
+
+    References
+    ----------
+    GK (1)-(7); the guarded decision of ``docs/verdict.md``.
+
+    """
+    ts = [ts] if isinstance(ts, Headings) else list(ts)
+    rs = [rs] if isinstance(rs, Headings) else list(rs)
+    if len(ts) != len(rs):
+        raise ValueError(f'{len(ts)} TS inputs but {len(rs)} RS inputs: give one RS for each TS')
+    results = []
+    for ts_part, rs_part in zip(ts, rs):
+        comparison = Intercomparison(settings)
+        comparison.update(ts_part, rs_part)
+        comparison.finish()
+        results += comparison.results()
+    return join(results, settings)

@@ -1,0 +1,200 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""One run judged: its figures, the criteria as printed, and the guarded decision."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Callable, Mapping, Sequence
+
+import numpy as np
+
+from .angles import circular_mean
+from .criteria import (
+    count_criterion, CountCriterion, Limits, total_error, TotalError, variance_criterion,
+    VarianceCriterion)
+from .guarded import decide, Evidence, evidence_of, Guarded
+from .ledger import LedgerSegment
+from .outcome import Outcome, worst
+from .run_series import RunSeries
+from .settings import Settings
+from .statistics import count_outside, Moments
+from .verdict import PairingFigures, RunVerdict
+
+__all__ = ['figures', 'homogeneity', 'judge', 'RunResult']
+
+CONSTANT_DEG = 1e-9
+"""Peak-to-peak difference up to which two sensors are taken for a frozen pair, degrees."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunResult:
+    """A judged run, and what is needed to decide on it again among several runs."""
+
+    verdict: RunVerdict
+    evidence: Evidence
+    limits: Limits
+
+    def with_pairing(self, share: LedgerSegment, warnings: Sequence[str] = ()) -> 'RunResult':
+        """Return the result with its share of the pairing ledger."""
+        old = self.verdict.pairing
+        pairing = PairingFigures.of(share, old.mean_lag_s, old.max_lag_s, old.rs_variance_factor)
+        return replace(self, verdict=replace(
+            self.verdict, pairing=pairing, warnings=(*self.verdict.warnings, *warnings)))
+
+    def numbered(self, run: int) -> 'RunResult':
+        """Return the result with its number in the campaign."""
+        return replace(self, verdict=replace(self.verdict, run=run))
+
+    def outcome_among(self, m: int, settings: Settings) -> Outcome:
+        """Return the outcome when m runs share the producer's risk."""
+        if m == 1 or self.verdict.outcome is not Outcome.NON_COMPLIANT:
+            return self.verdict.outcome
+        risk = settings.risk
+        shared = replace(risk, alpha_producer=risk.alpha_producer / m)
+        guarded = decide(self.evidence, self.limits, shared)
+        return _conclude(guarded, self.verdict.total_error)[0]
+
+
+def judge(run: RunSeries, settings: Settings, number: int, source: str) -> RunResult:
+    """
+    Judge a run that has ended.
+
+    Parameters
+    ----------
+    run : RunSeries
+        With at least one pair; any number of analysed differences, also none.
+    settings : Settings
+        With the norms.
+    number : int
+        Of the run, from 1.
+    source : str
+        Name of the input.
+
+    Returns
+    -------
+    RunResult
+
+    References
+    ----------
+    GK (4)-(7); ``docs/verdict.md`` for the guarded decision.
+
+    """
+    x = run.x_deg.values
+    stamps = run.stamp_ns.values
+    factor = run.rs_variance_factor
+    limits = Limits.of(settings.norms, settings.model, 1.0 if factor is None else factor)
+    moments = Moments.of(x)
+    printed = _as_printed(moments, lambda c, limit: count_outside(x, c, limit), limits, settings)
+    counts = printed.counts
+    evidence = evidence_of(
+        x, method=settings.risk.method, n_plus=counts.n_plus, n_plus_plus=counts.n_plus_plus,
+        span_s=(int(stamps[-1]) - int(stamps[0])) / 1e9 if len(stamps) else 0.0,
+        offset_u_deg=settings.installation_offset_u_deg)
+    guarded = decide(evidence, limits, settings.risk)
+    outcome, reason = _conclude(guarded, printed.total)
+    direction, length = circular_mean(x) if len(x) else (None, None)
+    n = moments.n
+    verdict = RunVerdict(
+        run=number, source=source, start_ns=run.start_ns, end_ns=run.end_ns,
+        duration_s=(run.end_ns - run.start_ns) / 1e9,
+        pairing=PairingFigures.of(LedgerSegment(None), run.mean_lag_s, run.max_lag_s, factor),
+        n_input=run.n_input, n_invalid=run.n_invalid, n_stabilization=run.n_stabilization, n=n,
+        mean_deg=moments.mean_deg if n else None,
+        min_deg=moments.min_deg if n else None,
+        max_deg=moments.max_deg if n else None,
+        max_abs_deg=max(abs(moments.min_deg), abs(moments.max_deg)) if n else None,
+        mean_square_deg2=moments.mean_square_deg2,
+        circular_mean_deg=direction, resultant_length=length, drift_coefficients_deg=(),
+        variance_deg2=moments.variance_deg2, std_deg=moments.std_deg,
+        variance_criterion=printed.variance, count_criterion=counts,
+        total_error=printed.total, outcome=outcome, reason=reason,
+        paper_outcome=printed.outcome, guarded=guarded,
+        warnings=tuple(_warnings(moments, printed.total, limits, guarded, settings)))
+    return RunResult(verdict, evidence, limits)
+
+
+@dataclass(frozen=True, slots=True)
+class _Printed:
+    """What the criteria say as printed in GK."""
+
+    variance: VarianceCriterion
+    counts: CountCriterion
+    total: TotalError
+    outcome: Outcome
+
+
+def _as_printed(moments: Moments, count: Callable[[float, float], int], limits: Limits,
+                settings: Settings) -> _Printed:
+    center = 0.0 if settings.variant == 'A' else moments.mean_deg
+    variance = variance_criterion(moments.variance_deg2, limits)
+    counts = count_criterion(moments.n, count(center, limits.count_limit_deg),
+                             count(center, limits.tightened_count_limit_deg), limits)
+    total = total_error(moments.mean_deg if moments.n else None, moments.variance_deg2, limits,
+                        settings.norms, settings.model)
+    outcomes = [variance.outcome, counts.outcome]
+    if total.outcome is not None:
+        outcomes.append(total.outcome)
+    if moments.variance_deg2 is None:
+        return _Printed(variance, counts, total, Outcome.INDETERMINATE)
+    return _Printed(variance, counts, total, worst(outcomes))
+
+
+def _conclude(guarded: Guarded, total: TotalError) -> tuple[Outcome, str]:
+    """Return the outcome of a run and its reason."""
+    if guarded.outcome is Outcome.NON_COMPLIANT:
+        return guarded.outcome, guarded.reason
+    if guarded.count_outcome is Outcome.NON_COMPLIANT:
+        return Outcome.NON_COMPLIANT, 'count_lower_bound_above_allowed'
+    if (guarded.outcome is Outcome.COMPLIANT
+            and total.outcome not in (None, Outcome.COMPLIANT)):
+        return Outcome.INDETERMINATE, 'total_error_not_within_norm'
+    return guarded.outcome, guarded.reason
+
+
+def _warnings(moments: Moments, total: TotalError, limits: Limits, guarded: Guarded,
+              settings: Settings) -> list[str]:
+    found = []
+    if moments.n > 1 and moments.max_deg - moments.min_deg <= CONSTANT_DEG:
+        found.append('constant_difference: the two sensors never differ by more or less: '
+                     'is one of them frozen, or a copy of the other?')
+    reference = limits.m_low * limits.sigma_ref_max_deg
+    if moments.n > 1 and moments.variance_deg2 < reference ** 2:
+        found.append('difference_variance_below_reference_variance: the norm of the RS is too '
+                     'large, or its errors and those of the TS are correlated')
+    if settings.variant == 'A' and guarded.bias_significant:
+        found.append('variant_A_mean_not_zero: the mean difference is not zero, but variant A '
+                     'takes it for zero')
+    return found
+
+
+def figures(moments: Moments, count: Callable[[float, float], int], limits: Limits,
+            settings: Settings) -> dict[str, Any]:
+    """
+    Return the figures of a window or of a run in progress, as they are published.
+
+    Parameters
+    ----------
+    moments : Moments
+        n >= 1.
+    count : callable
+        ``count(center_deg, limit_deg)``: how many differences deviate by more.
+    limits : Limits
+    settings : Settings
+
+    """
+    printed = _as_printed(moments, count, limits, settings)
+    return {
+        'n': moments.n, 'mean_deg': moments.mean_deg, 'std_deg': moments.std_deg,
+        'min_deg': moments.min_deg, 'max_deg': moments.max_deg,
+        'variance_deg2': moments.variance_deg2,
+        'limit_deg2': limits.limit_deg2, 'tightened_limit_deg2': limits.tightened_limit_deg2,
+        'n_plus': printed.counts.n_plus, 'n_plus_plus': printed.counts.n_plus_plus,
+        'allowed': printed.counts.allowed,
+        'total_error_low_deg': printed.total.low_deg, 'total_error_up_deg': printed.total.up_deg,
+        'paper_outcome': printed.outcome.value}
+
+
+def homogeneity(results: Sequence[RunResult]) -> Mapping[str, Any]:
+    """Return what the runs say of each other; empty for fewer than two."""
+    return {}

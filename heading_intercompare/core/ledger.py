@@ -1,0 +1,176 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What became of every reading: paired, unpaired, used, unused or rejected, by reason.
+
+The ledger is kept in segments, so that each run can be given its own share: a reading belongs to
+the last segment that starts at or before its stamp, else to the first.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Iterable, Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+__all__ = ['Ledger', 'LedgerSegment', 'REASONS']
+
+REASONS = ('invalid', 'out_of_range', 'no_stamp', 'stamp_not_increasing')
+"""Why a reading is rejected before pairing."""
+
+# A cut may come this much later than the newest settled reading and still divide exactly.
+_SLACK_NS = 60_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class LedgerSegment:
+    """
+    Counts of the readings from one boundary to the next.
+
+    Attributes
+    ----------
+    start_ns : int or None
+        First stamp of the segment; None for the first segment, which has no beginning.
+    counts : dict of str to int
+        Keys ``paired``, ``ts_unpaired``, ``ts_pending``, ``rs_used``, ``rs_unused``,
+        ``rs_pending``, ``ts_rejected.<reason>``, ``rs_rejected.<reason>``; an absent key is 0.
+
+    """
+
+    start_ns: int | None
+    counts: Mapping[str, int] = field(default_factory=dict)
+
+    def received(self, stream: str) -> int:
+        """Return how many readings of ``'ts'`` or ``'rs'`` the segment accounts for."""
+        taken = {'ts': 'paired', 'rs': 'rs_used'}[stream]
+        return sum(n for key, n in self.counts.items()
+                   if key == taken or (key.startswith(stream + '_') and key != taken))
+
+
+class Ledger:
+    """
+    Counts of readings by what became of them.
+
+    `add` counts, `cut` opens a segment, `settle` tells up to which stamp nothing more is to
+    come, which lets the ledger forget the single stamps: its memory does not grow with time.
+    """
+
+    def __init__(self) -> None:
+        self._starts = np.empty(0, np.int64)
+        self._counts: list[Counter] = [Counter()]
+        self._recent: dict[str, list[np.ndarray]] = {}
+        self._received = Counter()
+        self._pending = Counter()
+        self.newest_ns: int | None = None
+
+    def receive(self, stream: str, stamp_ns: np.ndarray) -> None:
+        """Count readings as they come in, before anything is decided about them."""
+        if len(stamp_ns):
+            self._received[stream] += len(stamp_ns)
+            newest = int(stamp_ns.max())
+            if self.newest_ns is None or newest > self.newest_ns:
+                self.newest_ns = newest
+
+    def add(self, key: str, stamp_ns: np.ndarray) -> None:
+        """Count readings under a key; every reading is added exactly once."""
+        if len(stamp_ns):
+            self._recent.setdefault(key, []).append(stamp_ns)
+
+    def pending(self, stream: str, n: int) -> None:
+        """Set how many readings still wait for a partner."""
+        self._pending[f'{stream}_pending'] = n
+
+    def cut(self, stamp_ns: int) -> None:
+        """Open a segment at a stamp, which may lie in the future or somewhat in the past."""
+        at = int(np.searchsorted(self._starts, stamp_ns))
+        if at < len(self._starts) and self._starts[at] == stamp_ns:
+            return
+        self._starts = np.insert(self._starts, at, stamp_ns)
+        self._counts.insert(at + 1, Counter())
+
+    def settle(self, stamp_ns: int) -> None:
+        """Fold the stamps that no later cut can divide into their segments."""
+        limit = stamp_ns - _SLACK_NS
+        for key, chunks in self._recent.items():
+            # Chunks come nearly in order, so the first is the oldest; fold a slack's worth at once.
+            if chunks and chunks[0][0] < limit - _SLACK_NS:
+                stamps = np.concatenate(chunks)
+                old = stamps < limit
+                self._fold(self._counts, key, stamps[old])
+                self._recent[key] = [stamps[~old]] if not old.all() else []
+
+    def _fold(self, counts: list[Counter], key: str, stamp_ns: np.ndarray) -> None:
+        where = np.searchsorted(self._starts, stamp_ns, side='right')
+        for at, n in enumerate(np.bincount(where, minlength=len(counts)).tolist()):
+            if n:
+                counts[at][key] += n
+
+    @property
+    def segments(self) -> tuple[LedgerSegment, ...]:
+        """The segments in order; the last one also holds what is still pending."""
+        counts = [Counter(c) for c in self._counts]
+        for key, chunks in self._recent.items():
+            if chunks:
+                self._fold(counts, key, np.concatenate(chunks))
+        counts[-1].update({key: n for key, n in self._pending.items() if n})
+        starts = [None, *self._starts.tolist()]
+        return tuple(LedgerSegment(s, dict(sorted(c.items()))) for s, c in zip(starts, counts))
+
+    @classmethod
+    def from_segments(cls, segments: Iterable[LedgerSegment],
+                      newest_ns: int | None = None) -> 'Ledger':
+        """Return a ledger holding these segments, as taken from `segments` of another one."""
+        ledger = cls()
+        segments = list(segments)
+        if segments:
+            ledger._starts = np.array([s.start_ns for s in segments[1:]], np.int64)
+            ledger._counts = [Counter(s.counts) for s in segments]
+        for stream in ('ts', 'rs'):
+            ledger._received[stream] = sum(s.received(stream) for s in segments)
+        ledger.newest_ns = newest_ns
+        return ledger
+
+    @property
+    def total(self) -> LedgerSegment:
+        """The counts of all segments together."""
+        total = Counter()
+        for segment in self.segments:
+            total.update(segment.counts)
+        return LedgerSegment(None, dict(sorted(total.items())))
+
+    @property
+    def paired(self) -> int:
+        """Number of pairs so far."""
+        return self.total.counts.get('paired', 0)
+
+    def balance(self) -> dict[str, int]:
+        """Return received minus accounted for, per stream; anything but 0 is a defect."""
+        total = self.total
+        return {s: self._received[s] - total.received(s) for s in ('ts', 'rs')}
+
+    def shares(self, start_ns: ArrayLike) -> list[LedgerSegment]:
+        """
+        Divide the ledger among runs.
+
+        Parameters
+        ----------
+        start_ns : array_like of int, shape (m,)
+            Starts of the runs, ascending, m >= 1; each the start of a segment, except the first.
+
+        Returns
+        -------
+        list of LedgerSegment, length m
+            A segment goes to the last run that starts at or before it, else to the first.
+
+        """
+        starts = np.asarray(start_ns, dtype=np.int64)
+        shares = [Counter() for _ in range(max(1, len(starts)))]
+        for segment in self.segments:
+            at = 0
+            if segment.start_ns is not None:
+                at = max(0, int(np.searchsorted(starts, segment.start_ns, side='right')) - 1)
+            shares[at].update(segment.counts)
+        return [LedgerSegment(int(s), dict(c)) for s, c in zip(starts.tolist(), shares)]

@@ -1,0 +1,304 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Correlation in time: autocorrelation, correlation times, effective size, Allan deviation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.fft import irfft, next_fast_len, rfft
+
+__all__ = ['allan_deviation', 'AllanDeviation', 'autocorrelation', 'CorrelationTimes',
+           'correlation_times', 'effective_size', 'geyer_time', 'sokal_times']
+
+_SEGMENT = 1 << 17
+_FIRST_LAGS = 4096
+_GROWTH = 8
+
+
+def autocorrelation(x: ArrayLike, max_lag: int) -> np.ndarray:
+    """
+    Return the autocorrelation of a series about its mean.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Samples at equal steps; gaps are not seen.
+    max_lag : int
+        Largest lag, in samples; lags from n on are left out.
+
+    Returns
+    -------
+    ndarray, shape (min(max_lag, n - 1) + 1,)
+        r_k = sum (x_i - m)(x_{i+k} - m) / sum (x_i - m)^2, the biased form; r_0 = 1. All zero
+        beyond lag 0 if the samples are equal; empty for n = 0.
+
+    Raises
+    ------
+    ValueError
+        If `max_lag` is negative.
+
+    Notes
+    -----
+    By Fourier transforms of segments not much longer than the lags, so the memory does not grow
+    with n: some 100 MB for a million lags.
+
+    """
+    if max_lag < 0:
+        raise ValueError(f'max_lag = {max_lag!r}: must be at least 0')
+    e = _centred(x)
+    return _correlation(e, min(max_lag, e.size - 1)) if e.size else np.empty(0)
+
+
+def _centred(x: ArrayLike) -> np.ndarray:
+    """Return the samples about their mean; exactly zero if all are equal."""
+    x = np.asarray(x, dtype=np.float64).reshape(-1)
+    if not x.size:
+        return x
+    e = x - x[0]
+    e -= e.mean()
+    return e
+
+
+def _correlation(e: np.ndarray, m: int) -> np.ndarray:
+    """Return r_0 to r_m of centred samples; m < n."""
+    power = float(np.dot(e, e))
+    if power == 0.0:
+        return np.concatenate(([1.0], np.zeros(m)))
+    step = min(e.size, max(m, _SEGMENT))
+    size = next_fast_len(step + m, real=True)
+    spectrum = np.zeros(size // 2 + 1, dtype=np.complex128)
+    for lo in range(0, e.size, step):
+        left = rfft(e[lo:lo + step], size)
+        np.conjugate(left, out=left)
+        left *= rfft(e[lo:lo + step + m], size)
+        spectrum += left
+    r = irfft(spectrum, size)[:m + 1] / power
+    r[0] = 1.0
+    return r
+
+
+@dataclass(frozen=True, slots=True)
+class CorrelationTimes:
+    """
+    Integrated correlation of a series.
+
+    Attributes
+    ----------
+    n : int
+        Number of samples.
+    window : int
+        Largest lag summed.
+    tau_1, tau_2 : float
+        1 + 2 sum r_k and 1 + 2 sum r_k^2, in samples. n / tau_1 samples without correlation
+        would give the same mean, n / tau_2 (normal errors) the same variance.
+
+    """
+
+    n: int
+    window: int
+    tau_1: float
+    tau_2: float
+
+
+def _windowed(x: ArrayLike, last: Callable[[int], int],
+              closed: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
+              ) -> CorrelationTimes:
+    """Sum up to the first lag where `closed` holds, at most to lag ``last(n)``."""
+    e = _centred(x)
+    n = e.size
+    limit = min(last(n), n - 1)
+    if limit < 1:
+        return CorrelationTimes(n, 0, 1.0, 1.0)
+    m = min(_FIRST_LAGS, limit)
+    while True:
+        r = _correlation(e, m)
+        r[0] = 0.0
+        tau_1 = 1.0 + 2.0 * np.cumsum(r)
+        tau_2 = 1.0 + 2.0 * np.cumsum(r * r)
+        found = np.flatnonzero(closed(np.arange(m + 1), tau_1, tau_2))
+        if found.size or m == limit:
+            window = int(found[0]) if found.size else m
+            return CorrelationTimes(n, window, float(tau_1[window]), float(tau_2[window]))
+        m = min(m * _GROWTH, limit)
+
+
+def correlation_times(x: ArrayLike) -> CorrelationTimes:
+    """
+    Return correlation times with the wide window of the guarded decision.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Residuals in sample order.
+
+    Returns
+    -------
+    CorrelationTimes
+        Summed up to the first lag W >= 10 max(tau_1, tau_2, 1), at most to n/4. A tau of 1
+        without correlation, and for n < 2.
+
+    References
+    ----------
+    Sokal 1997 with a window twice as wide, for a narrow one misses a slow component beneath
+    white noise; G.6 of ``docs/risk.md``.
+
+    """
+    return _windowed(
+        x, lambda n: max(2, n // 4) - 1,
+        lambda w, tau_1, tau_2: w >= 10.0 * np.maximum(np.maximum(tau_1, tau_2), 1.0))
+
+
+def effective_size(x: ArrayLike) -> float:
+    """
+    Return how many independent normal samples would give an equally good variance.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Residuals in sample order.
+
+    Returns
+    -------
+    float
+        n / max(tau_2, 1); 0 for n = 0.
+
+    References
+    ----------
+    Bayley & Hammersley 1946; G.6 of ``docs/risk.md``.
+
+    """
+    times = correlation_times(x)
+    return times.n / max(times.tau_2, 1.0)
+
+
+def sokal_times(x: ArrayLike, limit: int = 5000) -> CorrelationTimes:
+    """
+    Return correlation times with the window W >= 5 tau_1.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+    limit : int
+        Largest lag searched; the sum stops there at the latest.
+
+    References
+    ----------
+    Sokal 1997.
+
+    """
+    return _windowed(x, lambda n: limit,
+                     lambda w, tau_1, tau_2: (w >= 1) & (w >= 5.0 * tau_1))
+
+
+def geyer_time(x: ArrayLike) -> float:
+    """
+    Return the correlation time summed while neighbouring lags stay positive in pairs.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+
+    Returns
+    -------
+    float
+        -1 + 2 sum (r_2m + r_2m+1) up to the first pair that is not positive, in samples;
+        1 for n < 2.
+
+    References
+    ----------
+    Geyer 1992 (Statistical Science 7, 473): initial positive sequence.
+
+    """
+    e = _centred(x)
+    if e.size < 2:
+        return 1.0
+    m = min(_FIRST_LAGS - 1, e.size - 1)
+    while True:
+        r = _correlation(e, m)
+        pairs = r[:r.size // 2 * 2].reshape(-1, 2).sum(axis=1)
+        negative = np.flatnonzero(pairs <= 0.0)
+        if negative.size or m == e.size - 1:
+            count = int(negative[0]) if negative.size else pairs.size
+            return -1.0 + 2.0 * float(pairs[:count].sum())
+        m = min((m + 1) * _GROWTH - 1, e.size - 1)
+
+
+@dataclass(frozen=True, slots=True)
+class AllanDeviation:
+    """
+    Allan deviation at several averaging times.
+
+    Attributes
+    ----------
+    m : ndarray of int, shape (k,)
+        Samples averaged.
+    tau_s : ndarray, shape (k,)
+        Averaging time, seconds.
+    deviation : ndarray, shape (k,)
+        Root of half the mean squared difference of consecutive averages, in the unit of x.
+    terms : ndarray of int, shape (k,)
+        Number of differences averaged.
+
+    """
+
+    m: np.ndarray
+    tau_s: np.ndarray
+    deviation: np.ndarray
+    terms: np.ndarray
+
+
+def allan_deviation(x: ArrayLike, rate_hz: float, tau_s: ArrayLike | None = None, *,
+                    m: ArrayLike | None = None, overlapping: bool = True) -> AllanDeviation:
+    """
+    Return the Allan deviation of rate-like data.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Samples at equal steps, finite; gaps are not seen.
+    rate_hz : float
+        Samples a second.
+    tau_s : array_like, optional
+        Averaging times, seconds, rounded to whole samples; default 1, 2, 4, ... samples.
+    m : array_like of int, optional
+        Averaging times in samples, instead of `tau_s`.
+    overlapping : bool
+        Use every start (less scatter) or only consecutive averages.
+
+    Returns
+    -------
+    AllanDeviation
+        Only averaging times from 1 to n/2 samples, ascending and without repetition.
+
+    Raises
+    ------
+    ValueError
+        If the rate is not positive.
+
+    References
+    ----------
+    NIST SP 1065 (Riley 2008), ADEV and overlapping ADEV; Allan 1966.
+
+    """
+    if not 0.0 < rate_hz < np.inf:
+        raise ValueError(f'rate_hz = {rate_hz!r}: must be a number greater than 0')
+    x = _centred(x)
+    if m is None:
+        m = (1 << np.arange(max(0, x.size.bit_length() - 1)) if tau_s is None
+             else np.rint(np.asarray(tau_s, dtype=np.float64) * rate_hz))
+    m = np.unique(np.asarray(m).reshape(-1).astype(np.int64))
+    m = m[(m >= 1) & (m <= x.size // 2)]
+    sums = np.concatenate(([0.0], np.cumsum(x)))
+    deviation, terms = np.empty(m.size), np.empty(m.size, dtype=np.int64)
+    for at, span in enumerate(m.tolist()):
+        if overlapping:
+            steps = sums[2 * span:] - 2.0 * sums[span:-span] + sums[:-2 * span]
+        else:
+            steps = np.diff(sums[::span], n=2)
+        deviation[at] = np.sqrt(0.5 * np.mean(steps * steps)) / span
+        terms[at] = steps.size
+    return AllanDeviation(m, m / rate_hz, deviation, terms)

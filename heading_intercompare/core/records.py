@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The arrays that flow through the package: headings, pairs, differences.
+
+Each is a chunk: n >= 0 samples in columns of equal length. Nothing flows sample by sample.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Iterable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+__all__ = ['Differences', 'Headings', 'Pairs']
+
+
+class _Columns:
+    """Length, slicing and joining of a frozen dataclass of equally long columns."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        """Refuse columns of different length, for they could not belong together."""
+        lengths = {f.name: getattr(self, f.name).shape for f in fields(self)}
+        if len(set(lengths.values())) > 1 or any(len(s) != 1 for s in lengths.values()):
+            raise ValueError(f'{type(self).__name__}: columns differ in shape: {lengths}')
+
+    def __len__(self) -> int:
+        return self.stamp_ns.shape[0]
+
+    def __getitem__(self, which):
+        """Return the samples of a slice, mask or index array, as a chunk."""
+        if isinstance(which, (int, np.integer)):
+            which = slice(which, which + 1 or None)
+        return type(self)(*(getattr(self, f.name)[which] for f in fields(self)))
+
+    def __add__(self, other):
+        """Return this chunk followed by the other one."""
+        return type(self).concatenate((self, other))
+
+    def __eq__(self, other) -> bool:
+        """Tell whether both hold the same samples to the bit (nan equals nan)."""
+        if type(self) is not type(other):
+            return NotImplemented
+        return all(np.array_equal(getattr(self, f.name), getattr(other, f.name), equal_nan=True)
+                   for f in fields(self))
+
+    __hash__ = None
+
+    @classmethod
+    def empty(cls):
+        """Return the chunk of no samples."""
+        return cls.of(*([] for _ in fields(cls)))
+
+    @classmethod
+    def concatenate(cls, chunks: Iterable):
+        """Return the chunks joined in the order given."""
+        chunks = [c for c in chunks if len(c)]
+        if len(chunks) == 1:
+            return chunks[0]
+        if not chunks:
+            return cls.empty()
+        return cls(*(np.concatenate([getattr(c, f.name) for c in chunks]) for f in fields(cls)))
+
+
+def _stamps(stamp_ns: ArrayLike) -> np.ndarray:
+    stamps = np.asarray(stamp_ns)
+    if stamps.size and stamps.dtype.kind not in 'iu':
+        raise ValueError(f'stamp_ns has dtype {stamps.dtype}: stamps are integer nanoseconds')
+    return stamps.astype(np.int64, copy=False).reshape(-1)
+
+
+def _reals(values: ArrayLike) -> np.ndarray:
+    return np.asarray(values, dtype=np.float64).reshape(-1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Headings(_Columns):
+    """
+    Readings of one heading sensor, in the order in which they came.
+
+    Attributes
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        UTC stamps, nanoseconds.
+    heading_deg : ndarray of float64, shape (n,)
+        Degrees clockwise from true north; nan where the sensor calls itself invalid.
+
+    """
+
+    stamp_ns: np.ndarray
+    heading_deg: np.ndarray
+
+    @classmethod
+    def of(cls, stamp_ns: ArrayLike, heading_deg: ArrayLike) -> 'Headings':
+        """Return the chunk of these columns; stamps must be integers."""
+        return cls(_stamps(stamp_ns), _reals(heading_deg))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pairs(_Columns):
+    """
+    TS and RS readings of one instant each, in stamp order.
+
+    Attributes
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps of the TS samples, nanoseconds.
+    ts_deg, rs_deg : ndarray of float64, shape (n,)
+        Headings, degrees.
+    lag_ns : ndarray of int64, shape (n,)
+        RS stamp - TS stamp, nanoseconds; 0 when the RS is interpolated.
+    rs_variance_factor : ndarray of float64, shape (n,)
+        Factor by which interpolation has shrunk the white noise of the RS, (1-w)^2 + w^2;
+        1 when it is not interpolated.
+
+    """
+
+    stamp_ns: np.ndarray
+    ts_deg: np.ndarray
+    rs_deg: np.ndarray
+    lag_ns: np.ndarray
+    rs_variance_factor: np.ndarray
+
+    @classmethod
+    def of(cls, stamp_ns: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike,
+           lag_ns: ArrayLike | None = None,
+           rs_variance_factor: ArrayLike | None = None) -> 'Pairs':
+        """Return the chunk of these columns; lags default to 0 and factors to 1."""
+        stamps = _stamps(stamp_ns)
+        lag = np.zeros(stamps.shape, np.int64) if lag_ns is None else _stamps(lag_ns)
+        factor = (np.ones(stamps.shape) if rs_variance_factor is None
+                  else _reals(rs_variance_factor))
+        return cls(stamps, _reals(ts_deg), _reals(rs_deg), lag, factor)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Differences(_Columns):
+    """
+    Differences TS - RS, in stamp order.
+
+    Attributes
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps of the TS samples, nanoseconds.
+    x_deg : ndarray of float64, shape (n,)
+        Wrapped differences with the installation offset removed, degrees. GK (1).
+
+    """
+
+    stamp_ns: np.ndarray
+    x_deg: np.ndarray
+
+    @classmethod
+    def of(cls, stamp_ns: ArrayLike, x_deg: ArrayLike) -> 'Differences':
+        """Return the chunk of these columns; stamps must be integers."""
+        return cls(_stamps(stamp_ns), _reals(x_deg))

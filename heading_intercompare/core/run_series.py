@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a run keeps until its end: the columns that its final figures are computed from."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .difference import difference
+from .records import Differences, Pairs
+from .settings import Settings
+from .statistics import Column, Moments
+
+__all__ = ['RunSeries']
+
+
+class RunSeries:
+    """
+    The analysed differences of one run, in stamp order, and the counts of those left out.
+
+    Parameters
+    ----------
+    cut_ns : int
+        Where the run was cut.
+    settings : Settings
+        Installation offset, wrap centre and stabilisation are used.
+
+    Attributes
+    ----------
+    cut_ns, start_ns, end_ns : int
+        Where the run was cut, stamps of its first and last pair.
+    n_input, n_invalid, n_stabilization : int
+        Pairs given, left out as not finite, left out as of the stabilisation period.
+    stamp_ns, x_deg, rs_deg : Column
+        Of the analysed pairs.
+    moments : Moments
+        Of the analysed differences so far; the run in progress shows them.
+
+    Notes
+    -----
+    Final figures are computed from the columns at the end, so they do not depend on the chunks
+    in which the pairs came. 24 bytes a pair: 104 MB for 12 h at 100 Hz.
+    """
+
+    def __init__(self, cut_ns: int, settings: Settings) -> None:
+        self.cut_ns = cut_ns
+        self.start_ns: int | None = None
+        self.end_ns: int | None = None
+        self.n_input = self.n_invalid = self.n_stabilization = 0
+        self.stamp_ns = Column(np.int64)
+        self.x_deg = Column(np.float64)
+        self.rs_deg = Column(np.float64)
+        self._offset_deg = settings.installation_offset_deg
+        self._center_deg = settings.wrap_center_deg
+        rule = settings.runs.stabilization_s
+        self._stabilization_ns = 0 if rule == 'auto' else round(rule * 1e9)
+        self.moments = Moments()
+        self._lag_sum_ns = 0
+        self._lag_max_ns = 0
+        self._factor_sum = 0.0
+
+    def __len__(self) -> int:
+        return len(self.x_deg)
+
+    def update(self, pairs: Pairs) -> Differences:
+        """Take pairs of this run; return the differences that are analysed."""
+        if not len(pairs):
+            return Differences.empty()
+        if self.start_ns is None:
+            self.start_ns = int(pairs.stamp_ns[0])
+        self.end_ns = int(pairs.stamp_ns[-1])
+        self.n_input += len(pairs)
+        x = difference(pairs, self._offset_deg, self._center_deg)
+        settling = pairs.stamp_ns < self.start_ns + self._stabilization_ns
+        finite = np.isfinite(x.x_deg)
+        self.n_stabilization += int(np.count_nonzero(settling & finite))
+        self.n_invalid += int(np.count_nonzero(~finite))
+        keep = finite & ~settling
+        if not keep.all():
+            pairs, x = pairs[keep], x[keep]
+        if len(x):
+            self.stamp_ns.append(x.stamp_ns)
+            self.x_deg.append(x.x_deg)
+            self.rs_deg.append(pairs.rs_deg)
+            self.moments += Moments.of(x.x_deg)
+            self._lag_sum_ns += int(pairs.lag_ns.sum())
+            self._lag_max_ns = max(self._lag_max_ns, int(np.abs(pairs.lag_ns).max()))
+            self._factor_sum += float(pairs.rs_variance_factor.sum())
+        return x
+
+    @property
+    def mean_lag_s(self) -> float | None:
+        """Mean lag RS - TS of the analysed pairs, seconds."""
+        return self._lag_sum_ns / len(self) / 1e9 if len(self) else None
+
+    @property
+    def max_lag_s(self) -> float | None:
+        """Largest lag of the analysed pairs without its sign, seconds."""
+        return self._lag_max_ns / 1e9 if len(self) else None
+
+    @property
+    def rs_variance_factor(self) -> float | None:
+        """Mean factor by which interpolation shrank the white noise of the RS."""
+        return self._factor_sum / len(self) if len(self) else None

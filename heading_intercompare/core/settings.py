@@ -1,0 +1,338 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Every setting of the analysis: name, default, unit, meaning, range. Declared here and only here.
+
+ROS parameters, the YAML file, `--set` and the tables of the documentation are made from these
+classes. The edge folders declare their own settings with the same `setting`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, is_dataclass, MISSING
+import difflib
+import math
+import types
+from typing import Any, Iterator, Mapping, Union, get_args, get_origin, get_type_hints
+
+__all__ = ['Alignment', 'Checked', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential', 'Setting',
+           'Settings', 'SettingsError', 'declared', 'from_mapping', 'setting', 'to_mapping']
+
+
+class SettingsError(ValueError):
+    """A setting has an unknown name or a value that is not allowed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """One declared setting, as documentation and parameter servers need it."""
+
+    name: str
+    default: Any
+    help: str
+    kinds: tuple[type, ...]
+    lo: float | None
+    hi: float | None
+    choices: tuple[str, ...]
+
+    @property
+    def allowed(self) -> str:
+        """What may be given, in words."""
+        words = []
+        if bool in self.kinds:
+            words.append('true or false')
+        if float in self.kinds or int in self.kinds:
+            kind = 'a number' if float in self.kinds else 'an integer'
+            if self.lo is not None and self.hi is not None:
+                kind += f' from {self.lo:g} to {self.hi:g}'
+            elif self.lo is not None:
+                kind += f' of at least {self.lo:g}'
+            words.append(kind)
+        words += [repr(c) for c in self.choices]
+        if str in self.kinds and not self.choices:
+            words.append('text')
+        if type(None) in self.kinds:
+            words.append('none')
+        return ' or '.join(words)
+
+
+def setting(default: Any, help: str, lo: float | None = None, hi: float | None = None, *,
+            choices: tuple[str, ...] = ()) -> Any:
+    """
+    Declare one setting as a dataclass field.
+
+    Parameters
+    ----------
+    default : object
+        Value when nothing is given; None for an optional setting.
+    help : str
+        Meaning, with the unit in square brackets.
+    lo, hi : float, optional
+        Inclusive range of numbers.
+    choices : tuple of str
+        The words allowed where text is allowed; empty for any text.
+
+    """
+    return field(default=default,
+                 metadata={'help': help, 'lo': lo, 'hi': hi, 'choices': tuple(choices)})
+
+
+def declared(settings_class: type, prefix: str = '') -> Iterator[Setting]:
+    """Yield the settings of a class and of the classes nested in it, with dotted names."""
+    hints = get_type_hints(settings_class)
+    for f in fields(settings_class):
+        hint = hints[f.name]
+        if is_dataclass(hint):
+            yield from declared(hint, f'{prefix}{f.name}.')
+            continue
+        union = get_origin(hint) in (Union, types.UnionType)
+        default = f.default if f.default is not MISSING else None
+        yield Setting(prefix + f.name, default, f.metadata['help'],
+                      get_args(hint) if union else (hint,),
+                      f.metadata['lo'], f.metadata['hi'], f.metadata['choices'])
+
+
+def _checked(rule: Setting, value: Any) -> Any:
+    """Return the value as the declared type, or raise."""
+    kinds = rule.kinds
+    if type(None) in kinds and (value is None or value == 'none'):
+        return None
+    if isinstance(value, bool):
+        good = bool in kinds
+    elif isinstance(value, (int, float)):
+        if isinstance(value, int) and float in kinds:
+            value = float(value)
+        elif isinstance(value, float) and float not in kinds and value.is_integer():
+            value = int(value)
+        good = type(value) in kinds and math.isfinite(value)
+        good = good and (rule.lo is None or value >= rule.lo)
+        good = good and (rule.hi is None or value <= rule.hi)
+    else:
+        good = (isinstance(value, str) and str in kinds
+                and (not rule.choices or value in rule.choices))
+    if not good:
+        raise SettingsError(f'{rule.name} = {value!r}: must be {rule.allowed}')
+    return value
+
+
+def _flattened(mapping: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
+    for name, value in mapping.items():
+        if isinstance(value, Mapping):
+            yield from _flattened(value, f'{prefix}{name}.')
+        else:
+            yield f'{prefix}{name}', value
+
+
+def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
+    """
+    Return settings made from a mapping.
+
+    Parameters
+    ----------
+    settings_class : type
+        A dataclass whose fields are made by `setting` or are such dataclasses.
+    mapping : mapping
+        Nested or with dotted names, in any mixture. Names that are absent take their default.
+
+    Raises
+    ------
+    SettingsError
+        For an unknown name, a wrong type or a value outside its range: name, value, what is
+        allowed.
+
+    """
+    rules = {rule.name: rule for rule in declared(settings_class)}
+    values = {}
+    for name, value in _flattened(mapping):
+        if name not in rules:
+            close = difflib.get_close_matches(name, rules, n=1)
+            hint = f'; did you mean {close[0]!r}?' if close else ''
+            raise SettingsError(f'unknown setting {name!r}{hint}')
+        values[name] = _checked(rules[name], value)
+    return _build(settings_class, values, '')
+
+
+def _build(settings_class: type, values: Mapping[str, Any], prefix: str) -> Any:
+    hints = get_type_hints(settings_class)
+    given = {}
+    for f in fields(settings_class):
+        name = prefix + f.name
+        if is_dataclass(hints[f.name]):
+            given[f.name] = _build(hints[f.name], values, name + '.')
+        elif name in values:
+            given[f.name] = values[name]
+    return settings_class(**given)
+
+
+def to_mapping(settings: Any) -> dict[str, Any]:
+    """Return dotted names and values of all settings, in the order of their declaration."""
+    result = {}
+    for rule in declared(type(settings)):
+        value = settings
+        for part in rule.name.split('.'):
+            value = getattr(value, part)
+        result[rule.name] = value
+    return result
+
+
+class Checked:
+    """Checks each field of a settings class at construction."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        """Check every plain field and normalise its type."""
+        for rule in declared(type(self)):
+            if '.' not in rule.name:
+                object.__setattr__(self, rule.name, _checked(rule, getattr(self, rule.name)))
+
+
+@dataclass(frozen=True, slots=True)
+class Norms(Checked):
+    """What the TS must meet, and what is known of the RS."""
+
+    sigma_max_deg: float | None = setting(
+        None, 'norm of the TS standard deviation [deg]; required, or given by a preset', 0.0)
+    sigma_ref_max_deg: float | None = setting(
+        None, 'norm of the RS standard deviation [deg]; required', 0.0)
+    sigma_ref_deg: float | None = setting(
+        None, 'actual RS standard deviation if known (service log) [deg]; sets m_low and m_up '
+        'to sigma_ref_deg / sigma_ref_max_deg', 0.0)
+    m_low: float = setting(0.0, 'lower bound of M = sigma_ref / sigma_ref_max', 0.0, 1.0)
+    m_up: float = setting(1.0, 'upper bound of M = sigma_ref / sigma_ref_max', 0.0, 1.0)
+    probability: float = setting(0.997, 'confidence probability P', 0.5, 0.999999)
+    k_rule: float | str = setting(
+        'exact', "coverage factor K(P) of the counts: 'exact' two-sided quantile of the model, "
+        "'three' for 3 in Gaussian models, or a number", 0.1, 20.0, choices=('exact', 'three'))
+    k_total_rule: str = setting(
+        'ts', "K of GK (7): 'ts' distribution of the TS error alone, or 'composition'",
+        choices=('ts', 'composition'))
+    total_error_max_deg: float | None = setting(
+        None, 'norm of the total TS error at P [deg]', 0.0)
+    preset: str | None = setting(
+        None, 'a named norm (see the command norms); replaces sigma_max_deg')
+    latitude_deg: float | None = setting(
+        None, 'latitude for the secant factor of a preset [deg]', -70.0, 70.0)
+
+    def __post_init__(self) -> None:
+        """Check ranges and the order of the bounds of M."""
+        Checked.__post_init__(self)
+        if self.sigma_max_deg is not None and self.sigma_max_deg <= 0.0:
+            raise SettingsError(
+                f'norms.sigma_max_deg = {self.sigma_max_deg!r}: must be greater than 0')
+        if self.m_low > self.m_up:
+            raise SettingsError(f'norms.m_low = {self.m_low!r}: must not exceed '
+                                f'norms.m_up = {self.m_up!r}')
+        if (self.sigma_ref_deg is not None and self.sigma_ref_max_deg is not None
+                and self.sigma_ref_deg > self.sigma_ref_max_deg):
+            raise SettingsError(
+                f'norms.sigma_ref_deg = {self.sigma_ref_deg!r}: the RS is out of its norm '
+                f'norms.sigma_ref_max_deg = {self.sigma_ref_max_deg!r}; no verdict is possible')
+
+
+@dataclass(frozen=True, slots=True)
+class Pairing(Checked):
+    """How TS and RS readings are paired."""
+
+    method: str = setting(
+        'interpolate', "'interpolate': RS interpolated to the TS stamp; 'nearest': mutual "
+        'nearest stamps, ties to the earlier', choices=('interpolate', 'nearest'))
+    max_gap_s: float = setting(3.0, 'longest bracket of RS readings interpolated over [s]',
+                               0.0, 3600.0)
+    tolerance_s: float = setting(0.05, "largest lag of a pair, method 'nearest' [s]", 0.0, 60.0)
+    max_wait_s: float = setting(
+        5.0, 'live only: how long a reading waits for its partner [s]', 0.0, 600.0)
+
+
+@dataclass(frozen=True, slots=True)
+class RunCutting(Checked):
+    """Where a run starts and ends, and what of it is analysed."""
+
+    stabilization_s: float | str = setting(
+        0.0, "start of a run that is not analysed [s], or 'auto'", 0.0, choices=('auto',))
+    gap_s: float = setting(60.0, 'a longer silence of the pairs cuts a run [s]', 0.0)
+    min_duration_s: float = setting(0.0, 'a shorter piece is not a run [s]', 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Alignment(Checked):
+    """Time skew between the sensors."""
+
+    skew_s: float = setting(
+        0.0, 'known TS latency, subtracted from the TS stamps before pairing [s]', -60.0, 60.0)
+    skew: str = setting(
+        'report', "'off'; 'report': estimate the skew and show the verdict with and without; "
+        "'apply': pair again at the estimate", choices=('off', 'report', 'apply'))
+    skew_range_s: float = setting(2.0, 'range of the skew scan, both ways [s]', 0.01, 60.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Sequential(Checked):
+    """Early verdicts at doubling looks."""
+
+    plan_s: float | None = setting(
+        None, 'planned length of a run [s]; none: no early verdict', 0.0)
+    looks: int = setting(7, 'number of doubling looks', 2, 20)
+
+
+@dataclass(frozen=True, slots=True)
+class Risk(Checked):
+    """Risks and gates of the guarded decision."""
+
+    alpha_consumer: float = setting(0.05, 'risk to certify a TS at its norm', 1e-6, 0.5)
+    alpha_producer: float = setting(0.05, 'risk to reject a TS at its norm', 1e-6, 0.5)
+    method: str = setting(
+        'dyadic+acf', "effective degrees of freedom: 'dyadic+acf', or 'dyadic' (the live view)",
+        choices=('dyadic+acf', 'dyadic'))
+    nu_min: float = setting(15.0, 'least effective degrees of freedom for a verdict', 1.0)
+    r1_max: float = setting(0.4, 'lag-1 correlation of blocks above which the slow part of the '
+                            'errors is not resolved', -1.0, 1.0)
+    share_max: float = setting(0.05, 'share of the variance above which that matters', 0.0, 1.0)
+    min_duration_s: float = setting(0.0, 'shortest run that may comply [s]', 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Settings(Checked):
+    """All settings of the analysis; nodes, command line and scripts take the same ones."""
+
+    norms: Norms = field(default_factory=Norms)
+    model: str = setting('NN', 'TS and RS error distributions, N normal or U uniform',
+                         choices=('NN', 'UN', 'NU', 'UU'))
+    variant: str = setting('B', 'a priori knowledge of the TS mean: GK Table I',
+                           choices=('A', 'B', 'C'))
+    installation_offset_deg: float = setting(
+        0.0, 'known angle TS - RS as mounted [deg]', -360.0, 360.0)
+    installation_offset_u_deg: float = setting(
+        0.0, 'standard uncertainty of the installation offset [deg]', 0.0, 180.0)
+    wrap_center_deg: float = setting(
+        0.0, 'differences are reduced to [c - 180, c + 180) [deg]', -360.0, 360.0)
+    runs: RunCutting = field(default_factory=RunCutting)
+    drift_order: int | str = setting(
+        0, "order of the polynomial removed before GK (4), or 'auto'", 0, 3, choices=('auto',))
+    pairing: Pairing = field(default_factory=Pairing)
+    alignment: Alignment = field(default_factory=Alignment)
+    sequential: Sequential = field(default_factory=Sequential)
+    ts_topic: str = setting('ts/heading', 'topic of the TS')
+    rs_topic: str = setting('rs/heading', 'topic of the RS')
+    ts_convention: str = setting('enu', 'world axes of the TS orientation',
+                                 choices=('enu', 'ned'))
+    rs_convention: str = setting('enu', 'world axes of the RS orientation',
+                                 choices=('enu', 'ned'))
+    risk: Risk = field(default_factory=Risk)
+    window_s: float = setting(600.0, 'length of the rolling window [s]', 1.0)
+
+    def __post_init__(self) -> None:
+        """Check single settings, and those that exclude each other."""
+        Checked.__post_init__(self)
+        if self.variant == 'A' and self.drift_order != 0:
+            raise SettingsError(f'drift_order = {self.drift_order!r}: variant A takes 0 only, '
+                                'for its TS has no systematic error that could drift')
+
+    @classmethod
+    def from_mapping(cls, mapping: Mapping[str, Any]) -> 'Settings':
+        """Return settings from nested or dotted names; see `from_mapping`."""
+        return from_mapping(cls, mapping)
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Return dotted names and values, in the order of their declaration."""
+        return to_mapping(self)

@@ -1,0 +1,205 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The conclusion: findings of each run, the worst of runs, and the mapping that becomes JSON."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, is_dataclass
+import math
+from typing import Any, Mapping, Sequence
+
+from .criteria import CountCriterion, TotalError, VarianceCriterion
+from .guarded import Guarded
+from .ledger import LedgerSegment, REASONS
+from .outcome import Outcome, worst
+from .settings import Settings
+from .version import VERSION
+
+__all__ = ['Campaign', 'PairingFigures', 'plain', 'RunVerdict', 'SCHEMA', 'Verdict']
+
+SCHEMA = 'heading_intercompare/verdict/1'
+
+
+def plain(value: Any) -> Any:
+    """
+    Return a value as JSON can hold it.
+
+    Dataclasses become dictionaries in the order of their fields, outcomes their word, tuples
+    lists; a number that is not finite becomes None.
+    """
+    if is_dataclass(value) and not isinstance(value, type):
+        return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
+    if isinstance(value, Outcome):
+        return value.value
+    if isinstance(value, Mapping):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(v) for v in value]
+    if isinstance(value, (bool, str)) or value is None:
+        return value
+    if isinstance(value, int):
+        return int(value)
+    number = float(value)
+    return number if math.isfinite(number) else None
+
+
+@dataclass(frozen=True, slots=True)
+class PairingFigures:
+    """The share of one run in the pairing ledger, and the lags of its pairs."""
+
+    ts_received: int
+    rs_received: int
+    paired: int
+    ts_unpaired: int
+    rs_used: int
+    rs_unused: int
+    rejected: Mapping[str, Mapping[str, int]]
+    mean_lag_s: float | None
+    max_lag_s: float | None
+    rs_variance_factor: float | None
+
+    @classmethod
+    def of(cls, share: LedgerSegment, mean_lag_s: float | None, max_lag_s: float | None,
+           rs_variance_factor: float | None) -> 'PairingFigures':
+        """Return the figures; readings still pending count as not yet received."""
+        counts = share.counts
+        rejected = {s: {r: counts[f'{s}_rejected.{r}'] for r in REASONS
+                        if counts.get(f'{s}_rejected.{r}')} for s in ('ts', 'rs')}
+        return cls(share.received('ts') - counts.get('ts_pending', 0),
+                   share.received('rs') - counts.get('rs_pending', 0),
+                   *(counts.get(k, 0) for k in ('paired', 'ts_unpaired', 'rs_used',
+                                                'rs_unused')),
+                   rejected, mean_lag_s, max_lag_s, rs_variance_factor)
+
+
+@dataclass(frozen=True, slots=True)
+class RunVerdict:
+    """
+    All findings of one run; the fields are the keys of the JSON, in its order.
+
+    Attributes are documented with the JSON in ``docs/verdict_json.md``; angles in degrees,
+    variances in square degrees, stamps in nanoseconds, None where there is no figure.
+    """
+
+    run: int
+    source: str
+    start_ns: int
+    end_ns: int
+    duration_s: float
+    pairing: PairingFigures
+    n_input: int
+    n_invalid: int
+    n_stabilization: int
+    n: int
+    mean_deg: float | None
+    min_deg: float | None
+    max_deg: float | None
+    max_abs_deg: float | None
+    mean_square_deg2: float | None
+    circular_mean_deg: float | None
+    resultant_length: float | None
+    drift_coefficients_deg: tuple[float, ...]
+    variance_deg2: float | None
+    std_deg: float | None
+    variance_criterion: VarianceCriterion
+    count_criterion: CountCriterion
+    total_error: TotalError
+    outcome: Outcome
+    reason: str
+    paper_outcome: Outcome
+    guarded: Guarded
+    skew: Mapping[str, Any] = field(default_factory=dict)
+    drift: Mapping[str, Any] = field(default_factory=dict)
+    heading_dependence: Mapping[str, Any] = field(default_factory=dict)
+    normality: Mapping[str, Any] = field(default_factory=dict)
+    stationarity: Mapping[str, Any] = field(default_factory=dict)
+    correlation: Mapping[str, Any] = field(default_factory=dict)
+    allan: Mapping[str, Any] = field(default_factory=dict)
+    assumptions: Sequence[Mapping[str, Any]] = ()
+    warnings: Sequence[str] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Campaign:
+    """The worst of m runs, GK variant C; None where no run has the figure."""
+
+    m: int
+    worst_variance_deg2: float | None
+    worst_variance_run: int | None
+    worst_plus_rate: float | None
+    worst_plus_plus_rate: float | None
+    a_low_deg: float | None
+    a_up_deg: float | None
+    low_worst_deg: float | None
+    up_worst_deg: float | None
+    homogeneity: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, runs: Sequence[RunVerdict], homogeneity: Mapping[str, Any]) -> 'Campaign':
+        """Return the worst figures of the runs."""
+        def over(pick, values):
+            present = [v for v in values if v is not None]
+            return pick(present) if present else None
+
+        with_variance = [r for r in runs if r.variance_deg2 is not None]
+        worst_run = max(with_variance, key=lambda r: r.variance_deg2, default=None)
+        counted = [r for r in runs if r.n]
+        return cls(
+            len(runs),
+            worst_run.variance_deg2 if worst_run else None,
+            worst_run.run if worst_run else None,
+            over(max, [r.count_criterion.n_plus / r.n for r in counted]),
+            over(max, [r.count_criterion.n_plus_plus / r.n for r in counted]),
+            over(min, [r.mean_deg for r in runs]),
+            over(max, [r.mean_deg for r in runs]),
+            over(min, [r.total_error.low_deg for r in runs]),
+            over(max, [r.total_error.up_deg for r in runs]),
+            homogeneity)
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """
+    What the runs together say of the TS.
+
+    Attributes
+    ----------
+    outcome : Outcome
+        The guarded decision, worst of runs; a run rejects for the campaign at the producer's
+        risk divided by the number of runs.
+    paper_outcome : Outcome
+        GK as printed, worst of runs.
+    settings : Settings
+    inputs : sequence of mapping
+        ``path``, ``sha256``, ``ts_topic``, ``rs_topic`` of each input.
+    campaign : Campaign
+    runs : sequence of RunVerdict
+    """
+
+    outcome: Outcome
+    paper_outcome: Outcome
+    settings: Settings
+    inputs: Sequence[Mapping[str, Any]]
+    campaign: Campaign
+    runs: Sequence[RunVerdict]
+
+    @classmethod
+    def of(cls, runs: Sequence[RunVerdict], campaign_outcomes: Sequence[Outcome],
+           settings: Settings, inputs: Sequence[Mapping[str, Any]],
+           homogeneity: Mapping[str, Any]) -> 'Verdict':
+        """Return the verdict on runs and on their outcomes at the shared producer's risk."""
+        return cls(worst(campaign_outcomes), worst(r.paper_outcome for r in runs),
+                   settings, tuple(inputs), Campaign.of(runs, homogeneity), tuple(runs))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the verdict as plain dictionaries and lists, ready for JSON."""
+        return {
+            'schema': SCHEMA,
+            'outcome': self.outcome.value,
+            'paper_outcome': self.paper_outcome.value,
+            'software': {'name': 'heading_intercompare', 'version': VERSION},
+            'settings': plain(self.settings.to_mapping()),
+            'inputs': plain(self.inputs),
+            'campaign': plain(self.campaign),
+            'runs': plain(self.runs),
+        }

@@ -1,0 +1,216 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The whole path: any chunks and any order of arrival give the same verdict."""
+
+from __future__ import annotations
+
+import json
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+from heading_intercompare import (
+    analyze, Compliance, Headings, Intercomparison, join, Outcome, Pairs, Settings, SettingsError)
+
+S = 1_000_000_000
+T0 = 1_400_000_000 * S
+NORMS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
+
+
+def settings(**names):
+    return Settings.from_mapping({**NORMS, **{k.replace('__', '.'): v for k, v in names.items()}})
+
+
+def sensors(rng, n=3000, ts_rate_hz=10.0, rs_rate_hz=4.0, sigma=0.2, mean=0.05):
+    """Return the headings of a ship that turns, TS and RS with white errors."""
+    def stream(rate_hz, error):
+        t = np.arange(int(n * rate_hz / ts_rate_hz)) / rate_hz
+        heading = 350.0 + 20.0 * np.sin(t / 30.0) + error(len(t))
+        return Headings.of(T0 + np.round(t * 1e9).astype(np.int64), heading % 360.0)
+    return (stream(ts_rate_hz, lambda k: mean + sigma * rng.standard_normal(k)),
+            stream(rs_rate_hz, lambda k: 0.05 * rng.standard_normal(k)))
+
+
+def exact(verdict):
+    """Return the verdict as JSON text, which any difference to the bit changes."""
+    return json.dumps(verdict.to_dict(), allow_nan=False)
+
+
+def close(a, b, path=''):
+    """Assert equal integers and words, and reals to 1e-12 relative."""
+    assert type(a) is type(b), path
+    if isinstance(a, dict):
+        assert list(a) == list(b), path
+        for key in a:
+            close(a[key], b[key], f'{path}.{key}')
+    elif isinstance(a, list):
+        assert len(a) == len(b), path
+        for at, (x, y) in enumerate(zip(a, b)):
+            close(x, y, f'{path}[{at}]')
+    elif isinstance(a, float):
+        assert math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-15), (path, a, b)
+    else:
+        assert a == b, path
+
+
+@pytest.mark.parametrize('chunk', [1, 17, 600])
+def test_chunks_give_the_verdict_of_the_whole(rng, chunk):
+    ts, rs = sensors(rng, n=1200)
+    whole = analyze(ts, rs, settings())
+    comparison = Intercomparison(settings())
+    for k in range(0, len(ts), chunk):
+        comparison.update(ts=ts[k:k + chunk])
+        comparison.update(rs=rs[k * 2 // 5:(k + chunk) * 2 // 5])
+    comparison.finish()
+    close(comparison.verdict().to_dict(), whole.to_dict())
+
+
+def test_a_good_sensor_complies_and_a_bad_one_does_not(rng):
+    ts, rs = sensors(rng)
+    assert analyze(ts, rs, settings()).outcome is Outcome.COMPLIANT
+    assert analyze(ts, rs, settings(norms__sigma_max_deg=0.1)).outcome is Outcome.NON_COMPLIANT
+
+
+def test_a_silence_makes_two_runs_and_divides_the_ledger(rng):
+    ts, rs = sensors(rng)
+    late = 100 * S
+    ts2, rs2 = (Headings.concatenate((h, Headings.of(
+        h.stamp_ns + (int(ts.stamp_ns[-1]) - T0) + late, h.heading_deg))) for h in (ts, rs))
+    verdict = analyze(ts2, rs2, settings())
+    assert [r.run for r in verdict.runs] == [1, 2]
+    for run in verdict.runs:
+        assert run.pairing.ts_received == 3000 and run.pairing.paired == run.n_input
+        assert run.pairing.ts_received == run.pairing.paired + run.pairing.ts_unpaired
+        assert run.pairing.rs_received == run.pairing.rs_used + run.pairing.rs_unused
+    assert verdict.campaign.m == 2
+    assert verdict.campaign.worst_variance_deg2 == max(r.variance_deg2 for r in verdict.runs)
+
+
+def test_marks_set_early_or_live_give_the_same_runs(rng):
+    ts, rs = sensors(rng)
+    early = Intercomparison(settings())
+    early.mark('start', T0 + 50 * S)
+    early.mark('stop', T0 + 150 * S)
+    early.update(ts, rs)
+    early.finish()
+    live = Intercomparison(settings())
+    for at, kind in ((50, 'start'), (150, 'stop'), (400, None)):
+        until = T0 + at * S
+        # Live, a mark is set when the pair of its stamp has come.
+        taken = [h[(h.stamp_ns <= until) & (h.stamp_ns > (live.compliance.newest_ns or 0))]
+                 for h in (ts, rs)]
+        live.update(*taken)
+        if kind:
+            assert live.compliance.newest_ns == until
+            live.mark(kind, until)
+    live.finish()
+    assert exact(early.verdict()) == exact(live.verdict())
+    (run,) = early.verdict().runs
+    assert run.start_ns == T0 + 50 * S + S // 10 and run.end_ns == T0 + 150 * S
+    assert run.n == 1000
+
+
+def test_the_first_start_mark_withdraws_what_ran_before(rng):
+    ts, rs = sensors(rng)
+    comparison = Intercomparison(settings())
+    comparison.update(ts[:1000], rs[:401])
+    comparison.mark('start', int(ts.stamp_ns[999]))
+    comparison.update(ts[1000:], rs[401:])
+    comparison.finish()
+    (run,) = comparison.verdict().runs
+    assert run.start_ns == ts.stamp_ns[1000]
+    assert run.pairing.ts_received == 3000, 'readings before the first run count with it'
+
+
+def test_a_table_of_runs_rules(rng):
+    ts, rs = sensors(rng)
+    comparison = Intercomparison(settings(), table=[(T0, T0 + 60 * S), (T0 + 90 * S,
+                                                                       T0 + 100 * S)])
+    comparison.update(ts, rs)
+    comparison.finish()
+    runs = comparison.verdict().runs
+    assert [r.n for r in runs] == [600, 100]
+    assert runs[1].pairing.ts_received == 3000 - 900
+
+
+def test_the_stabilisation_restarts_with_each_run(rng):
+    ts, rs = sensors(rng)
+    comparison = Intercomparison(settings(runs__stabilization_s=10.0),
+                                 table=[(T0, T0 + 60 * S), (T0 + 90 * S, T0 + 150 * S)])
+    comparison.update(ts, rs)
+    comparison.finish()
+    for run in comparison.verdict().runs:
+        assert (run.n_stabilization, run.n) == (100, 500)
+        assert run.n_input == run.n_invalid + run.n_stabilization + run.n
+
+
+def test_several_inputs_are_several_runs(rng):
+    inputs = [sensors(rng) for _ in range(3)]
+    verdict = analyze([ts for ts, _ in inputs], [rs for _, rs in inputs], settings())
+    assert [r.run for r in verdict.runs] == [1, 2, 3]
+    with pytest.raises(ValueError, match='one RS for each TS'):
+        analyze([inputs[0][0]], [], settings())
+
+
+def test_a_run_too_short_is_left_out_and_said(rng):
+    ts, rs = sensors(rng)
+    comparison = Intercomparison(settings(runs__min_duration_s=30.0),
+                                 table=[(T0, T0 + 20 * S), (T0 + 90 * S, T0 + 150 * S)])
+    comparison.update(ts, rs)
+    comparison.finish()
+    (run,) = comparison.verdict().runs
+    assert run.n == 600
+    assert any('min_duration_s' in w for w in run.warnings)
+
+
+def test_a_missing_norm_is_an_error_at_once():
+    with pytest.raises(SettingsError, match='norms.sigma_max_deg is missing'):
+        Compliance(Settings())
+
+
+@pytest.mark.parametrize('n', [0, 1, 2, 3, 63, 64])
+@pytest.mark.parametrize('x', [0.0, 0.25, 179.9, -180.0, np.nan])
+def test_few_or_constant_or_invalid_differences_give_a_stated_result(n, x):
+    stamps = T0 + np.arange(n) * S
+    compliance = Compliance(settings())
+    with warnings.catch_warnings():
+        warnings.simplefilter('error')
+        compliance.update(Pairs.of(stamps, np.full(n, 180.0 + x), np.full(n, 180.0)))
+        compliance.run_figures()
+        compliance.rolling_figures()
+        compliance.finish()
+        text = exact(compliance.verdict())
+    assert 'NaN' not in text and 'Infinity' not in text
+    if n < 2 or np.isnan(x):
+        assert compliance.verdict().outcome is Outcome.INDETERMINATE
+
+
+def test_the_figures_of_the_run_in_progress_are_those_at_its_end(rng):
+    ts, rs = sensors(rng)
+    comparison = Intercomparison(settings())
+    comparison.update(ts, rs)
+    progress = comparison.compliance.run_figures()
+    comparison.finish()
+    (run,) = comparison.verdict().runs
+    # The last TS readings wait for an RS reading that never comes: no pair is added at the end.
+    assert progress['n'] == run.n
+    assert progress['variance_deg2'] == pytest.approx(run.variance_deg2, rel=1e-12)
+    assert progress['n_plus'] == run.count_criterion.n_plus
+    assert comparison.compliance.run_figures() == {'run': 0, 'n': 0}
+
+
+def test_interpolation_is_taken_into_account(rng):
+    ts, rs = sensors(rng, ts_rate_hz=10.0, rs_rate_hz=1.0)
+    (run,) = analyze(ts, rs, settings(norms__m_low=0.9)).runs
+    factor = run.pairing.rs_variance_factor
+    assert factor == pytest.approx(np.mean([(1 - w) ** 2 + w ** 2 for w in
+                                            np.arange(10) / 10]), rel=1e-3)
+    assert run.variance_criterion.tightened_limit_deg2 == pytest.approx(
+        0.3 ** 2 + factor * 0.9 ** 2 * 0.1 ** 2)
+
+
+def test_no_input_at_all_is_indeterminate():
+    verdict = join([], settings())
+    assert verdict.outcome is Outcome.INDETERMINATE and verdict.to_dict()['runs'] == []
