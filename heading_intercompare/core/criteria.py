@@ -10,6 +10,7 @@ import math
 
 from .error_models import coverage_factor, ts_factor
 from .outcome import Outcome
+from .presets import sigma_max_deg
 from .settings import Norms, SettingsError
 
 __all__ = ['CountCriterion', 'count_criterion', 'Limits', 'TotalError', 'total_error',
@@ -71,6 +72,7 @@ class Limits:
         GK (5), (5').
     k, k_tightened : float
         Coverage factors of GK (*) and (**).
+
     """
 
     sigma_max_deg: float
@@ -110,7 +112,7 @@ class Limits:
         Parameters
         ----------
         norms : Norms
-            `sigma_max_deg` and `sigma_ref_max_deg` must be there.
+            `sigma_max_deg` or a preset, and `sigma_ref_max_deg`, must be there.
         model : {'NN', 'UN', 'NU', 'UU'}
             Error distributions of TS and RS.
         rs_variance_factor : float
@@ -126,16 +128,17 @@ class Limits:
         GK (5), (5'), (*), (**).
 
         """
-        for name in ('sigma_max_deg', 'sigma_ref_max_deg'):
-            if getattr(norms, name) is None:
+        sigma_max, sigma_ref_max = sigma_max_deg(norms, model), norms.sigma_ref_max_deg
+        for name, value in (('sigma_max_deg', sigma_max), ('sigma_ref_max_deg', sigma_ref_max)):
+            if value is None:
                 raise SettingsError(
                     f'norms.{name} is missing: a verdict needs it, e.g. norms.{name}=0.2')
         low, up = norms.m_low, norms.m_up
-        if norms.sigma_ref_deg is not None and norms.sigma_ref_max_deg > 0.0:
-            low = up = norms.sigma_ref_deg / norms.sigma_ref_max_deg
+        if norms.sigma_ref_deg is not None and sigma_ref_max > 0.0:
+            low = up = norms.sigma_ref_deg / sigma_ref_max
         low *= math.sqrt(rs_variance_factor)
-        ratio = norms.sigma_ref_max_deg / norms.sigma_max_deg
-        tightened, limit = variance_limits(norms.sigma_max_deg, norms.sigma_ref_max_deg, low)
+        ratio = sigma_ref_max / sigma_max
+        tightened, limit = variance_limits(sigma_max, sigma_ref_max, low)
         rule = norms.k_rule
         if isinstance(rule, float):
             k = k_tightened = rule
@@ -144,8 +147,8 @@ class Limits:
         else:
             k = coverage_factor(model, ratio, norms.probability)
             k_tightened = coverage_factor(model, low * ratio, norms.probability)
-        return cls(norms.sigma_max_deg, norms.sigma_ref_max_deg, low, up, norms.probability,
-                   limit, tightened, k, k_tightened)
+        return cls(sigma_max, sigma_ref_max, low, up, norms.probability, limit, tightened,
+                   k, k_tightened)
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,6 +166,7 @@ class VarianceCriterion:
     dead_zone_width : float
         1 - M.
     outcome : Outcome
+
     """
 
     limit_deg2: float
@@ -222,6 +226,7 @@ class CountCriterion:
     dead_zone_width : float or None
         (n++ - n+) / [n (1 - P)]; None for n = 0.
     outcome : Outcome
+
     """
 
     k: float
@@ -289,6 +294,7 @@ class TotalError:
         Narrow limits (RS at its upper bound), degrees.
     outcome : Outcome or None
         Against the norm of the total error; None without one.
+
     """
 
     k: float | None

@@ -230,6 +230,7 @@ def ts_factor(model: str, p: float) -> float:
     Parameters
     ----------
     model : {'NN', 'UN', 'NU', 'UU'}
+        Distributions of the TS and the RS error; the first letter counts.
     p : float
         Confidence probability P, between 0 and 1.
 

@@ -205,6 +205,7 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
     Parameters
     ----------
     evidence : Evidence
+        Of one run.
     limits : Limits
         Acceptance limit `tightened_limit_deg2` and rejection limit `rejection_limit_deg2`.
     risk : Risk

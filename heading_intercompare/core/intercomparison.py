@@ -8,13 +8,14 @@ from typing import Any, Iterable, Mapping, Sequence
 
 from .criteria import Limits
 from .difference import difference
-from .judge import figures, homogeneity, judge, RunResult
+from .judge import bounds_figures, EarlyVerdict, figures, homogeneity, judge, look_at, RunResult
 from .ledger import Ledger, LedgerSegment
 from .pairing import Pairer
 from .records import Headings, Pairs
 from .rolling import Rolling
 from .run_series import RunSeries
 from .runs import RunCutter
+from .sequential import Look
 from .settings import Settings
 from .statistics import count_outside
 from .verdict import Verdict
@@ -44,6 +45,7 @@ class Compliance:
     -----
     Time is what the stamps say: nothing here reads a clock, so a replay at any rate and an
     analysis of the recording give the live verdict.
+
     """
 
     def __init__(self, settings: Settings, *, source: str = '',
@@ -55,6 +57,7 @@ class Compliance:
         self._cutter = RunCutter(settings.runs, table)
         self._run: RunSeries | None = None
         self._run_key: int | None = None
+        self._early: EarlyVerdict | None = None
         self._finished: list[tuple[RunResult, int]] = []
         self._n_short = 0
         self._rolling = Rolling(settings.window_s)
@@ -66,7 +69,7 @@ class Compliance:
         for piece in self._cutter.update(pairs.stamp_ns):
             if piece.key != self._run_key:
                 self._end_run()
-                self._run = RunSeries(piece.cut_ns, self.settings)
+                self._run = RunSeries(piece.cut_ns, self.settings, self._look)
                 self._run_key = piece.key
             self._run.update(pairs[piece.lo:piece.hi])
         self._rolling.update(difference(pairs, self.settings.installation_offset_deg,
@@ -78,31 +81,47 @@ class Compliance:
         """Start or stop a run behind the pair of a stamp; see `RunCutter.mark`."""
         if self._cutter.mark(kind, stamp_ns):
             self._finished.clear()
-            self._run = self._run_key = None
+            self._run = self._run_key = self._early = None
         self._end_run_if_cut()
 
     def finish(self) -> None:
         """End the run in progress and judge it."""
         self._end_run()
 
+    def _look(self, run: RunSeries, look: Look) -> None:
+        """Let a look decide on the run in progress, unless an earlier one has."""
+        if self._early is None:
+            self._early = look_at(run, look, self.settings)
+
+    @property
+    def early(self) -> EarlyVerdict | None:
+        """What a look has decided on the run in progress; it stands."""
+        return self._early
+
     def _end_run_if_cut(self) -> None:
         if self._run is not None and self._cutter.current != self._run_key:
             self._end_run()
 
     def _end_run(self) -> None:
-        run, self._run, self._run_key = self._run, None, None
+        run, early = self._run, self._early
+        self._run = self._run_key = self._early = None
         if run is None or run.start_ns is None:
             return
         if run.end_ns - run.start_ns < round(self.settings.runs.min_duration_s * 1e9):
             self._n_short += 1
             return
-        result = judge(run, self.settings, len(self._finished) + 1, self._source)
+        result = judge(run, self.settings, len(self._finished) + 1, self._source, early)
         self._finished.append((result, run.cut_ns))
 
     @property
     def finished_runs(self) -> int:
         """Number of runs judged so far."""
         return len(self._finished)
+
+    @property
+    def cuts(self) -> list[int]:
+        """Where the runs judged so far were cut; the ledger needs a segment from each."""
+        return [cut_ns for _, cut_ns in self._finished]
 
     def run_figures(self) -> dict[str, Any]:
         """Return the figures of the run in progress; ``n`` is 0 outside runs."""
@@ -116,8 +135,9 @@ class Compliance:
             return {**result, 'n': 0}
         limits = Limits.of(self.settings.norms, self.settings.model, run.rs_variance_factor)
         x = run.x_deg.values
-        return result | figures(run.moments, lambda c, limit: count_outside(x, c, limit),
-                                limits, self.settings)
+        found = figures(run.moments, lambda c, limit: count_outside(x, c, limit), limits,
+                        self.settings)
+        return result | found | bounds_figures(run, found, limits, self.settings)
 
     def rolling_figures(self) -> dict[str, Any]:
         """Return the figures of the rolling window; ``n`` is 0 before the first pair."""
@@ -145,7 +165,7 @@ class Compliance:
                                              'rs_used': r.verdict.n_input})
                       for r, cut_ns in self._finished]
         else:
-            shares = ledger.shares([cut_ns for _, cut_ns in self._finished])
+            shares = ledger.shares(self.cuts)
         short = (f'{self._n_short} pieces shorter than runs.min_duration_s were left out',) \
             if self._n_short else ()
         return [r.with_pairing(share, short if at == 0 else ())

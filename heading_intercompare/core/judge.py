@@ -7,24 +7,58 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, Callable, Mapping, Sequence
 
-import numpy as np
-
 from .angles import circular_mean
 from .criteria import (
-    count_criterion, CountCriterion, Limits, total_error, TotalError, variance_criterion,
-    VarianceCriterion)
+    count_criterion,
+    CountCriterion,
+    Limits,
+    total_error,
+    TotalError,
+    variance_criterion,
+    VarianceCriterion,
+)
 from .guarded import decide, Evidence, evidence_of, Guarded
 from .ledger import LedgerSegment
 from .outcome import Outcome, worst
 from .run_series import RunSeries
-from .settings import Settings
+from .sequential import Look, Looks
+from .settings import Risk, Settings
 from .statistics import count_outside, Moments
 from .verdict import PairingFigures, RunVerdict
 
-__all__ = ['figures', 'homogeneity', 'judge', 'RunResult']
+__all__ = ['bounds_figures', 'EarlyVerdict', 'figures', 'homogeneity', 'judge', 'look_at',
+           'RunResult']
 
 CONSTANT_DEG = 1e-9
 """Peak-to-peak difference up to which two sensors are taken for a frozen pair, degrees."""
+
+
+@dataclass(frozen=True, slots=True)
+class EarlyVerdict:
+    """
+    What a look at a run in progress decided.
+
+    Attributes
+    ----------
+    look, looks : int
+        Which look, from 1, of how many.
+    span_s : float
+        Time since the first difference, seconds.
+    outcome : Outcome
+    reason : str
+        As for a run.
+
+    """
+
+    look: int
+    looks: int
+    span_s: float
+    outcome: Outcome
+    reason: str
+
+    def __str__(self) -> str:
+        return (f'decided at look {self.look} of {self.looks}, {self.span_s:.1f} s after the '
+                'first difference')
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +68,7 @@ class RunResult:
     verdict: RunVerdict
     evidence: Evidence
     limits: Limits
+    early: EarlyVerdict | None = None
 
     def with_pairing(self, share: LedgerSegment, warnings: Sequence[str] = ()) -> 'RunResult':
         """Return the result with its share of the pairing ledger."""
@@ -50,13 +85,14 @@ class RunResult:
         """Return the outcome when m runs share the producer's risk."""
         if m == 1 or self.verdict.outcome is not Outcome.NON_COMPLIANT:
             return self.verdict.outcome
-        risk = settings.risk
+        risk = _risk_at_the_end(settings)
         shared = replace(risk, alpha_producer=risk.alpha_producer / m)
         guarded = decide(self.evidence, self.limits, shared)
         return _conclude(guarded, self.verdict.total_error)[0]
 
 
-def judge(run: RunSeries, settings: Settings, number: int, source: str) -> RunResult:
+def judge(run: RunSeries, settings: Settings, number: int, source: str,
+          early: EarlyVerdict | None = None) -> RunResult:
     """
     Judge a run that has ended.
 
@@ -70,10 +106,17 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str) -> RunRe
         Of the run, from 1.
     source : str
         Name of the input.
+    early : EarlyVerdict, optional
+        What a look has decided already; it stands.
 
     Returns
     -------
     RunResult
+
+    Notes
+    -----
+    With a plan of looks the end of the run takes the share of the last look, so that all looks
+    together keep to the risks.
 
     References
     ----------
@@ -81,7 +124,6 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str) -> RunRe
 
     """
     x = run.x_deg.values
-    stamps = run.stamp_ns.values
     factor = run.rs_variance_factor
     limits = Limits.of(settings.norms, settings.model, 1.0 if factor is None else factor)
     moments = Moments.of(x)
@@ -89,10 +131,10 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str) -> RunRe
     counts = printed.counts
     evidence = evidence_of(
         x, method=settings.risk.method, n_plus=counts.n_plus, n_plus_plus=counts.n_plus_plus,
-        span_s=(int(stamps[-1]) - int(stamps[0])) / 1e9 if len(stamps) else 0.0,
-        offset_u_deg=settings.installation_offset_u_deg)
-    guarded = decide(evidence, limits, settings.risk)
-    outcome, reason = _conclude(guarded, printed.total)
+        span_s=run.span_s, offset_u_deg=settings.installation_offset_u_deg)
+    guarded = decide(evidence, limits, _risk_at_the_end(settings))
+    outcome, reason = ((early.outcome, early.reason) if early
+                       else _conclude(guarded, printed.total))
     direction, length = circular_mean(x) if len(x) else (None, None)
     n = moments.n
     verdict = RunVerdict(
@@ -110,8 +152,53 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str) -> RunRe
         variance_criterion=printed.variance, count_criterion=counts,
         total_error=printed.total, outcome=outcome, reason=reason,
         paper_outcome=printed.outcome, guarded=guarded,
-        warnings=tuple(_warnings(moments, printed.total, limits, guarded, settings)))
-    return RunResult(verdict, evidence, limits)
+        warnings=(*([str(early)] if early else ()),
+                  *_warnings(moments, limits, guarded, settings)))
+    return RunResult(verdict, evidence, limits, early)
+
+
+def _risk_at_the_end(settings: Settings) -> Risk:
+    """Return the risks of the verdict at the end of a run."""
+    plan, risk = settings.sequential, settings.risk
+    if plan.plan_s is None:
+        return risk
+    return Looks(plan.plan_s, plan.looks, risk).plan[-1].risk
+
+
+def look_at(run: RunSeries, look: Look, settings: Settings) -> EarlyVerdict | None:
+    """
+    Decide on a run in progress at a look of the plan.
+
+    Parameters
+    ----------
+    run : RunSeries
+        Holding the differences up to the look.
+    look : Look
+        With its share of the risks.
+    settings : Settings
+
+    Returns
+    -------
+    EarlyVerdict or None
+        None while the look is indeterminate.
+
+    """
+    limits = Limits.of(settings.norms, settings.model, run.rs_variance_factor)
+    x = run.x_deg.values
+    printed = _as_printed(run.moments, lambda c, limit: count_outside(x, c, limit), limits,
+                          settings)
+    guarded = decide(_evidence_so_far(run, printed.counts.n_plus, printed.counts.n_plus_plus,
+                                      settings), limits, look.risk)
+    outcome, reason = _conclude(guarded, printed.total)
+    if outcome is Outcome.INDETERMINATE:
+        return None
+    return EarlyVerdict(look.index + 1, settings.sequential.looks, run.span_s, outcome, reason)
+
+
+def _evidence_so_far(run: RunSeries, n_plus: int, n_plus_plus: int,
+                     settings: Settings) -> Evidence:
+    return evidence_of(run.blocks, method='dyadic', n_plus=n_plus, n_plus_plus=n_plus_plus,
+                       span_s=run.span_s, offset_u_deg=settings.installation_offset_u_deg)
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,9 +239,11 @@ def _conclude(guarded: Guarded, total: TotalError) -> tuple[Outcome, str]:
     return guarded.outcome, guarded.reason
 
 
-def _warnings(moments: Moments, total: TotalError, limits: Limits, guarded: Guarded,
-              settings: Settings) -> list[str]:
+def _warnings(moments: Moments, limits: Limits, guarded: Guarded, settings: Settings) -> list[str]:
     found = []
+    if settings.norms.preset is not None:
+        found.append(f'sigma_max = {limits.sigma_max_deg:.6g} deg follows from the norm '
+                     f'{settings.norms.preset}')
     if moments.n > 1 and moments.max_deg - moments.min_deg <= CONSTANT_DEG:
         found.append('constant_difference: the two sensors never differ by more or less: '
                      'is one of them frozen, or a copy of the other?')
@@ -193,6 +282,28 @@ def figures(moments: Moments, count: Callable[[float, float], int], limits: Limi
         'allowed': printed.counts.allowed,
         'total_error_low_deg': printed.total.low_deg, 'total_error_up_deg': printed.total.up_deg,
         'paper_outcome': printed.outcome.value}
+
+
+def bounds_figures(run: RunSeries, counts: Mapping[str, Any], limits: Limits,
+                   settings: Settings) -> dict[str, Any]:
+    """
+    Return the guarded bounds of a run in progress: what they are now, not a verdict.
+
+    Parameters
+    ----------
+    run : RunSeries
+        With at least one difference.
+    counts : mapping
+        ``n_plus`` and ``n_plus_plus`` of `figures`.
+    limits : Limits
+    settings : Settings
+
+    """
+    evidence = _evidence_so_far(run, counts['n_plus'], counts['n_plus_plus'], settings)
+    found = decide(evidence, limits, settings.risk)
+    return {key: getattr(found, key) for key in (
+        'nu', 'resolved', 'lower_bound_deg2', 'upper_bound_deg2', 'acceptance_limit_deg2',
+        'rejection_limit_deg2', 'sigma_ts_lower_deg', 'sigma_ts_upper_deg', 'bias_u_deg')}
 
 
 def homogeneity(results: Sequence[RunResult]) -> Mapping[str, Any]:

@@ -95,7 +95,7 @@ class Ledger:
         """Fold the stamps that no later cut can divide into their segments."""
         limit = stamp_ns - _SLACK_NS
         for key, chunks in self._recent.items():
-            # Chunks come nearly in order, so the first is the oldest; fold a slack's worth at once.
+            # Chunks come nearly in order, so the first is the oldest; fold many at once.
             if chunks and chunks[0][0] < limit - _SLACK_NS:
                 stamps = np.concatenate(chunks)
                 old = stamps < limit

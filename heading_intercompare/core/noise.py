@@ -182,6 +182,7 @@ def sokal_times(x: ArrayLike, limit: int = 5000) -> CorrelationTimes:
     Parameters
     ----------
     x : array_like, shape (n,)
+        Samples at equal steps; gaps are not seen.
     limit : int
         Largest lag searched; the sum stops there at the latest.
 
@@ -201,6 +202,7 @@ def geyer_time(x: ArrayLike) -> float:
     Parameters
     ----------
     x : array_like, shape (n,)
+        Samples at equal steps; gaps are not seen.
 
     Returns
     -------

@@ -16,9 +16,34 @@ from .ledger import Ledger
 from .records import Headings, Pairs
 from .settings import Settings
 
-__all__ = ['pair', 'Pairer']
+__all__ = ['pair', 'Pairer', 'rising']
 
 _NEVER = np.iinfo(np.int64).min
+
+
+def rising(stamp_ns: np.ndarray, newest_ns: int | None = None) -> np.ndarray:
+    """
+    Tell which stamps are above all before them; the others are to be rejected.
+
+    Parameters
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps in the order in which they came, nanoseconds.
+    newest_ns : int, optional
+        Largest stamp accepted before.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+
+    Examples
+    --------
+    >>> rising(np.array([3, 3, 2, 4]), 1).tolist()
+    [True, False, False, True]
+
+    """
+    before = np.concatenate(([_NEVER if newest_ns is None else newest_ns], stamp_ns[:-1]))
+    return stamp_ns > np.maximum.accumulate(before)[:len(stamp_ns)]
 
 
 class _Stream:
@@ -44,8 +69,7 @@ class _Stream:
         good = self._reject('out_of_range', (heading >= 0.0) & (heading <= 360.0), stamp, good)
         stamp, heading = stamp[good] - self.shift_ns, heading[good]
         if stamp.size:
-            before = np.maximum.accumulate(np.concatenate(([self.last_ns], stamp[:-1])))
-            rises = stamp > before
+            rises = rising(stamp, self.last_ns)
             if not rises.all():
                 self.ledger.add(f'{self.name}_rejected.stamp_not_increasing', stamp[~rises])
                 stamp, heading = stamp[rises], heading[rises]
@@ -97,6 +121,7 @@ class Pairer:
     earlier one) and they are at most `pairing.tolerance_s` apart.
 
     A reading whose stamp does not increase within its stream is rejected, the first kept.
+
     """
 
     def __init__(self, settings: Settings) -> None:

@@ -49,6 +49,7 @@ class Rolling:
     -----
     A request costs the sum of at most 65 panes and the closing of the newest one, whatever the
     length of the window.
+
     """
 
     def __init__(self, window_s: float) -> None:

@@ -59,6 +59,7 @@ class RunCutter:
     behind that pair, a stop includes it. A mark may come early, then it waits; one that comes
     late takes effect behind the newest pair. The first start mark withdraws the runs that were
     opened without one.
+
     """
 
     def __init__(self, rule: RunCutting, table: Sequence[tuple[int, int]] | None = None) -> None:

@@ -13,10 +13,11 @@ from dataclasses import dataclass, field, fields, is_dataclass, MISSING
 import difflib
 import math
 import types
-from typing import Any, Iterator, Mapping, Union, get_args, get_origin, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints, Iterator, Mapping, Union
 
-__all__ = ['Alignment', 'Checked', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential', 'Setting',
-           'Settings', 'SettingsError', 'declared', 'from_mapping', 'setting', 'to_mapping']
+__all__ = ['Alignment', 'Checked', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential',
+           'Setting', 'Settings', 'SettingsError', 'declared', 'from_mapping', 'setting',
+           'to_mapping']
 
 
 class SettingsError(ValueError):

@@ -32,6 +32,7 @@ class Moments:
     References
     ----------
     Merging: Chan, Golub and LeVeque 1983. The estimates are GK (4).
+
     """
 
     n: int = 0
@@ -102,6 +103,7 @@ class Column:
     Notes
     -----
     Capacity doubles, so n values cost O(n) copies in all.
+
     """
 
     def __init__(self, dtype: type) -> None:

@@ -174,6 +174,7 @@ class Verdict:
         ``path``, ``sha256``, ``ts_topic``, ``rs_topic`` of each input.
     campaign : Campaign
     runs : sequence of RunVerdict
+
     """
 
     outcome: Outcome

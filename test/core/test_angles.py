@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.angles import (
-    circular_mean, heading_from_quaternion, quaternion_from_heading, unwrap_deg, wrap180, wrap360)
+    circular_mean,
+    heading_from_quaternion,
+    quaternion_from_heading,
+    unwrap_deg,
+    wrap180,
+    wrap360,
+)
 
 angles = st.floats(-1e6, 1e6)
 

@@ -13,7 +13,12 @@ import pytest
 from scipy import stats
 
 from heading_intercompare.core.criteria import (
-    count_criterion, Limits, total_error, variance_criterion, variance_limits)
+    count_criterion,
+    Limits,
+    total_error,
+    variance_criterion,
+    variance_limits,
+)
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.settings import Norms, SettingsError
 
@@ -67,7 +72,7 @@ def test_an_rs_known_from_its_log_sets_both_bounds_of_m():
 
 
 def test_interpolation_tightens_acceptance_but_not_rejection():
-    """f = 2/3: M² = 0.25 · 2/3, so the tightened limit is 0.09 + 0.16 / 6."""
+    """F = 2/3: M² = 0.25 · 2/3, so the tightened limit is 0.09 + 0.16 / 6."""
     at = limits(m_low=0.5, factor=2 / 3)
     assert at.tightened_limit_deg2 == pytest.approx(0.09 + 0.16 / 6)
     assert at.limit_deg2 == pytest.approx(0.25) and at.rejection_limit_deg2 == pytest.approx(0.25)

@@ -12,7 +12,17 @@ import numpy as np
 import pytest
 
 from heading_intercompare import (
-    analyze, Compliance, Headings, Intercomparison, join, Outcome, Pairs, Settings, SettingsError)
+    analyze,
+    Compliance,
+    Headings,
+    Intercomparison,
+    join,
+    Outcome,
+    pair,
+    Pairs,
+    Settings,
+    SettingsError,
+)
 
 S = 1_000_000_000
 T0 = 1_400_000_000 * S
@@ -214,3 +224,52 @@ def test_interpolation_is_taken_into_account(rng):
 def test_no_input_at_all_is_indeterminate():
     verdict = join([], settings())
     assert verdict.outcome is Outcome.INDETERMINATE and verdict.to_dict()['runs'] == []
+
+
+def test_an_early_verdict_stands_and_does_not_depend_on_chunks(rng):
+    ts, rs = sensors(rng)
+    plan = settings(sequential__plan_s=600.0, sequential__looks=4, norms__sigma_max_deg=0.5)
+    texts = set()
+    for chunk in (1, 250, 3000):
+        compliance = Compliance(plan)
+        pairs, _ = pair(ts, rs, plan)
+        looks = []
+        for k in range(0, len(pairs), chunk):
+            compliance.update(pairs[k:k + chunk])
+            if compliance.early:
+                looks.append(compliance.early)
+        # Looks at 75, 150, 300 and 600 s; the run ends after 299.8 s.
+        assert looks and all(look == looks[0] for look in looks)
+        assert looks[0].outcome is Outcome.COMPLIANT and looks[0].span_s < 80.0
+        compliance.finish()
+        (run,) = compliance.verdict().runs
+        assert run.outcome is Outcome.COMPLIANT
+        assert any('look 1 of 4' in warning for warning in run.warnings)
+        texts.add(str(looks[0]))
+    assert len(texts) == 1
+
+
+def test_with_a_plan_the_end_of_a_run_takes_the_share_of_the_last_look(rng):
+    ts, rs = sensors(rng, sigma=0.28)
+    (plain,) = analyze(ts, rs, settings()).runs
+    (planned,) = analyze(ts, rs, settings(sequential__plan_s=1e5)).runs
+    assert planned.guarded.upper_bound_deg2 > plain.guarded.upper_bound_deg2
+    (half,) = analyze(ts, rs, settings(risk__alpha_consumer=0.025,
+                                       risk__alpha_producer=0.025)).runs
+    assert planned.guarded == half.guarded
+
+
+def test_among_several_runs_the_producers_risk_is_shared(rng):
+    """One run just above the limit is rejected alone, but not as one of twenty."""
+    def runs(sigma):
+        return sensors(rng, n=700, sigma=sigma, mean=0.0)
+    for sigma in np.arange(0.33, 0.40, 0.002):
+        bad = runs(sigma)
+        alone = analyze(*bad, settings())
+        if alone.outcome is Outcome.NON_COMPLIANT:
+            break
+    good = [runs(0.1) for _ in range(19)]
+    together = analyze([bad[0], *(g[0] for g in good)], [bad[1], *(g[1] for g in good)],
+                       settings())
+    assert together.runs[0].outcome is Outcome.NON_COMPLIANT
+    assert together.outcome is Outcome.INDETERMINATE

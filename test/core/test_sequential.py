@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Doubling looks: when they fall due, what risk each has, independence of chunks."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from heading_intercompare.core.criteria import Limits
+from heading_intercompare.core.guarded import decide, evidence_of
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.sequential import Looks
+from heading_intercompare.core.settings import Norms, Risk, SettingsError
+
+HOUR_NS = 3600 * 10 ** 9
+
+
+def test_seven_looks_at_ten_hours_by_hand():
+    """36000 s / 64 = 562.5 s is the first."""
+    looks = Looks(36_000.0, 7, Risk())
+    assert [look.span_ns / 1e9 for look in looks.plan] == \
+        [562.5, 1125.0, 2250.0, 4500.0, 9000.0, 18_000.0, 36_000.0]
+
+
+@pytest.mark.parametrize('looks', [2, 3, 7, 20])
+def test_the_shares_add_up_to_the_risk(looks):
+    risk = Risk(alpha_consumer=0.04, alpha_producer=0.1, nu_min=21.0)
+    plan = Looks(1000.0, looks, risk).plan
+    assert sum(look.risk.alpha_consumer for look in plan) == pytest.approx(0.04, rel=1e-14)
+    assert sum(look.risk.alpha_producer for look in plan) == pytest.approx(0.1, rel=1e-14)
+    assert plan[-1].risk.alpha_consumer == 0.02
+    assert {look.risk.nu_min for look in plan} == {21.0}
+
+
+def test_each_look_is_taken_once_and_at_its_time():
+    looks = Looks(80.0, 4, Risk())
+    taken = [[look.index for look in looks.due(span)]
+             for span in (0.0, 9.999999999, 10.0, 10.0, 45.0, 79.0, 80.0, 500.0)]
+    assert taken == [[], [], [0], [], [1, 2], [], [3], []]
+    assert looks.taken == 4
+
+
+@pytest.mark.parametrize('size', [1, 7, 100, 5000])
+def test_a_look_sees_the_same_samples_in_whatever_chunks(size, rng):
+    start = 1_400_000_000 * 10 ** 9
+    stamps = start + np.cumsum(np.append(0, rng.integers(10 ** 8, 10 ** 9, 4999)))
+    looks, seen = Looks(2000.0, 5, Risk()), []
+    for lo in range(0, stamps.size, size):
+        seen += [(lo + stop, look.index) for stop, look in
+                 looks.cuts(start, stamps[lo:lo + size])]
+    expected = [(int(np.argmax(stamps - start >= 2000 * 10 ** 9 // 2 ** (4 - k))) + 1, k)
+                for k in range(5)]
+    assert seen == expected
+
+
+def test_an_empty_chunk_reaches_no_look():
+    assert Looks(10.0, 2, Risk()).cuts(0, np.empty(0, np.int64)) == []
+
+
+@pytest.mark.parametrize('plan_s, looks, words', [
+    (0.0, 7, 'sequential.plan_s = 0.0'), (math.nan, 7, 'sequential.plan_s = nan'),
+    (10.0, 1, 'sequential.looks = 1')])
+def test_a_plan_that_is_none_is_refused(plan_s, looks, words):
+    with pytest.raises(SettingsError, match=words):
+        Looks(plan_s, looks, Risk())
+
+
+def test_a_risk_too_small_to_be_shared_is_refused():
+    with pytest.raises(SettingsError, match='risk.alpha_producer = 5e-06: .* at least 12e-06'):
+        Looks(10.0, 7, Risk(alpha_producer=5e-6))
+
+
+def test_looking_often_keeps_the_risk_of_white_errors(rng):
+    """
+    A TS at its limit is certified by any of five looks in at most 5 % of runs.
+
+    400 runs; the bound is six standard errors of a rate of 0.05 above it.
+    """
+    limits = Limits.of(Norms(sigma_max_deg=1.0, sigma_ref_max_deg=0.0))
+    accepted = 0
+    for _ in range(400):
+        x = rng.standard_normal(1600)
+        for look in Looks(1600.0, 5, Risk()).due(1600.0):
+            n = look.span_ns // 10 ** 9
+            evidence = evidence_of(x[:n], n_plus=0, n_plus_plus=0, span_s=float(n),
+                                   method='dyadic')
+            if decide(evidence, limits, look.risk).outcome is Outcome.COMPLIANT:
+                accepted += 1
+                break
+    assert accepted / 400 < 0.05 + 6.0 * math.sqrt(0.05 * 0.95 / 400)
