@@ -1,0 +1,173 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Bytes cut into sentences, with their checksums verified.
+
+A sentence starts at `$` or `!` wherever that stands, so what comes before it does not matter:
+log stamps, TAG blocks, the header `UdPbC` of IEC 61162-450, garbage, the rest of a damaged
+sentence. It ends with its checksum or with the line. How the bytes were split on their way has no
+influence on the sentences.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+import re
+from typing import Optional, Tuple
+
+import numpy as np
+
+__all__ = ['Frame', 'Framer', 'KEPT_PREFIX', 'MAX_SENTENCE', 'split']
+
+#: Bytes of a sentence; a longer one is `too_long`.
+MAX_SENTENCE = 1024
+#: Bytes before a sentence that are looked at for a stamp and TAG blocks.
+KEPT_PREFIX = 256
+#: Bytes held back of a line that does not end; more of it is looked at no further.
+MAX_OPEN = 16_384
+
+_PIECE = re.compile(
+    rb'([^\r\n$!]*)'                                       # what stands before the sentence
+    rb'(?:([$!])([^\r\n$!*]*)'                             # its start, its text
+    rb'(?:\*([0-9A-Fa-f]{2})([^\r\n$!]*[\r\n]+)?'          # its checksum, the rest of the line
+    rb'|(\*?[^\r\n$!]*[\r\n]+)?)'                          # or none: the end of the line, or cut
+    rb'|[\r\n]+)')
+_HEX = {f'{a}{b}'.encode(): int(a + b, 16)
+        for a in '0123456789abcdefABCDEF' for b in '0123456789abcdefABCDEF'}
+
+
+#: One sentence: when it came [ns], what stood before it, its text, whether it had a checksum.
+Frame = Tuple[Optional[int], bytes, bytes, bool]
+
+
+def _checksums(texts: list[bytes]) -> list[int]:
+    """Exclusive or of the bytes of each text."""
+    joined = np.frombuffer(b'\0'.join(texts) + b'\0', np.uint8)
+    starts = np.zeros(len(texts), np.intp)
+    np.cumsum([len(text) + 1 for text in texts[:-1]], out=starts[1:])
+    return np.bitwise_xor.reduceat(joined, starts).tolist()
+
+
+class Framer:
+    """
+    Cuts what a source delivers into sentences.
+
+    Parameters
+    ----------
+    datagrams : bool
+        Each `feed` is a datagram, complete in itself: its end ends a line. Otherwise the bytes
+        are a stream, and a sentence may be spread over many feeds.
+
+    Attributes
+    ----------
+    counts : Counter
+        What was not a sentence, by reason. `no_sentence`: a line without `$` or `!` (blank lines
+        do not count). `cut`: a sentence without a checksum that another one, or the end of the
+        stream, broke off. `bad_checksum`: the checksum is wrong or not two hex digits.
+        `too_long`: more than 1024 bytes.
+
+    """
+
+    def __init__(self, datagrams: bool = False) -> None:
+        self._datagrams = datagrams
+        self._open = b''
+        self._open_ns: list[int | None] = []
+        self._prefix = b''
+        self.counts: Counter[str] = Counter()
+
+    def feed(self, data: bytes, received_ns: int | None) -> list[Frame]:
+        """
+        Take bytes and return the sentences of all lines that they complete.
+
+        Parameters
+        ----------
+        data : bytes
+            What came, split anywhere.
+        received_ns : int or None
+            When it came. A sentence is stamped with the coming of its first byte.
+
+        """
+        if self._datagrams:
+            return self._frames(data + b'\n', [], received_ns)
+        frames = []
+        end = max(data.rfind(b'\n'), data.rfind(b'\r')) + 1
+        if end:
+            text, known = self._open + data[:end], self._open_ns
+            self._open, self._open_ns = b'', []
+            frames = self._frames(text, known, received_ns)
+        rest = data[end:]
+        if rest:
+            self._open += rest
+            self._open_ns += [received_ns] * (rest.count(b'$') + rest.count(b'!'))
+            if len(self._open) > MAX_OPEN:
+                frames += self._shorten()
+        return frames
+
+    def flush(self) -> list[Frame]:
+        """Return what is left at the end of the stream; a last one without checksum is cut."""
+        text, known = self._open, self._open_ns
+        self._open, self._open_ns = b'', []
+        if known:
+            return self._frames(text + b'$', known, None, ends=False)
+        if text:
+            self.counts['no_sentence'] += 1
+        return []
+
+    def _shorten(self) -> list[Frame]:
+        """Return the sentences that others end in a line that does not; hold back less of it."""
+        start = max(self._open.rfind(b'$'), self._open.rfind(b'!'))
+        if start < 0:
+            self._open = self._open[-KEPT_PREFIX:]
+            return []
+        last = self._open[start:]
+        frames = self._frames(self._open[:start] + b'$', self._open_ns[:-1], None, ends=False)
+        head, tail = last[:MAX_SENTENCE + 4], last[MAX_SENTENCE + 4:]
+        if len(tail) > KEPT_PREFIX:
+            tail = b' ' + tail[-KEPT_PREFIX:]
+        self._open = self._prefix[-KEPT_PREFIX:] + head + tail
+        self._open_ns = self._open_ns[-1:]
+        return frames
+
+    def _frames(self, text: bytes, known: list[int | None], received_ns: int | None,
+                ends: bool = True) -> list[Frame]:
+        """
+        Return the sentences of a text that ends a line or, not `ends`, breaks off with a start.
+
+        The first starts came at the instants known, the others at `received_ns`. A sentence that
+        follows another one in its line at once has before it what that one has.
+        """
+        pieces = _PIECE.findall(text)
+        if not ends:
+            pieces.append(pieces.pop()[:1] + (b'', b'', b'', b'', b''))
+        frames, counts, n, before = [], self.counts, 0, b''
+        for (prefix, start, body, checksum, after, rest), computed in zip(
+                pieces, _checksums([piece[2] for piece in pieces])):
+            prefix = prefix or before
+            before = prefix if start and not (after or rest) else b''
+            if not start:
+                if prefix and ends:
+                    counts['no_sentence'] += 1
+                continue
+            came_ns = known[n] if n < len(known) else received_ns
+            n += 1
+            if len(body) > MAX_SENTENCE:
+                counts['too_long'] += 1
+            elif checksum:
+                if _HEX[checksum] == computed:
+                    frames.append((came_ns, prefix, body, True))
+                else:
+                    counts['bad_checksum'] += 1
+            elif not rest:
+                counts['cut'] += 1
+            elif rest[:1] == b'*':
+                counts['bad_checksum'] += 1
+            else:
+                frames.append((came_ns, prefix, body, False))
+        self._prefix = prefix
+        return frames
+
+
+def split(line: bytes) -> tuple[bytes, bytes] | None:
+    """Return what stands before the first sentence of a line, and its text; None without one."""
+    match = _PIECE.match(line if line.endswith((b'\n', b'\r')) else line + b'\n')
+    return (match[1], match[3]) if match and match[2] else None

@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whole logs into headings: NMEA with or without stamps before the sentences, and csv."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from os import PathLike
+from typing import Iterator
+
+from heading_intercompare.core.records import Headings
+
+from .csvlog import CsvDecoder, is_csv
+from .nmea import NmeaDecoder
+from .settings import DriverError, DriverSettings
+
+__all__ = ['LogReader', 'read_log']
+
+
+class LogReader:
+    """
+    Headings of a log, in chunks; iterate once.
+
+    Parameters
+    ----------
+    path : path-like
+        A log of NMEA sentences, or a csv of headings (`csvlog`).
+    settings : DriverSettings, optional
+        `source` and `speed` do not matter here.
+    block_bytes : int
+        Bytes read at once; each block gives one chunk.
+
+    Attributes
+    ----------
+    size, position : int
+        Bytes of the log, and of them read so far, to show progress.
+
+    Raises
+    ------
+    OSError
+        If the log cannot be read.
+    DriverError
+        If it is empty, or a csv without the columns needed.
+
+    """
+
+    def __init__(self, path: str | PathLike, settings: DriverSettings | None = None,
+                 block_bytes: int = 1 << 20) -> None:
+        self._path, self._block_bytes = os.fspath(path), block_bytes
+        self.position = 0
+        settings = settings or DriverSettings()
+        with open(self._path, 'rb') as file:
+            first = file.readline(4096)
+            self.size = os.fstat(file.fileno()).st_size
+        if not first:
+            raise DriverError(f'{self._path}: no lines')
+        if is_csv(first):
+            self._decoder = CsvDecoder(self._path, first, settings)
+        else:
+            self._decoder = NmeaDecoder(
+                dataclasses.replace(settings, source=f'file:{self._path}'))
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Everything that gave no heading so far, by reason; `NmeaDecoder.counts`."""
+        return self._decoder.counts
+
+    def __iter__(self) -> Iterator[Headings]:
+        """Yield the chunks, in the order of the log."""
+        with open(self._path, 'rb') as file:
+            while block := file.read(self._block_bytes):
+                self.position += len(block)
+                yield self._decoder.feed(block, None)
+        yield self._decoder.flush()
+
+
+def read_log(path: str | PathLike, settings: DriverSettings | None = None
+             ) -> tuple[Headings, dict[str, int]]:
+    """
+    Return all headings of a log, and the count of everything that gave none, by reason.
+
+    Parameters
+    ----------
+    path : path-like
+        A log of NMEA sentences, or a csv of headings.
+    settings : DriverSettings, optional
+        Sentence, talker, time, form of the stamps; `source` and `speed` do not matter here.
+
+    Returns
+    -------
+    headings : Headings
+        In the order of the log, whose stamps need not increase. Empty if no line gives one.
+    counts : dict of str to int
+        Lines by reason; with the headings they add up to all lines. `NmeaDecoder.counts`.
+
+    Raises
+    ------
+    OSError
+        If the log cannot be read.
+    DriverError
+        If it is empty, or a csv without the columns needed.
+
+    """
+    reader = LogReader(path, settings)
+    headings = Headings.concatenate(list(reader))
+    return headings, reader.counts

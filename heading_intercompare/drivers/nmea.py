@@ -1,0 +1,273 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Bytes of NMEA 0183 into headings, with a count of everything that gave none."""
+
+from __future__ import annotations
+
+from array import array
+from collections import Counter
+
+import numpy as np
+
+from heading_intercompare.core.records import Headings
+
+from .choice import accepts, best, heard_in
+from .framing import Frame, Framer, KEPT_PREFIX
+from .sentences import heading_of, identify, may_lack_checksum, Name, PARSERS, Rejected
+from .settings import DriverSettings
+from .stamps import day_time_ns, log_stamp_ns, nearest_day_ns, zda_ns
+
+__all__ = ['NmeaDecoder', 'PARSERS']
+
+
+class _Column:
+    """Readings of one kind of sentence and one talker, and what was wrong with the others."""
+
+    __slots__ = ('counts', 'heading_deg', 'n', 'stamp_ns')
+
+    def __init__(self) -> None:
+        self.stamp_ns, self.heading_deg = array('q'), array('d')
+        self.counts: Counter[str] = Counter()
+        self.n = 0
+
+    def drain(self) -> Headings:
+        chunk = Headings(np.array(self.stamp_ns, np.int64), np.array(self.heading_deg))
+        self.stamp_ns, self.heading_deg = array('q'), array('d')
+        return chunk
+
+
+class NmeaDecoder:
+    r"""
+    Turns what a source delivers into headings of one sensor.
+
+    Parameters
+    ----------
+    settings : DriverSettings
+        The scheme of `source` matters: udp delivers datagrams, each complete in itself; the
+        lines of a file carry their own stamps. Without a source the bytes are a live stream.
+
+    Attributes
+    ----------
+    lines : int
+        Sentences and lines without one that were seen, so far: the headings returned, those held
+        while listening, and the sum of `counts`.
+
+    Notes
+    -----
+    *Which sentence.* One kind and one talker (`choice`). A file is searched beforehand; a live
+    line with sentence 'auto' is listened to for `learn_s` from the first heading sentence on,
+    by the times of receipt: until then readings are held, then those of the best kind are
+    returned. `feed(b'', now_ns)` lets that time pass on a line that has fallen silent.
+
+    *Stamps of receipt.* Live, the time at which the first byte of the sentence came; in a file,
+    the stamp before the sentence, which is also taken from a live line if `stamp_format` names
+    its form.
+
+    *Stamps of validity.* A heading takes the time of the ZDA before it, if it is the first
+    sentence of its kind and talker after that ZDA: one ZDA opens one burst. A heading before any
+    ZDA, a second one in a burst, and one after a ZDA that cannot be read have no time of
+    validity. PASHR with a time of its own takes that, on the day that puts it nearest to the
+    last ZDA or, without one, to the time of receipt.
+
+    *Order.* That of the bytes. Stamps that do not increase are left to the pairing.
+
+    Examples
+    --------
+    >>> decoder = NmeaDecoder(DriverSettings(sentence='HDT'))
+    >>> decoder.feed(b'$HEHDT,218.53,T*12\r\n', 1_000).heading_deg.tolist()
+    [218.53]
+
+    """
+
+    def __init__(self, settings: DriverSettings) -> None:
+        self._settings = settings
+        address = settings.address if settings.source is not None else None
+        scheme = address.scheme if address else ''
+        self._framer = Framer(datagrams=scheme == 'udp')
+        self._counts = self._framer.counts
+        self._lenient = settings.checksum == 'if_present'
+        self._validity = settings.time == 'validity'
+        self._stamp_format = settings.stamp_format
+        if scheme != 'file' and settings.stamp_format == 'auto':
+            self._stamp_format = 'none'
+        self._from_file = scheme == 'file'
+        self._chosen = heard_in(address.path, settings) if self._from_file else None
+        self._chosen_column = _Column()
+        self._held: dict[Name, _Column] = {}
+        self._learning_since_ns: int | None = None
+        self._zda_ns: int | None = None
+        self._burst_ns: int | None = None
+        self._stamped: set[Name] = set()
+        self._psxn_quality = b''
+        self._n_headings = 0
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """
+        Everything that gave no heading so far, by reason.
+
+        Beside those of `Framer`: `no_checksum`; `not_heading`: sound sentences of other kinds;
+        `other_sentence.KIND`, `other_talker.XX`: headings that were not chosen;
+        `too_few_fields`, `empty_heading`, `bad_field`, `out_of_range`, `not_true`,
+        `invalid_mode.X` (THS), `no_variation` (HDG), `invalid_quality` (PSXN,20 before PSXN,23
+        says so); `no_stamp`, `bad_stamp`, `no_validity_time`, `bad_time` (a ZDA).
+        """
+        return dict(sorted(self._counts.items()))
+
+    @property
+    def lines(self) -> int:
+        """Sentences, and lines without one, seen so far."""
+        return (sum(self._counts.values()) + self._n_headings
+                + sum(column.n for column in self._held.values()))
+
+    @property
+    def chosen(self) -> Name | None:
+        """Kind and talker whose headings are returned; None while listening."""
+        return self._chosen
+
+    def feed(self, data: bytes, received_ns: int | None) -> Headings:
+        """
+        Take bytes and return the headings that they complete.
+
+        Parameters
+        ----------
+        data : bytes
+            A datagram, or a piece of the stream split anywhere; may be empty.
+        received_ns : int or None
+            Time of receipt, nanoseconds UTC; not used where lines carry stamps.
+
+        Returns
+        -------
+        Headings
+            In the order of the bytes; none while still listening.
+
+        """
+        for frame in self._framer.feed(data, received_ns):
+            self._take(frame)
+        if self._held:
+            if self._learning_since_ns is None:
+                self._learning_since_ns = received_ns
+            if self._settings.sentence != 'auto' or self._learnt(received_ns):
+                self._choose()
+        return self._drained()
+
+    def flush(self) -> Headings:
+        """Return what is left at the end of the stream."""
+        for frame in self._framer.flush():
+            self._take(frame)
+        if self._held:
+            self._choose()
+        return self._drained()
+
+    def _learnt(self, now_ns: int | None) -> bool:
+        since_ns = self._learning_since_ns
+        if now_ns is None or since_ns is None:
+            return False
+        self._learning_since_ns = min(since_ns, now_ns)
+        return now_ns - since_ns >= self._settings.learn_s * 1e9
+
+    def _choose(self) -> None:
+        """Settle for the best of the sentences heard, and account for the others."""
+        self._chosen = best(self._held)
+        for name, column in self._held.items():
+            if name == self._chosen:
+                self._chosen_column = column
+                self._counts.update(column.counts)
+            else:
+                self._counts[self._other(name)] += column.n
+        self._held = {}
+
+    def _drained(self) -> Headings:
+        chunk = self._chosen_column.drain()
+        self._n_headings += len(chunk)
+        return chunk
+
+    def _other(self, name: Name) -> str:
+        """Why a heading sentence is not the one taken."""
+        kind = self._chosen.kind if self._chosen else self._settings.sentence
+        return (f'other_talker.{name.talker}' if name.kind == kind or kind == 'auto'
+                else f'other_sentence.{name.kind}')
+
+    def _take(self, frame: Frame) -> None:
+        """Put one sentence where it belongs: a reading or a count."""
+        received_ns, prefix, text, checked = frame
+        name = identify(text)
+        if not (checked or self._lenient or may_lack_checksum(name)):
+            self._counts['no_checksum'] += 1
+            return
+        if name is None:
+            self._counts[self._note(text)] += 1
+            return
+        counts, column = self._counts, self._chosen_column
+        if name != self._chosen:
+            if self._chosen is not None or not accepts(name, self._settings):
+                counts[self._other(name)] += 1
+                return
+            column = self._held.setdefault(name, _Column())
+            column.n += 1
+            counts = column.counts
+        try:
+            if self._validity:
+                stamp_ns, heading_deg = self._read_valid(name, text, prefix, received_ns)
+            else:
+                heading_deg = self._heading(name, text)
+                stamp_ns = self._receipt_ns(prefix, received_ns)
+        except Rejected as rejected:
+            counts[rejected.reason] += 1
+            return
+        column.stamp_ns.append(stamp_ns)
+        column.heading_deg.append(heading_deg)
+
+    def _note(self, text: bytes) -> str:
+        """Keep what another sentence says of the headings to come; return how it is counted."""
+        if text[2:6] == b'ZDA,' and self._validity:
+            self._stamped.clear()
+            try:
+                self._zda_ns = self._burst_ns = zda_ns(text.split(b','))
+            except ValueError:
+                self._burst_ns = None
+                return 'bad_time'
+        elif text[:8] == b'PSXN,20,':
+            self._psxn_quality = (text.split(b',') + [b''] * 3)[4].strip()
+        return 'not_heading'
+
+    def _heading(self, name: Name, text: bytes) -> float:
+        if name.kind == 'PSXN,23' and self._psxn_quality == b'2':
+            raise Rejected('invalid_quality')
+        return heading_of(text)
+
+    def _read_valid(self, name: Name, text: bytes, prefix: bytes, received_ns: int | None
+                    ) -> tuple[int, float]:
+        """Return time of validity and heading of a sentence; raises Rejected."""
+        burst_ns = None if name in self._stamped else self._burst_ns
+        self._stamped.add(name)
+        heading_deg = self._heading(name, text)
+        if name.kind == 'PASHR' and not text.startswith(b'PASHR,ATT'):
+            return self._own_time_ns(text, prefix, received_ns), heading_deg
+        if burst_ns is None:
+            raise Rejected('no_validity_time')
+        return burst_ns, heading_deg
+
+    def _receipt_ns(self, prefix: bytes, received_ns: int | None) -> int:
+        """Return the stamp before a sentence, or its time of receipt; raises Rejected."""
+        if self._stamp_format != 'none':
+            try:
+                received_ns = log_stamp_ns(prefix[-KEPT_PREFIX:], self._stamp_format)
+            except ValueError:
+                raise Rejected('bad_stamp') from None
+        elif self._from_file:
+            received_ns = None
+        if received_ns is None:
+            raise Rejected('no_stamp')
+        return received_ns
+
+    def _own_time_ns(self, text: bytes, prefix: bytes, received_ns: int | None) -> int:
+        """Return the time of a PASHR sentence on the right day; raises Rejected."""
+        try:
+            time_of_day_ns = day_time_ns(text.split(b',')[1])
+            near_ns = self._zda_ns
+            if near_ns is None:
+                near_ns = self._receipt_ns(prefix, received_ns)
+        except (ValueError, Rejected):
+            raise Rejected('no_validity_time') from None
+        return nearest_day_ns(time_of_day_ns, near_ns)

@@ -1,0 +1,199 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What the sentences say: which are headings, how each kind is read, what is not accepted.
+
+A heading is a number from 0 to 360; 360 is 0. Fields may be padded with blanks.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+import re
+from typing import Callable, NamedTuple
+
+from heading_intercompare.core.angles import wrap360
+
+__all__ = ['heading_of', 'identify', 'may_lack_checksum', 'Name', 'PARSERS', 'Rejected']
+
+
+class Rejected(Exception):
+    """A sentence gives no heading; `reason` is the name under which it is counted."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(reason)
+        self.reason = reason
+
+
+class Name(NamedTuple):
+    """Kind of a heading sentence and its talker; a proprietary sentence has none."""
+
+    kind: str
+    talker: str
+
+
+_TALKED = ('THS', 'HDT', 'HDG')
+_PROPRIETARY = {b'PSXN,23,': Name('PSXN,23', ''), b'PUHAW,UVH,': Name('PUHAW,UVH', '')}
+_is_number = re.compile(rb' *[+-]?(?:\d+\.?\d*|\.\d+) *\Z').match
+_is_pashr = re.compile(rb'PASHR,(?:ATT,|,|\d)').match
+
+
+def identify(text: bytes) -> Name | None:
+    """
+    Return which heading sentence this is, or None for any other sentence.
+
+    PASHR is taken in the form of POS MV and Seapath, where a time or nothing follows, and as
+    PASHR,ATT; other PASHR sentences are no headings.
+
+    Examples
+    --------
+    >>> identify(b'HEHDT,218.53,T')
+    Name(kind='HDT', talker='HE')
+
+    """
+    if text[:1] != b'P':
+        return _talked(text[:6])
+    if _is_pashr(text):
+        return Name('PASHR', '')
+    for start, name in _PROPRIETARY.items():
+        if text.startswith(start):
+            return name
+    return None
+
+
+@lru_cache(maxsize=256)
+def _talked(start: bytes) -> Name | None:
+    kind = start[2:5].decode('latin-1')
+    if kind in _TALKED and start[5:] == b',':
+        return Name(kind, start[:2].decode('latin-1'))
+    return None
+
+
+def may_lack_checksum(name: Name | None) -> bool:
+    """Tell whether sentences of this name never have a checksum: PUHAW,UVH."""
+    return name is not None and name.kind == 'PUHAW,UVH'
+
+
+def _field(fields: list[bytes], index: int) -> bytes:
+    if len(fields) <= index:
+        raise Rejected('too_few_fields')
+    return fields[index]
+
+
+def _heading(fields: list[bytes], index: int) -> float:
+    text = _field(fields, index)
+    if not _is_number(text):
+        raise Rejected('bad_field' if text.strip() else 'empty_heading')
+    heading_deg = float(text)
+    if not 0.0 <= heading_deg <= 360.0:
+        raise Rejected('out_of_range')
+    return heading_deg + 0.0 if heading_deg < 360.0 else 0.0
+
+
+def _true_heading(fields: list[bytes], index: int) -> float:
+    """Heading whose next field says T."""
+    heading_deg = _heading(fields, index)
+    if _field(fields, index + 1).strip() != b'T':
+        raise Rejected('not_true')
+    return heading_deg
+
+
+def _parse_hdt(fields: list[bytes]) -> float:
+    """Read `xxHDT,heading,T`."""
+    return _true_heading(fields, 1)
+
+
+def _parse_ths(fields: list[bytes]) -> float:
+    """
+    Read `xxTHS,heading,mode`; only mode A, autonomous, is a measurement of the sensor.
+
+    V is not valid, S a simulator, M an operator's input, E dead reckoning or a back-up sensor.
+    """
+    mode = _field(fields, 2).strip().decode('latin-1')
+    if mode != 'A':
+        raise Rejected(f'invalid_mode.{mode if mode in tuple("EMSV") else "other"}')
+    return _heading(fields, 1)
+
+
+def _parse_pashr(fields: list[bytes]) -> float:
+    """
+    Read `PASHR,time,heading,T,roll,pitch,heave,...` or `PASHR,ATT,time,heading,pitch,roll,...`.
+
+    The status flags of the first form mean different things from maker to maker; not used.
+    """
+    return _heading(fields, 3) if fields[1] == b'ATT' else _true_heading(fields, 2)
+
+
+def _parse_psxn23(fields: list[bytes]) -> float:
+    """Read `PSXN,23,roll,pitch,heading,heave`."""
+    return _heading(fields, 4)
+
+
+def _parse_uvh(fields: list[bytes]) -> float:
+    """Read `PUHAW,UVH,u,v,heading`, written by UHDAS beside its currents."""
+    return _heading(fields, 4)
+
+
+def _east(fields: list[bytes], index: int) -> float | None:
+    """Return a value and its side, E or W, as degrees to the east; None if empty."""
+    text, side = _field(fields, index), _field(fields, index + 1).strip()
+    if not text.strip():
+        return None
+    value_deg = float(text) if _is_number(text) else float('nan')
+    if not -180.0 <= value_deg <= 180.0 or (side not in (b'E', b'W') and value_deg != 0.0):
+        raise Rejected('bad_field')
+    return -value_deg if side == b'W' else value_deg
+
+
+def _parse_hdg(fields: list[bytes]) -> float:
+    """
+    Read `xxHDG,sensor heading,deviation,E/W,variation,E/W`; E is added, W subtracted.
+
+    An empty deviation is none. Without variation the true heading is unknown.
+    """
+    sensor_deg = _heading(fields, 1)
+    deviation_deg, variation_deg = _east(fields, 2), _east(fields, 4)
+    if variation_deg is None:
+        raise Rejected('no_variation')
+    return float(wrap360(sensor_deg + (deviation_deg or 0.0) + variation_deg))
+
+
+#: Kind of sentence -> its parser: fields with the address -> heading [deg]; raises Rejected.
+PARSERS: dict[str, Callable[[list[bytes]], float]] = {
+    'THS': _parse_ths,
+    'HDT': _parse_hdt,
+    'PASHR': _parse_pashr,
+    'PSXN,23': _parse_psxn23,
+    'PUHAW,UVH': _parse_uvh,
+    'HDG': _parse_hdg,
+}
+
+
+@lru_cache(maxsize=1 << 16)
+def heading_of(text: bytes) -> float:
+    """
+    Return the heading that a sentence gives.
+
+    Parameters
+    ----------
+    text : bytes
+        What stands between `$` and `*`, of a sentence that `identify` knows. A gyrocompass
+        repeats itself, so the last 65536 texts are remembered (16 MB).
+
+    Returns
+    -------
+    float
+        Degrees in [0, 360).
+
+    Raises
+    ------
+    Rejected
+        If it gives none; `reason` says why.
+
+    Examples
+    --------
+    >>> heading_of(b'SDHDG,229.5,,,1.5,E')
+    231.0
+
+    """
+    return PARSERS[identify(text).kind](text.split(b','))

@@ -1,0 +1,183 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What can be set on a driver, and the addresses of heading sources."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import ipaddress
+from urllib.parse import parse_qsl, urlsplit
+
+from heading_intercompare.core.settings import Checked, setting, SettingsError
+
+__all__ = ['Address', 'DriverError', 'DriverSettings', 'parse_address']
+
+#: Kinds of heading sentence; of those present, 'auto' takes the first.
+SENTENCES = ('THS', 'HDT', 'PASHR', 'PSXN,23', 'PUHAW,UVH', 'HDG')
+
+_FORMS = ('must be file:PATH, udp://HOST:PORT[?interface=IP], tcp://HOST:PORT '
+          'or serial:DEVICE[?baud=4800]')
+
+
+class DriverError(ValueError):
+    """A log or a source cannot be used: what, where, what is allowed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Address:
+    """
+    Where headings come from.
+
+    Attributes
+    ----------
+    scheme : {'file', 'udp', 'tcp', 'serial'}
+        The transport.
+    path : str
+        Path of a log, or name of a serial device.
+    host, port : str, int
+        Address and port; for udp the multicast group to join or the local address to listen on,
+        empty for all of them.
+    interface : str
+        Address of the local interface that joins the multicast group; empty for the system's.
+    baud : int
+        Speed of the serial line.
+
+    """
+
+    scheme: str
+    path: str = ''
+    host: str = ''
+    port: int = 0
+    interface: str = ''
+    baud: int = 4800
+
+    @property
+    def multicast(self) -> bool:
+        """Whether the host is a multicast group."""
+        try:
+            return ipaddress.ip_address(self.host).is_multicast
+        except ValueError:
+            return False
+
+
+def parse_address(source: str) -> Address:
+    """
+    Return the address that a source URL names.
+
+    Parameters
+    ----------
+    source : str
+        `file:PATH` (everything after the colon is the path, as it stands),
+        `udp://HOST:PORT` (a multicast group is joined; `udp://:PORT` listens on all addresses),
+        `tcp://HOST:PORT`, or `serial:DEVICE?baud=4800`.
+
+    Raises
+    ------
+    SettingsError
+        If the URL is none of these: what is wrong and what is allowed.
+
+    Examples
+    --------
+    >>> parse_address('udp://239.192.0.3:60003').multicast
+    True
+    >>> parse_address('serial:/dev/ttyUSB0?baud=38400').baud
+    38400
+
+    """
+    scheme, colon, rest = source.partition(':')
+    scheme = scheme.lower()
+    if not colon or scheme not in ('file', 'udp', 'tcp', 'serial'):
+        raise SettingsError(f'source = {source!r}: {_FORMS}')
+    if scheme == 'file':
+        if not rest:
+            raise SettingsError(f'source = {source!r}: the path is missing; {_FORMS}')
+        return Address('file', path=rest)
+    if scheme == 'serial':
+        device, _, query = rest.partition('?')
+        options = _options(source, query, ('baud',))
+        if not device:
+            raise SettingsError(f'source = {source!r}: the device is missing; {_FORMS}')
+        return Address('serial', path=device,
+                       baud=_whole(source, 'baud', options.get('baud', '4800'), 50, 4_000_000))
+    return _network(source, scheme)
+
+
+def _network(source: str, scheme: str) -> Address:
+    try:
+        url = urlsplit(source)
+        host, port = url.hostname or '', url.netloc.rpartition(']')[2].rpartition(':')[2]
+    except ValueError as error:
+        raise SettingsError(f'source = {source!r}: {error}; {_FORMS}') from None
+    if not url.netloc or url.path not in ('', '/') or '@' in url.netloc:
+        raise SettingsError(f'source = {source!r}: {_FORMS}')
+    port = _whole(source, 'port', port, 1, 65535)
+    options = _options(source, url.query, ('interface',) if scheme == 'udp' else ())
+    if scheme == 'tcp' and not host:
+        raise SettingsError(f'source = {source!r}: the host is missing; {_FORMS}')
+    interface = options.get('interface', '')
+    for name, value in (('host', host if scheme == 'udp' else ''), ('interface', interface)):
+        if ':' in value:
+            raise SettingsError(f'source = {source!r}: {name} must be an IPv4 address or a name')
+    return Address(scheme, host=host, port=port, interface=interface)
+
+
+def _options(source: str, query: str, allowed: tuple[str, ...]) -> dict[str, str]:
+    options = dict(parse_qsl(query, keep_blank_values=True))
+    for name in options:
+        if name not in allowed:
+            raise SettingsError(f'source = {source!r}: unknown option {name!r}; {_FORMS}')
+    return options
+
+
+def _whole(source: str, name: str, text: str, lo: int, hi: int) -> int:
+    if not (text.isascii() and text.isdigit() and lo <= int(text) <= hi):
+        raise SettingsError(f'source = {source!r}: {name} must be a whole number from {lo} to '
+                            f'{hi}; {_FORMS}')
+    return int(text)
+
+
+@dataclass(frozen=True, slots=True)
+class DriverSettings(Checked):
+    """Where headings come from, which sentences are taken and how they are stamped."""
+
+    source: str | None = setting(
+        None, 'where sentences come from: file:PATH, udp://HOST:PORT (a multicast group is '
+        'joined), tcp://HOST:PORT or serial:DEVICE?baud=4800')
+    topic: str = setting('ts/heading', 'topic on which the headings are published')
+    sentence: str = setting(
+        'auto', "kind of sentence taken; 'auto': the first of those present, in this order",
+        choices=('auto', *SENTENCES))
+    talker: str | None = setting(
+        None, 'talker whose sentences are taken (HE, GP, IN; source number of a csv); none: the '
+        'first heard')
+    time: str = setting(
+        'receipt', "stamps: time of 'receipt' (of a log: the stamp of the line), or of "
+        "'validity' (ZDA of the same stream, own time of PASHR)",
+        choices=('receipt', 'validity'))
+    stamp_format: str = setting(
+        'auto', "stamp written before a sentence; 'auto': any of them in a file, none of them "
+        "on a live line; 'iso', 'doy' (YY+DDD:HH:MM:SS), 'epoch', 'tag' (c: of a TAG block), "
+        "'none'", choices=('auto', 'iso', 'doy', 'epoch', 'tag', 'none'))
+    checksum: str = setting(
+        'required', "'required' (but for PUHAW,UVH, which has none); 'if_present': sentences "
+        'without a checksum are taken too', choices=('required', 'if_present'))
+    speed: float = setting(
+        1.0, 'speed at which a file is played, times log time; 0: as fast as possible', 0.0)
+    learn_s: float = setting(
+        2.0, "time of listening before sentence 'auto' chooses on a live line [s]", 0.0, 600.0)
+    reconnect_s: float = setting(
+        2.0, 'time between attempts to reach a TCP server or serial device again [s]', 0.1,
+        3600.0)
+
+    def __post_init__(self) -> None:
+        """Check every setting, and the form of the source."""
+        Checked.__post_init__(self)
+        if self.source is not None:
+            parse_address(self.source)
+
+    @property
+    def address(self) -> Address:
+        """The parsed source; SettingsError if none is set."""
+        if self.source is None:
+            raise SettingsError(f'source is required: {_FORMS}')
+        return parse_address(self.source)

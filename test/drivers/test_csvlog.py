@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Csv of headings, as decoders of NMEA 2000 write them."""
+
+from __future__ import annotations
+
+import pytest
+
+from heading_intercompare.core.records import Headings
+from heading_intercompare.drivers.logs import LogReader, read_log
+from heading_intercompare.drivers.settings import DriverError, DriverSettings
+
+HEADER = 't_ns,src,heading_deg,deviation_deg,variation_deg,reference_0true_1mag'
+
+
+@pytest.fixture
+def csv(tmp_path):
+    """Return a function that writes lines to a csv and returns its path."""
+    def write(*lines: str):
+        path = tmp_path / 'headings.csv'
+        path.write_text('\n'.join(lines) + '\n', 'utf-8')
+        return path
+    return write
+
+
+def test_two_columns_are_enough(csv):
+    path = csv('t_ns,heading_deg', '1782972093006000001,1.5', '1782972093006000002, 360 ')
+    headings, counts = read_log(path)
+    assert headings == Headings.of([1782972093006000001, 1782972093006000002], [1.5, 0.0])
+    assert counts == {}
+
+
+@pytest.mark.parametrize('row, heading_deg', [
+    ('1,5,10.0,,7.0,0', 10.0), ('1,5,10.0,,,', 10.0), ('1,5,10.0,,7.0,1', 17.0),
+    ('1,5,10.0,-1.0,7.0,1', 16.0), ('1,5,359.0,,7.0,1', 6.0), ('1,5,1.0,,-7.0,1', 354.0)])
+def test_magnetic_headings_are_turned_by_deviation_and_variation(csv, row, heading_deg):
+    assert read_log(csv(HEADER, row))[0] == Headings.of([1], [heading_deg])
+
+
+@pytest.mark.parametrize('row, reason', [
+    ('1,5,,,,0', 'empty_heading'), ('1,5,x,,,0', 'bad_field'), ('1,5,nan,,,0', 'out_of_range'),
+    ('1,5,361,,,0', 'out_of_range'), ('1,5,10.0,,,1', 'no_variation'),
+    ('1,5,10.0,,nan,1', 'bad_field'), ('1,5,10.0,,7.0,2', 'bad_field'),
+    (',5,10.0,,,0', 'no_stamp'), ('1.5,5,10.0,,,0', 'bad_stamp'), ('-1,5,10.0,,,0', 'bad_stamp'),
+    ('9223372036854775808,5,10.0,,,0', 'bad_stamp'), ('1,5,10.0', 'too_few_fields'),
+    ('1,5,10.0,,,0,0', 'bad_field'), ('1,6,10.0,,,0', 'other_talker.6')])
+def test_a_row_without_a_heading_is_counted_by_reason(csv, row, reason):
+    headings, counts = read_log(csv(HEADER, '0,5,20.0,,,0', row))
+    assert headings == Headings.of([0], [20.0]) and counts == {reason: 1}
+
+
+def test_one_source_is_taken(csv):
+    path = csv(HEADER, '1,52,10.0,,,0', '2,27,20.0,,,0', '3,52,30.0,,,0', '')
+    assert read_log(path) == (Headings.of([1, 3], [10.0, 30.0]), {'other_talker.27': 1})
+    assert read_log(path, DriverSettings(talker='27')) == (
+        Headings.of([2], [20.0]), {'other_talker.52': 2})
+
+
+@pytest.mark.parametrize('block_bytes', [1, 3, 50])
+def test_the_size_of_the_blocks_changes_nothing(csv, block_bytes):
+    path = csv(HEADER, '1,52,10.0,,,0', '2,27,20.0,,,0', '3,52,30.0,,,0')
+    reader = LogReader(path, block_bytes=block_bytes)
+    assert (Headings.concatenate(list(reader)), reader.counts) == read_log(path)
+
+
+def test_a_missing_column_is_named(csv):
+    with pytest.raises(DriverError, match=r'headings\.csv: column t_ns is missing'):
+        read_log(csv('time,heading_deg', '1,2'))
+
+
+def test_headings_of_nmea_2000_are_read(shared_data):
+    path = shared_data / 'n2k_canboat' / 'triton-engine-setup.127250.csv'
+    headings, counts = read_log(path)
+    assert len(headings) == 261 and counts == {'other_talker.27': 521}
+    assert (headings.stamp_ns[0], headings.heading_deg[0]) == (1782972093006000000, 298.700087)
+    headings, counts = read_log(path, DriverSettings(talker='27'))
+    assert len(headings) == 0 and counts == {'no_variation': 521, 'other_talker.52': 261}

@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A log played live: its pace, and that it gives what importing it gives."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from heading_intercompare.core.records import Headings
+from heading_intercompare.drivers.logs import read_log
+from heading_intercompare.drivers.nmea import NmeaDecoder
+from heading_intercompare.drivers.playback import FileSource
+from heading_intercompare.drivers.settings import DriverError, DriverSettings
+from heading_intercompare.drivers.sources import open_source
+
+DATA = Path(__file__).resolve().parent.parent / 'data' / 'nmea'
+S = 1_000_000_000
+NOON = 1772366400 * S   # 2026-03-01T12:00:00Z
+
+
+class Clock:
+    """A clock that goes on only when waited for."""
+
+    def __init__(self):
+        self.now = 1000.0
+
+    def __call__(self) -> float:
+        return self.now
+
+    def wait(self, seconds: float) -> None:
+        assert seconds >= 0.0
+        self.now += seconds
+
+
+@pytest.fixture
+def log(tmp_path):
+    """Return the path of a log with a line each second, one of them without a stamp."""
+    path = tmp_path / 'gyro.log'
+    path.write_bytes(b'1772366400.0 $HEHDT,1.0,T*2E\n'
+                     b'no stamp\n'
+                     b'1772366401.0 $HEHDT,2.0,T*2D\n'
+                     b'1772366402.0 $HEHDT,3.0,T*2C')
+    return path
+
+
+def play(path, clock, speed: float) -> FileSource:
+    return FileSource(DriverSettings(source=f'file:{path}', speed=speed), clock=clock,
+                      wait=clock.wait)
+
+
+def test_lines_come_at_log_time_times_speed(log):
+    clock = Clock()
+    with closing(play(log, clock, 2.0)) as source:
+        assert source.first_ns == source.origin_ns == NOON
+        assert source.read(0.1) == [(NOON, b'1772366400.0 $HEHDT,1.0,T*2E\n'),
+                                    (None, b'no stamp\n')]
+        assert source.read(0.1) == [] and clock.now == pytest.approx(1000.1)
+        assert [ns for ns, _ in source.read(10.0)] == [NOON + S]
+        assert clock.now == pytest.approx(1000.5) and not source.exhausted
+        assert [ns for ns, _ in source.read(10.0)] == [NOON + 2 * S]
+        assert clock.now == pytest.approx(1001.0) and source.exhausted
+        assert source.read(10.0) == [] and clock.now == pytest.approx(1001.0)
+        assert source.status.endswith('end')
+
+
+def test_the_clock_starts_with_the_first_read(log):
+    clock = Clock()
+    source = play(log, clock, 1.0)
+    clock.now += 100.0
+    assert len(source.read(0.0)) == 2
+    source.close()
+    assert source.exhausted and source.read(0.0) == []
+
+
+def test_two_logs_with_the_same_origin_are_played_in_step(log):
+    clock = Clock()
+    with closing(play(log, clock, 1.0)) as source:
+        source.origin_ns = NOON - 5 * S
+        assert source.read(4.0) == []
+        assert [ns for ns, _ in source.read(4.0)] == [NOON, None]
+        assert clock.now == pytest.approx(1005.0)
+
+
+def test_at_speed_0_nothing_is_waited_for(log):
+    clock = Clock()
+    with closing(play(log, clock, 0.0)) as source:
+        assert len(source.read(1.0)) == 4 and source.exhausted and clock.now == 1000.0
+
+
+def test_a_log_without_stamps_is_not_paced(tmp_path):
+    path = tmp_path / 'bare.log'
+    path.write_bytes(b'$HEHDT,1.0,T*2E\n' * 1500)
+    clock = Clock()
+    with closing(play(path, clock, 1.0)) as source:
+        assert source.first_ns is None
+        assert [len(source.read(1.0)) for _ in range(3)] == [1000, 500, 0]
+        assert clock.now == 1000.0
+
+
+@pytest.mark.parametrize('name', ['damaged.log', 'tagged.log', 'burst_iso.log'])
+@pytest.mark.parametrize('time', ['receipt', 'validity'])
+def test_playing_a_log_gives_what_importing_it_gives(name, time):
+    settings = DriverSettings(source=f'file:{DATA / name}', speed=0.0, time=time)
+    decoder = NmeaDecoder(settings)
+    chunks = []
+    with closing(open_source(settings)) as source:
+        while not source.exhausted:
+            chunks += [decoder.feed(data, ns) for ns, data in source.read(1.0)]
+    chunks.append(decoder.flush())
+    assert (Headings.concatenate(chunks), decoder.counts) == read_log(DATA / name, settings)
+
+
+def test_ship_logs_played_give_what_importing_them_gives(shared_data):
+    path = shared_data / 'nbp1700_replay' / 'NBP1700_s330-2017-11-04'
+    settings = DriverSettings(source=f'file:{path}', speed=0.0)
+    decoder = NmeaDecoder(settings)
+    chunks = []
+    with closing(open_source(settings)) as source:
+        while not source.exhausted:
+            chunks += [decoder.feed(data, ns) for ns, data in source.read(1.0)]
+    chunks.append(decoder.flush())
+    assert (Headings.concatenate(chunks), decoder.counts) == read_log(path)
+
+
+def test_a_log_that_cannot_be_played_says_why(tmp_path):
+    empty, csv = tmp_path / 'empty.log', tmp_path / 'headings.csv'
+    empty.touch()
+    csv.write_text('t_ns,heading_deg\n1,2\n')
+    with pytest.raises(DriverError, match=r'empty\.log: no lines'):
+        open_source(DriverSettings(source=f'file:{empty}'))
+    with pytest.raises(DriverError, match=r'headings\.csv: a csv is imported, not played'):
+        open_source(DriverSettings(source=f'file:{csv}'))
+    with pytest.raises(FileNotFoundError):
+        open_source(DriverSettings(source=f'file:{tmp_path / "none.log"}'))
