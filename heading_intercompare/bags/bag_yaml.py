@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The YAML texts of a rosbag2: metadata.yaml and the QoS of its topics, version 9."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+import json
+from pathlib import Path
+import re
+from typing import Any, Iterator, Mapping
+
+__all__ = ['bag_metadata', 'listed_parts', 'PartInfo', 'Qos', 'TopicRow']
+
+_VERSION = 9
+_DISTRIBUTION = 'jazzy'
+#: What rosbag2 writes for the start of a bag without messages.
+_NEVER = 2**63 - 1
+_FOREVER = {'sec': 9223372036, 'nsec': 854775807}
+_PLAIN = re.compile(r'[A-Za-z/][\w./-]*')
+_WORDS = ('true', 'false', 'yes', 'no', 'on', 'off', 'null', 'y', 'n')
+
+
+@dataclass(frozen=True, slots=True)
+class Qos:
+    """
+    Quality of service that a publisher offers, in the words of rosbag2.
+
+    Attributes
+    ----------
+    history : str
+        'keep_last', 'keep_all', 'system_default' or 'unknown'.
+    depth : int
+        Messages kept.
+    reliability : str
+        'reliable', 'best_effort', 'system_default' or 'unknown'.
+    durability : str
+        'volatile', 'transient_local', 'system_default' or 'unknown'.
+
+    """
+
+    history: str = 'keep_last'
+    depth: int = 1000
+    reliability: str = 'reliable'
+    durability: str = 'volatile'
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return the one profile as rosbag2 lists it."""
+        return [{
+            'history': self.history, 'depth': self.depth, 'reliability': self.reliability,
+            'durability': self.durability, 'deadline': _FOREVER, 'lifespan': _FOREVER,
+            'liveliness': 'automatic', 'liveliness_lease_duration': _FOREVER,
+            'avoid_ros_namespace_conventions': False}]
+
+    def to_yaml(self) -> str:
+        """Return the value of `offered_qos_profiles` in the metadata of an MCAP channel."""
+        return '\n'.join(_lines(self.rows(), ''))
+
+
+@dataclass(slots=True)
+class TopicRow:
+    """One topic of metadata.yaml."""
+
+    name: str
+    type_name: str
+    type_hash: str
+    qos: Qos
+    count: int = 0
+
+
+@dataclass(slots=True)
+class PartInfo:
+    """What metadata.yaml says of a file of the bag; times in nanoseconds."""
+
+    path: str
+    start_ns: int | None = None
+    end_ns: int | None = None
+    count: int = 0
+    topics: list[TopicRow] = field(default_factory=list)
+
+
+def _scalar(value: Any) -> str:
+    if value is None:
+        return '~'
+    if isinstance(value, bool):
+        return 'true' if value else 'false'
+    if isinstance(value, int):
+        return str(value)
+    if _PLAIN.fullmatch(value) and value.lower() not in _WORDS:
+        return value
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _lines(value: Any, indent: str) -> Iterator[str]:
+    """Yield block style YAML of mappings and lists; empty ones in flow style."""
+    if isinstance(value, Mapping):
+        for name, inner in value.items():
+            if isinstance(inner, (Mapping, list)) and inner:
+                yield f'{indent}{_scalar(name)}:'
+                yield from _lines(inner, indent + '  ')
+            else:
+                empty = '[]' if isinstance(inner, list) else '{}'
+                text = empty if isinstance(inner, (Mapping, list)) else _scalar(inner)
+                yield f'{indent}{_scalar(name)}: {text}'
+    else:
+        for inner in value:
+            if isinstance(inner, Mapping):
+                first, *others = _lines(inner, indent + '  ')
+                yield f'{indent}- {first.lstrip()}'
+                yield from others
+            else:
+                yield f'{indent}- {_scalar(inner)}'
+
+
+def bag_metadata(part: PartInfo, custom_data: Mapping[str, str]) -> tuple[str, str]:
+    """
+    Return what rosbag2 says of a bag of one file.
+
+    Parameters
+    ----------
+    part : PartInfo
+        The file and its topics.
+    custom_data : mapping of str to str
+        Free entries.
+
+    Returns
+    -------
+    file_text, record_text : str
+        The text of metadata.yaml, and that of the MCAP metadata record `rosbag2`.
+
+    """
+    start_ns = _NEVER if part.start_ns is None else part.start_ns
+    start = {'nanoseconds_since_epoch': start_ns}
+    duration = {'nanoseconds': 0 if part.start_ns is None else part.end_ns - start_ns}
+    topics = [{'topic_metadata': {
+        'name': topic.name, 'type': topic.type_name, 'serialization_format': 'cdr',
+        'offered_qos_profiles': topic.qos.rows(), 'type_description_hash': topic.type_hash},
+        'message_count': topic.count} for topic in part.topics]
+    rows = {'version': _VERSION, 'storage_identifier': 'mcap', 'duration': duration,
+            'starting_time': start, 'message_count': part.count,
+            'topics_with_message_count': topics, 'compression_format': '',
+            'compression_mode': '', 'relative_file_paths': [part.path],
+            'files': [{'path': part.path, 'starting_time': start, 'duration': duration,
+                       'message_count': part.count}],
+            'custom_data': dict(custom_data) or None, 'ros_distro': _DISTRIBUTION}
+    file_text = '\n'.join(_lines({'rosbag2_bagfile_information': rows}, '')) + '\n'
+    return file_text, '\n'.join(_lines(rows, '')) + '\n'
+
+
+def listed_parts(path: Path) -> list[str]:
+    """Return the file names that a metadata.yaml lists; none if there is no such file."""
+    if not path.is_file():
+        return []
+    names, inside = [], False
+    for line in path.read_text(errors='replace').splitlines():
+        entry = line.strip()
+        if inside and entry.startswith('- '):
+            name = entry[2:].strip()
+            try:
+                name = str(json.loads(name))
+            except json.JSONDecodeError:
+                name = name.strip("'")
+            names.append(Path(name).name)
+        else:
+            inside = entry == 'relative_file_paths:'
+    return names

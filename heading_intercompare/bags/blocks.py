@@ -1,0 +1,191 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Where the messages are in a stretch of MCAP records.
+
+The message indexes that follow a chunk say it, for all messages at once; they are believed only
+if the messages they name fill the chunk without a gap. Otherwise the records are walked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import struct
+from typing import NamedTuple
+
+from mcap.opcode import Opcode
+import numpy as np
+from numpy.typing import DTypeLike
+
+from .errors import BagError
+
+__all__ = ['Block', 'HEAD', 'MESSAGE_HEAD', 'Record', 'block_of', 'gathered', 'walk', 'whole']
+
+#: Opcode and length of a record.
+HEAD = struct.Struct('<BQ')
+#: The same of a message, then channel, sequence, log time, publish time; the payload follows.
+MESSAGE_HEAD = struct.Struct('<BQHIQQ')
+
+_FIXED = MESSAGE_HEAD.size - HEAD.size
+
+
+class Record(NamedTuple):
+    """Opcode, first byte behind the head, and length of a record."""
+
+    opcode: int
+    start: int
+    length: int
+
+
+def gathered(data: bytes, kind: DTypeLike, at: np.ndarray) -> np.ndarray:
+    """
+    Return the values at byte offsets of some data, aligned or not.
+
+    Parameters
+    ----------
+    data : bytes
+        Where the values are.
+    kind : dtype
+        What they are, with its byte order.
+    at : ndarray of int64, shape (n,)
+        Where each of them starts; it must lie within the data.
+
+    """
+    dtype = np.dtype(kind)
+    # Structures are copied as plain bytes: numpy moves those at once, others field by field.
+    moved = np.dtype(f'V{dtype.itemsize}') if dtype.names else dtype
+    everywhere = np.ndarray(max(len(data) - dtype.itemsize + 1, 0), moved, data, 0, (1,))
+    return everywhere[at].view(dtype)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """
+    Messages that were read at once.
+
+    Attributes
+    ----------
+    offset : int
+        Where the block starts in its file.
+    data : bytes
+        The records, decompressed.
+    start, stop : ndarray of int64, shape (n,)
+        First byte of each payload in `data`, and the byte behind its last; in file order.
+    others : tuple of Record
+        The records that are not messages.
+
+    """
+
+    offset: int
+    data: bytes
+    start: np.ndarray
+    stop: np.ndarray
+    others: tuple[Record, ...]
+
+    @property
+    def channel(self) -> np.ndarray:
+        """Channel of each message."""
+        return gathered(self.data, '<u2', self.start - 22)
+
+    @property
+    def sequence(self) -> np.ndarray:
+        """Sequence number of each message."""
+        return gathered(self.data, '<u4', self.start - 20)
+
+    @property
+    def log_time_ns(self) -> np.ndarray:
+        """Time at which each message was recorded, nanoseconds."""
+        return gathered(self.data, '<i8', self.start - 16)
+
+    @property
+    def publish_time_ns(self) -> np.ndarray:
+        """Time at which each message was published, nanoseconds."""
+        return gathered(self.data, '<i8', self.start - 8)
+
+
+def walk(data: bytes, begin: int, end: int) -> tuple[list[int], list[Record]]:
+    """Return where messages start, and the other records; BagError unless they end at `end`."""
+    messages, others = [], []
+    unpack, message = HEAD.unpack_from, int(Opcode.MESSAGE)
+    at = begin
+    while at < end:
+        if at + HEAD.size > end:
+            raise BagError('a record ends early', offset=at)
+        opcode, length = unpack(data, at)
+        behind = at + HEAD.size + length
+        if behind > end or (opcode == message and length < _FIXED):
+            raise BagError(f'a record of type {opcode} has a wrong length', offset=at)
+        if opcode == message:
+            messages.append(at)
+        else:
+            others.append(Record(opcode, at + HEAD.size, length))
+        at = behind
+    return messages, others
+
+
+def whole(data: bytes, opcodes: tuple[int, ...]) -> int:
+    """Return the size of the whole records of these opcodes with which the data starts."""
+    at = 0
+    while at + HEAD.size <= len(data):
+        opcode, length = HEAD.unpack_from(data, at)
+        behind = at + HEAD.size + length
+        if opcode not in opcodes or behind > len(data):
+            break
+        at = behind
+    return at
+
+
+def _indexed(data: bytes, at: np.ndarray
+             ) -> tuple[np.ndarray, np.ndarray, list[Record]] | None:
+    """Return messages, the bytes behind them and other records; None if some are missing."""
+    at = np.sort(at, kind='stable')
+    if not at.size or at[0] < 0 or at[-1] > len(data) - MESSAGE_HEAD.size:
+        return None
+    length = gathered(data, '<i8', at + 1)
+    behind = at + HEAD.size + length
+    ahead = np.concatenate((at[1:], [len(data)]))
+    if (length.min() < _FIXED or length.max() > len(data) or (behind > ahead).any()
+            or (np.frombuffer(data, np.uint8)[at] != Opcode.MESSAGE).any()):
+        return None
+    others = []
+    holes = [(0, at[0])] if at[0] else []
+    for number in np.flatnonzero(behind != ahead):
+        holes.append((behind[number], ahead[number]))
+    for begin, end in holes:
+        messages, found = walk(data, int(begin), int(end))
+        if messages:
+            return None
+        others += found
+    return at, behind, others
+
+
+def block_of(data: bytes, offset: int, index: np.ndarray | None = None) -> Block:
+    """
+    Return the messages in decompressed records.
+
+    Parameters
+    ----------
+    data : bytes
+        Whole records.
+    offset : int
+        Where they start in their file.
+    index : ndarray of int64, optional
+        Offsets of messages in `data`, in any order. Wrong ones do no harm but take time.
+
+    Raises
+    ------
+    BagError
+        If the records do not fill `data`; the offset is the one in the file.
+
+    """
+    try:
+        found = None if index is None else _indexed(data, index)
+        if found is None:
+            messages, others = walk(data, 0, len(data))
+            at = np.array(messages, np.int64)
+            behind = at + HEAD.size + gathered(data, '<i8', at + 1)
+        else:
+            at, behind, others = found
+    except BagError as error:
+        raise BagError(f'chunk damaged: {error.problem}', offset=offset) from None
+    return Block(offset, data, at + MESSAGE_HEAD.size, behind, tuple(others))

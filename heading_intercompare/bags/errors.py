@@ -1,0 +1,38 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The one error of bags and csv files: what, where, what is allowed, in one line."""
+
+from __future__ import annotations
+
+import os
+
+__all__ = ['BagError']
+
+
+class BagError(ValueError):
+    """
+    A bag, a message in it or a csv of pairs cannot be used.
+
+    Parameters
+    ----------
+    problem : str
+        What is wrong and what would be right.
+    path : str or path, optional
+        The file.
+    offset : int, optional
+        Byte in the file at which it went wrong.
+
+    """
+
+    def __init__(self, problem: str, path: str | os.PathLike[str] = '',
+                 offset: int | None = None) -> None:
+        place = f'{os.fspath(path)}: ' if os.fspath(path) else ''
+        behind = '' if offset is None else f' (at byte {offset})'
+        super().__init__(f'{place}{problem}{behind}')
+        self.problem = problem
+        self.path = os.fspath(path)
+        self.offset = offset
+
+    def at(self, path: str | os.PathLike[str], offset: int | None = None) -> 'BagError':
+        """Return the same error with its place."""
+        return BagError(self.problem, path, offset)

@@ -1,0 +1,245 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+One MCAP file: what it holds, and its messages block by block.
+
+A file that was closed says at its end what it holds. One that was not is read through once, up
+to where it breaks off; from then on it is as if it ended there.
+"""
+
+from __future__ import annotations
+
+from io import BytesIO
+import os
+from pathlib import Path
+import struct
+from typing import Iterator, TypeVar
+import zlib
+
+from mcap import records as mcap
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+import numpy as np
+
+from .blocks import Block, HEAD, Record, walk
+from .errors import BagError
+from .stream import MAGIC, RecordStream
+
+__all__ = ['Part']
+
+_FOOTER = HEAD.size + 20
+#: Blocks have at least this many bytes unless the file ends.
+_BLOCK_BYTES = 524288
+
+_AnyRecord = TypeVar('_AnyRecord', bound=mcap.McapRecord)
+
+
+def _parsed(kind: type[_AnyRecord], content: bytes) -> _AnyRecord:
+    try:
+        return kind.read(ReadDataStream(BytesIO(content)))
+    except (McapError, struct.error, UnicodeDecodeError):
+        raise BagError(f'a record of type {kind.__name__} is damaged') from None
+
+
+class Part:
+    """
+    One MCAP file, open only while it is read.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Attributes
+    ----------
+    channels, schemas : dict
+        MCAP records by id.
+    counts : dict
+        Number of messages by channel id.
+    start_ns, end_ns : int or None
+        Smallest and largest log time, None without messages.
+    profile : str
+        Profile in the header, 'ros2' in a rosbag2.
+    incomplete : str or None
+        Why the file is not all of what was recorded; None if it was closed properly.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    BagError
+        If it is empty or not MCAP.
+
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self.incomplete: str | None = None
+        self._forget()
+        with open(self.path, 'rb') as file:
+            magic = file.read(len(MAGIC))
+            if magic != MAGIC:
+                problem = ('is empty (0 bytes)' if not magic else
+                           'is not an MCAP file' if any(magic) else
+                           'starts with zero bytes; it was never written')
+                raise BagError(problem, self.path)
+            stream = RecordStream(file)
+            if not self._read_summary(stream):
+                self._forget()
+                self._scan(stream)
+
+    def _forget(self) -> None:
+        self.channels: dict[int, mcap.Channel] = {}
+        self.schemas: dict[int, mcap.Schema] = {}
+        self.counts: dict[int, int] = {}
+        self.start_ns: int | None = None
+        self.end_ns: int | None = None
+        self.profile = ''
+        #: Between these bytes are the records, at those the metadata and attachments.
+        self._begin = self._end = len(MAGIC)
+        self._extras: list[int] = []
+
+    def _read_summary(self, stream: RecordStream) -> bool:
+        """Take the contents from the end of the file; False if it is not all there."""
+        at = stream.size - len(MAGIC) - _FOOTER
+        tail = stream.content(Record(0, max(at, 0), len(MAGIC) + _FOOTER))
+        if at < len(MAGIC) or tail[:HEAD.size] != HEAD.pack(Opcode.FOOTER, 20) or (
+                tail[_FOOTER:] != MAGIC):
+            return False
+        footer = _parsed(mcap.Footer, tail[HEAD.size:])
+        length = at - footer.summary_start
+        if not footer.summary_start or length <= 0:
+            return False
+        summary = stream.content(Record(0, footer.summary_start, length))
+        if footer.summary_crc not in (0, zlib.crc32(summary + tail[:_FOOTER - 4])):
+            return False
+        try:
+            self._take_header(stream)
+            complete = self._take_summary(summary)
+        except BagError:
+            return False
+        self._end = footer.summary_start
+        return complete
+
+    def _take_summary(self, summary: bytes) -> bool:
+        """Take the contents from the summary section; False if it lacks something."""
+        statistics = None
+        for record in walk(summary, 0, len(summary))[1]:
+            content = summary[record.start:record.start + record.length]
+            if record.opcode == Opcode.STATISTICS:
+                statistics = _parsed(mcap.Statistics, content)
+            elif record.opcode == Opcode.METADATA_INDEX:
+                self._extras.append(_parsed(mcap.MetadataIndex, content).offset)
+            elif record.opcode == Opcode.ATTACHMENT_INDEX:
+                self._extras.append(_parsed(mcap.AttachmentIndex, content).offset)
+            else:
+                self._take_definition(record.opcode, content)
+        if statistics is None:
+            return False
+        self.counts = dict(statistics.channel_message_counts)
+        if statistics.message_count:
+            self.start_ns = statistics.message_start_time
+            self.end_ns = statistics.message_end_time
+        needed = {c.schema_id for c in self.channels.values()} - {0}
+        return (self.counts.keys() <= self.channels.keys() and needed <= self.schemas.keys()
+                and statistics.channel_count <= len(self.channels)
+                and sum(self.counts.values()) == statistics.message_count
+                and len(self._extras) == statistics.metadata_count + statistics.attachment_count)
+
+    def _take_definition(self, opcode: int, content: bytes) -> None:
+        if opcode == Opcode.SCHEMA:
+            schema = _parsed(mcap.Schema, content)
+            self.schemas[schema.id] = schema
+        elif opcode == Opcode.CHANNEL:
+            channel = _parsed(mcap.Channel, content)
+            self.channels[channel.id] = channel
+
+    def _take_header(self, stream: RecordStream) -> None:
+        """Read the first record."""
+        record = stream.record(len(MAGIC))
+        if record.opcode != Opcode.HEADER:
+            raise BagError('it has no header', offset=len(MAGIC))
+        self.profile = _parsed(mcap.Header, stream.content(record)).profile
+        self._begin = self._end = record.start + record.length
+
+    def _scan(self, stream: RecordStream) -> None:
+        """Read the file through; take what it holds, and note where it breaks off."""
+        finished = False
+        closed = stream.content(Record(0, stream.size - len(MAGIC), len(MAGIC))) == MAGIC
+        try:
+            self._take_header(stream)
+            for piece, end in stream.pieces(self._begin, stream.size, 0):
+                if isinstance(piece, Block):
+                    self._take_block(piece)
+                elif piece.opcode in (Opcode.METADATA, Opcode.ATTACHMENT):
+                    self._extras.append(piece.start - HEAD.size)
+                self._end = end
+                finished = isinstance(piece, Record) and piece.opcode == Opcode.DATA_END
+            problem = 'it has no end'
+        except BagError as error:
+            if closed and stream.size > len(MAGIC):
+                raise error.at(self.path, error.offset) from None
+            problem = error.problem
+        if not finished:
+            self.incomplete = (f'{self.path.name} was not closed: {problem} at byte {self._end} '
+                               f'of {stream.size}; what is before that is read')
+        elif not closed:
+            self.incomplete = (f'{self.path.name} was not closed: its index is cut; its messages '
+                               'are all there')
+
+    def _take_block(self, block: Block) -> None:
+        for record in block.others:
+            content = bytes(block.data[record.start:record.start + record.length])
+            self._take_definition(record.opcode, content)
+        if not len(block.start):
+            return
+        for channel, count in zip(*np.unique(block.channel, return_counts=True)):
+            self.counts[int(channel)] = self.counts.get(int(channel), 0) + int(count)
+        log = block.log_time_ns
+        first, last = int(log.min()), int(log.max())
+        self.start_ns = first if self.start_ns is None else min(self.start_ns, first)
+        self.end_ns = last if self.end_ns is None else max(self.end_ns, last)
+
+    def blocks(self, start_ns: int = 0, stop_ns: int = 2**64) -> Iterator[Block]:
+        """
+        Yield the messages in file order, leaving out chunks that lie outside [start, stop).
+
+        Raises
+        ------
+        BagError
+            If a file that was closed is damaged, with the byte at which it is.
+
+        """
+        count = 0
+        with open(self.path, 'rb') as file:
+            try:
+                for piece, _ in RecordStream(file).pieces(self._begin, self._end, _BLOCK_BYTES,
+                                                          start_ns, stop_ns):
+                    if isinstance(piece, Block):
+                        count += len(piece.start)
+                        yield piece
+            except BagError as error:
+                raise error.at(self.path, error.offset) from None
+        expected = sum(self.counts.values())
+        if count != expected and start_ns <= 0 and stop_ns >= 2**64:
+            raise BagError(f'damaged: {count} messages where its index says {expected}',
+                           self.path)
+
+    def extras(self) -> Iterator[mcap.Metadata | mcap.Attachment]:
+        """Yield metadata and attachments in file order; BagError if one is damaged."""
+        with open(self.path, 'rb') as file:
+            stream = RecordStream(file)
+            for at in sorted(self._extras):
+                try:
+                    record = stream.record(at)
+                    content = stream.content(record)
+                    if record.opcode == Opcode.METADATA:
+                        yield _parsed(mcap.Metadata, content)
+                        continue
+                    crc = int.from_bytes(content[-4:], 'little')
+                    if crc not in (0, zlib.crc32(content[:-4])):
+                        raise BagError('attachment damaged: its checksum does not match')
+                    yield _parsed(mcap.Attachment, content)
+                except BagError as error:
+                    raise error.at(self.path, at) from None

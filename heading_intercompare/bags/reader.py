@@ -1,0 +1,324 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Bags read: topics, headings by the minute, messages, metadata and attachments."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+import os
+from pathlib import Path
+import re
+from typing import Iterable, Iterator, Mapping, NamedTuple
+
+from mcap.records import Attachment as McapAttachment, Metadata as McapMetadata
+import numpy as np
+
+from heading_intercompare.core.records import Headings
+
+from .bag_yaml import listed_parts
+from .blocks import Block
+from .errors import BagError
+from .heading_messages import decode_headings, HEADING_TYPES
+from .part import Part
+from .schemas import layout_problem
+
+__all__ = ['Attachment', 'BagMessage', 'BagReader', 'TopicInfo']
+
+_CHUNK_NS = 60_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class TopicInfo:
+    """Message type, as package/msg/Type, and number of messages of a topic."""
+
+    type_name: str
+    count: int
+
+
+class BagMessage(NamedTuple):
+    """One message as it is stored; times in nanoseconds."""
+
+    topic: str
+    type_name: str
+    log_time_ns: int
+    publish_time_ns: int
+    sequence: int
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Attachment:
+    """A file inside the bag."""
+
+    name: str
+    media_type: str
+    log_time_ns: int
+    data: bytes
+
+
+def _full_name(type_name: str) -> str:
+    return type_name if '/msg/' in type_name else type_name.replace('/', '/msg/', 1)
+
+
+def _naturally(path: Path) -> list:
+    return [int(piece) if piece.isdigit() else piece for piece in re.split(r'(\d+)', path.name)]
+
+
+def _opened(path: Path) -> tuple[list[Part], list[str]]:
+    """Return the files of a bag in order, and why some are missing."""
+    if not path.is_dir():
+        return [Part(path)], []
+    paths = sorted(path.glob('*.mcap'), key=_naturally)
+    if not paths:
+        raise BagError('holds no .mcap file (`ros2 bag convert` makes one of other storages)',
+                       path)
+    absent = [f'{name} is missing' for name in listed_parts(path / 'metadata.yaml')
+              if not (path / name).is_file()]
+    parts = []
+    for each in paths:
+        if len(paths) > 1 and not each.stat().st_size:
+            absent.append(f'{each.name} is empty')
+        else:
+            parts.append(Part(each))
+    if not parts:
+        raise BagError('all its .mcap files are empty (0 bytes)', path)
+    return parts, absent
+
+
+def _ahead(blocks: Iterator[Block]) -> Iterator[Block]:
+    """Yield the blocks, each unpacked in a second thread while the one before it is used."""
+    with ThreadPoolExecutor(1) as worker:
+        coming = worker.submit(next, blocks, None)
+        while (block := coming.result()) is not None:
+            coming = worker.submit(next, blocks, None)
+            yield block
+
+
+class _Window:
+    """Collects headings until they span a minute of log time."""
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self._names = tuple(names)
+        self._clear()
+
+    def _clear(self) -> None:
+        self._parts: dict[str, list[Headings]] = {name: [] for name in self._names}
+        self._first, self._last = 2**63, -1
+
+    def add(self, columns: Mapping[str, tuple[np.ndarray, Headings]]
+            ) -> Iterator[dict[str, Headings]]:
+        """Take log times and headings by topic; yield what is complete."""
+        logs = [log for log, _ in columns.values() if len(log)]
+        if not logs:
+            return
+        first, last = min(int(log.min()) for log in logs), max(int(log.max()) for log in logs)
+        if max(last, self._last) - min(first, self._first) > _CHUNK_NS:
+            yield from self.rest()
+        if last - first <= _CHUNK_NS:
+            self._first, self._last = min(first, self._first), max(last, self._last)
+            for name, (_, headings) in columns.items():
+                self._parts[name].append(headings)
+            return
+        minutes = {name: (log - first) // _CHUNK_NS for name, (log, _) in columns.items()}
+        for minute in np.unique(np.concatenate(list(minutes.values()))):
+            yield {name: headings[minutes[name] == minute]
+                   for name, (_, headings) in columns.items()}
+
+    def rest(self) -> Iterator[dict[str, Headings]]:
+        """Yield what has been collected, unless it is nothing."""
+        if self._last >= 0:
+            yield {name: Headings.concatenate(parts) for name, parts in self._parts.items()}
+        self._clear()
+
+
+class BagReader:
+    """
+    A bag: one .mcap file, or a rosbag2 directory with all its files.
+
+    Parameters
+    ----------
+    path : str or path
+        The file or directory. Files of a directory are read in natural order of their names;
+        metadata.yaml may be absent.
+
+    Attributes
+    ----------
+    topics : dict of str to TopicInfo
+        What the bag holds.
+    incomplete : str or None
+        Why the bag is not all of what was recorded (cut, never closed, a file missing); None if
+        it is whole. What is there can be read all the same.
+    start_ns, end_ns : int or None
+        Smallest and largest log time; None without messages.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read.
+    BagError
+        If it is not a bag.
+
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self._parts, absent = _opened(self.path)
+        reasons = absent + [part.incomplete for part in self._parts if part.incomplete]
+        self.incomplete = '; '.join(reasons) or None
+        self.start_ns = min((p.start_ns for p in self._parts if p.start_ns is not None),
+                            default=None)
+        self.end_ns = max((p.end_ns for p in self._parts if p.end_ns is not None), default=None)
+        self.topics: dict[str, TopicInfo] = {}
+        for part in self._parts:
+            for number, channel in part.channels.items():
+                kind = self._type_of(part, number)
+                known = self.topics.get(channel.topic, TopicInfo(kind, 0))
+                if known.type_name != kind:
+                    raise BagError(f'topic {channel.topic} is both {known.type_name} and {kind}',
+                                   self.path)
+                count = known.count + part.counts.get(number, 0)
+                self.topics[channel.topic] = TopicInfo(kind, count)
+
+    @staticmethod
+    def _type_of(part: Part, number: int) -> str:
+        schema = part.schemas.get(part.channels[number].schema_id)
+        return _full_name(schema.name) if schema else ''
+
+    def resolve(self, topic: str) -> str:
+        """
+        Return the name in the bag of a topic given with or without a leading slash.
+
+        Raises
+        ------
+        BagError
+            If there is no such topic; the message lists those that are there.
+
+        """
+        for name in (topic, f'/{topic}'):
+            if name in self.topics:
+                return name
+        present = ', '.join(f'{name} ({info.type_name})'
+                            for name, info in sorted(self.topics.items()))
+        raise BagError(f'has no topic {topic!r}; it has {present or "no topics"}', self.path)
+
+    def headings(self, conventions: Mapping[str, str]) -> Iterator[dict[str, Headings]]:
+        """
+        Return an iterator over the headings of some topics.
+
+        Parameters
+        ----------
+        conventions : mapping of str to {'enu', 'ned'}
+            World axes of the orientations, by topic.
+
+        Returns
+        -------
+        iterator of dict of str to Headings
+            Chunks of at most a minute of log time, in file order, each with every topic asked
+            for, under the name by which it was asked. Memory stays bounded.
+
+        Raises
+        ------
+        BagError
+            If a topic is absent, is no heading or has another layout than its type, at once;
+            while iterating, if the file is damaged.
+
+        """
+        for topic, convention in conventions.items():
+            self._check_heading(topic, self.resolve(topic))
+            if convention not in ('enu', 'ned'):
+                raise BagError(f"convention of topic {topic} = {convention!r}: use 'enu' or "
+                               "'ned'", self.path)
+        return self._headings(conventions)
+
+    def _check_heading(self, asked: str, topic: str) -> None:
+        kind = self.topics[topic].type_name
+        if kind not in HEADING_TYPES:
+            raise BagError(f'topic {topic} is {kind or "without a schema"}; a heading is '
+                           f'{", ".join(HEADING_TYPES)}', self.path)
+        for part in self._parts:
+            for channel in part.channels.values():
+                if channel.topic != topic:
+                    continue
+                schema = part.schemas[channel.schema_id]
+                text = schema.data.decode(errors='replace')
+                problem = layout_problem(kind, schema.encoding, text)
+                if channel.message_encoding != 'cdr':
+                    problem = f'its messages are encoded as {channel.message_encoding!r}, not cdr'
+                if problem:
+                    raise BagError(f'topic {topic} ({kind}) cannot be read: {problem}', part.path)
+
+    def _headings(self, conventions: Mapping[str, str]) -> Iterator[dict[str, Headings]]:
+        window = _Window(conventions)
+        for part in self._parts:
+            ids = {asked: [n for n, c in part.channels.items() if c.topic == self.resolve(asked)]
+                   for asked in conventions}
+            for block in _ahead(part.blocks()):
+                try:
+                    columns = self._columns(block, ids, conventions)
+                except BagError as error:
+                    raise error.at(part.path, block.offset) from None
+                yield from window.add(columns)
+        yield from window.rest()
+
+    def _columns(self, block: Block, ids: Mapping[str, list[int]],
+                 conventions: Mapping[str, str]) -> dict[str, tuple[np.ndarray, Headings]]:
+        """Return log times and headings of a block by topic."""
+        columns = {}
+        channel, log = block.channel, block.log_time_ns
+        for asked, numbers in ids.items():
+            which = np.flatnonzero(np.isin(channel, numbers) if len(numbers) > 1
+                                   else channel == (numbers or [0])[0])
+            kind = self.topics[self.resolve(asked)].type_name
+            columns[asked] = log[which], decode_headings(
+                kind, conventions[asked], block.data, block.start[which], block.stop[which])
+        return columns
+
+    def messages(self, topics: Iterable[str] | None = None, start_ns: int = 0,
+                 stop_ns: int = 2**64) -> Iterator[BagMessage]:
+        """
+        Return an iterator over messages as they are stored, in file order.
+
+        Parameters
+        ----------
+        topics : iterable of str, optional
+            Topics wanted; all without it.
+        start_ns, stop_ns : int
+            Log times wanted: start <= log time < stop.
+
+        Raises
+        ------
+        BagError
+            If a topic is absent, at once; while iterating, if the file is damaged.
+
+        """
+        wanted = None if topics is None else {self.resolve(topic) for topic in topics}
+        return self._messages(wanted, start_ns, stop_ns)
+
+    def _messages(self, wanted: set[str] | None, start_ns: int,
+                  stop_ns: int) -> Iterator[BagMessage]:
+        for part in self._parts:
+            names = {number: (channel.topic, self._type_of(part, number))
+                     for number, channel in part.channels.items()
+                     if wanted is None or channel.topic in wanted}
+            for block in part.blocks(start_ns, stop_ns):
+                columns = (block.channel, block.log_time_ns, block.publish_time_ns,
+                           block.sequence, block.start, block.stop)
+                for number, log, publish, sequence, lo, hi in zip(*(c.tolist() for c in columns)):
+                    if number in names and start_ns <= log < stop_ns:
+                        yield BagMessage(*names[number], log, publish, sequence,
+                                         bytes(block.data[lo:hi]))
+                    elif number not in part.channels:
+                        raise BagError(f'a message is of channel {number}, which is not defined',
+                                       part.path, block.offset)
+
+    def metadata(self) -> dict[str, dict[str, str]]:
+        """Return the metadata records by name; the last of a name counts."""
+        return {record.name: dict(record.metadata) for part in self._parts
+                for record in part.extras() if isinstance(record, McapMetadata)}
+
+    def attachments(self) -> list[Attachment]:
+        """Return the files inside the bag, in file order."""
+        return [Attachment(record.name, record.media_type, record.log_time, record.data)
+                for part in self._parts
+                for record in part.extras() if isinstance(record, McapAttachment)]

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The YAML of a bag means to parsers what was meant."""
+
+from __future__ import annotations
+
+import pytest
+
+from heading_intercompare.bags.bag_yaml import bag_metadata, listed_parts, PartInfo, Qos, TopicRow
+
+yaml = pytest.importorskip('yaml')
+
+# As rosbag2 of ROS 2 Rolling wrote it in October 2025 for the talker of its demos.
+QOS_OF_ROSBAG2 = """- history: keep_last
+  depth: 7
+  reliability: reliable
+  durability: volatile
+  deadline:
+    sec: 9223372036
+    nsec: 854775807
+  lifespan:
+    sec: 9223372036
+    nsec: 854775807
+  liveliness: automatic
+  liveliness_lease_duration:
+    sec: 9223372036
+    nsec: 854775807
+  avoid_ros_namespace_conventions: false"""
+
+# Likewise the record at the start of a bag.
+EMPTY_BAG_OF_ROSBAG2 = """version: 9
+storage_identifier: mcap
+duration:
+  nanoseconds: 0
+starting_time:
+  nanoseconds_since_epoch: 9223372036854775807
+message_count: 0
+topics_with_message_count:
+  []
+compression_format: ""
+compression_mode: ""
+relative_file_paths:
+  - bag_0.mcap
+files:
+  - path: bag_0.mcap
+    starting_time:
+      nanoseconds_since_epoch: 9223372036854775807
+    duration:
+      nanoseconds: 0
+    message_count: 0
+custom_data: ~
+ros_distro: jazzy"""
+
+
+def test_qos_is_written_as_rosbag2_writes_it():
+    assert Qos(depth=7).to_yaml() == QOS_OF_ROSBAG2
+
+
+def test_an_empty_bag_is_described_as_rosbag2_does():
+    file_text, record_text = bag_metadata(PartInfo('bag_0.mcap'), {})
+    expected = yaml.safe_load(EMPTY_BAG_OF_ROSBAG2)
+    assert yaml.safe_load(record_text) == expected
+    assert yaml.safe_load(file_text) == {'rosbag2_bagfile_information': expected}
+    assert list(yaml.safe_load(record_text)) == list(expected)
+
+
+@pytest.mark.parametrize('name', [
+    'trial: 3 #1', "it's", 'a "b" \\c', 'null', 'Yes', '2014', '1e3', '- x', 'Länge 54°', '~', '',
+    ' blank ', '[x]', 'a: b', '日本', '\U0001F6A2', 'tab\there', '0x10', '.5', '1:30'])
+def test_any_text_comes_back(name):
+    part = PartInfo(name, 5, 12, 3, [TopicRow('/ts', 'a/msg/B', '', Qos(), 3)])
+    loaded = yaml.safe_load(bag_metadata(part, {name: name})[1])
+    assert loaded['relative_file_paths'] == [name]
+    assert loaded['custom_data'] == {name: name}
+    assert loaded['duration'] == {'nanoseconds': 7}
+    assert loaded['topics_with_message_count'][0]['message_count'] == 3
+
+
+def test_files_listed_are_found_in_any_style(tmp_path):
+    path = tmp_path / 'metadata.yaml'
+    assert listed_parts(path) == []
+    path.write_text(bag_metadata(PartInfo('a "b" 1.mcap'), {})[0])
+    assert listed_parts(path) == ['a "b" 1.mcap']
+    path.write_text("x:\n  relative_file_paths:\n  - folder/one_0.mcap\n  - 'two_1.mcap'\n"
+                    '  files:\n    - path: three\n')
+    assert listed_parts(path) == ['one_0.mcap', 'two_1.mcap']
