@@ -8,7 +8,7 @@ from typing import Any, Iterable, Mapping, Sequence
 
 from .criteria import Limits
 from .difference import difference
-from .judge import bounds_figures, EarlyVerdict, figures, homogeneity, judge, look_at, RunResult
+from .judge import EarlyVerdict, figures, homogeneity, judge, look_at, RunResult
 from .ledger import Ledger, LedgerSegment
 from .pairing import Pairer
 from .records import Headings, Pairs
@@ -17,7 +17,6 @@ from .run_series import RunSeries
 from .runs import RunCutter
 from .sequential import Look
 from .settings import Settings
-from .statistics import count_outside
 from .verdict import Verdict
 
 __all__ = ['analyze', 'Compliance', 'Intercomparison', 'join']
@@ -134,18 +133,14 @@ class Compliance:
         if not len(run):
             return {**result, 'n': 0}
         limits = Limits.of(self.settings.norms, self.settings.model, run.rs_variance_factor)
-        x = run.x_deg.values
-        found = figures(run.moments, lambda c, limit: count_outside(x, c, limit), limits,
-                        self.settings)
-        return result | found | bounds_figures(run, found, limits, self.settings)
+        return result | figures(run, limits, self.settings)
 
     def rolling_figures(self) -> dict[str, Any]:
         """Return the figures of the rolling window; ``n`` is 0 before the first pair."""
-        moments = self._rolling.moments()
-        if moments.n == 0:
+        if self._rolling.start_ns is None:
             return {'n': 0}
         return {'start_ns': self._rolling.start_ns, 'newest_ns': self.newest_ns,
-                **figures(moments, self._rolling.count_outside, self._limits, self.settings)}
+                **figures(self._rolling, self._limits, self.settings)}
 
     def results(self, ledger: Ledger | None = None) -> list[RunResult]:
         """

@@ -20,13 +20,14 @@ from .criteria import (
 from .guarded import decide, Evidence, evidence_of, Guarded
 from .ledger import LedgerSegment
 from .outcome import Outcome, worst
+from .rolling import Rolling
 from .run_series import RunSeries
 from .sequential import Look, Looks
 from .settings import Risk, Settings
-from .statistics import count_outside, Moments
+from .statistics import Moments
 from .verdict import PairingFigures, RunVerdict
 
-__all__ = ['bounds_figures', 'EarlyVerdict', 'figures', 'homogeneity', 'judge', 'look_at',
+__all__ = ['EarlyVerdict', 'figures', 'homogeneity', 'judge', 'look_at',
            'RunResult']
 
 CONSTANT_DEG = 1e-9
@@ -127,7 +128,7 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str,
     factor = run.rs_variance_factor
     limits = Limits.of(settings.norms, settings.model, 1.0 if factor is None else factor)
     moments = Moments.of(x)
-    printed = _as_printed(moments, lambda c, limit: count_outside(x, c, limit), limits, settings)
+    printed = _as_printed(moments, run.count_outside, limits, settings)
     counts = printed.counts
     evidence = evidence_of(
         x, method=settings.risk.method, n_plus=counts.n_plus, n_plus_plus=counts.n_plus_plus,
@@ -184,21 +185,15 @@ def look_at(run: RunSeries, look: Look, settings: Settings) -> EarlyVerdict | No
 
     """
     limits = Limits.of(settings.norms, settings.model, run.rs_variance_factor)
-    x = run.x_deg.values
-    printed = _as_printed(run.moments, lambda c, limit: count_outside(x, c, limit), limits,
-                          settings)
-    guarded = decide(_evidence_so_far(run, printed.counts.n_plus, printed.counts.n_plus_plus,
-                                      settings), limits, look.risk)
+    printed = _as_printed(run.moments(), run.count_outside, limits, settings)
+    evidence = evidence_of(run.blocks(), method='dyadic', n_plus=printed.counts.n_plus,
+                           n_plus_plus=printed.counts.n_plus_plus, span_s=run.span_s,
+                           offset_u_deg=settings.installation_offset_u_deg)
+    guarded = decide(evidence, limits, look.risk)
     outcome, reason = _conclude(guarded, printed.total)
     if outcome is Outcome.INDETERMINATE:
         return None
     return EarlyVerdict(look.index + 1, settings.sequential.looks, run.span_s, outcome, reason)
-
-
-def _evidence_so_far(run: RunSeries, n_plus: int, n_plus_plus: int,
-                     settings: Settings) -> Evidence:
-    return evidence_of(run.blocks, method='dyadic', n_plus=n_plus, n_plus_plus=n_plus_plus,
-                       span_s=run.span_s, offset_u_deg=settings.installation_offset_u_deg)
 
 
 @dataclass(frozen=True, slots=True)
@@ -257,22 +252,29 @@ def _warnings(moments: Moments, limits: Limits, guarded: Guarded, settings: Sett
     return found
 
 
-def figures(moments: Moments, count: Callable[[float, float], int], limits: Limits,
-            settings: Settings) -> dict[str, Any]:
+def figures(part: RunSeries | Rolling, limits: Limits, settings: Settings) -> dict[str, Any]:
     """
     Return the figures of a window or of a run in progress, as they are published.
 
     Parameters
     ----------
-    moments : Moments
-        n >= 1.
-    count : callable
-        ``count(center_deg, limit_deg)``: how many differences deviate by more.
+    part : RunSeries or Rolling
+        With at least one difference.
     limits : Limits
     settings : Settings
 
+    Notes
+    -----
+    The bounds are what they are now, at the full risks: they are no verdict, for who waits for
+    them to fall below a limit takes more than the stated risk.
+
     """
-    printed = _as_printed(moments, count, limits, settings)
+    moments = part.moments()
+    printed = _as_printed(moments, part.count_outside, limits, settings)
+    evidence = evidence_of(part.blocks(), method='dyadic', n_plus=printed.counts.n_plus,
+                           n_plus_plus=printed.counts.n_plus_plus, span_s=part.span_s,
+                           offset_u_deg=settings.installation_offset_u_deg)
+    now = decide(evidence, limits, settings.risk)
     return {
         'n': moments.n, 'mean_deg': moments.mean_deg, 'std_deg': moments.std_deg,
         'min_deg': moments.min_deg, 'max_deg': moments.max_deg,
@@ -281,29 +283,10 @@ def figures(moments: Moments, count: Callable[[float, float], int], limits: Limi
         'n_plus': printed.counts.n_plus, 'n_plus_plus': printed.counts.n_plus_plus,
         'allowed': printed.counts.allowed,
         'total_error_low_deg': printed.total.low_deg, 'total_error_up_deg': printed.total.up_deg,
-        'paper_outcome': printed.outcome.value}
-
-
-def bounds_figures(run: RunSeries, counts: Mapping[str, Any], limits: Limits,
-                   settings: Settings) -> dict[str, Any]:
-    """
-    Return the guarded bounds of a run in progress: what they are now, not a verdict.
-
-    Parameters
-    ----------
-    run : RunSeries
-        With at least one difference.
-    counts : mapping
-        ``n_plus`` and ``n_plus_plus`` of `figures`.
-    limits : Limits
-    settings : Settings
-
-    """
-    evidence = _evidence_so_far(run, counts['n_plus'], counts['n_plus_plus'], settings)
-    found = decide(evidence, limits, settings.risk)
-    return {key: getattr(found, key) for key in (
-        'nu', 'resolved', 'lower_bound_deg2', 'upper_bound_deg2', 'acceptance_limit_deg2',
-        'rejection_limit_deg2', 'sigma_ts_lower_deg', 'sigma_ts_upper_deg', 'bias_u_deg')}
+        'paper_outcome': printed.outcome.value,
+        **{key: getattr(now, key) for key in (
+            'nu', 'resolved', 'lower_bound_deg2', 'upper_bound_deg2', 'acceptance_limit_deg2',
+            'rejection_limit_deg2', 'sigma_ts_lower_deg', 'sigma_ts_upper_deg', 'bias_u_deg')}}
 
 
 def homogeneity(results: Sequence[RunResult]) -> Mapping[str, Any]:

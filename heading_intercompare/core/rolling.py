@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .dyadic import Dyadic
 from .records import Differences
 from .statistics import Moments
 
@@ -27,13 +28,14 @@ class _Pane:
     key: int
     start_ns: int
     moments: Moments
+    x_deg: np.ndarray
     x_sorted_deg: np.ndarray
 
     @classmethod
     def of(cls, key: int, chunks: list[Differences]) -> '_Pane':
         joined = Differences.concatenate(chunks)
         return cls(key, int(joined.stamp_ns[0]), Moments.of(joined.x_deg),
-                   np.sort(joined.x_deg))
+                   joined.x_deg, np.sort(joined.x_deg))
 
 
 class Rolling:
@@ -57,12 +59,7 @@ class Rolling:
         self._panes: deque[_Pane] = deque()
         self._open: list[Differences] = []
         self._open_key: int | None = None
-
-    def clear(self) -> None:
-        """Forget everything, as at the start of a run."""
-        self._panes.clear()
-        self._open = []
-        self._open_key = None
+        self._newest_ns = 0
 
     def update(self, differences: Differences) -> None:
         """Take differences in stamp order; values that are not finite are left out."""
@@ -71,6 +68,7 @@ class Rolling:
             differences = differences[keep]
         if not len(differences):
             return
+        self._newest_ns = int(differences.stamp_ns[-1])
         keys = differences.stamp_ns // self._pane_ns
         edges = [0, *(1 + np.flatnonzero(np.diff(keys))).tolist(), len(keys)]
         for lo, hi in zip(edges[:-1], edges[1:]):
@@ -98,6 +96,19 @@ class Rolling:
         """First stamp in the window, None when it is empty."""
         panes = self._all()
         return panes[0].start_ns if panes else None
+
+    def blocks(self) -> Dyadic:
+        """Return block summaries of the differences in the window, in their order."""
+        blocks = Dyadic()
+        for pane in self._all():
+            blocks.update(pane.x_deg)
+        return blocks
+
+    @property
+    def span_s(self) -> float:
+        """Time from the first to the last difference in the window, seconds."""
+        panes = self._all()
+        return (self._newest_ns - panes[0].start_ns) / 1e9 if panes else 0.0
 
     def moments(self) -> Moments:
         """Return the moments of the differences in the window."""

@@ -13,7 +13,7 @@ from .dyadic import Dyadic
 from .records import Differences, Pairs
 from .sequential import Look, Looks
 from .settings import Settings
-from .statistics import Column, Moments
+from .statistics import Column, count_outside, Moments
 
 __all__ = ['RunSeries']
 
@@ -40,10 +40,6 @@ class RunSeries:
         Pairs given, left out as not finite, left out as of the stabilisation period.
     stamp_ns, x_deg, rs_deg : Column
         Of the analysed pairs.
-    moments : Moments
-        Of the analysed differences so far; the run in progress shows them.
-    blocks : Dyadic
-        Block summaries of the same, for the bounds of the run in progress and the looks.
 
     Notes
     -----
@@ -65,8 +61,8 @@ class RunSeries:
         self._center_deg = settings.wrap_center_deg
         rule = settings.runs.stabilization_s
         self._stabilization_ns = 0 if rule == 'auto' else round(rule * 1e9)
-        self.moments = Moments()
-        self.blocks = Dyadic()
+        self._moments = Moments()
+        self._blocks = Dyadic()
         plan = settings.sequential
         self._on_look = on_look
         self._looks = None if plan.plan_s is None or on_look is None else Looks(
@@ -115,11 +111,23 @@ class RunSeries:
         self.stamp_ns.append(x.stamp_ns)
         self.x_deg.append(x.x_deg)
         self.rs_deg.append(pairs.rs_deg)
-        self.moments += Moments.of(x.x_deg)
-        self.blocks.update(x.x_deg)
+        self._moments += Moments.of(x.x_deg)
+        self._blocks.update(x.x_deg)
         self._lag_sum_ns += int(pairs.lag_ns.sum())
         self._lag_max_ns = max(self._lag_max_ns, int(np.abs(pairs.lag_ns).max()))
         self._factor_sum += float(pairs.rs_variance_factor.sum())
+
+    def moments(self) -> Moments:
+        """Return the moments of the analysed differences so far."""
+        return self._moments
+
+    def blocks(self) -> Dyadic:
+        """Return block summaries of the analysed differences so far."""
+        return self._blocks
+
+    def count_outside(self, center_deg: float, limit_deg: float) -> int:
+        """Return how many analysed differences deviate from the centre by more."""
+        return count_outside(self.x_deg.values, center_deg, limit_deg)
 
     @property
     def span_s(self) -> float:

@@ -8,6 +8,7 @@ from hypothesis import given, strategies as st
 import numpy as np
 import pytest
 
+from heading_intercompare.core.dyadic import Dyadic
 from heading_intercompare.core.records import Differences
 from heading_intercompare.core.rolling import Rolling
 from heading_intercompare.core.statistics import Column, count_outside, Moments
@@ -77,6 +78,9 @@ def test_the_window_holds_its_panes_exactly(rng, chunk):
     for limit in (0.0, 1.0, 3.0):
         assert rolling.count_outside(0.1, limit) == count_outside(inside, 0.1, limit)
     assert rolling.start_ns == d.stamp_ns[pane > pane[-1] - 64][0]
+    assert rolling.span_s == (d.stamp_ns[-1] - rolling.start_ns) / 1e9
+    ours, theirs = rolling.blocks().components(), Dyadic.of(inside).components()
+    assert (ours.d_hat_deg2, ours.nu_batch) == (theirs.d_hat_deg2, theirs.nu_batch)
 
 
 def test_an_empty_window_has_no_values():

@@ -1,0 +1,223 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Write what the sources already say: the parameter file, docs/settings.md, the list of modules.
+
+Run it after a setting or a module was added or changed: ``make docs``. The tests compare the
+files with what this would write.
+"""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+import textwrap
+from typing import Any, Iterator, Mapping, NamedTuple
+
+from heading_intercompare.ahrs.settings import Scenario, Sensor
+from heading_intercompare.bags.settings import BagSettings
+from heading_intercompare.core.settings import declared, Setting, Settings
+from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.nodes.settings import (
+    ComplianceNode,
+    DriverNode,
+    RecorderNode,
+    ReplayerNode,
+    Sending,
+    SimulatorNode,
+    SynchronizerNode,
+    Taking,
+)
+
+ROOT = Path(__file__).resolve().parent.parent
+YAML = ROOT / 'config' / 'heading_intercompare.yaml'
+ARCHITECTURE = ROOT / 'docs' / 'ARCHITECTURE.md'
+TABLES = ROOT / 'docs' / 'settings.md'
+
+
+class Section(NamedTuple):
+    """
+    One section of the parameter file.
+
+    Attributes
+    ----------
+    node : str
+    classes : tuple of type
+        Of its settings.
+    comment : str
+    given : mapping
+        What differs from the defaults.
+    examples : mapping or None
+        Values of the settings that have no default; None: only what is given is written.
+
+    """
+
+    node: str
+    classes: tuple[type, ...]
+    comment: str
+    given: Mapping[str, Any]
+    examples: Mapping[str, Any] | None
+
+
+DRIVER = (DriverSettings, DriverNode, Sending, Taking)
+
+SECTIONS = (
+    Section('/**', (Settings,),
+            'The analysis: the same for every node and for the command line.',
+            {}, {'norms.sigma_max_deg': 0.2, 'norms.sigma_ref_max_deg': 0.1,
+                 'norms.sigma_ref_deg': 0.05, 'norms.total_error_max_deg': 0.5,
+                 'norms.preset': 'imo_a424', 'norms.latitude_deg': 45.0,
+                 'sequential.plan_s': 3600.0}),
+    Section('ts_driver', DRIVER, 'The driver of the tested sensor.',
+            {'source': 'udp://:10110', 'topic': 'ts/heading'},
+            {'talker': 'HE', 'frame_id': 'gyro', 'origin_ns': 1700000000000000000}),
+    Section('rs_driver', DRIVER, 'The driver of the reference sensor; it takes the same settings.',
+            {'source': 'udp://:10111', 'topic': 'rs/heading'}, None),
+    Section('synchronizer', (SynchronizerNode, Taking), 'The node that pairs.', {}, {}),
+    Section('compliance', (ComplianceNode, Taking), 'The node that judges.', {},
+            {'report_dir': 'reports'}),
+    Section('recorder', (RecorderNode, BagSettings, Taking), 'The recorder.', {},
+            {'output': 'trial_1'}),
+    Section('replayer', (ReplayerNode, Sending), 'The replayer of bags.', {},
+            {'bag': 'trial_1', 'duration_s': 600.0}),
+    Section('sensor_simulator', (SimulatorNode, Sending),
+            'The simulator; it takes the settings of a scenario too.', {}, {}),
+)
+
+CHAPTERS = (
+    ('The analysis', 'Section `/**`, for every node and for the command line.', Settings),
+    ('Drivers', 'Sections `ts_driver` and `rs_driver`; some are options of `import-nmea`.',
+     DriverSettings),
+    ('Drivers as nodes', 'In the same sections.', DriverNode),
+    ('Synchronizer', 'Section `synchronizer`.', SynchronizerNode),
+    ('Compliance', 'Section `compliance`.', ComplianceNode),
+    ('Recorder', 'Section `recorder`.', RecorderNode),
+    ('Bags', 'Section `recorder`, for every bag that is written.', BagSettings),
+    ('Replayer', 'Section `replayer`.', ReplayerNode),
+    ('Simulator', 'Section `sensor_simulator`.', SimulatorNode),
+    ('Taking messages', 'Sections of drivers, synchronizer, compliance and recorder.', Taking),
+    ('Sending headings', 'Sections of drivers, replayer and simulator.', Sending),
+    ('Scenarios', 'Files of their own, for `simulate` and the node `sensor_simulator`.',
+     Scenario),
+    ('Sensors of a scenario', 'Under `ts` and under `rs` of a scenario.', Sensor),
+)
+
+
+def rules(section: Section) -> Iterator[Setting]:
+    """Yield the settings of a section."""
+    for settings in section.classes:
+        yield from declared(settings)
+
+
+def _scalar(value: Any) -> str:
+    """Return a value as YAML 1.1 and ROS both read it, with its type."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return "'" + value.replace("'", "''") + "'"
+    return repr(value)
+
+
+def _sentence(rule: Setting) -> str:
+    return f'{rule.help[0].upper()}{rule.help[1:]}. Allowed: {rule.allowed}.'
+
+
+def _section(section: Section) -> Iterator[str]:
+    yield f'# {section.comment}'
+    yield f'{section.node}:'
+    yield '  ros__parameters:'
+    if section.examples is None:
+        yield from (f'    {name}: {_scalar(value)}' for name, value in section.given.items())
+        return
+    open_group: tuple[str, ...] = ()
+    for rule in rules(section):
+        *group, name = rule.name.split('.')
+        if tuple(group) != open_group:
+            yield ''
+            for depth, word in enumerate(group):
+                yield f'{"  " * (depth + 2)}{word}:'
+            open_group = tuple(group)
+        indent = '  ' * (len(group) + 2)
+        yield from textwrap.wrap(_sentence(rule), 99, initial_indent=f'{indent}# ',
+                                 subsequent_indent=f'{indent}# ', break_long_words=False)
+        value = section.given.get(rule.name, rule.default)
+        if value is None:
+            yield f'{indent}# {name}: {_scalar(section.examples[rule.name])}'
+        else:
+            yield f'{indent}{name}: {_scalar(value)}'
+
+
+def parameter_file() -> str:
+    """Return the text of config/heading_intercompare.yaml."""
+    head = textwrap.dedent("""\
+        # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+        # SPDX-License-Identifier: Apache-2.0
+        #
+        # Every setting with its default. A ROS parameter file, which the command line reads too:
+        #   ros2 launch heading_intercompare intercompare.launch.py config:=FILE
+        #   heading-intercompare analyze BAG --config FILE
+        # Copy it and change the copy; what is left out takes its default. Remove the mark # from
+        # a setting that has no default to give it; the values behind such marks are examples.
+        # Required are norms.sigma_ref_max_deg, and norms.sigma_max_deg or norms.preset.
+        # Written by docs/generate.py.
+        """)
+    return head + '\n' + '\n\n'.join('\n'.join(_section(s)) for s in SECTIONS) + '\n'
+
+
+def _cell(text: str) -> str:
+    return text.replace('|', '\\|')
+
+
+def _default(value: Any) -> str:
+    return 'none' if value is None else f'`{_scalar(value)}`'
+
+
+def tables() -> str:
+    """Return the text of docs/settings.md."""
+    lines = ['# Settings', '',
+             'Written by `docs/generate.py` from the classes that declare the settings. '
+             'Unknown names',
+             'are errors everywhere, an integer is accepted for a number, and settings are frozen '
+             'while a run is on.',
+             '`none` is an absent row. The parameter file with all defaults is',
+             '[config/heading_intercompare.yaml](../config/heading_intercompare.yaml).']
+    for title, comment, settings in CHAPTERS:
+        lines += ['', f'## {title}', '', f'{comment} Class `{settings.__module__}.'
+                  f'{settings.__qualname__}`.', '',
+                  '| name | default | meaning | allowed |', '|---|---|---|---|']
+        for rule in declared(settings):
+            if settings is Scenario and '.' in rule.name:
+                continue
+            lines.append(f'| `{rule.name}` | {_default(rule.default)} '
+                         f'| {_cell(rule.help)} | {_cell(rule.allowed)} |')
+    return '\n'.join(lines) + '\n'
+
+
+def _module_rows() -> Iterator[str]:
+    package = ROOT / 'heading_intercompare'
+    order = ('core', 'drivers', 'ahrs', 'bags', 'report', 'nodes', 'cli')
+    known = {p for p in package.rglob('*.py') if p.stem != '__init__'}
+    for path in sorted(known, key=lambda p: (p.parent != package and (
+            order.index(p.parent.name) if p.parent.name in order else len(order)) + 1, p.stem)):
+        tree = ast.parse(path.read_text('utf-8'))
+        summary = (ast.get_docstring(tree) or '').partition('\n\n')[0].replace('\n', ' ')
+        public = [name for node in tree.body if isinstance(node, ast.Assign)
+                  and getattr(node.targets[0], 'id', '') == '__all__'
+                  for name in ast.literal_eval(node.value)]
+        yield (f'| `{path.relative_to(package).with_suffix("").as_posix()}` '
+               f'| {_cell(summary)} | {", ".join(f"`{n}`" for n in public) or "–"} |')
+
+
+def architecture(text: str) -> str:
+    """Return docs/ARCHITECTURE.md with its list of modules renewed."""
+    head, mark, rest = text.partition('<!-- modules -->\n')
+    rows = '\n'.join(_module_rows())
+    table = f'| module | is for | public names |\n|---|---|---|\n{rows}\n'
+    return head + mark + table + rest[rest.index('<!-- end of modules -->'):]
+
+
+if __name__ == '__main__':
+    YAML.write_text(parameter_file(), 'utf-8')
+    TABLES.write_text(tables(), 'utf-8')
+    ARCHITECTURE.write_text(architecture(ARCHITECTURE.read_text('utf-8')), 'utf-8')
+    print('wrote', *(str(p.relative_to(ROOT)) for p in (YAML, TABLES, ARCHITECTURE)))

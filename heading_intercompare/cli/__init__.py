@@ -1,0 +1,7 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command line: ``heading-intercompare COMMAND``."""
+
+from heading_intercompare.cli.program import main
+
+__all__ = ['main']

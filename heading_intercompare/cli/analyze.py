@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``analyze``: verdict on recorded runs."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+import sys
+from typing import Any, Mapping
+
+from heading_intercompare.bags.pairs_csv import PairsCsvWriter
+from heading_intercompare.cli.config import load_config, settings_for
+from heading_intercompare.cli.inputs import analyze_input, describe, read_run_table
+from heading_intercompare.cli.progress import Progress
+from heading_intercompare.cli.table import verdict_text
+from heading_intercompare.core.criteria import Limits
+from heading_intercompare.core.intercomparison import join
+
+__all__ = ['add_arguments', 'add_settings_arguments', 'add_verdict_arguments', 'conclude', 'run']
+
+_CHECK_CODES = {'compliant': 0, 'non_compliant': 1, 'indeterminate': 3}
+
+
+def add_settings_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options with which every command takes settings."""
+    parser.add_argument('--config', metavar='F', help='ROS parameter file with the settings')
+    parser.add_argument('--set', metavar='name=value', action='append', default=[],
+                        help='one setting, e.g. norms.sigma_max_deg=0.2; may be repeated')
+
+
+def add_verdict_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of every command that ends with a verdict; see `conclude`."""
+    parser.add_argument('--json', metavar='F', help="write the verdict as JSON; '-' for stdout")
+    parser.add_argument('--check', action='store_true',
+                        help='exit code 1 if non-compliant, 3 if indeterminate')
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument('inputs', nargs='+', metavar='INPUT',
+                        help='.mcap file, rosbag2 directory or .csv of pairs')
+    parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor')
+    parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor')
+    add_settings_arguments(parser)
+    parser.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
+    parser.add_argument('--csv', metavar='F', help='write a row per pair')
+    add_verdict_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Judge the inputs; print and write the verdict."""
+    settings = settings_for(load_config(arguments.config), arguments.set,
+                            ts_topic=arguments.ts, rs_topic=arguments.rs)
+    Limits.of(settings.norms, settings.model)
+    table = read_run_table(arguments.runs) if arguments.runs else None
+    if arguments.csv and len(arguments.inputs) > 1:
+        raise ValueError(f'--csv {arguments.csv}: takes the pairs of one INPUT, '
+                         f'{len(arguments.inputs)} are given')
+    csv_out = PairsCsvWriter(
+        arguments.csv, wrap_center_deg=settings.wrap_center_deg) if arguments.csv else None
+    results, inputs, notes = [], [], []
+    try:
+        for path in arguments.inputs:
+            with Progress(path, arguments.quiet) as progress:
+                found, said = analyze_input(path, settings, table, csv_out, progress.show)
+                results += found
+                notes += said
+                inputs.append(describe(path, settings))
+    finally:
+        if csv_out:
+            csv_out.close()
+    for note in notes:
+        print(f'note: {note}', file=sys.stderr)
+    return conclude(join(results, settings, inputs).to_dict(), arguments)
+
+
+def conclude(verdict: Mapping[str, Any], arguments: argparse.Namespace) -> int:
+    """
+    Print the verdict, write it as JSON if asked for, and return the exit code.
+
+    Parameters
+    ----------
+    verdict : mapping
+        `Verdict.to_dict()`, or the JSON of a report.
+    arguments : argparse.Namespace
+        With `json` and `check`.
+
+    """
+    text = json.dumps(verdict, indent=1, ensure_ascii=False, allow_nan=False) + '\n'
+    if arguments.json == '-':
+        sys.stdout.write(text)
+    else:
+        print(verdict_text(verdict))
+        if arguments.json:
+            Path(arguments.json).write_text(text, encoding='utf-8')
+    return _CHECK_CODES[verdict['outcome']] if arguments.check else 0

@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``demo``: whether live, replayed and offline verdicts agree."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+import shutil
+from typing import Any
+
+import yaml
+
+from heading_intercompare.ahrs.settings import Scenario
+from heading_intercompare.cli.inputs import analyze_input, describe
+from heading_intercompare.cli.progress import Progress
+from heading_intercompare.cli.sameness import differences
+from heading_intercompare.cli.table import verdict_text
+from heading_intercompare.core.intercomparison import join
+from heading_intercompare.core.settings import Settings
+
+__all__ = ['add_arguments', 'run']
+
+_SETTINGS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
+_MADE = ('bag', 'live', 'replayed', 'offline.json')
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument('--out', metavar='DIR', default='demo_out',
+                        help='folder for the bag and the verdicts (default: demo_out)')
+    parser.add_argument('--speed', type=float, metavar='X', default=50.0,
+                        help='speed of the simulation, times real time (default: 50)')
+    parser.add_argument('--duration', type=float, metavar='S',
+                        help='simulated seconds (default: the whole scenario, 1200)')
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the three, print the verdict and whether they agree."""
+    from heading_intercompare.nodes.graph import intercompare, Source
+    from heading_intercompare.nodes.replayer import Replayer
+    from heading_intercompare.nodes.sensor_simulator import SensorSimulator
+
+    scenario = _scenario(arguments.duration)
+    if not arguments.speed > 0.0:
+        raise ValueError(f'--speed {arguments.speed}: must be greater than 0')
+    out = Path(arguments.out)
+    out.mkdir(parents=True, exist_ok=True)
+    for name in _MADE:
+        _remove(out / name)
+    bag = str(out / 'bag')
+    say = print if not arguments.quiet else lambda *_: None
+
+    say(f'1. live: simulator -> synchronizer -> compliance -> recorder, '
+        f'{scenario["duration_s"]:g} s at {arguments.speed:g} times the speed')
+    with Progress('live', arguments.quiet) as progress:
+        live = intercompare(
+            [Source(SensorSimulator, 'sensor_simulator',
+                    {**scenario, 'speed': arguments.speed, 'stamps': 'scenario'})],
+            _SETTINGS, output=bag, report_dir=str(out / 'live'), private=True,
+            progress=lambda n: progress.show(f'{n:,} pairs'))
+    say(f'2. replayed: {bag} -> synchronizer -> compliance')
+    with Progress('replayed', arguments.quiet) as progress:
+        replayed = intercompare(
+            [Source(Replayer, 'replayer', {'bag': bag, 'rate': 1.0})],
+            _SETTINGS, report_dir=str(out / 'replayed'), private=True,
+            progress=lambda n: progress.show(f'{n:,} pairs'))
+    say(f'3. offline: analyze {bag}\n')
+    settings = Settings.from_mapping(_SETTINGS)
+    with Progress(bag, arguments.quiet) as progress:
+        results, _ = analyze_input(bag, settings, None, None, progress.show)
+    offline = join(results, settings, [describe(bag, settings)]).to_dict()
+    (out / 'offline.json').write_text(json.dumps(offline, indent=1) + '\n', encoding='utf-8')
+    print(verdict_text(offline))
+    print()
+    return _compare({'live': live, 'replayed': replayed, 'offline': offline})
+
+
+def _compare(verdicts: dict[str, dict[str, Any]]) -> int:
+    """Say whether the verdicts agree; 0 if they do."""
+    found = [f'{name} and offline differ in {difference}' for name in ('live', 'replayed')
+             for difference in differences(verdicts[name], verdicts['offline'])]
+    if found:
+        print('\n'.join([*found[:20], 'live, replayed and offline verdicts DO NOT AGREE']))
+        return 1
+    pairs = sum(r['n_input'] for r in verdicts['offline']['runs'])
+    print(f'live, replayed and offline verdicts agree: {pairs} pairs, every count and word, '
+          'every figure to 1e-12')
+    return 0
+
+
+def _scenario(duration_s: float | None) -> dict[str, Any]:
+    """Return the scenario of the demo, from where the package keeps its configuration."""
+    for folder in Path(__file__).resolve().parents:
+        for below in ('config', 'share/heading_intercompare/config'):
+            path = folder / below / 'scenarios' / 'demo.yaml'
+            if path.is_file():
+                given = yaml.safe_load(path.read_text(encoding='utf-8'))
+                if duration_s is not None:
+                    given['duration_s'] = duration_s
+                return Scenario.from_mapping(given).to_mapping()
+    raise FileNotFoundError(2, 'not installed with the package', 'config/scenarios/demo.yaml')
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)

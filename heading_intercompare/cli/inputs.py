@@ -1,0 +1,186 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Recorded runs as inputs of an analysis: MCAP files, rosbag2 directories, csv of pairs."""
+
+from __future__ import annotations
+
+import csv
+from datetime import datetime, timezone
+import hashlib
+from pathlib import Path
+from typing import Any, Callable, Iterator, Sequence
+
+from heading_intercompare.bags.cdr import decode
+from heading_intercompare.bags.pairs_csv import PairsCsvWriter, read_pairs_csv
+from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.core.intercomparison import Compliance, Intercomparison
+from heading_intercompare.core.judge import RunResult
+from heading_intercompare.core.ledger import Ledger
+from heading_intercompare.core.pairing import rising
+from heading_intercompare.core.settings import Settings
+
+__all__ = ['analyze_input', 'describe', 'read_run_table', 'RunTable']
+
+RunTable = Sequence[tuple[int, int, str]]
+MARKER_TOPIC = 'compliance/marker'
+
+
+def analyze_input(path: str, settings: Settings, table: RunTable | None,
+                  csv_out: PairsCsvWriter | None,
+                  progress: Callable[[str], None]) -> tuple[list[RunResult], list[str]]:
+    """
+    Judge the runs of one input.
+
+    Parameters
+    ----------
+    path : str
+        ``.mcap`` file, rosbag2 directory or ``.csv`` of pairs.
+    settings : Settings
+    table : sequence of (start_ns, stop_ns, source), optional
+        Runs; those with a source are for the input of that name only.
+    csv_out : PairsCsvWriter, optional
+        Gets a row for each pair.
+    progress : callable
+        Told what has been done.
+
+    Returns
+    -------
+    results : list of RunResult
+    notes : list of str
+        What the user should know of the input: unfinished bag, no run.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    BagError
+        If it is not what it should be.
+
+    """
+    runs = None if table is None else [
+        (start, stop) for start, stop, source in table
+        if source in ('', path, Path(path).name)]
+    if Path(path).suffix == '.csv':
+        return _analyze_csv(path, settings, runs, csv_out, progress), []
+    return _analyze_bag(path, settings, runs, csv_out, progress)
+
+
+def _analyze_csv(path: str, settings: Settings, runs: Sequence[tuple[int, int]] | None,
+                 csv_out: PairsCsvWriter | None,
+                 progress: Callable[[str], None]) -> list[RunResult]:
+    compliance = Compliance(settings, source=path, table=runs)
+    ledger = Ledger()
+    n, newest_ns = 0, None
+    for pairs in read_pairs_csv(path):
+        n += len(pairs)
+        ledger.receive('ts', pairs.stamp_ns)
+        ledger.receive('rs', pairs.stamp_ns)
+        rises = rising(pairs.stamp_ns, newest_ns)
+        for stream in ('ts', 'rs'):
+            ledger.add(f'{stream}_rejected.stamp_not_increasing', pairs.stamp_ns[~rises])
+        pairs = pairs[rises]
+        ledger.add('paired', pairs.stamp_ns)
+        ledger.add('rs_used', pairs.stamp_ns)
+        if len(pairs):
+            newest_ns = int(pairs.stamp_ns[-1])
+        compliance.update(pairs)
+        if csv_out:
+            csv_out.write(pairs)
+        progress(f'{n:,} pairs')
+    compliance.finish()
+    for cut_ns in compliance.cuts:
+        ledger.cut(cut_ns)
+    return compliance.results(ledger)
+
+
+def _analyze_bag(path: str, settings: Settings, runs: Sequence[tuple[int, int]] | None,
+                 csv_out: PairsCsvWriter | None,
+                 progress: Callable[[str], None]) -> tuple[list[RunResult], list[str]]:
+    comparison = Intercomparison(settings, source=path, table=runs)
+    reader = BagReader(path)
+    ts, rs = settings.ts_topic, settings.rs_topic
+    conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
+    if runs is None:
+        for kind, stamp_ns in _marks(reader):
+            comparison.mark(kind, stamp_ns)
+    n = 0
+    for chunk in reader.headings(conventions):
+        pairs = comparison.update(ts=chunk.get(ts), rs=chunk.get(rs))
+        n += sum(len(h) for h in chunk.values())
+        if csv_out:
+            csv_out.write(pairs)
+        progress(f'{n:,} headings')
+    pairs = comparison.finish()
+    if csv_out:
+        csv_out.write(pairs)
+    notes = [f'{path}: {reader.incomplete}'] if reader.incomplete else []
+    return comparison.results(), notes
+
+
+def _marks(reader: BagReader) -> Iterator[tuple[str, int]]:
+    """Yield the start and stop marks that were recorded."""
+    topics = [t for t in reader.topics if t.lstrip('/') == MARKER_TOPIC]
+    for message in reader.messages(topics) if topics else ():
+        mark = decode(message.type_name, message.data)
+        stamp = mark['header']['stamp']
+        stamp_ns = stamp['sec'] * 1_000_000_000 + stamp['nanosec']
+        for status in mark['status']:
+            yield status['message'], stamp_ns
+
+
+def describe(path: str, settings: Settings) -> dict[str, Any]:
+    """Return the entry of an input in the verdict: path, SHA-256, topics."""
+    place = Path(path)
+    parts = sorted(place.glob('*.mcap')) if place.is_dir() else [place]
+    digest = hashlib.sha256()
+    for part in parts:
+        with part.open('rb') as file:
+            while block := file.read(1 << 20):
+                digest.update(block)
+    is_bag = place.suffix != '.csv'
+    return {'path': path, 'sha256': digest.hexdigest(),
+            'ts_topic': settings.ts_topic if is_bag else None,
+            'rs_topic': settings.rs_topic if is_bag else None}
+
+
+def read_run_table(path: str) -> list[tuple[int, int, str]]:
+    """
+    Read a table of runs: ``start,stop[,source]``, ISO UTC or integer nanoseconds.
+
+    Raises
+    ------
+    OSError, ValueError
+        If it cannot be read, or a row is wrong: file and line.
+
+    """
+    with open(path, newline='', encoding='utf-8') as file:
+        rows = csv.DictReader(file)
+        names = [name.strip() for name in rows.fieldnames or ()]
+        if 'start' not in names or 'stop' not in names:
+            raise ValueError(f'{path}: the header must be start,stop[,source], '
+                             f'not {",".join(names) or "empty"}')
+        rows.fieldnames = names
+        table = []
+        for row in rows:
+            try:
+                table.append((_stamp(row['start']), _stamp(row['stop']),
+                              (row.get('source') or '').strip()))
+            except ValueError as error:
+                raise ValueError(f'{path}, line {rows.line_num}: {error}') from error
+    return sorted(table)
+
+
+def _stamp(text: str | None) -> int:
+    text = (text or '').strip()
+    if text.lstrip('-').isdigit():
+        return int(text)
+    try:
+        moment = datetime.fromisoformat(text[:19].replace('Z', ''))
+        fraction = text[19:].rstrip('Z').lstrip('.')
+        ns = int((fraction or '0').ljust(9, '0')) if len(fraction) <= 9 else None
+    except ValueError:
+        ns = None
+    if ns is None:
+        raise ValueError(f'{text!r} is neither ISO UTC (2014-08-01T00:00:00.5Z) nor integer '
+                         'nanoseconds')
+    return int(moment.replace(tzinfo=timezone.utc).timestamp()) * 1_000_000_000 + ns

@@ -1,0 +1,30 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``norms``: the named norms with their sources."""
+
+from __future__ import annotations
+
+import argparse
+
+from heading_intercompare.core.presets import PRESETS
+
+__all__ = ['add_arguments', 'run']
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add nothing: the command has no options of its own."""
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print every named norm."""
+    for name, preset in PRESETS.items():
+        secant = ' sec(lat)' if preset.secant else ''
+        if preset.rms_deg is not None:
+            rule = f'sigma_max = {preset.rms_deg:g}{secant} deg'
+        else:
+            p = f'{preset.probability:g}' if preset.probability else 'norms.probability'
+            rule = f'sigma_max = {preset.limit_deg:g}{secant} deg / K({p})'
+        print(f'{name}: {preset.title} [{preset.status}]\n    {rule}\n'
+              f'    asks: {preset.content}')
+    print('use: --set norms.preset=NAME, with --set norms.latitude_deg=LAT where sec(lat) stands')
+    return 0

@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The commands and their options; each command's work is in a module of its own."""
+
+from __future__ import annotations
+
+import argparse
+from importlib import import_module
+import sys
+from typing import NoReturn, Sequence
+
+from heading_intercompare.core.version import VERSION
+
+__all__ = ['main']
+
+PROGRAM = 'heading-intercompare'
+
+# name: (module, what it does, example)
+COMMANDS = {
+    'demo': ('demo', 'run the live graph on simulated sensors, record it, replay it, analyze the '
+             'bag, and say whether the three verdicts agree', 'demo --out demo_out'),
+    'live': ('live', 'run the graph in one process from configured drivers, with recording',
+             'live --config heading_intercompare.yaml'),
+    'analyze': ('analyze', 'verdict on recorded runs', 'analyze trial_bag '
+                '--set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1'),
+    'import-nmea': ('import_nmea', 'NMEA logs to a bag',
+                    'import-nmea --ts gyro.log --rs seapath.log -o trial_bag'),
+    'record': ('record', 'topics to a bag', 'record -o trial_bag'),
+    'norms': ('norms', 'list the norm presets with their sources', 'norms'),
+    'replay': ('replay', 'a bag to topics', 'replay trial_bag --rate 20'),
+}
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(f'{message} (see {self.prog} --help)')
+
+
+class UsageError(ValueError):
+    """The command line is wrong."""
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog=PROGRAM, description='Decide whether a heading sensor meets its '
+                     'accuracy norm, by comparison with a reference sensor.')
+    parser.add_argument('--version', action='version', version=f'{PROGRAM} {VERSION}')
+    commands = parser.add_subparsers(dest='command', metavar='COMMAND', parser_class=_Parser)
+    for name, (module, summary, example) in COMMANDS.items():
+        command = commands.add_parser(
+            name, help=summary, description=summary[0].upper() + summary[1:] + '.',
+            epilog=f'example: {PROGRAM} {example}')
+        command.add_argument('--quiet', action='store_true', help='no progress, results only')
+        import_module(f'heading_intercompare.cli.{module}').add_arguments(command)
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """
+    Run a command.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments; those of the process by default.
+
+    Returns
+    -------
+    int
+        The exit code: 0 done, 2 wrong usage, configuration or input; with ``--check`` 1
+        non-compliant, 3 indeterminate.
+
+    """
+    try:
+        parser = _parser()
+        arguments = parser.parse_args(argv)
+        if arguments.command is None:
+            parser.print_help()
+            return 2
+        module = import_module(f'heading_intercompare.cli.{COMMANDS[arguments.command][0]}')
+        return module.run(arguments)
+    except (ValueError, OSError, ModuleNotFoundError) as error:
+        return _refuse(error)
+    except KeyboardInterrupt:
+        sys.stderr.write('\n')
+        return 130
+
+
+def _refuse(error: Exception) -> int:
+    if isinstance(error, ModuleNotFoundError):
+        if error.name not in _WITH_ROS:
+            raise error
+        text = (f'this command needs ROS 2 (no module {error.name}): install '
+                'heading_intercompare[ros], or source a ROS 2 Jazzy environment')
+    elif isinstance(error, BrokenPipeError):
+        return 0
+    elif isinstance(error, OSError) and error.strerror:
+        where = f'{error.filename}: ' if error.filename is not None else ''
+        text = f'{where}{error.strerror}'
+    else:
+        text = str(error)
+    sys.stderr.write(f'{PROGRAM}: error: {" ".join(text.split())}\n')
+    return 2
+
+
+_WITH_ROS = {'rclpy', 'sensor_msgs', 'geometry_msgs', 'nav_msgs', 'std_msgs', 'std_srvs',
+             'diagnostic_msgs', 'rosgraph_msgs', 'rcl_interfaces', 'builtin_interfaces'}

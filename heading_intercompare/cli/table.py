@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The verdict as a table on the terminal: a row a figure, a column a run."""
+
+from __future__ import annotations
+
+from datetime import datetime, timezone
+from typing import Any, Callable, Mapping, Sequence
+
+__all__ = ['REASON_WORDS', 'utc_text', 'verdict_text']
+
+_COLUMNS = 5
+
+OUTCOME_WORDS = {'compliant': 'COMPLIANT', 'indeterminate': 'INDETERMINATE',
+                 'non_compliant': 'NON-COMPLIANT'}
+
+REASON_WORDS = {
+    'insufficient_data': 'fewer than 64 differences',
+    'insufficient_effective_data':
+        'the errors change too slowly for this record: measure longer',
+    'insufficient_duration': 'shorter than risk.min_duration_s',
+    'unresolved_but_far_above_rejection_limit':
+        'the errors change slowly, but lie far above the rejection limit',
+    'lower_bound_above_rejection_limit':
+        'the variance is above the rejection limit, at the stated risk',
+    'upper_bound_within_acceptance_limit':
+        'the variance is within the acceptance limit, at the stated risk',
+    'reference_limited': 'only better knowledge of sigma_ref can decide, not more data',
+    'data_limited': 'more data can decide',
+    'count_lower_bound_above_allowed':
+        'too many extreme differences, at the stated risk',
+    'total_error_not_within_norm': 'the total error is not shown to be within its norm',
+}
+
+
+def utc_text(stamp_ns: int | None) -> str:
+    """Return a stamp as UTC text, rounded down to milliseconds."""
+    if stamp_ns is None:
+        return '-'
+    seconds, ns = divmod(stamp_ns, 1_000_000_000)
+    try:
+        moment = datetime.fromtimestamp(seconds, timezone.utc)
+    except (OverflowError, OSError, ValueError):
+        return f'{stamp_ns} ns'
+    return f'{moment:%Y-%m-%d %H:%M:%S}.{ns // 1_000_000:03d}'
+
+
+def _number(value: float | int | None, digits: int = 4) -> str:
+    if value is None:
+        return '-'
+    if isinstance(value, int):
+        return str(value)
+    return f'{value:.{digits}f}' if abs(value) < 1e5 else f'{value:.4g}'
+
+
+def _rejected(run: Mapping[str, Any]) -> str:
+    parts = [f'{n} {s.upper()} {reason}' for s, reasons in run['pairing']['rejected'].items()
+             for reason, n in reasons.items()]
+    return ', '.join(parts) or '0'
+
+
+def _range(low: float | None, high: float | None, digits: int = 4) -> str:
+    return f'{_number(low, digits)} .. {_number(high, digits)}'
+
+
+_Text = Callable[[Mapping[str, Any]], str]
+
+
+def _figure(path: str, digits: int = 4) -> _Text:
+    """Return what prints the figure under a dotted name."""
+    def text(run: Mapping[str, Any]) -> str:
+        value: Any = run
+        for key in path.split('.'):
+            value = value[key]
+        return OUTCOME_WORDS[value] if isinstance(value, str) else _number(value, digits)
+    return text
+
+
+def _guarded(low: str, high: str, digits: int = 4) -> _Text:
+    return lambda r: _range(r['guarded'][low], r['guarded'][high], digits)
+
+
+_ROWS: tuple[tuple[str, _Text], ...] = (
+    ('outcome', _figure('outcome')),
+    ('GK as printed', _figure('paper_outcome')),
+    ('first pair, UTC', lambda r: utc_text(r['start_ns'])),
+    ('duration [s]', _figure('duration_s', 1)),
+    ('TS received', _figure('pairing.ts_received')),
+    ('RS received', _figure('pairing.rs_received')),
+    ('paired', _figure('pairing.paired')),
+    ('TS without partner', _figure('pairing.ts_unpaired')),
+    ('rejected', _rejected),
+    ('analysed n', _figure('n')),
+    ('effective size nu', _figure('guarded.nu', 1)),
+    ('mean difference [deg]', _figure('mean_deg')),
+    ('largest |difference| [deg]', _figure('max_abs_deg')),
+    ('standard deviation [deg]', _figure('std_deg')),
+    ('variance [deg2]', _figure('variance_deg2', 6)),
+    ('  with its bounds [deg2]', _guarded('lower_bound_deg2', 'upper_bound_deg2', 6)),
+    ('  acceptance limit [deg2]', _figure('guarded.acceptance_limit_deg2', 6)),
+    ('  rejection limit [deg2]', _figure('guarded.rejection_limit_deg2', 6)),
+    ('GK (5) variance', _figure('variance_criterion.outcome')),
+    ('n+ / n++ / allowed', lambda r: '{n_plus} / {n_plus_plus} / {allowed:.2f}'.format(
+        **r['count_criterion'])),
+    ('GK (6) counts', _figure('count_criterion.outcome')),
+    ('sigma of the TS [deg]', _guarded('sigma_ts_lower_deg', 'sigma_ts_upper_deg')),
+    ('total TS error [deg]', lambda r: _range(r['total_error']['low_deg'],
+                                              r['total_error']['up_deg'])),
+)
+
+
+def verdict_text(verdict: Mapping[str, Any]) -> str:
+    """
+    Return a verdict as text for a terminal, without a final newline.
+
+    Parameters
+    ----------
+    verdict : mapping
+        `Verdict.to_dict()`, or the JSON of a report.
+
+    """
+    settings, runs = verdict['settings'], verdict['runs']
+    lines = [f'VERDICT: {OUTCOME_WORDS[verdict["outcome"]]}'
+             f'   (GK as printed: {OUTCOME_WORDS[verdict["paper_outcome"]]})']
+    norm = (f'by {settings["norms.preset"]}' if settings['norms.preset'] is not None
+            else f'{settings["norms.sigma_max_deg"]:g} deg')
+    lines.append(f'norms: sigma_max {norm}, sigma_ref_max '
+                 f'{settings["norms.sigma_ref_max_deg"]:g} deg, '
+                 f'P {settings["norms.probability"]:g}; '
+                 f'model {settings["model"]}, variant {settings["variant"]}; '
+                 f'risks: consumer {settings["risk.alpha_consumer"]:g}, '
+                 f'producer {settings["risk.alpha_producer"]:g}')
+    if not runs:
+        return '\n'.join([*lines, 'no run: no pair was made'])
+    for first in range(0, len(runs), _COLUMNS):
+        lines += ['', *_table(runs[first:first + _COLUMNS])]
+    lines.append('')
+    for run in runs:
+        lines.append(f'run {run["run"]}: {REASON_WORDS.get(run["reason"], run["reason"])}')
+        lines += [f'  warning: {warning}' for warning in run['warnings']]
+    return '\n'.join(lines)
+
+
+def _table(runs: Sequence[Mapping[str, Any]]) -> list[str]:
+    rows = [('', *(f'run {r["run"]}' for r in runs))]
+    rows += [(name, *(text(r) for r in runs)) for name, text in _ROWS]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return ['  '.join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
+            for row in rows]

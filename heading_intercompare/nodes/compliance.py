@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node `compliance`: pairs to figures, verdicts and reports."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Sequence
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+from heading_intercompare.core.intercomparison import Compliance as PureCompliance
+from heading_intercompare.core.settings import Settings
+
+from . import qos
+from .health import Health
+from .intake import Intake
+from .messages import pairs_from, PAIRS_TYPES
+from .parameters import declare, OVERRIDES
+from .process import run
+from .reporting import Reporting
+from .settings import ComplianceNode, Taking
+from .status_messages import figures_message, ledger_from, marker_message, MARKS, marks_from, WARN
+from .timing import every
+
+__all__ = ['Compliance', 'main']
+
+# How long the last messages of a synchronizer that has gone may still be under way.
+_ALONE_S = 0.3
+
+
+class Compliance(Node):
+    """Publish figures of the run in progress, and the verdict and report at the end of each."""
+
+    done = False
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__('compliance', **OVERRIDES, **kwargs)
+        self._settings, taking, self._own = declare(self, Settings, Taking, ComplianceNode)
+        self._compliance = PureCompliance(self._settings, source='live')
+        self._health = Health(self)
+        self._reporting = Reporting(self, self._compliance, self._own, self._health)
+        self._pairs = Intake(self, 'pairs', PAIRS_TYPES, qos.PAIRS, self._health,
+                             stale_s=taking.stale_s)
+        self._marker = self.create_publisher(DiagnosticArray, 'compliance/marker', qos.MARKER)
+        self._rolling = self.create_publisher(DiagnosticArray, 'compliance/rolling', qos.STATUS)
+        self._run = self.create_publisher(DiagnosticArray, 'compliance/run', qos.STATUS)
+        for topic, callback, profile in (('compliance/marker', self._mark, qos.MARKER),
+                                         ('pairs/ledger', self._book, qos.LEDGER)):
+            self.create_subscription(DiagnosticArray, topic, callback, profile,
+                                     event_callbacks=self._health.of_subscription(topic))
+        for name in ('start', 'stop'):
+            self.create_service(Trigger, f'~/{name}_run',
+                                lambda _, response, kind=name: self._command(kind, response))
+        self.create_service(Trigger, '~/acknowledge', self._acknowledge)
+        self._marks: set[tuple[str, int]] = set()
+        self._end_s: float | None = None
+        every(self, taking.drain_period_s, self._drain)
+        every(self, 1.0, self._beat)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the last report is out."""
+        return self._reporting.closed
+
+    @property
+    def n_pairs(self) -> int:
+        """Number of pairs taken."""
+        return self._pairs.received
+
+    @property
+    def report(self) -> str | None:
+        """The last report, JSON; None before the first."""
+        return self._reporting.report
+
+    def _drain(self) -> None:
+        self._compliance.update(pairs_from([message for message, _ in self._pairs.take()]))
+        self._reporting.look(self._pairs.last_sequence)
+        if self._end_s is not None and not self.ended:
+            self._finish_if_complete()
+
+    def _beat(self) -> None:
+        newest_ns = self._compliance.newest_ns or 0
+        self._rolling.publish(figures_message('rolling', self._compliance.rolling_figures(),
+                                              newest_ns))
+        self._run.publish(figures_message('run', self._compliance.run_figures(), newest_ns))
+
+    def _book(self, message: DiagnosticArray) -> None:
+        self._reporting.book(*ledger_from(message))
+
+    def _mark(self, message: DiagnosticArray) -> None:
+        for kind, stamp_ns in marks_from(message):
+            if kind in MARKS:
+                self._set_mark(kind, stamp_ns)
+            else:
+                self._health.note('marker', WARN, f'mark {kind!r} is neither start nor stop')
+
+    def _set_mark(self, kind: str, stamp_ns: int) -> None:
+        # Marks of its own come back, and a late joiner gets all: each counts once.
+        if (kind, stamp_ns) not in self._marks:
+            self._marks.add((kind, stamp_ns))
+            self._compliance.mark(kind, stamp_ns)
+
+    def _command(self, kind: str, response: Trigger.Response) -> Trigger.Response:
+        """Mark the newest pair; what came before belongs to what was before."""
+        self._drain()
+        stamp_ns = self._compliance.newest_ns or 0
+        self._set_mark(kind, stamp_ns)
+        self._marker.publish(marker_message(kind, stamp_ns))
+        response.success, response.message = True, f'{kind} behind the pair of {stamp_ns} ns'
+        self._reporting.look(self._pairs.last_sequence)
+        return response
+
+    def _acknowledge(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        n = self._health.acknowledge()
+        response.success, response.message = True, f'{n} alerts acknowledged'
+        return response
+
+    def end(self) -> None:
+        """Take the last pairs and the final ledger, then end the run and report."""
+        self._end_s = time.monotonic() + self._own.end_wait_s
+        self._alone_s = time.monotonic() + _ALONE_S
+
+    def _finish_if_complete(self) -> None:
+        self._pairs.look()
+        now_s, reporting = time.monotonic(), self._reporting
+        complete = reporting.final and self._pairs.last_sequence >= reporting.paired
+        alone = not self._pairs.publishers and now_s > self._alone_s
+        if complete or alone or now_s > self._end_s:
+            self._compliance.finish()
+            reporting.close(complete)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node."""
+    return run('compliance', Compliance, args)

@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The graph in one process: what `launch` runs as processes, in one context and one thread."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+import json
+import os
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from .compliance import Compliance
+from .parameters import overrides
+from .process import end, Stop
+from .recorder import Recorder
+from .synchronizer import Synchronizer
+
+__all__ = ['intercompare', 'Source']
+
+_RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
+
+
+class Source(NamedTuple):
+    """
+    A node that publishes headings.
+
+    Attributes
+    ----------
+    make : type
+        `NmeaDriver`, `SensorSimulator` or `Replayer`.
+    name : str
+        Of the node.
+    settings : mapping
+        Its own parameters, dotted names.
+
+    """
+
+    make: type
+    name: str
+    settings: Mapping[str, Any]
+
+
+@contextmanager
+def _context(private: bool) -> Iterator[Context]:
+    """Give a context of ROS; a private one sees nothing outside this process, nor is it seen."""
+    before = os.environ.get(_RANGE)
+    if private:
+        os.environ[_RANGE] = 'OFF'
+    context = Context()
+    try:
+        rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+        yield context
+    finally:
+        context.try_shutdown()
+        if private:
+            os.environ.pop(_RANGE)
+            if before is not None:
+                os.environ[_RANGE] = before
+
+
+def _in_step(sources: Sequence[Node]) -> None:
+    """Have all logs played from the first stamp of any."""
+    logs = [s for s in sources if getattr(s, 'first_ns', None) is not None]
+    for log in logs:
+        log.play_from(min(other.first_ns for other in logs))
+
+
+def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
+                 output: str | None = None, report_dir: str | None = None,
+                 recorder: Mapping[str, Any] | None = None, private: bool = False,
+                 progress: Callable[[int], None] = lambda n_pairs: None) -> dict[str, Any]:
+    """
+    Run sources, synchronizer and compliance until all sources are through, or a signal comes.
+
+    Parameters
+    ----------
+    sources : sequence of Source
+        Who publishes the headings.
+    settings : mapping
+        Those of the analysis, dotted names.
+    output : str, optional
+        Bag to record.
+    report_dir : str, optional
+        Folder for the reports.
+    recorder : mapping, optional
+        Further parameters of the recorder.
+    private : bool
+        Keep the graph within this process.
+    progress : callable
+        Told the number of pairs, several times a second.
+
+    Returns
+    -------
+    dict
+        The last report, as `compliance/report` has it.
+
+    Raises
+    ------
+    SettingsError, DriverError, BagError, OSError
+        One line that says what is wrong.
+
+    """
+    heard = {'subscribers': 1 if output is None else 2}
+    plan: list[tuple[type, str, Mapping[str, Any]]] = [
+        (Compliance, 'compliance', {'report_dir': report_dir})]
+    if output is not None:
+        plan.append((Recorder, 'recorder', {'output': output, **(recorder or {})}))
+    plan.append((Synchronizer, 'synchronizer', heard))
+    plan += [(s.make, s.name, {**heard, **s.settings}) for s in sources]
+    with _context(private) as context, Stop() as stop:
+        executor = SingleThreadedExecutor(context=context)
+        nodes = {}
+        for make, name, own in plan:
+            nodes[name] = make(context=context, cli_args=['--ros-args', '-r', f'__node:={name}'],
+                               parameter_overrides=overrides({**settings, **own}))
+            executor.add_node(nodes[name])
+        running = [nodes[s.name] for s in sources]
+        _in_step(running)
+        compliance = nodes['compliance']
+        while not stop.requested and not all(source.done for source in running):
+            executor.spin_once(0.2)
+            progress(compliance.n_pairs)
+        end(executor, [*running, nodes['synchronizer'], compliance,
+                       *(nodes[n] for n in ('recorder',) if n in nodes)])
+        executor.shutdown()
+        return json.loads(compliance.report)

@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node `nmea_driver`: sentences of a sensor to headings."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Sequence
+
+from rclpy.node import Node
+from sensor_msgs.msg import Imu
+
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.drivers.nmea import NmeaDecoder
+from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.drivers.sources import FileSource, open_source
+
+from . import qos
+from .health import Health
+from .messages import heading_messages
+from .parameters import declare, OVERRIDES
+from .process import run
+from .reading import Reading
+from .sending import all_acknowledged, Audience
+from .settings import DriverNode, Sending, Taking
+from .status_messages import OK, WARN
+from .timing import every
+
+__all__ = ['main', 'NmeaDriver']
+
+
+class NmeaDriver(Node):
+    """Publish what a source delivers; a file is begun once it is heard, and ends the node."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__('nmea_driver', **OVERRIDES, **kwargs)
+        _, settings, sending, self._taking, own = declare(
+            self, Settings, DriverSettings, Sending, Taking, DriverNode)
+        self.done = self.ended = False
+        self._frame_id = own.frame_id or settings.topic.strip('/').replace('/', '_')
+        self._decoder = NmeaDecoder(settings)
+        self._source = open_source(settings)
+        self._health = Health(self)
+        self._publisher = self.create_publisher(
+            Imu, settings.topic, qos.HEADINGS_OUT,
+            event_callbacks=self._health.of_publisher(settings.topic))
+        from_file = isinstance(self._source, FileSource)
+        if from_file and own.origin_ns is not None:
+            self._source.origin_ns = own.origin_ns
+        self._audience = Audience(self, [self._publisher], sending.subscribers * from_file,
+                                  self._health)
+        wake = self.create_guard_condition(self._pass_on)
+        self._reading = Reading(self._source, wake.trigger,
+                                sending.max_rate_hz if from_file else None)
+        self._published = self._beyond = self._published_before = 0
+        self._newest_s = self._beat_s = time.monotonic()
+        self._health.before_beat(self._note)
+        every(self, 0.05, self._begin)
+        self._begin()
+
+    @property
+    def first_ns(self) -> int | None:
+        """First stamp of a log; None of other sources."""
+        return getattr(self._source, 'first_ns', None)
+
+    def play_from(self, origin_ns: int) -> None:
+        """Play a log from a log time, in step with others; before it has begun."""
+        self._source.origin_ns = origin_ns
+
+    def _begin(self) -> None:
+        if not self._reading.started and self._audience.there():
+            self._reading.start()
+
+    def _pass_on(self) -> None:
+        """Publish the headings in what has come."""
+        if self.ended:
+            return
+        chunks = [self._decoder.feed(data, ns) for ns, data in self._reading.received()]
+        self._publish(Headings.concatenate(chunks))
+        if self._reading.over and not self.done:
+            self._publish(self._decoder.flush())
+            all_acknowledged([self._publisher])
+            self.done = True
+
+    def _publish(self, headings: Headings) -> None:
+        messages = heading_messages(headings, self._frame_id)
+        for message in messages:
+            self._publisher.publish(message)
+        self._published += len(messages)
+        self._beyond += len(headings) - len(messages)
+        if messages:
+            self._newest_s = time.monotonic()
+
+    def _note(self) -> None:
+        if self._reading.started and not self.done:
+            # On a silent line the time of listening passes all the same.
+            self._publish(self._decoder.feed(b'', time.time_ns()))
+            self._pass_on()
+        now_s = time.monotonic()
+        age_s = now_s - self._newest_s
+        silent = self._reading.started and not self.done and age_s > self._taking.stale_s
+        rate_hz = (self._published - self._published_before) / max(now_s - self._beat_s, 1e-3)
+        self._beat_s, self._published_before = now_s, self._published
+        words = f'no heading for more than {self._taking.stale_s:g} s; ' if silent else ''
+        self._health.note('source', WARN if silent else OK, words + self._source.status,
+                          sentence=self._decoder.chosen, published=self._published,
+                          rate_hz=rate_hz, age_s=age_s, stamp_beyond_2038=self._beyond or None,
+                          **self._decoder.counts)
+
+    def end(self) -> None:
+        """Stop reading, publish what has come."""
+        self._reading.stop()
+        if not self.done:
+            self._pass_on()
+            all_acknowledged([self._publisher], 2.0)
+        self.ended = True
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node."""
+    return run('nmea_driver', NmeaDriver, args)

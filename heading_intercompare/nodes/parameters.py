@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Settings classes as ROS parameters: read-only, described, checked, unknown names refused."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Any, Mapping
+
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from heading_intercompare.core.settings import declared, from_mapping, SettingsError, to_mapping
+
+__all__ = ['declare', 'OVERRIDES', 'overrides']
+
+OVERRIDES = {'automatically_declare_parameters_from_overrides': True}
+"""What `Node.__init__` must be given for `declare` to see all that was given to the node."""
+
+# Declared by every node of rclpy.
+_OF_ROS = ('use_sim_time', 'start_type_description_service')
+
+
+def declare(node: Node, *classes: type) -> tuple[Any, ...]:
+    """
+    Return the settings of a node, and declare them as parameters.
+
+    Parameters
+    ----------
+    node : Node
+        Made with `OVERRIDES`.
+    *classes : type
+        Settings classes whose names do not clash.
+
+    Returns
+    -------
+    tuple
+        An instance of each class.
+
+    Raises
+    ------
+    SettingsError
+        For a name that no class declares, or a value that is not allowed.
+
+    """
+    given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()
+             if name not in _OF_ROS}
+    rules = {cls: {rule.name: rule for rule in declared(cls)} for cls in classes}
+    known = [name for names in rules.values() for name in names]
+    for name in given:
+        if name not in known:
+            close = difflib.get_close_matches(name, known, n=1)
+            hint = f'; did you mean {close[0]!r}?' if close else ''
+            raise SettingsError(f'unknown parameter {name!r}{hint}')
+    made = []
+    for cls, names in rules.items():
+        settings = from_mapping(cls, {n: v for n, v in given.items() if n in names})
+        for name, value in to_mapping(settings).items():
+            if name in given:
+                node.undeclare_parameter(name)
+            rule = names[name]
+            node.declare_parameter(
+                name, 'none' if value is None else value,
+                ParameterDescriptor(description=str(rule.help), read_only=True,
+                                    additional_constraints=str(rule.allowed),
+                                    dynamic_typing=True), ignore_override=True)
+        made.append(settings)
+    return tuple(made)
+
+
+def overrides(values: Mapping[str, Any]) -> list[Parameter]:
+    """Return values, by dotted name, as `parameter_overrides` of a node; None is not given."""
+    return [Parameter(name, value=value) for name, value in values.items() if value is not None]

@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A node as a process: one line for a user's mistake, a clean end on SIGINT and SIGTERM.
+
+The handlers of rclpy would end the context before the last verdict could be published, so they
+are left out, and a flag ends the loop instead.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from typing import Any, Callable, Protocol, Sequence
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.drivers.settings import DriverError
+
+__all__ = ['end', 'Ending', 'MISTAKES', 'run', 'Stop', 'words']
+
+MISTAKES = (SettingsError, DriverError, BagError, OSError)
+"""What a user can cause; the text of each is one line that says what is wrong."""
+
+END_S = 9.0
+"""Longest time that a node may take to end; `ros2 launch` kills after 10 s."""
+
+
+class Ending(Protocol):
+    """
+    What every node here has beside being a Node.
+
+    Attributes
+    ----------
+    done : bool
+        Its work is over by itself.
+    ended : bool
+        After `end`: nothing is left to be published or written.
+
+    """
+
+    done: bool
+    ended: bool
+
+    def end(self) -> None:
+        """Begin to end."""
+
+
+class Stop:
+    """Notes SIGINT and SIGTERM while entered; `requested` says whether one came."""
+
+    def __init__(self) -> None:
+        self.requested = False
+        self._before: dict[int, Any] = {}
+
+    def __enter__(self) -> 'Stop':
+        for number in (signal.SIGINT, signal.SIGTERM):
+            self._before[number] = signal.signal(number, self._note)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def _note(self, *_: object) -> None:
+        self.requested = True
+
+
+def end(executor: SingleThreadedExecutor, nodes: Sequence[Node]) -> None:
+    """End nodes one after the other, in the order given, and destroy them."""
+    for node in nodes:
+        node.end()
+        deadline_s = time.monotonic() + END_S
+        while not node.ended and time.monotonic() < deadline_s:
+            executor.spin_once(0.05)
+        executor.remove_node(node)
+        node.destroy_node()
+
+
+def words(error: Exception) -> str:
+    """Return an error in one line."""
+    if isinstance(error, OSError) and error.strerror:
+        where = '' if error.filename is None else f'{os.fspath(error.filename)}: '
+        return f'{where}{error.strerror}'
+    return ' '.join(str(error).split())
+
+
+def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None) -> int:
+    """
+    Run a node until its work is over or a signal comes.
+
+    Parameters
+    ----------
+    name : str
+        Of the executable, for messages.
+    make : callable
+        Makes the node, given `context`.
+    args : sequence of str, optional
+        Arguments; those of the process by default.
+
+    Returns
+    -------
+    int
+        0; 2 after a mistake of the user, which stands in one line on stderr.
+
+    """
+    context = Context()
+    try:
+        with Stop() as stop:
+            try:
+                rclpy.init(args=args, context=context,
+                           signal_handler_options=SignalHandlerOptions.NO)
+            except RuntimeError as error:
+                raise SettingsError(str(error).partition(', at ')[0]) from error
+            node = make(context=context)
+            executor = SingleThreadedExecutor(context=context)
+            executor.add_node(node)
+            while not (stop.requested or node.done):
+                executor.spin_once(0.2)
+            end(executor, [node])
+            executor.shutdown()
+    except MISTAKES as error:
+        sys.stderr.write(f'{name}: error: {words(error)}\n')
+        return 2
+    finally:
+        context.try_shutdown()
+    return 0

@@ -1,0 +1,28 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Quality of service of every topic; the table of the documentation in code."""
+
+from __future__ import annotations
+
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+__all__ = ['CLOCK', 'HEADINGS_IN', 'HEADINGS_OUT', 'LEDGER', 'MARKER', 'PAIRS', 'REPORT',
+           'STATUS', 'VERDICT']
+
+
+def _kept(depth: int) -> QoSProfile:
+    """Return a reliable profile whose last messages also reach who comes late."""
+    return QoSProfile(depth=depth, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+HEADINGS_OUT = QoSProfile(depth=1000)
+# Best effort accepts every publisher, and holds up none of them; losses are counted.
+HEADINGS_IN = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
+PAIRS = QoSProfile(depth=1000)
+LEDGER = QoSProfile(depth=10)
+STATUS = QoSProfile(depth=10)
+MARKER = _kept(100)
+VERDICT = _kept(10)
+REPORT = _kept(10)
+# As rosbag2 publishes it; a reliable subscription would get nothing.
+CLOCK = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)

@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A thread that reads a source, so that what comes is stamped at once, whatever the node does."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future, ThreadPoolExecutor
+from queue import Empty, Full, Queue
+import threading
+from typing import Callable
+
+from heading_intercompare.drivers.sources import Source
+
+__all__ = ['Reading']
+
+_PIECE = 50
+_READ_S = 0.2
+
+Received = list[tuple['int | None', bytes]]
+
+
+class Reading:
+    """
+    Reads a source in a thread of its own.
+
+    Parameters
+    ----------
+    source : Source
+        Open; closed by `stop`.
+    notify : callable
+        Called from the thread when something has come or reading is over.
+    max_rate_hz : float, optional
+        Most lines a second, for a file that is played as fast as possible.
+
+    """
+
+    def __init__(self, source: Source, notify: Callable[[], None],
+                 max_rate_hz: float | None = None) -> None:
+        self._source, self._notify = source, notify
+        self._pause_s = 0.0 if max_rate_hz is None else _PIECE / max_rate_hz
+        self._queue: Queue[Received] = Queue(maxsize=20)
+        self._stopped = threading.Event()
+        self._pool = ThreadPoolExecutor(1)
+        self._work: Future[None] | None = None
+
+    def start(self) -> None:
+        """Begin to read."""
+        self._work = self._pool.submit(self._run)
+        self._work.add_done_callback(lambda _: self._notify())
+
+    @property
+    def started(self) -> bool:
+        """Whether `start` was called."""
+        return self._work is not None
+
+    @property
+    def over(self) -> bool:
+        """Whether nothing more will come; raises what ended the reading, if that was an error."""
+        if self._work is None or not self._work.done():
+            return False
+        self._work.result()
+        return self._queue.empty()
+
+    def received(self) -> Received:
+        """Return what has come since the last call."""
+        taken: Received = []
+        try:
+            while True:
+                taken += self._queue.get_nowait()
+        except Empty:
+            return taken
+
+    def stop(self) -> None:
+        """Stop reading and close the source."""
+        self._stopped.set()
+        self._pool.shutdown()
+        self._source.close()
+
+    def _run(self) -> None:
+        while not (self._stopped.is_set() or self._source.exhausted):
+            lines = self._source.read(_READ_S)
+            for at in range(0, len(lines), _PIECE):
+                self._put(lines[at:at + _PIECE])
+
+    def _put(self, lines: Received) -> None:
+        while not self._stopped.is_set():
+            try:
+                self._queue.put(lines, timeout=0.1)
+            except Full:
+                continue
+            self._notify()
+            self._stopped.wait(self._pause_s * len(lines) / _PIECE)
+            return

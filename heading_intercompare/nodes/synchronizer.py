@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node `synchronizer`: headings of two sensors to pairs, with a ledger."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Sequence
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TwistStamped
+from rclpy.duration import Duration
+from rclpy.node import Node
+
+from heading_intercompare.core.pairing import Pairer
+from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.settings import Settings
+
+from . import qos
+from .health import Health
+from .intake import Intake
+from .messages import HEADING_TYPES, headings_from, pair_messages
+from .parameters import declare, OVERRIDES
+from .process import run
+from .settings import SynchronizerNode, Taking
+from .status_messages import ledger_message, marks_from, OK, WARN
+from .timing import every
+
+__all__ = ['main', 'Synchronizer']
+
+
+class Synchronizer(Node):
+    """
+    Publish `pairs` and `pairs/ledger`.
+
+    Headings are taken once somebody takes the pairs, so that no pair goes nowhere.
+    """
+
+    done = False
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__('synchronizer', **OVERRIDES, **kwargs)
+        settings, taking, self._own = declare(self, Settings, Taking, SynchronizerNode)
+        self.ended = False
+        self._pairer = Pairer(settings)
+        self._health = Health(self)
+        self._pairs = self.create_publisher(TwistStamped, 'pairs', qos.PAIRS,
+                                            event_callbacks=self._health.of_publisher('pairs'))
+        self._ledger = self.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
+        self._inputs = [(Intake(self, topic, HEADING_TYPES, qos.HEADINGS_IN, self._health,
+                                stale_s=taking.stale_s), convention) for topic, convention in
+                        ((settings.ts_topic, settings.ts_convention),
+                         (settings.rs_topic, settings.rs_convention))]
+        self.create_subscription(DiagnosticArray, 'compliance/marker', self._mark, qos.MARKER)
+        self._open_at_s = time.monotonic() + self._own.startup_wait_s
+        for intake, _ in self._inputs:
+            intake.open = False
+        self._end_s: float | None = None
+        every(self, taking.drain_period_s, self._drain)
+        every(self, 1.0, self._beat)
+
+    def _drain(self) -> None:
+        self._open_when_wanted()
+        if not self.ended:
+            self._publish(self._pairer.update(*self._take(), now_s=time.monotonic()))
+        if self._end_s is not None and not self.ended:
+            self._finish_if_quiet()
+
+    def _open_when_wanted(self) -> None:
+        """Open the inputs once the pairs have their takers, or when it has taken too long."""
+        if (self._pairs.get_subscription_count() >= self._own.subscribers
+                or time.monotonic() > self._open_at_s):
+            for intake, _ in self._inputs:
+                intake.open = True
+
+    def _take(self) -> Sequence[Headings]:
+        return [headings_from([message for message, _ in intake.take()], convention)
+                for intake, convention in self._inputs]
+
+    def _publish(self, pairs: Pairs) -> None:
+        for message in pair_messages(pairs):
+            self._pairs.publish(message)
+
+    def _beat(self) -> None:
+        self._ledger.publish(ledger_message(self._pairer.ledger, final=self.ended))
+        counts = self._pairer.ledger.total.counts
+        rejected = sum(n for key, n in counts.items() if 'rejected' in key)
+        self._health.note('pairing', WARN if rejected else OK,
+                          f'{rejected} readings rejected' if rejected else 'pairing', **counts)
+
+    def _mark(self, message: DiagnosticArray) -> None:
+        for kind, stamp_ns in marks_from(message):
+            if kind == 'start':
+                self._pairer.ledger.cut(stamp_ns + 1)
+
+    def end(self) -> None:
+        """Take the headings that still come, until their publishers are gone or time is up."""
+        self._end_s = time.monotonic() + self._own.end_wait_s
+
+    def _finish_if_quiet(self) -> None:
+        publishers = 0
+        for intake, _ in self._inputs:
+            intake.look()
+            publishers += intake.publishers
+        if publishers and time.monotonic() < self._end_s:
+            return
+        self._publish(self._pairer.update(*self._take()))
+        self._publish(self._pairer.flush())
+        self.ended = True
+        self._beat()
+        for publisher in (self._pairs, self._ledger):
+            publisher.wait_for_all_acked(Duration(seconds=1.0))
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node."""
+    return run('synchronizer', Synchronizer, args)

@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""One package for pip (with or without ROS) and for colcon (ament_python)."""
+
+from pathlib import Path
+import re
+
+from setuptools import find_packages, setup
+
+NAME = 'heading_intercompare'
+VERSION = re.search(r"^VERSION = '([^']+)'", Path(NAME, 'core', 'version.py').read_text('utf-8'),
+                    re.MULTILINE)[1]
+NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'recorder', 'replayer')
+
+
+def shared(*folders):
+    """Return the files of the folders, and below, for share/heading_intercompare."""
+    below = [p for f in folders for p in [Path(f), *Path(f).rglob('*')] if p.is_dir()]
+    files = {d: sorted(str(p) for p in d.iterdir() if p.is_file() and p.suffix != '.pyc')
+             for d in below}
+    return [(f'share/{NAME}/{d}', found) for d, found in files.items() if found]
+
+
+setup(
+    name=NAME,
+    version=VERSION,
+    description='Intercomparison of shipboard heading sensors: does the tested one comply?',
+    long_description=Path('README.md').read_text('utf-8') if Path('README.md').exists() else '',
+    long_description_content_type='text/markdown',
+    maintainer='The heading_intercompare maintainers',
+    maintainer_email='maintainers@heading-intercompare.example',
+    license='Apache-2.0',
+    packages=find_packages(include=[NAME, f'{NAME}.*']),
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
+        (f'share/{NAME}', ['package.xml']),
+        *shared('config', 'launch'),
+    ],
+    zip_safe=False,
+    python_requires='>=3.10',
+    install_requires=['numpy>=1.22', 'scipy>=1.8', 'mcap>=1.2', 'lz4', 'zstandard', 'pyyaml>=5.4'],
+    extras_require={
+        'ros': ['ros-jazzy-rclpy', 'ros-jazzy-common-interfaces', 'ros-jazzy-rmw-fastrtps-cpp'],
+        'serial': ['pyserial>=3.5'],
+        'test': ['pytest>=7.4', 'hypothesis>=6', 'rosbags', 'mcap-ros2-support'],
+        'dev': ['ruff', 'colcon-common-extensions'],
+    },
+    entry_points={
+        'console_scripts': [
+            f'heading-intercompare = {NAME}.cli:main',
+            *(f'{node} = {NAME}.nodes.{node}:main' for node in NODES),
+        ],
+    },
+)

@@ -1,0 +1,145 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Real ship logs through import and analysis, against figures of two independent programs."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from heading_intercompare.cli import main
+
+NORMS = ['--set', 'norms.sigma_max_deg=0.2', '--set', 'norms.sigma_ref_max_deg=0.1',
+         '--set', 'norms.m_low=0.9', '--set', 'norms.k_rule=three']
+INTERPOLATE = []
+NEAREST = ['--set', 'pairing.method=nearest', '--set', 'pairing.tolerance_s=0.1']
+SETS = {
+    'gyr1-s330': ('NBP1406', 'nbp1406/NBP1406_gyr1-2014-08-01',
+                  'nbp1406/NBP1406_s330-2014-08-01'),
+    'gyr1-seap': ('NBP1406', 'nbp1406/NBP1406_gyr1-2014-08-01',
+                  'nbp1406/NBP1406_seap-2014-08-01'),
+    'seap-s330': ('NBP1406', 'nbp1406/NBP1406_seap-2014-08-01',
+                  'nbp1406/NBP1406_s330-2014-08-01'),
+    'adcp-s330': ('NBP1406', 'nbp1406/NBP1406_adcp-2014-08-01',
+                  'nbp1406/NBP1406_s330-2014-08-01'),
+    'lgyr-lsep': ('LMG1903', 'lmg1903/LMG1903_lgyr.d085', 'lmg1903/LMG1903_lsep.d085'),
+}
+
+
+def verdict_of(capsys, *arguments):
+    assert main([*map(str, arguments), '--json', '-', '--quiet']) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.fixture(scope='module')
+def golden(shared_data):
+    return json.loads((shared_data / 'golden_nbp1406_lmg1903.json').read_text())['sets']
+
+
+@pytest.fixture(scope='module')
+def bags(shared_data, tmp_path_factory):
+    folder = tmp_path_factory.mktemp('bags')
+    for name, (_, ts, rs) in SETS.items():
+        assert main(['import-nmea', '--ts', str(shared_data / ts), '--rs',
+                     str(shared_data / rs), '-o', str(folder / name), '--quiet']) == 0
+    return folder
+
+
+@pytest.mark.parametrize('name', SETS)
+@pytest.mark.parametrize('method, key', [(INTERPOLATE, 'interp'),
+                                         (NEAREST, 'nearest_unique_100ms')])
+def test_the_figures_are_the_golden_ones(name, method, key, bags, golden, capsys):
+    if name not in golden[SETS[name][0]]['pairs']:
+        pytest.skip(f'the golden file has no figures of {name}')
+    figures = golden[SETS[name][0]]['pairs'][name][key]
+    verdict = verdict_of(capsys, 'analyze', bags / name, *NORMS, *method,
+                         '--set', 'runs.gap_s=100000')
+    if figures['n'] == 0:
+        assert verdict['runs'] == [] and verdict['outcome'] == 'indeterminate'
+        return
+    (run,) = verdict['runs']
+    assert run['n'] == figures['n']
+    for ours, theirs in (('mean_deg', 'mean'), ('std_deg', 'sd'), ('min_deg', 'min'),
+                         ('max_deg', 'max')):
+        assert run[ours] == pytest.approx(figures[theirs], rel=1e-9, abs=1e-12), ours
+    assert run['mean_square_deg2'] == pytest.approx(figures['rms'] ** 2, rel=1e-9)
+    if key != 'interp':
+        assert run['pairing']['mean_lag_s'] == pytest.approx(-figures['mean_dt'], rel=1e-9)
+        assert run['pairing']['max_lag_s'] == pytest.approx(figures['max_abs_dt'], rel=1e-9)
+
+
+@pytest.mark.parametrize('name', SETS)
+@pytest.mark.parametrize('variant, suffix', [('A', 'raw'), ('B', 'c')])
+def test_the_criteria_are_the_golden_ones(name, variant, suffix, bags, golden, capsys, tmp_path):
+    """GK (5) and the counts, on a csv of pairs: there no interpolation tightens M = 0.9."""
+    pairs = golden[SETS[name][0]]['pairs']
+    if name not in pairs:
+        pytest.skip(f'the golden file has no figures of {name}')
+    csv = tmp_path / 'pairs.csv'
+    gap = ['--set', 'runs.gap_s=100000']
+    verdict_of(capsys, 'analyze', bags / name, *NORMS, *gap, '--csv', csv)
+    for case in pairs[name]['criteria']:
+        (run,) = verdict_of(
+            capsys, 'analyze', csv, *NORMS, *gap, '--set', f'variant={variant}', '--set',
+            f'norms.sigma_max_deg={case["smax"]}', '--set',
+            f'norms.sigma_ref_max_deg={case["sref"]}')['runs']
+        outcome = ('non_compliant' if case['bad5'] else
+                   'compliant' if case['good5'] else 'indeterminate')
+        assert run['variance_criterion']['outcome'] == outcome
+        counts = run['count_criterion']
+        assert counts['n_plus'] == case[f'nplus_{suffix}']
+        assert counts['n_plus_plus'] == case[f'nplus2_{suffix}']
+        assert counts['allowed'] == pytest.approx(case['n_allowed'])
+
+
+@pytest.mark.parametrize('ts, rs', [('seap', 's330'), ('s330', 'seap')])
+def test_times_of_validity_give_the_golden_figures(ts, rs, shared_data, golden, capsys, tmp_path):
+    logs = [str(shared_data / f'nbp1406/NBP1406_{s}-2014-08-01') for s in (ts, rs)]
+    bag = str(tmp_path / 'bag')
+    assert main(['import-nmea', '--ts', logs[0], '--rs', logs[1], '--time', 'validity', '-o',
+                 bag, '--quiet']) == 0
+    capsys.readouterr()
+    figures = golden['NBP1406_zda']['pairs'][f'{ts}-{rs}']['interp']
+    (run,) = verdict_of(capsys, 'analyze', bag, *NORMS)['runs']
+    assert run['n'] == figures['n']
+    assert run['mean_deg'] == pytest.approx(figures['mean'], rel=1e-9)
+    assert run['std_deg'] == pytest.approx(figures['sd'], rel=1e-9)
+
+
+def test_a_csv_of_pairs_gives_the_verdict_of_its_bag(bags, capsys, tmp_path):
+    """With M = 0 interpolation changes no limit, so both verdicts are equal to the bit."""
+    norms = NORMS[:4]
+    csv = tmp_path / 'pairs.csv'
+    of_bag = verdict_of(capsys, 'analyze', bags / 'gyr1-s330', *norms, '--csv', csv)
+    of_csv = verdict_of(capsys, 'analyze', csv, *norms)
+    for run in of_bag['runs'] + of_csv['runs']:
+        for key in ('source', 'pairing'):
+            del run[key]
+    assert of_csv['runs'] == of_bag['runs']
+
+
+def test_a_log_without_zda_has_no_time_of_validity(shared_data, tmp_path, capsys):
+    assert main(['import-nmea', '--ts', str(shared_data / SETS['gyr1-s330'][1]), '--rs',
+                 str(shared_data / SETS['gyr1-s330'][2]), '--time', 'validity', '-o',
+                 str(tmp_path / 'bag')]) == 0
+    text = capsys.readouterr().out
+    assert 'TS' in text and '0 headings' in text and '5000 no_validity_time' in text
+    assert '625 headings on rs/heading' in text
+
+
+def test_a_replayed_log_goes_through_and_says_what_was_rejected(shared_data, tmp_path, capsys):
+    folder = shared_data / 'nbp1700_replay'
+    assert main(['import-nmea', '--ts', str(folder / 'NBP1700_gyr1-2017-11-04'), '--rs',
+                 str(folder / 'NBP1700_s330-2017-11-04'), '-o', str(tmp_path / 'bag')]) == 0
+    assert '2490 bad_checksum' in capsys.readouterr().out
+    verdict = verdict_of(capsys, 'analyze', tmp_path / 'bag', *NORMS)
+    rejected = sum(run['pairing']['rejected']['ts'].get('stamp_not_increasing', 0)
+                   for run in verdict['runs'])
+    assert rejected > 0
+    for run in verdict['runs']:
+        pairing = run['pairing']
+        for s, used in (('ts', 'paired'), ('rs', 'rs_used')):
+            other = {'ts': 'ts_unpaired', 'rs': 'rs_unused'}[s]
+            assert pairing[f'{s}_received'] == (pairing[used] + pairing[other]
+                                                + sum(pairing['rejected'][s].values()))

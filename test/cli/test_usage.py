@@ -1,0 +1,167 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a user can do wrong gives one clear line and exit code 2; and the exit codes of --check."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from heading_intercompare import Headings
+from heading_intercompare.bags.cdr import encode
+from heading_intercompare.bags.heading_messages import encode_imu
+from heading_intercompare.bags.writer import BagWriter, Rows
+from heading_intercompare.cli import main
+from heading_intercompare.core.version import VERSION
+
+S = 1_000_000_000
+T0 = 1_400_000_000 * S
+NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1']
+
+
+@pytest.fixture(scope='module')
+def bag(tmp_path_factory):
+    """Return a bag of 5 minutes at 10 Hz: TS 0.1° sd, RS exact, marks around the middle."""
+    path = tmp_path_factory.mktemp('bag') / 'trial'
+    rng = np.random.default_rng(1)
+    stamps = T0 + np.arange(3000) * (S // 10)
+    heading = 100.0 + 0.01 * np.arange(3000)
+    with BagWriter(path) as writer:
+        for topic, error in (('ts/heading', 0.1), ('rs/heading', 0.0)):
+            writer.add_topic(topic, 'sensor_msgs/msg/Imu')
+            readings = Headings.of(stamps, heading + error * rng.standard_normal(3000))
+            writer.write_rows([Rows(topic, encode_imu(readings, 'x'), stamps)])
+        writer.add_topic('remark', 'std_msgs/msg/String')
+        writer.write('remark', encode('std_msgs/msg/String', {'data': 'x'}), T0)
+    return path
+
+
+def refused(capsys, *arguments):
+    """Return the one line that a wrong command line gives."""
+    assert main([str(a) for a in arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == '' and err.count('\n') == 1
+    assert err.startswith('heading-intercompare: error: ')
+    return err
+
+
+def test_a_missing_file_is_named(capsys):
+    assert 'nowhere.mcap: No such file' in refused(capsys, 'analyze', 'nowhere.mcap', *NORMS)
+    assert 'nowhere.log: No such file' in refused(
+        capsys, 'import-nmea', '--ts', 'nowhere.log', '--rs', 'x', '-o', 'y')
+    assert 'nowhere.yaml: No such file' in refused(
+        capsys, 'analyze', 'x', '--config', 'nowhere.yaml')
+
+
+@pytest.mark.parametrize('name, content, words', [
+    ('empty.mcap', b'', 'empty'), ('text.mcap', b'no bag at all', 'not'),
+    ('empty.csv', b'', 'header'), ('no_columns.csv', b'a,b\n1,2\n', 'ts_deg'),
+    ('bad_stamp.csv', b'stamp_ns,ts_deg,rs_deg\nnoon,1,2\n', 'line 2')])
+def test_a_file_that_is_no_input_is_named_with_its_fault(name, content, words, capsys, tmp_path):
+    (tmp_path / name).write_bytes(content)
+    error = refused(capsys, 'analyze', tmp_path / name, *NORMS)
+    assert name in error and words in error
+
+
+def test_a_bag_without_the_topic_lists_those_it_has(bag, capsys):
+    error = refused(capsys, 'analyze', bag, '--ts', 'gyro', *NORMS)
+    assert "'gyro'" in error and '/rs/heading (sensor_msgs/msg/Imu)' in error
+
+
+def test_a_topic_of_another_type_says_which_types_would_do(bag, capsys):
+    error = refused(capsys, 'analyze', bag, '--ts', 'remark', *NORMS)
+    assert 'std_msgs/msg/String' in error and 'geometry_msgs/msg/QuaternionStamped' in error
+
+
+@pytest.mark.parametrize('assignment, words', [
+    ('pairing.tolerence_s=1', "did you mean 'pairing.tolerance_s'"),
+    ('norms.sigma_max_deg=-1', 'norms.sigma_max_deg = -1'),
+    ('norms.sigma_max_deg=0', 'greater than 0'),
+    ('pairing.method=fast', "'interpolate' or 'nearest'"),
+    ('norms.sigma_max_deg', 'must be name=value')])
+def test_a_wrong_setting_says_what_is_allowed(assignment, words, bag, capsys):
+    assert words in refused(capsys, 'analyze', bag, *NORMS, '--set', assignment)
+
+
+def test_a_missing_norm_is_named_before_anything_is_read(capsys):
+    assert 'norms.sigma_max_deg is missing' in refused(capsys, 'analyze', 'nowhere.mcap')
+
+
+@pytest.mark.parametrize('text, words', [
+    ('[1, 2', 'not YAML'), ('3', 'ROS parameter file'), ('a: 1', "section 'a'"),
+    ('/**:\n  ros__parameters:\n    windows_s: 3', "did you mean 'window_s'")])
+def test_a_wrong_parameter_file_is_named_with_its_fault(text, words, bag, capsys, tmp_path):
+    file = tmp_path / 'config.yaml'
+    file.write_text(text)
+    error = refused(capsys, 'analyze', bag, '--config', file)
+    assert 'config.yaml' in error and words in error
+
+
+@pytest.mark.parametrize('arguments', [
+    ['analyse'], ['analyze'], ['analyze', 'x', '--colour'], ['import-nmea', '--ts', 'x']])
+def test_a_wrong_command_line_points_to_the_help(arguments, capsys):
+    assert '--help' in refused(capsys, *arguments)
+
+
+def test_norms_come_from_the_parameter_file_and_set_overrides_them(bag, capsys, tmp_path):
+    file = tmp_path / 'config.yaml'
+    file.write_text('/**:\n  ros__parameters:\n    norms:\n      sigma_max_deg: 0.3\n'
+                    '      sigma_ref_max_deg: 0.1\n')
+    assert main(['analyze', str(bag), '--config', str(file), '--json', '-']) == 0
+    assert json.loads(capsys.readouterr().out)['settings']['norms.sigma_max_deg'] == 0.3
+    assert main(['analyze', str(bag), '--config', str(file), '--json', '-', '--set',
+                 'norms.sigma_max_deg=1']) == 0
+    assert json.loads(capsys.readouterr().out)['settings']['norms.sigma_max_deg'] == 1.0
+
+
+@pytest.mark.parametrize('sigma, code', [(0.3, 0), (0.05, 1), (0.1, 3)])
+def test_check_turns_the_verdict_into_the_exit_code(sigma, code, bag, capsys):
+    wanted = ['analyze', str(bag), '--set', f'norms.sigma_max_deg={sigma}', '--set',
+              'norms.sigma_ref_max_deg=0.05']
+    assert main(wanted) == 0
+    assert main([*wanted, '--check']) == code
+    capsys.readouterr()
+
+
+def test_a_cut_bag_is_judged_on_what_is_there_and_said(bag, capsys, tmp_path):
+    file = tmp_path / 'cut.mcap'
+    shutil.copy(next(bag.glob('*.mcap')), file)
+    with file.open('r+b') as cut:
+        cut.truncate(file.stat().st_size // 2)
+    assert main(['analyze', str(file), *NORMS]) == 0
+    out, err = capsys.readouterr()
+    assert 'VERDICT' in out and 'note: ' in err and 'cut.mcap' in err
+
+
+def test_the_run_table_says_where_the_runs_are(bag, capsys, tmp_path):
+    table = tmp_path / 'runs.csv'
+    table.write_text(f'start,stop,source\n{T0},{T0 + 60 * S},\n'
+                     '2014-05-13T16:55:20Z,2014-05-13T16:56:20.5Z,trial\n'
+                     f'{T0},{T0 + 60 * S},elsewhere\n')
+    assert main(['analyze', str(bag), *NORMS, '--runs', str(table), '--json', '-']) == 0
+    runs = json.loads(capsys.readouterr().out)['runs']
+    assert [run['n'] for run in runs] == [600, 605]
+    table.write_text('start,stop\nnoon,1\n')
+    assert "line 2: 'noon'" in refused(capsys, 'analyze', bag, *NORMS, '--runs', table)
+    table.write_text('begin,end\n')
+    assert 'start,stop[,source]' in refused(capsys, 'analyze', bag, *NORMS, '--runs', table)
+
+
+def test_the_verdict_names_its_input_and_its_sum(bag, capsys):
+    assert main(['analyze', str(bag), *NORMS, '--json', '-']) == 0
+    (entry,) = json.loads(capsys.readouterr().out)['inputs']
+    assert entry['path'] == str(bag) and len(entry['sha256']) == 64
+    assert (entry['ts_topic'], entry['rs_topic']) == ('ts/heading', 'rs/heading')
+
+
+def test_version_and_help_and_norms(capsys):
+    with pytest.raises(SystemExit) as end:
+        main(['--version'])
+    assert end.value.code == 0 and VERSION in capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        main(['analyze', '--help'])
+    assert 'example: heading-intercompare analyze' in capsys.readouterr().out
+    assert main(['norms']) == 0 and 'imo_msc116' in capsys.readouterr().out

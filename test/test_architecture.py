@@ -1,0 +1,297 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Who may import whom, what core must not touch, and the outward form of every file."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+import re
+import subprocess
+import sys
+from typing import Iterator, NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGE = ROOT / 'heading_intercompare'
+
+MESSAGES = {'builtin_interfaces', 'diagnostic_msgs', 'geometry_msgs', 'nav_msgs',
+            'rcl_interfaces', 'rosgraph_msgs', 'sensor_msgs', 'std_msgs', 'std_srvs'}
+
+
+class Allowed(NamedTuple):
+    """What the modules of one folder may import beside the standard library and each other."""
+
+    package: set[str]
+    others: set[str]
+
+
+# The table of docs/ARCHITECTURE.md, "Who may import whom". A file beside the folders is a row
+# like a folder; `cli` may be either.
+ALLOWED = {
+    '__init__': Allowed({'core'}, set()),
+    'core': Allowed(set(), {'numpy', 'scipy'}),
+    'drivers': Allowed({'core'}, {'numpy', 'serial'}),
+    'ahrs': Allowed({'core'}, {'numpy', 'scipy'}),
+    'bags': Allowed({'core'}, {'numpy', 'mcap', 'lz4', 'zstandard'}),
+    'report': Allowed({'core'}, {'numpy'}),
+    'nodes': Allowed({'core', 'drivers', 'ahrs', 'bags', 'report'}, {'rclpy'} | MESSAGES),
+    'cli': Allowed({'core', 'drivers', 'ahrs', 'bags', 'report', 'nodes'}, {'numpy', 'yaml'}),
+    '__main__': Allowed({'cli'}, set()),
+}
+
+# Core is a function of its input: it reads no clock, file or network, and says nothing.
+FORBIDDEN_IN_CORE = {'asyncio', 'concurrent', 'datetime', 'io', 'logging', 'multiprocessing', 'os',
+                     'pathlib', 'queue', 'random', 'sched', 'shutil', 'signal', 'socket',
+                     'subprocess', 'sys', 'tempfile', 'threading', 'time', 'warnings'}
+
+SPDX = ('# SPDX-FileCopyrightText: 2026 The heading_intercompare authors',
+        '# SPDX-License-Identifier: Apache-2.0')
+
+CALLS = ('__import__', 'import_module')
+
+# docs/STYLE.md asks for 300 and 80 lines; nothing longer than this is let in.
+LONGEST_MODULE = 400
+LONGEST_NODE = 150
+
+
+class Import(NamedTuple):
+    """One import statement, wherever in the module it stands."""
+
+    line: int
+    name: str
+
+
+def computed_name(argument: ast.expr) -> str:
+    """Return what the argument of `import_module` says, or the constant it begins with."""
+    if isinstance(argument, ast.JoinedStr) and argument.values:
+        argument = argument.values[0]
+    return argument.value if isinstance(argument, ast.Constant) else '(computed)'
+
+
+def imports(source: str, package: tuple[str, ...]) -> Iterator[Import]:
+    """Yield the absolute name of everything a module of `package` imports."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = package[:len(package) - node.level + 1] if node.level else ()
+            module = '.'.join((*base, *([node.module] if node.module else [])))
+            # `from heading_intercompare import core` names a folder, not an attribute.
+            names = ([f'{module}.{alias.name}' for alias in node.names]
+                     if module in ('', 'heading_intercompare') else [module])
+        elif isinstance(node, ast.Call) and getattr(
+                node.func, 'id', getattr(node.func, 'attr', '')) in CALLS:
+            names = [computed_name(node.args[0])]
+        else:
+            continue
+        for name in names:
+            yield Import(node.lineno, name)
+
+
+def offences(folder: str, source: str, package: tuple[str, ...]) -> list[str]:
+    """Return what a module of a folder imports without being allowed to, with its line."""
+    if folder not in ALLOWED:
+        return [f'the folder {folder!r} is no row of the table']
+    rule = ALLOWED[folder]
+    found = []
+    for line, name in imports(source, package):
+        distribution, _, rest = name.partition('.')
+        inner = rest.split('.')[0]
+        if distribution == 'heading_intercompare':
+            good = inner in rule.package or inner == folder
+        elif distribution in sys.stdlib_module_names:
+            good = folder != 'core' or distribution not in FORBIDDEN_IN_CORE
+        else:
+            good = distribution in rule.others
+        if not good:
+            found.append(f'line {line}: {folder} may not import {name}')
+    return found
+
+
+def folder_of(path: Path) -> str:
+    """Return the row of the table that a module of the package belongs to."""
+    return path.relative_to(PACKAGE).with_suffix('').parts[0]
+
+
+def package_of(path: Path) -> tuple[str, ...]:
+    """Return the package that relative imports of the module start from."""
+    return path.relative_to(ROOT).parent.parts
+
+
+MODULES = sorted(PACKAGE.rglob('*.py'))
+SOURCES = sorted(p for top in ('heading_intercompare', 'test', 'launch', 'examples', 'benchmarks',
+                               'docs') for p in (ROOT / top).rglob('*.py'))
+SOURCES += [ROOT / 'setup.py', ROOT / 'conftest.py']
+TEXTS = SOURCES + sorted(
+    p for p in [*ROOT.iterdir(), *(q for top in ('config', 'docs', 'launch', '.ci', 'examples',
+                                                 'benchmarks', 'test')
+                                   for q in (ROOT / top).rglob('*'))]
+    if p.is_file() and p.suffix in ('', '.md', '.rst', '.txt', '.toml', '.cfg', '.xml', '.yaml')
+    and '__pycache__' not in p.parts)
+
+
+def relative(path: Path) -> str:
+    """Return the name of a parametrised test."""
+    return str(path.relative_to(ROOT))
+
+
+@pytest.mark.parametrize('path', MODULES, ids=relative)
+def test_a_module_imports_only_what_its_folder_may(path):
+    assert offences(folder_of(path), path.read_text('utf-8'), package_of(path)) == []
+
+
+@pytest.mark.parametrize('folder, statement', [
+    ('core', 'import time'),
+    ('core', 'from datetime import datetime'),
+    ('core', 'import os.path'),
+    ('core', 'def f():\n    import random'),
+    ('core', 'import rclpy'),
+    ('core', 'from heading_intercompare.nodes.compliance import Compliance'),
+    ('core', 'from ..drivers import nmea'),
+    ('core', 'import importlib\nimportlib.import_module("heading_intercompare.cli")'),
+    ('core', 'import importlib\nimportlib.import_module(name)'),
+    ('drivers', 'from heading_intercompare.bags.writer import BagWriter'),
+    ('drivers', 'from heading_intercompare import bags'),
+    ('drivers', 'import rclpy'),
+    ('nodes', 'import numpy as np'),
+    ('nodes', 'from scipy import signal'),
+    ('nodes', 'from heading_intercompare.cli import main'),
+    ('report', 'from heading_intercompare.nodes import messages'),
+    ('__init__', 'from .bags.reader import BagReader'),
+    ('helpers', 'import math'),
+])
+def test_the_check_sees_a_forbidden_import(folder, statement):
+    package = ('heading_intercompare',) + (() if folder.startswith('__') else (folder,))
+    assert len(offences(folder, statement, package)) == 1
+
+
+@pytest.mark.parametrize('folder, statement', [
+    ('core', 'import math\nimport numpy as np\nfrom .records import Pairs'),
+    ('nodes', 'import rclpy\nfrom sensor_msgs.msg import Imu'),
+    ('drivers', 'import socket\nfrom heading_intercompare.core.records import Headings'),
+    ('cli', 'from heading_intercompare import core'),
+    ('cli', 'import_module(f"heading_intercompare.cli.{name}")'),
+])
+def test_the_check_lets_an_allowed_import_pass(folder, statement):
+    assert offences(folder, statement, ('heading_intercompare', folder)) == []
+
+
+def test_importing_the_package_loads_neither_ros_nor_an_edge():
+    code = ('import sys, heading_intercompare\n'
+            'names = {m for m in sys.modules}\n'
+            'edges = {f"heading_intercompare.{e}" for e in sys.argv[1:]}\n'
+            'print(sorted(m for m in names if m in edges or m.startswith("rclpy")))')
+    edges = sorted(set(ALLOWED) - {'core', '__init__'})
+    done = subprocess.run([sys.executable, '-c', code, *edges], cwd=ROOT, check=True,
+                          capture_output=True, text=True)
+    assert done.stdout.strip() == '[]'
+
+
+def test_the_command_line_answers_without_loading_ros():
+    code = ('import sys\n'
+            'from heading_intercompare.cli import main\n'
+            'try:\n'
+            '    main(["--version"])\n'
+            'except SystemExit:\n'
+            '    pass\n'
+            'print("rclpy" in sys.modules)')
+    done = subprocess.run([sys.executable, '-c', code], cwd=ROOT, check=True,
+                          capture_output=True, text=True)
+    assert done.stdout.split()[-1] == 'False'
+
+
+def table_of_the_docs() -> dict[str, Allowed]:
+    """Return the import table of docs/ARCHITECTURE.md."""
+    text = (ROOT / 'docs' / 'ARCHITECTURE.md').read_text('utf-8')
+    section = text.split('## Who may import whom')[1].split('\n## ')[0]
+    rows = re.findall(r'^\| `(\w+)` \|([^|]*)\|([^|]*)\|', section, re.MULTILINE)
+    return {name: Allowed(set(re.findall(r'`(\w+)`', package)),
+                          set(re.findall(r'`(\w+)`', others)))
+            for name, package, others in rows}
+
+
+def test_the_table_of_the_docs_is_the_one_the_test_enforces():
+    expected = {name: Allowed(rule.package, rule.others - MESSAGES)
+                for name, rule in ALLOWED.items()}
+    assert table_of_the_docs() == expected
+
+
+def test_every_module_is_named_in_the_architecture():
+    text = (ROOT / 'docs' / 'ARCHITECTURE.md').read_text('utf-8')
+    missing = [relative(p) for p in MODULES if p.stem != '__init__'
+               and f'`{"/".join(p.relative_to(PACKAGE).with_suffix("").parts)}`' not in text]
+    assert missing == []
+
+
+def test_the_architecture_names_no_module_that_is_not_there():
+    text = (ROOT / 'docs' / 'ARCHITECTURE.md').read_text('utf-8')
+    folders = '|'.join(sorted(name for name in ALLOWED if not name.startswith('__')))
+    named = set(re.findall(rf'`((?:{folders})/\w+)`', text))
+    assert named
+    assert sorted(n for n in named if not (PACKAGE / f'{n}.py').is_file()) == []
+
+
+def test_a_module_fits_one_reading():
+    lines = {relative(p): len(p.read_text('utf-8').splitlines()) for p in MODULES}
+    limit = {relative(p): LONGEST_NODE if folder_of(p) == 'nodes' and '\ndef main('
+             in p.read_text('utf-8') else LONGEST_MODULE for p in MODULES}
+    assert {name: n for name, n in lines.items() if n > limit[name]} == {}
+
+
+def test_a_source_file_says_whose_it_is_and_under_what_licence():
+    wrong = []
+    for path in SOURCES:
+        lines = path.read_text('utf-8').splitlines()
+        lines = lines[1:] if lines and lines[0].startswith('#!') else lines
+        if lines and tuple(lines[:2]) != SPDX:
+            wrong.append(relative(path))
+    assert wrong == []
+
+
+def test_a_source_file_keeps_to_99_columns():
+    long = [f'{relative(path)}:{i}' for path in SOURCES
+            for i, line in enumerate(path.read_text('utf-8').splitlines(), 1) if len(line) > 99]
+    assert long == []
+
+
+def test_no_file_names_a_place_of_one_machine():
+    place = re.compile(r'(?<![\w.$}>*])/(?:home|root|Users|work|mnt|media)/\w')
+    found = [f'{relative(path)}:{i}: {line.strip()}' for path in TEXTS
+             for i, line in enumerate(path.read_text('utf-8', 'replace').splitlines(), 1)
+             if place.search(line)]
+    assert found == []
+
+
+def test_the_package_knows_nothing_of_data_beside_the_checkout():
+    found = [relative(path) for path in TEXTS
+             if path.relative_to(ROOT).parts[0] not in ('test', 'benchmarks')
+             and re.search(r'\bshared/(data|design)\b', path.read_text('utf-8', 'replace'))]
+    assert found == []
+
+
+def test_core_opens_no_file_and_prints_nothing():
+    found = [f'{relative(path)}:{node.lineno}' for path in (PACKAGE / 'core').glob('*.py')
+             for node in ast.walk(ast.parse(path.read_text('utf-8')))
+             if isinstance(node, ast.Call)
+             and getattr(node.func, 'id', '') in ('open', 'print', 'input', 'exec', 'eval')]
+    assert found == []
+
+
+def test_nothing_catches_every_exception():
+    found = [f'{relative(path)}:{node.lineno}' for path in SOURCES
+             for node in ast.walk(ast.parse(path.read_text('utf-8')))
+             if isinstance(node, ast.ExceptHandler)
+             and (node.type is None or getattr(node.type, 'id', '') in ('Exception',
+                                                                        'BaseException'))]
+    assert found == []
+
+
+def test_no_number_depends_on_a_global_random_state():
+    found = [f'{relative(path)}:{node.lineno}' for path in MODULES
+             for node in ast.walk(ast.parse(path.read_text('utf-8')))
+             if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Attribute)
+             and node.value.attr == 'random' and getattr(node.value.value, 'id', '') == 'np'
+             and node.attr not in ('default_rng', 'Generator', 'SeedSequence', 'PCG64')]
+    assert found == []

@@ -1,0 +1,229 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+One tree for pip and for colcon: what is declared, and what the two make of it.
+
+The slow tests install a copy of the checkout for real; pip needs its package index for that.
+"""
+
+from __future__ import annotations
+
+import ast
+from importlib.util import find_spec
+import os
+from pathlib import Path
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from xml.etree import ElementTree
+
+import pytest
+
+from heading_intercompare import __version__
+
+ROOT = Path(__file__).resolve().parent.parent
+NAME = 'heading_intercompare'
+NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'recorder', 'replayer')
+IN_CI = os.environ.get('CI', '').lower() not in ('', '0', 'false')
+
+
+def run(*command: str | Path, cwd: Path, **variables: str) -> subprocess.CompletedProcess:
+    """Run a command outside the checkout, without its folder on the path of Python."""
+    environment = {k: v for k, v in os.environ.items() if k != 'PYTHONPATH'}
+    return subprocess.run([str(word) for word in command], cwd=cwd, text=True, timeout=600,
+                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, env={**environment, **variables})
+
+
+def need(module: str) -> None:
+    """Skip without a tool; where CI is set, fail."""
+    if find_spec(module) is None:
+        (pytest.fail if IN_CI else pytest.skip)(f'{module} is not installed')
+
+
+@pytest.fixture
+def source(tmp_path):
+    """Return a copy of the checkout in a workspace, without anything built."""
+    target = tmp_path / 'workspace' / 'src' / NAME
+    shutil.copytree(ROOT, target, ignore=shutil.ignore_patterns(
+        '.git', '.venv*', 'build', 'install', 'log', '*.egg-info', '__pycache__', '.*_cache',
+        '.hypothesis', 'demo_out'))
+    return target
+
+
+def manifest() -> ElementTree.Element:
+    """Return package.xml."""
+    return ElementTree.parse(ROOT / 'package.xml').getroot()
+
+
+def test_the_version_is_the_same_everywhere():
+    assert manifest().findtext('version') == __version__
+    assert re.fullmatch(r'\d+\.\d+\.\d+', __version__)
+    changelog = (ROOT / 'CHANGELOG.rst').read_text('utf-8')
+    assert re.search(rf'^(Forthcoming|{re.escape(__version__)} \(\d{{4}}-\d\d-\d\d\))\n-+$',
+                     changelog, re.MULTILINE)
+
+
+def test_the_changelog_is_in_catkin_form():
+    lines = (ROOT / 'CHANGELOG.rst').read_text('utf-8').splitlines()
+    assert lines[1] == f'Changelog for package {NAME}'
+    assert lines[0] == lines[2] == '^' * len(lines[1])
+
+
+def test_name_licence_and_maintainer_are_those_of_setup_py():
+    text = (ROOT / 'setup.py').read_text('utf-8')
+    assert manifest().findtext('name') == NAME
+    assert manifest().findtext('license') == 'Apache-2.0'
+    assert f"maintainer_email='{manifest().find('maintainer').get('email')}'" in text
+    assert 'Apache License' in (ROOT / 'LICENSE').read_text('utf-8')[:200]
+
+
+def test_the_maintainer_has_an_address_that_colcon_accepts():
+    """Colcon drops the ament hooks of a package whose maintainer has an invalid address."""
+    assert re.fullmatch(r'[-\w+%]+(\.[-\w+%]+)*@[-a-zA-Z0-9]+(\.[-a-zA-Z0-9]+)*\.[a-zA-Z]{2,}',
+                        manifest().find('maintainer').get('email'))
+
+
+def test_every_message_package_that_nodes_import_is_a_dependency():
+    imported = set()
+    for path in [*(ROOT / NAME / 'nodes').glob('*.py'), *(ROOT / NAME / 'cli').glob('*.py')]:
+        for node in ast.walk(ast.parse(path.read_text('utf-8'))):
+            if isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                imported.add(node.module.partition('.')[0])
+            elif isinstance(node, ast.Import):
+                imported |= {alias.name.partition('.')[0] for alias in node.names}
+    ros = {name for name in imported if name.endswith('_msgs') or name in ('rclpy', 'std_srvs',
+                                                                           'builtin_interfaces')}
+    assert ros <= {element.text for element in manifest().iter('exec_depend')}
+
+
+@pytest.mark.parametrize('node', NODES)
+def test_every_executable_has_a_module_with_main(node):
+    tree = ast.parse((ROOT / NAME / 'nodes' / f'{node}.py').read_text('utf-8'))
+    assert 'main' in {n.name for n in tree.body if isinstance(n, ast.FunctionDef)}
+
+
+@pytest.mark.slow
+def test_pip_installs_the_command_line_without_ros(source, tmp_path):
+    """What `pip install .` brings into a fresh environment: no rclpy, and a verdict."""
+    made = run(sys.executable, '-m', 'venv', tmp_path / 'venv', cwd=tmp_path)
+    assert made.returncode == 0, made.stdout
+    bin_folder = tmp_path / 'venv' / 'bin'
+    done = run(bin_folder / 'python', '-m', 'pip', 'install', '--disable-pip-version-check',
+               '--prefer-binary', source, cwd=tmp_path)
+    if done.returncode and not IN_CI and re.search('No matching distribution|ConnectionError',
+                                                   done.stdout):
+        pytest.skip('pip does not reach its package index')
+    assert done.returncode == 0, done.stdout
+
+    code = (f'import importlib.util, {NAME}; print({NAME}.__file__, {NAME}.__version__, '
+            'importlib.util.find_spec("rclpy"))')
+    place, version, rclpy = run(bin_folder / 'python', '-c', code, cwd=tmp_path).stdout.split()
+    assert place.startswith(str(tmp_path)) and version == __version__ and rclpy == 'None'
+    assert {node for node in NODES if not (bin_folder / node).is_file()} == set()
+    share = tmp_path / 'venv' / 'share' / NAME
+    assert (share / 'package.xml').is_file()
+    assert (share / 'config' / f'{NAME}.yaml').is_file()
+
+    command = bin_folder / 'heading-intercompare'
+    assert run(command, '--version', cwd=tmp_path).stdout.split()[-1] == __version__
+    assert run(bin_folder / 'python', '-m', NAME, '--version', cwd=tmp_path).returncode == 0
+    errors = random.Random(1)
+    rows = '\n'.join(f'{i},{90 + errors.gauss(0, 0.05):.3f},90' for i in range(1, 2001))
+    (tmp_path / 'pairs.csv').write_text(f'stamp_s,ts_deg,rs_deg\n{rows}\n', 'utf-8')
+    judged = run(command, 'analyze', 'pairs.csv', '--set', 'norms.sigma_max_deg=0.2', '--set',
+                 'norms.sigma_ref_max_deg=0.1', '--check', cwd=tmp_path)
+    assert judged.returncode == 0, judged.stdout
+    refused = run(command, 'demo', cwd=tmp_path)
+    assert refused.returncode == 2
+    assert len(refused.stdout.splitlines()) == 1 and 'rclpy' in refused.stdout
+
+
+def catches(pid: int, number: int) -> bool:
+    """Tell whether a process has a handler for a signal."""
+    caught = re.search(r'^SigCgt:\s*([0-9a-f]+)$', Path(f'/proc/{pid}/status').read_text(),
+                       re.MULTILINE)
+    return bool(int(caught[1], 16) >> (number - 1) & 1)
+
+
+def interrupted(command: list[str], environment: dict[str, str], cwd: Path) -> tuple[int, str]:
+    """Start a node, interrupt it once it takes signals; return its exit code and output."""
+    log = cwd / 'node.log'
+    with log.open('w') as output:
+        process = subprocess.Popen(
+            command, cwd=cwd, env=environment, stdin=subprocess.DEVNULL, stdout=output,
+            stderr=subprocess.STDOUT, preexec_fn=lambda: signal.signal(
+                signal.SIGINT, signal.default_int_handler))
+        try:
+            deadline = time.monotonic() + 20.0
+            while process.poll() is None and time.monotonic() < deadline:
+                if catches(process.pid, signal.SIGTERM):
+                    process.send_signal(signal.SIGINT)
+                    break
+                time.sleep(0.02)
+            return process.wait(20.0), log.read_text()
+        finally:
+            process.kill()
+            process.wait()
+
+
+@pytest.mark.colcon
+@pytest.mark.slow
+def test_colcon_builds_a_package_whose_nodes_start_and_end(source, tmp_path):
+    need('colcon_core')
+    need('colcon_ros')
+    need('rclpy')
+    workspace = source.parent.parent
+    built = run(sys.executable, '-m', 'colcon', 'build', '--packages-select', NAME, cwd=workspace)
+    assert built.returncode == 0, built.stdout
+    prefix = workspace / 'install' / NAME
+    executables = prefix / 'lib' / NAME
+    assert sorted(p.name for p in executables.iterdir()) == sorted(
+        [*NODES, 'heading-intercompare'])
+    share = prefix / 'share'
+    assert (share / 'ament_index' / 'resource_index' / 'packages' / NAME).is_file()
+    assert (share / NAME / 'hook' / 'ament_prefix_path.sh').is_file(), built.stdout
+    for folder in ('config', 'launch'):
+        assert ({p.name for p in (ROOT / folder).rglob('*') if p.is_file() and p.suffix != '.pyc'}
+                == {p.name for p in (share / NAME / folder).rglob('*') if p.is_file()})
+
+    setup = f'. {workspace}/install/local_setup.sh && env -0'
+    listed = run('sh', '-c', setup, cwd=tmp_path, ROS_AUTOMATIC_DISCOVERY_RANGE='LOCALHOST')
+    environment = dict(pair.split('=', 1) for pair in listed.stdout.split('\0') if '=' in pair)
+    assert str(prefix) in environment['AMENT_PREFIX_PATH'].split(':')
+    where = subprocess.run([sys.executable, '-c', f'import {NAME}; print({NAME}.__file__)'],
+                           cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert where.stdout.startswith(str(prefix)), 'the nodes would run from elsewhere'
+
+    config = share / NAME / 'config' / f'{NAME}.yaml'
+    names = {'nmea_driver': 'ts_driver'}
+    for node in NODES:
+        code, output = interrupted(
+            [str(executables / node), '--ros-args', '--params-file', str(config), '-r',
+             f'__node:={names.get(node, node)}', '-p', 'norms.sigma_max_deg:=0.2', '-p',
+             'norms.sigma_ref_max_deg:=0.1'], environment, tmp_path)
+        if node == 'replayer':
+            assert code == 2 and output.startswith('replayer: error: bag is required'), output
+        else:
+            assert (node, code) == (node, 0), output
+
+
+@pytest.mark.colcon
+@pytest.mark.slow
+def test_colcon_test_runs_pytest(source):
+    need('colcon_core')
+    need('colcon_ros')
+    workspace = source.parent.parent
+    arguments = ('--packages-select', NAME)
+    built = run(sys.executable, '-m', 'colcon', 'build', *arguments, cwd=workspace)
+    assert built.returncode == 0, built.stdout
+    tested = run(sys.executable, '-m', 'colcon', 'test', *arguments, '--pytest-args',
+                 'test/core/test_angles.py', cwd=workspace)
+    assert tested.returncode == 0, tested.stdout
+    result = run(sys.executable, '-m', 'colcon', 'test-result', cwd=workspace).stdout
+    found = re.search(r'(\d+) tests?, (\d+) errors?, (\d+) failures?, (\d+) skipped', result)
+    assert found and int(found[1]) > 0 and found[2] == found[3] == '0', result

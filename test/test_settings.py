@@ -1,0 +1,154 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The settings classes, the parameter file and the tables of the docs say the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import re
+import runpy
+
+import pytest
+import yaml
+
+from heading_intercompare.core.settings import (
+    declared,
+    from_mapping,
+    Settings,
+    SettingsError,
+    to_mapping,
+)
+
+ROOT = Path(__file__).resolve().parent.parent
+YAML = ROOT / 'config' / 'heading_intercompare.yaml'
+GENERATED = runpy.run_path(str(ROOT / 'docs' / 'generate.py'))
+SECTIONS = {s.node: s for s in GENERATED['SECTIONS']}
+
+
+def parameters(text: str) -> dict[str, dict]:
+    """Return the parameters of each section of a parameter file."""
+    return {node: section['ros__parameters'] for node, section in yaml.safe_load(text).items()}
+
+
+def flat(mapping: dict, prefix: str = '') -> dict:
+    """Return a nested mapping with dotted names."""
+    result = {}
+    for name, value in mapping.items():
+        if isinstance(value, dict):
+            result.update(flat(value, f'{prefix}{name}.'))
+        else:
+            result[prefix + name] = value
+    return result
+
+
+def test_the_parameter_file_is_what_the_classes_declare():
+    assert YAML.read_text('utf-8') == GENERATED['parameter_file'](), 'run: make docs'
+
+
+def test_the_tables_of_the_docs_are_what_the_classes_declare():
+    assert GENERATED['TABLES'].read_text('utf-8') == GENERATED['tables'](), 'run: make docs'
+
+
+def test_the_list_of_modules_in_the_docs_is_what_the_sources_say():
+    text = GENERATED['ARCHITECTURE'].read_text('utf-8')
+    assert text == GENERATED['architecture'](text), 'run: make docs'
+
+
+def read(node: str) -> dict:
+    """Return what the parameter file gives in a section, with dotted names."""
+    return flat(parameters(YAML.read_text('utf-8'))[node])
+
+
+@pytest.mark.parametrize('node', SECTIONS)
+def test_a_section_of_the_parameter_file_is_accepted_and_changes_no_other_default(node):
+    given, section = read(node), SECTIONS[node]
+    assert set(given) <= {rule.name for rule in GENERATED['rules'](section)}
+    for settings in section.classes:
+        names = {rule.name for rule in declared(settings)}
+        expected = {**to_mapping(settings()),
+                    **{n: value for n, value in section.given.items() if n in names}}
+        made = from_mapping(settings, {n: value for n, value in given.items() if n in names})
+        assert to_mapping(made) == expected
+
+
+@pytest.mark.parametrize('node', [n for n, s in SECTIONS.items() if s.examples is not None])
+def test_every_setting_stands_in_its_section_with_its_type(node):
+    """With the marks of the optional rows removed, each declared name is there and accepted."""
+    rules = {rule.name: rule for rule in GENERATED['rules'](SECTIONS[node])}
+    names = {name.rpartition('.')[2] for name in rules}
+    bare = [line.replace('# ', '', 1) if line.strip().startswith('# ')
+            and line.strip()[2:].partition(':')[0] in names else line
+            for line in YAML.read_text('utf-8').splitlines()]
+    given = flat(parameters('\n'.join(bare))[node])
+    assert set(given) == set(rules)
+    assert {n for n, value in given.items() if type(value) not in rules[n].kinds} == set()
+
+
+def test_no_two_settings_of_a_node_share_a_name():
+    """A node takes the section of all nodes and its own."""
+    everywhere = [rule.name for rule in GENERATED['rules'](SECTIONS['/**'])]
+    for node, section in SECTIONS.items():
+        if node != '/**':
+            names = everywhere + [rule.name for rule in GENERATED['rules'](section)]
+            assert len(names) == len(set(names)), node
+
+
+def test_the_norms_have_no_default():
+    assert {'norms.sigma_max_deg', 'norms.sigma_ref_max_deg'}.isdisjoint(read('/**'))
+
+
+CLASSES = [chapter[-1] for chapter in GENERATED['CHAPTERS']]
+
+
+@pytest.mark.parametrize('settings', CLASSES)
+def test_every_default_keeps_to_its_own_rule(settings):
+    assert from_mapping(settings, to_mapping(settings())) == settings()
+
+
+@pytest.mark.parametrize('settings', CLASSES)
+def test_every_setting_says_what_it_means_and_in_which_unit(settings):
+    for rule in declared(settings):
+        assert rule.help and not rule.help.endswith('.'), rule.name
+        unit = rule.name.rpartition('_')[2]
+        if unit in ('s', 'ns', 'deg', 'hz') and {float, int} & set(rule.kinds):
+            assert re.search(rf'\[[^]]*\b{unit}\]', rule.help, re.IGNORECASE), rule.name
+
+
+@pytest.mark.parametrize('given, message', [
+    ({'norms': {'sigma_max': 0.2}}, "unknown setting 'norms.sigma_max'; did you mean"),
+    ({'pairing.max_gap_s': -1}, 'pairing.max_gap_s = -1.0: must be a number from 0 to 3600'),
+    ({'variant': 'D'}, "variant = 'D': must be 'A' or 'B' or 'C'"),
+    ({'window_s': 'long'}, "window_s = 'long': must be a number of at least 1"),
+    ({'sequential.looks': 2.5}, 'sequential.looks = 2.5: must be an integer from 2 to 20'),
+    ({'window_s': True}, 'window_s = True'),
+])
+def test_a_wrong_setting_is_refused_by_name_value_and_what_is_allowed(given, message):
+    with pytest.raises(SettingsError) as error:
+        Settings.from_mapping(given)
+    assert message in str(error.value)
+
+
+def test_nested_and_dotted_names_mean_the_same_and_an_integer_is_a_number():
+    nested = Settings.from_mapping({'norms': {'sigma_max_deg': 1}, 'window_s': 60})
+    dotted = Settings.from_mapping({'norms.sigma_max_deg': 1.0, 'window_s': 60.0})
+    assert nested == dotted
+    assert type(nested.window_s) is float
+
+
+def test_ros_reads_the_parameter_file_as_the_command_line_does():
+    rclpy = pytest.importorskip('rclpy')
+    from rclpy.node import Node
+    context = rclpy.Context()
+    rclpy.init(context=context, args=[])
+    try:
+        for name in ('recorder', 'ts_driver'):
+            node = Node(name, context=context, start_parameter_services=False,
+                        automatically_declare_parameters_from_overrides=True,
+                        cli_args=['--ros-args', '--params-file', str(YAML)])
+            found = {n: p.value for n, p in node.get_parameters_by_prefix('').items()}
+            node.destroy_node()
+            expected = {**read('/**'), **read(name)}
+            assert {n: found.get(n) for n in expected} == expected
+            assert {n for n in expected if type(found[n]) is not type(expected[n])} == set()
+    finally:
+        context.try_shutdown()
