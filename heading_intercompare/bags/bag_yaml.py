@@ -17,8 +17,18 @@ _DISTRIBUTION = 'jazzy'
 #: What rosbag2 writes for the start of a bag without messages.
 _NEVER = 2**63 - 1
 _FOREVER = {'sec': 9223372036, 'nsec': 854775807}
+_DEPTH = 1000
 _PLAIN = re.compile(r'[A-Za-z/][\w./-]*')
 _WORDS = ('true', 'false', 'yes', 'no', 'on', 'off', 'null', 'y', 'n')
+
+
+#: Metadata up to version 8 has the numbers of rmw instead of words.
+_NUMBERED = {
+    'history': {'0': 'system_default', '1': 'keep_last', '2': 'keep_all', '3': 'unknown'},
+    'reliability': {'0': 'system_default', '1': 'reliable', '2': 'best_effort', '3': 'unknown'},
+    'durability': {'0': 'system_default', '1': 'transient_local', '2': 'volatile',
+                   '3': 'unknown'},
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,9 +50,23 @@ class Qos:
     """
 
     history: str = 'keep_last'
-    depth: int = 1000
+    depth: int = _DEPTH
     reliability: str = 'reliable'
     durability: str = 'volatile'
+
+    @classmethod
+    def of_yaml(cls, text: str) -> 'Qos':
+        """Return the first profile in the metadata of a channel; the default where it is mute."""
+        found = {}
+        for name in ('history', 'depth', 'reliability', 'durability'):
+            match = re.search(rf'^[- ] *{name}: *(\w+)', text, re.MULTILINE)
+            if match is not None:
+                word = match[1]
+                if name == 'depth':
+                    found[name] = int(word) if word.isdigit() else _DEPTH
+                else:
+                    found[name] = _NUMBERED[name].get(word, word)
+        return cls(**found)
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the one profile as rosbag2 lists it."""

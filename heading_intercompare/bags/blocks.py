@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import struct
-from typing import NamedTuple
+from typing import NamedTuple, Sequence
 
 from mcap.opcode import Opcode
 import numpy as np
@@ -19,7 +19,8 @@ from numpy.typing import DTypeLike
 
 from .errors import BagError
 
-__all__ = ['Block', 'HEAD', 'MESSAGE_HEAD', 'Record', 'block_of', 'gathered', 'walk', 'whole']
+__all__ = ['Block', 'HEAD', 'MESSAGE_HEAD', 'MESSAGE_HEADS', 'Record', 'block_of', 'gathered',
+           'joined', 'walk', 'whole']
 
 #: Opcode and length of a record.
 HEAD = struct.Struct('<BQ')
@@ -27,6 +28,9 @@ HEAD = struct.Struct('<BQ')
 MESSAGE_HEAD = struct.Struct('<BQHIQQ')
 
 _FIXED = MESSAGE_HEAD.size - HEAD.size
+#: `MESSAGE_HEAD` for many.
+MESSAGE_HEADS = np.dtype([('opcode', 'u1'), ('length', '<i8'), ('channel', '<u2'),
+                          ('sequence', '<u4'), ('log_time', '<i8'), ('publish_time', '<i8')])
 
 
 class Record(NamedTuple):
@@ -35,6 +39,11 @@ class Record(NamedTuple):
     opcode: int
     start: int
     length: int
+
+
+def _plain(dtype: np.dtype) -> np.dtype:
+    """Return the type as bytes: numpy copies those at once, but structures field by field."""
+    return np.dtype(f'V{dtype.itemsize}') if dtype.names else dtype
 
 
 def gathered(data: bytes, kind: DTypeLike, at: np.ndarray) -> np.ndarray:
@@ -52,10 +61,15 @@ def gathered(data: bytes, kind: DTypeLike, at: np.ndarray) -> np.ndarray:
 
     """
     dtype = np.dtype(kind)
-    # Structures are copied as plain bytes: numpy moves those at once, others field by field.
-    moved = np.dtype(f'V{dtype.itemsize}') if dtype.names else dtype
-    everywhere = np.ndarray(max(len(data) - dtype.itemsize + 1, 0), moved, data, 0, (1,))
+    plain = _plain(dtype)
+    everywhere = np.ndarray(max(len(data) - dtype.itemsize + 1, 0), plain, data, 0, (1,))
     return everywhere[at].view(dtype)
+
+
+def joined(arrays: Sequence[np.ndarray]) -> np.ndarray:
+    """Return arrays of one structured type in a row."""
+    dtype = arrays[0].dtype
+    return np.concatenate([array.view(_plain(dtype)) for array in arrays]).view(dtype)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,6 +85,8 @@ class Block:
         The records, decompressed.
     start, stop : ndarray of int64, shape (n,)
         First byte of each payload in `data`, and the byte behind its last; in file order.
+    heads : ndarray, shape (n,)
+        Fields channel, sequence, log_time, publish_time of each message; times in nanoseconds.
     others : tuple of Record
         The records that are not messages.
 
@@ -80,27 +96,8 @@ class Block:
     data: bytes
     start: np.ndarray
     stop: np.ndarray
+    heads: np.ndarray
     others: tuple[Record, ...]
-
-    @property
-    def channel(self) -> np.ndarray:
-        """Channel of each message."""
-        return gathered(self.data, '<u2', self.start - 22)
-
-    @property
-    def sequence(self) -> np.ndarray:
-        """Sequence number of each message."""
-        return gathered(self.data, '<u4', self.start - 20)
-
-    @property
-    def log_time_ns(self) -> np.ndarray:
-        """Time at which each message was recorded, nanoseconds."""
-        return gathered(self.data, '<i8', self.start - 16)
-
-    @property
-    def publish_time_ns(self) -> np.ndarray:
-        """Time at which each message was published, nanoseconds."""
-        return gathered(self.data, '<i8', self.start - 8)
 
 
 def walk(data: bytes, begin: int, end: int) -> tuple[list[int], list[Record]]:
@@ -136,16 +133,17 @@ def whole(data: bytes, opcodes: tuple[int, ...]) -> int:
 
 
 def _indexed(data: bytes, at: np.ndarray
-             ) -> tuple[np.ndarray, np.ndarray, list[Record]] | None:
-    """Return messages, the bytes behind them and other records; None if some are missing."""
+             ) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[Record]] | None:
+    """Return messages, heads, the bytes behind them, other records; None if some are missing."""
     at = np.sort(at, kind='stable')
     if not at.size or at[0] < 0 or at[-1] > len(data) - MESSAGE_HEAD.size:
         return None
-    length = gathered(data, '<i8', at + 1)
-    behind = at + HEAD.size + length
-    ahead = np.concatenate((at[1:], [len(data)]))
+    heads = gathered(data, MESSAGE_HEADS, at)
+    length = heads['length'].copy()
+    behind = at + length + HEAD.size
+    ahead = np.append(at[1:], len(data))
     if (length.min() < _FIXED or length.max() > len(data) or (behind > ahead).any()
-            or (np.frombuffer(data, np.uint8)[at] != Opcode.MESSAGE).any()):
+            or (heads['opcode'] != Opcode.MESSAGE).any()):
         return None
     others = []
     holes = [(0, at[0])] if at[0] else []
@@ -156,7 +154,7 @@ def _indexed(data: bytes, at: np.ndarray
         if messages:
             return None
         others += found
-    return at, behind, others
+    return at, heads, behind, others
 
 
 def block_of(data: bytes, offset: int, index: np.ndarray | None = None) -> Block:
@@ -183,9 +181,9 @@ def block_of(data: bytes, offset: int, index: np.ndarray | None = None) -> Block
         if found is None:
             messages, others = walk(data, 0, len(data))
             at = np.array(messages, np.int64)
-            behind = at + HEAD.size + gathered(data, '<i8', at + 1)
-        else:
-            at, behind, others = found
+            heads = gathered(data, MESSAGE_HEADS, at)
+            found = at, heads, at + HEAD.size + heads['length'], others
     except BagError as error:
         raise BagError(f'chunk damaged: {error.problem}', offset=offset) from None
-    return Block(offset, data, at + MESSAGE_HEAD.size, behind, tuple(others))
+    at, heads, behind, others = found
+    return Block(offset, data, at + MESSAGE_HEAD.size, behind, heads, tuple(others))

@@ -194,9 +194,9 @@ class Part:
             self._take_definition(record.opcode, content)
         if not len(block.start):
             return
-        for channel, count in zip(*np.unique(block.channel, return_counts=True)):
+        for channel, count in zip(*np.unique(block.heads['channel'], return_counts=True)):
             self.counts[int(channel)] = self.counts.get(int(channel), 0) + int(count)
-        log = block.log_time_ns
+        log = block.heads['log_time']
         first, last = int(log.min()), int(log.max())
         self.start_ns = first if self.start_ns is None else min(self.start_ns, first)
         self.end_ns = last if self.end_ns is None else max(self.end_ns, last)

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 import os
 from pathlib import Path
@@ -16,24 +15,35 @@ import numpy as np
 
 from heading_intercompare.core.records import Headings
 
-from .bag_yaml import listed_parts
-from .blocks import Block
+from .bag_yaml import listed_parts, Qos
 from .errors import BagError
-from .heading_messages import decode_headings, HEADING_TYPES
+from .heading_messages import HEADING_TYPES, raw_headings
 from .part import Part
 from .schemas import layout_problem
+from .window import Window
 
 __all__ = ['Attachment', 'BagMessage', 'BagReader', 'TopicInfo']
-
-_CHUNK_NS = 60_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
 class TopicInfo:
-    """Message type, as package/msg/Type, and number of messages of a topic."""
+    """
+    What a bag says of a topic.
+
+    Attributes
+    ----------
+    type_name : str
+        Message type, as package/msg/Type.
+    count : int
+        Number of messages.
+    qos : Qos
+        What its publisher offered; the default of `Qos` where the bag does not say.
+
+    """
 
     type_name: str
     count: int
+    qos: Qos = Qos()
 
 
 class BagMessage(NamedTuple):
@@ -86,52 +96,6 @@ def _opened(path: Path) -> tuple[list[Part], list[str]]:
     return parts, absent
 
 
-def _ahead(blocks: Iterator[Block]) -> Iterator[Block]:
-    """Yield the blocks, each unpacked in a second thread while the one before it is used."""
-    with ThreadPoolExecutor(1) as worker:
-        coming = worker.submit(next, blocks, None)
-        while (block := coming.result()) is not None:
-            coming = worker.submit(next, blocks, None)
-            yield block
-
-
-class _Window:
-    """Collects headings until they span a minute of log time."""
-
-    def __init__(self, names: Iterable[str]) -> None:
-        self._names = tuple(names)
-        self._clear()
-
-    def _clear(self) -> None:
-        self._parts: dict[str, list[Headings]] = {name: [] for name in self._names}
-        self._first, self._last = 2**63, -1
-
-    def add(self, columns: Mapping[str, tuple[np.ndarray, Headings]]
-            ) -> Iterator[dict[str, Headings]]:
-        """Take log times and headings by topic; yield what is complete."""
-        logs = [log for log, _ in columns.values() if len(log)]
-        if not logs:
-            return
-        first, last = min(int(log.min()) for log in logs), max(int(log.max()) for log in logs)
-        if max(last, self._last) - min(first, self._first) > _CHUNK_NS:
-            yield from self.rest()
-        if last - first <= _CHUNK_NS:
-            self._first, self._last = min(first, self._first), max(last, self._last)
-            for name, (_, headings) in columns.items():
-                self._parts[name].append(headings)
-            return
-        minutes = {name: (log - first) // _CHUNK_NS for name, (log, _) in columns.items()}
-        for minute in np.unique(np.concatenate(list(minutes.values()))):
-            yield {name: headings[minutes[name] == minute]
-                   for name, (_, headings) in columns.items()}
-
-    def rest(self) -> Iterator[dict[str, Headings]]:
-        """Yield what has been collected, unless it is nothing."""
-        if self._last >= 0:
-            yield {name: Headings.concatenate(parts) for name, parts in self._parts.items()}
-        self._clear()
-
-
 class BagReader:
     """
     A bag: one .mcap file, or a rosbag2 directory with all its files.
@@ -173,12 +137,13 @@ class BagReader:
         for part in self._parts:
             for number, channel in part.channels.items():
                 kind = self._type_of(part, number)
-                known = self.topics.get(channel.topic, TopicInfo(kind, 0))
+                qos = Qos.of_yaml(channel.metadata.get('offered_qos_profiles', ''))
+                known = self.topics.get(channel.topic, TopicInfo(kind, 0, qos))
                 if known.type_name != kind:
                     raise BagError(f'topic {channel.topic} is both {known.type_name} and {kind}',
                                    self.path)
                 count = known.count + part.counts.get(number, 0)
-                self.topics[channel.topic] = TopicInfo(kind, count)
+                self.topics[channel.topic] = TopicInfo(kind, count, known.qos)
 
     @staticmethod
     def _type_of(part: Part, number: int) -> str:
@@ -200,7 +165,8 @@ class BagReader:
                 return name
         present = ', '.join(f'{name} ({info.type_name})'
                             for name, info in sorted(self.topics.items()))
-        raise BagError(f'has no topic {topic!r}; it has {present or "no topics"}', self.path)
+        cut = f' ({self.incomplete})' if self.incomplete else ''
+        raise BagError(f'has no topic {topic!r}; it has {present or "no topics"}{cut}', self.path)
 
     def headings(self, conventions: Mapping[str, str]) -> Iterator[dict[str, Headings]]:
         """
@@ -249,30 +215,24 @@ class BagReader:
                     raise BagError(f'topic {topic} ({kind}) cannot be read: {problem}', part.path)
 
     def _headings(self, conventions: Mapping[str, str]) -> Iterator[dict[str, Headings]]:
-        window = _Window(conventions)
+        window = Window(conventions)
+        topics = {asked: self.resolve(asked) for asked in conventions}
         for part in self._parts:
-            ids = {asked: [n for n, c in part.channels.items() if c.topic == self.resolve(asked)]
-                   for asked in conventions}
-            for block in _ahead(part.blocks()):
-                try:
-                    columns = self._columns(block, ids, conventions)
-                except BagError as error:
-                    raise error.at(part.path, block.offset) from None
-                yield from window.add(columns)
+            ids = {asked: [n for n, channel in part.channels.items() if channel.topic == topic]
+                   for asked, topic in topics.items()}
+            for block in part.blocks():
+                channel, columns = block.heads['channel'].copy(), {}
+                for asked, topic in topics.items():
+                    which = np.flatnonzero(np.isin(channel, ids[asked]) if len(ids[asked]) != 1
+                                           else channel == ids[asked][0])
+                    try:
+                        raw = raw_headings(self.topics[topic].type_name, block.data,
+                                           block.start[which], block.stop[which])
+                    except BagError as error:
+                        raise error.at(part.path, block.offset) from None
+                    columns[asked] = which, raw
+                yield from window.add(block.heads['log_time'].copy(), columns)
         yield from window.rest()
-
-    def _columns(self, block: Block, ids: Mapping[str, list[int]],
-                 conventions: Mapping[str, str]) -> dict[str, tuple[np.ndarray, Headings]]:
-        """Return log times and headings of a block by topic."""
-        columns = {}
-        channel, log = block.channel, block.log_time_ns
-        for asked, numbers in ids.items():
-            which = np.flatnonzero(np.isin(channel, numbers) if len(numbers) > 1
-                                   else channel == (numbers or [0])[0])
-            kind = self.topics[self.resolve(asked)].type_name
-            columns[asked] = log[which], decode_headings(
-                kind, conventions[asked], block.data, block.start[which], block.stop[which])
-        return columns
 
     def messages(self, topics: Iterable[str] | None = None, start_ns: int = 0,
                  stop_ns: int = 2**64) -> Iterator[BagMessage]:
@@ -302,9 +262,9 @@ class BagReader:
                      for number, channel in part.channels.items()
                      if wanted is None or channel.topic in wanted}
             for block in part.blocks(start_ns, stop_ns):
-                columns = (block.channel, block.log_time_ns, block.publish_time_ns,
-                           block.sequence, block.start, block.stop)
-                for number, log, publish, sequence, lo, hi in zip(*(c.tolist() for c in columns)):
+                for head, lo, hi in zip(block.heads.tolist(), block.start.tolist(),
+                                        block.stop.tolist()):
+                    _, _, number, sequence, log, publish = head
                     if number in names and start_ns <= log < stop_ns:
                         yield BagMessage(*names[number], log, publish, sequence,
                                          bytes(block.data[lo:hi]))

@@ -1,9 +1,15 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The records of an MCAP file in their order, with the messages gathered into blocks."""
+"""
+The records of an MCAP file in their order, with the messages gathered into blocks.
+
+While one block is used, a second thread decompresses and checks the next one.
+"""
 
 from __future__ import annotations
 
+from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor
 import os
 import struct
 from typing import BinaryIO, Iterator
@@ -21,6 +27,7 @@ __all__ = ['MAGIC', 'RecordStream']
 
 MAGIC = b'\x89MCAP0\r\n'
 
+#: First and last log time, size and checksum of the decompressed records, length of a name.
 _CHUNK_HEAD = struct.Struct('<QQQII')
 _BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
 #: Messages outside chunks are read by this many bytes.
@@ -29,37 +36,50 @@ _BARE_BYTES = 1048576
 _CHUNK_LIMIT = 2**31
 
 
-def _decompressed(compression: str, packed: memoryview, size: int) -> bytes | memoryview:
-    if compression == '':
-        return packed
-    if compression == 'lz4':
-        return lz4.frame.decompress(packed)
-    if compression == 'zstd':
-        return zstandard.ZstdDecompressor().decompress(packed, max_output_size=size)
-    raise BagError(f'chunk compressed with {compression!r}; known are zstd and lz4')
+def _unpacked(content: bytes) -> bytes | memoryview:
+    """Return the records in the content of a chunk, decompressed and checked."""
+    view = memoryview(content)
+    try:
+        _, _, size, crc, letters = _CHUNK_HEAD.unpack_from(view)
+        start = _CHUNK_HEAD.size + letters
+        compression = bytes(view[_CHUNK_HEAD.size:start]).decode()
+        length = struct.unpack_from('<Q', view, start)[0]
+        data = view[start + 8:start + 8 + length]
+        if size > _CHUNK_LIMIT:
+            raise BagError(f'chunk damaged: it claims {size} bytes')
+        if compression == 'zstd':
+            data = zstandard.ZstdDecompressor().decompress(data, max_output_size=size)
+        elif compression == 'lz4':
+            data = lz4.frame.decompress(data)
+        elif compression:
+            raise BagError(f'chunk compressed with {compression!r}; known are zstd and lz4')
+    except (struct.error, UnicodeDecodeError, zstandard.ZstdError, RuntimeError) as error:
+        raise BagError(f'chunk damaged: {error}') from None
+    if len(data) != size or (crc and zlib.crc32(data) != crc):
+        raise BagError('chunk damaged: its checksum does not match')
+    return data
 
 
-class _Pending:
+class _Group:
     """Chunks that become one block, with the message indexes that follow them."""
 
     def __init__(self) -> None:
         self.size = 0
-        self._offset = 0
-        self._base = 0
-        self._chunks: list[bytes | memoryview] = []
+        self.end = 0
+        self._chunks: list[tuple[int, bytes]] = []
         self._index: list[np.ndarray] = []
+        self._base = 0
         self._usable = True
         self._awaited = False
 
-    def add(self, data: bytes | memoryview, offset: int) -> None:
-        """Take the next chunk."""
-        if not self._chunks:
-            self._offset = offset
+    def add(self, content: bytes, offset: int, end: int) -> None:
+        """Take the next chunk as it is in the file, between two bytes of it."""
         self._usable = self._usable and not self._awaited
         self._awaited = True
         self._base = self.size
-        self._chunks.append(data)
-        self.size += len(data)
+        self._chunks.append((offset, content))
+        self.size += struct.unpack_from('<Q', content, 16)[0] if len(content) >= 24 else 0
+        self.end = end
 
     def add_index(self, content: bytes) -> None:
         """Take a message index of the newest chunk."""
@@ -69,11 +89,25 @@ class _Pending:
         else:
             self._usable = False
 
-    def block(self) -> Block:
-        """Return the messages of the chunks."""
-        data = self._chunks[0] if len(self._chunks) == 1 else b''.join(self._chunks)
+    def __bool__(self) -> bool:
+        return bool(self._chunks)
+
+    def unpack(self) -> tuple[list[bytes | memoryview], BagError | None]:
+        """Return the decompressed chunks, and why one is not among them, nor those behind it."""
+        unpacked = []
+        for offset, content in self._chunks:
+            try:
+                unpacked.append(_unpacked(content))
+            except BagError as error:
+                return unpacked, error.at('', offset)
+        return unpacked, None
+
+    def block(self, chunks: list[bytes | memoryview]) -> Block:
+        """Return the messages of the decompressed chunks."""
+        data = chunks[0] if len(chunks) == 1 else b''.join(chunks)
         usable = self._usable and not self._awaited and self._index
-        return block_of(data, self._offset, np.concatenate(self._index) if usable else None)
+        return block_of(data, self._chunks[0][0],
+                        np.concatenate(self._index) if usable else None)
 
 
 class RecordStream:
@@ -109,27 +143,13 @@ class RecordStream:
         self._file.seek(record.start)
         return self._file.read(record.length)
 
-    def _times(self, chunk: Record) -> tuple[int, int]:
-        """Return first and last log time of a chunk; the file is at its content."""
+    def _overlaps(self, start_ns: int, stop_ns: int) -> bool:
+        """Tell whether the chunk at whose content the file is may have messages of a time."""
         content = self._file.read(16)
-        return struct.unpack('<QQ', content) if len(content) == 16 else (0, 2**64)
-
-    def _chunk(self, record: Record) -> bytes | memoryview:
-        """Return the records of a chunk, decompressed and checked."""
-        content = memoryview(self.content(record))
-        try:
-            _, _, size, crc, letters = _CHUNK_HEAD.unpack_from(content)
-            start = _CHUNK_HEAD.size + letters
-            compression = bytes(content[_CHUNK_HEAD.size:start]).decode()
-            length = struct.unpack_from('<Q', content, start)[0]
-            if size > _CHUNK_LIMIT:
-                raise BagError(f'chunk damaged: it claims {size} bytes')
-            data = _decompressed(compression, content[start + 8:start + 8 + length], size)
-        except (struct.error, UnicodeDecodeError, zstandard.ZstdError, RuntimeError) as error:
-            raise BagError(f'chunk damaged: {error}') from None
-        if len(data) != size or (crc and zlib.crc32(data) != crc):
-            raise BagError('chunk damaged: its checksum does not match')
-        return data
+        if len(content) < 16:
+            return True
+        first, last = struct.unpack('<QQ', content)
+        return first < stop_ns and last >= start_ns
 
     def _bare(self, record: Record, end: int) -> tuple[Block, int]:
         """Return the messages outside chunks from a record on, and where they end."""
@@ -138,6 +158,39 @@ class RecordStream:
         data = self._file.read(min(max(_BARE_BYTES, HEAD.size + record.length), end - at))
         size = whole(data, _BARE)
         return block_of(data[:size], at), at + size
+
+    def _items(self, at: int, end: int, least: int, start_ns: int,
+               stop_ns: int) -> Iterator[tuple[_Group | Block | Record, int]]:
+        """Yield the same as `pieces`, but chunks as they are in the file."""
+        group, wanted = _Group(), False
+        while at < end:
+            try:
+                record = self.record(at)
+            except BagError:
+                if group:
+                    yield group, group.end
+                raise
+            joins = record.opcode == Opcode.CHUNK and group.size < least
+            if group and not joins and record.opcode != Opcode.MESSAGE_INDEX:
+                yield group, group.end
+                group = _Group()
+            start, at = at, record.start + record.length
+            if record.opcode == Opcode.CHUNK:
+                wanted = start_ns <= 0 and stop_ns >= 2**64 or self._overlaps(start_ns, stop_ns)
+                if wanted:
+                    group.add(self.content(record), start, at)
+            elif record.opcode == Opcode.MESSAGE_INDEX:
+                if wanted:
+                    group.add_index(self.content(record))
+            elif record.opcode in _BARE:
+                block, at = self._bare(record, end)
+                yield block, at
+            else:
+                yield record, at
+                if record.opcode == Opcode.DATA_END:
+                    return
+        if group:
+            yield group, group.end
 
     def pieces(self, at: int, end: int, least: int, start_ns: int = 0,
                stop_ns: int = 2**64) -> Iterator[tuple[Block | Record, int]]:
@@ -159,35 +212,33 @@ class RecordStream:
             At the first record that cannot be read, after all that is before it.
 
         """
-        pending, behind, wanted = _Pending(), at, False
-        try:
-            while at < end:
-                record = self.record(at)
-                joins = record.opcode == Opcode.CHUNK and pending.size < least
-                if pending.size and not joins and record.opcode != Opcode.MESSAGE_INDEX:
-                    complete, pending = pending, _Pending()
-                    yield complete.block(), behind
-                start, at = at, record.start + record.length
-                if record.opcode == Opcode.CHUNK:
-                    first, last = self._times(record)
-                    wanted = first < stop_ns and last >= start_ns
-                    if wanted:
-                        pending.add(self._chunk(record), start)
-                    behind = at
-                elif record.opcode == Opcode.MESSAGE_INDEX:
-                    if wanted:
-                        pending.add_index(self.content(record))
-                elif record.opcode in _BARE:
-                    block, at = self._bare(record, end)
-                    yield block, at
-                else:
-                    yield record, at
-                    if record.opcode == Opcode.DATA_END:
-                        return
-        except BagError as error:
-            if pending.size:
-                yield pending.block(), behind
-            raise BagError(error.problem, offset=start if error.offset is None else error.offset
-                           ) from None
-        if pending.size:
-            yield pending.block(), behind
+        items = self._items(at, end, least, start_ns, stop_ns)
+        coming: deque[tuple[_Group | Block | Record, int, Future | None]] = deque()
+        problem, more = None, True
+        with ThreadPoolExecutor(1) as worker:
+            while more or coming:
+                try:
+                    item, behind = next(items)
+                    unpacking = worker.submit(item.unpack) if isinstance(item, _Group) else None
+                    coming.append((item, behind, unpacking))
+                except StopIteration:
+                    more = False
+                except BagError as error:
+                    problem, more = error, False
+                if coming and (len(coming) > 1 or not more):
+                    yield from self._finished(*coming.popleft())
+        if problem:
+            raise problem
+
+    @staticmethod
+    def _finished(item: _Group | Block | Record, behind: int, unpacking: Future | None
+                  ) -> Iterator[tuple[Block | Record, int]]:
+        """Yield an item when it is unpacked, then raise what was wrong with it."""
+        if unpacking is None:
+            yield item, behind
+            return
+        chunks, damage = unpacking.result()
+        if chunks:
+            yield item.block(chunks), behind
+        if damage:
+            raise damage

@@ -16,17 +16,13 @@ from numpy.typing import ArrayLike
 from heading_intercompare.core.version import VERSION
 
 from .bag_yaml import bag_metadata, PartInfo, Qos, TopicRow
-from .blocks import HEAD, MESSAGE_HEAD
+from .blocks import HEAD, MESSAGE_HEADS
 from .chunk_writer import ChunkWriter
 from .errors import BagError
 from .schemas import Schema, schema_of
 from .settings import BagSettings
 
 __all__ = ['BagWriter', 'Rows']
-
-_HEAD = np.dtype([('opcode', 'u1'), ('length', '<u8'), ('channel', '<u2'), ('sequence', '<u4'),
-                  ('log', '<u8'), ('publish', '<u8')])
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rows:
@@ -58,14 +54,14 @@ class Rows:
         """Return the message records of MCAP."""
         count, size = self.data.shape
         log = np.asarray(self.log_time_ns)
-        head = np.empty(count, _HEAD)
+        head = np.empty(count, MESSAGE_HEADS)
         head['opcode'], head['channel'] = Opcode.MESSAGE, channel
-        head['length'] = MESSAGE_HEAD.size - HEAD.size + size
-        head['sequence'], head['log'] = self.sequence, log
-        head['publish'] = log if self.publish_time_ns is None else self.publish_time_ns
-        records = np.empty((count, _HEAD.itemsize + size), np.uint8)
-        records[:, :_HEAD.itemsize] = head.view(np.uint8).reshape(count, _HEAD.itemsize)
-        records[:, _HEAD.itemsize:] = self.data
+        head['length'] = head.itemsize - HEAD.size + size
+        head['sequence'], head['log_time'] = self.sequence, log
+        head['publish_time'] = log if self.publish_time_ns is None else self.publish_time_ns
+        records = np.empty((count, head.itemsize + size), np.uint8)
+        records[:, :head.itemsize] = head.view(np.uint8).reshape(count, head.itemsize)
+        records[:, head.itemsize:] = self.data
         return records.view(f'V{records.shape[1]}').ravel().tolist()
 
 

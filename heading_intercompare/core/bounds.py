@@ -13,7 +13,8 @@ from scipy.special import betaincinv, gammainccinv, gammaincinv, ndtri, stdtrit
 
 from .dyadic import Components
 
-__all__ = ['confidence', 'lower_bound', 'nu_needed', 'rate_lower', 'rate_upper', 'upper_bound']
+__all__ = ['confidence', 'LEAST_RISK', 'lower_bound', 'mean_confidence', 'nu_needed',
+           'rate_lower', 'rate_upper', 'upper_bound']
 
 LEAST_RISK = 1e-6
 """Confidences are given from this to one minus this."""

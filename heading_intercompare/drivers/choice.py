@@ -14,7 +14,7 @@ import mmap
 from os import PathLike
 from typing import Iterable, Iterator
 
-from .framing import Framer
+from .framing import Framer, MAX_SENTENCE
 from .sentences import identify, may_lack_checksum, Name
 from .settings import DriverSettings, SENTENCES
 
@@ -22,6 +22,7 @@ __all__ = ['accepts', 'best', 'heard_in']
 
 _TOKENS = {'THS': b'THS,', 'HDT': b'HDT,', 'PASHR': b'PASHR,', 'PSXN,23': b'PSXN,23,',
            'PUHAW,UVH': b'PUHAW,UVH,', 'HDG': b'HDG,'}
+_BLOCK = 1 << 16
 
 
 def accepts(name: Name, settings: DriverSettings) -> bool:
@@ -60,12 +61,11 @@ def heard_in(path: str | PathLike, settings: DriverSettings) -> Name | None:
 
 
 def _names(log: mmap.mmap, token: bytes, lenient: bool) -> Iterator[Name]:
-    """Yield the heading sentences of the lines in which the token stands."""
+    """Yield the heading sentences of the log from each place on where the token stands."""
     at = log.find(token)
     while at >= 0:
-        start = max(log.rfind(b'\n', 0, at), log.rfind(b'\r', 0, at)) + 1
-        ends = [end for end in (log.find(b'\n', at), log.find(b'\r', at)) if end >= 0]
-        end = min(ends, default=len(log) - 1) + 1
+        start = max(at - MAX_SENTENCE, log.rfind(b'\n', max(0, at - MAX_SENTENCE), at) + 1, 0)
+        end = log.find(b'\n', at + _BLOCK) + 1 or len(log)
         framer = Framer()
         for _, _, text, checked in framer.feed(log[start:end], None) + framer.flush():
             name = identify(text)

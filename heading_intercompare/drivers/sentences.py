@@ -64,7 +64,7 @@ def identify(text: bytes) -> Name | None:
 @lru_cache(maxsize=256)
 def _talked(start: bytes) -> Name | None:
     kind = start[2:5].decode('latin-1')
-    if kind in _TALKED and start[5:] == b',':
+    if kind in _TALKED and start[5:] == b',' and start[:2].isalnum():
         return Name(kind, start[:2].decode('latin-1'))
     return None
 
@@ -111,7 +111,7 @@ def _parse_ths(fields: list[bytes]) -> float:
     """
     mode = _field(fields, 2).strip().decode('latin-1')
     if mode != 'A':
-        raise Rejected(f'invalid_mode.{mode if mode in tuple("EMSV") else "other"}')
+        raise Rejected(f'invalid_mode.{mode if mode in ("E", "M", "S", "V") else "other"}')
     return _heading(fields, 1)
 
 

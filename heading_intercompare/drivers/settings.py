@@ -115,10 +115,20 @@ def _network(source: str, scheme: str) -> Address:
     if scheme == 'tcp' and not host:
         raise SettingsError(f'source = {source!r}: the host is missing; {_FORMS}')
     interface = options.get('interface', '')
-    for name, value in (('host', host if scheme == 'udp' else ''), ('interface', interface)):
-        if ':' in value:
-            raise SettingsError(f'source = {source!r}: {name} must be an IPv4 address or a name')
+    if scheme == 'udp' and ':' in host:
+        raise SettingsError(f'source = {source!r}: host must be an IPv4 address or a name')
+    if interface and not _is_ipv4(interface):
+        raise SettingsError(f'source = {source!r}: interface must be the IPv4 address of a '
+                            'network interface of this machine')
     return Address(scheme, host=host, port=port, interface=interface)
+
+
+def _is_ipv4(text: str) -> bool:
+    try:
+        ipaddress.IPv4Address(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _options(source: str, query: str, allowed: tuple[str, ...]) -> dict[str, str]:

@@ -61,7 +61,7 @@ class UdpSource:
             self._listen(settings.address)
         except OSError as error:
             self._socket.close()
-            raise OSError(error.errno, error.strerror, settings.source) from None
+            raise OSError(error.errno, error.strerror or str(error), settings.source) from None
 
     def _listen(self, address: Address) -> None:
         self._socket.setblocking(False)

@@ -56,6 +56,14 @@ def test_qos_is_written_as_rosbag2_writes_it():
     assert Qos(depth=7).to_yaml() == QOS_OF_ROSBAG2
 
 
+def test_qos_is_read_from_words_and_numbers():
+    qos = Qos('keep_all', 5, 'best_effort', 'transient_local')
+    assert Qos.of_yaml(qos.to_yaml() + '\n' + Qos().to_yaml()) == qos
+    assert Qos.of_yaml('- history: 3\n  depth: 0\n  reliability: 1\n  durability: 2\n') == Qos(
+        'unknown', 0, 'reliable', 'volatile')
+    assert Qos.of_yaml('') == Qos()
+
+
 def test_an_empty_bag_is_described_as_rosbag2_does():
     file_text, record_text = bag_metadata(PartInfo('bag_0.mcap'), {})
     expected = yaml.safe_load(EMPTY_BAG_OF_ROSBAG2)

@@ -36,7 +36,7 @@ def records(parts: list[tuple[int, int]]) -> tuple[bytes, list[int]]:
 
 def same(a: Block, b: Block) -> bool:
     return (np.array_equal(a.start, b.start) and np.array_equal(a.stop, b.stop)
-            and a.others == b.others)
+            and a.heads.tobytes() == b.heads.tobytes() and a.others == b.others)
 
 
 PARTS = st.lists(st.tuples(st.integers(0, 3), st.integers(0, 40)), max_size=20)
@@ -62,10 +62,10 @@ def test_a_wrong_index_does_no_harm(parts, data):
 
 def test_columns_are_those_of_the_messages():
     block = block_of(*records([(0, 5), (3, 4), (1, 0), (0, 0), (2, 7)])[:1], 0)
-    assert block.channel.tolist() == [3, 1, 2]
-    assert block.sequence.tolist() == [1, 2, 4]
-    assert block.log_time_ns.tolist() == [101, 102, 104]
-    assert block.publish_time_ns.tolist() == [201, 202, 204]
+    assert block.heads['channel'].tolist() == [3, 1, 2]
+    assert block.heads['sequence'].tolist() == [1, 2, 4]
+    assert block.heads['log_time'].tolist() == [101, 102, 104]
+    assert block.heads['publish_time'].tolist() == [201, 202, 204]
     assert [block.data[lo:hi] for lo, hi in zip(block.start, block.stop)] == [
         b'\x01' * 4, b'', b'\x04' * 7]
 

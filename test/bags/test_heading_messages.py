@@ -32,8 +32,8 @@ STAMP_NS = 1_406_851_200_183_000_000
 
 def joined(messages: list[bytes]) -> tuple[bytes, np.ndarray, np.ndarray]:
     """Return messages one behind the other, and where each is."""
-    stop = np.cumsum([len(m) for m in messages])
-    return b''.join(messages), stop - [len(m) for m in messages], stop
+    size = np.array([len(m) for m in messages], np.int64)
+    return b''.join(messages), np.cumsum(size) - size, np.cumsum(size)
 
 
 def message(type_name: str, frame: str, stamp_ns: int, q: tuple, covariance: float = 0.0) -> dict:

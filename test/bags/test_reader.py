@@ -11,6 +11,7 @@ from mcap.writer import CompressionType, IndexType, Writer
 import numpy as np
 import pytest
 
+from heading_intercompare.bags.bag_yaml import Qos
 from heading_intercompare.bags.cdr import encode
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.heading_messages import encode_imu, HEADING_TYPES, IMU
@@ -99,7 +100,7 @@ def test_messages_outside_chunks_are_read_across_the_ends_of_blocks(tmp_path, mo
 def test_chunks_with_and_without_index_are_read_alike(write_bag, tmp_path, monkeypatch):
     path = write_bag(chunk_bytes=5000)
     expected = read(path, BOTH)
-    monkeypatch.setattr('heading_intercompare.bags.stream._Pending.add_index',
+    monkeypatch.setattr('heading_intercompare.bags.stream._Group.add_index',
                         lambda self, content: None)
     assert read(path, BOTH) == expected
 
@@ -208,7 +209,7 @@ def test_a_bag_cut_anywhere_is_read_up_to_the_cut(tmp_path):
     sent = [data for _, data in remarks(150)]
     cut = tmp_path / 'cut.mcap'
     counts = []
-    for size in [*range(8, len(whole), 7), len(whole) - 1]:
+    for size in [*range(8, len(whole), 13), len(whole) - 1]:
         cut.write_bytes(whole[:size])
         reader = BagReader(cut)
         found = [m.data for m in reader.messages()]
@@ -423,6 +424,20 @@ def test_an_absent_topic_lists_those_present(write_bag):
         reader.headings({'heading': 'enu'})
     with pytest.raises(BagError, match=expected):
         reader.messages(['heading'])
+
+
+def test_a_bag_cut_before_its_topics_says_so(write_bag):
+    path = write_bag() / 'trial_0.mcap'
+    path.write_bytes(path.read_bytes()[:60])
+    with pytest.raises(BagError, match=r'it has no topics \(trial_0.mcap was not closed: '):
+        BagReader(path).headings({'ts/heading': 'enu'})
+
+
+def test_the_quality_of_service_is_that_of_the_publisher(tmp_path):
+    qos = Qos(depth=100, durability='transient_local')
+    with BagWriter(tmp_path / 'bag') as bag:
+        bag.add_topic('/marker', STRING, qos)
+    assert BagReader(bag.path).topics == {'/marker': TopicInfo(STRING, 0, qos)}
 
 
 def test_a_topic_that_is_no_heading_is_refused(tmp_path):

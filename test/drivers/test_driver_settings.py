@@ -9,8 +9,7 @@ import pytest
 from heading_intercompare.core.settings import from_mapping, SettingsError, to_mapping
 from heading_intercompare.drivers.choice import best
 from heading_intercompare.drivers.sentences import Name, PARSERS
-from heading_intercompare.drivers.settings import (
-    Address, DriverSettings, parse_address, SENTENCES)
+from heading_intercompare.drivers.settings import Address, DriverSettings, parse_address, SENTENCES
 
 
 @pytest.mark.parametrize('source, address', [
@@ -40,6 +39,7 @@ def test_a_source_is_read(source, address):
     ('udp://host:123/path', 'must be file:PATH'),
     ('udp://host:123?group=5', "unknown option 'group'"),
     ('udp://[ff02::1]:10110', 'host must be an IPv4 address'),
+    ('udp://239.192.0.3:123?interface=eth0', 'interface must be the IPv4 address'),
     ('tcp://:4001', 'host is missing'),
     ('tcp://[::1:4001', 'must be file:PATH'),
     ('tcp://h:4001?interface=1', "unknown option 'interface'"),

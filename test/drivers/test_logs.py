@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.records import Headings
+from heading_intercompare.drivers.choice import heard_in
 from heading_intercompare.drivers.logs import LogReader, read_log
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 
@@ -85,6 +86,24 @@ def test_a_damaged_sentence_does_not_decide_the_choice(tmp_path):
     headings, counts = read_log(log)
     assert headings == Headings.of([NOON + S], [1.0])
     assert counts == {'bad_checksum': 1, 'no_checksum': 1}
+
+
+def test_the_choice_finds_a_rare_talker_behind_many_lines_of_another(tmp_path):
+    log = tmp_path / 'long.log'
+    log.write_bytes(b'1772366400 $HEHDT,1.0,T*2E\n' * 200_000 + b'1772366401 $GPHDT,2.0,T*37\n')
+    name = heard_in(log, DriverSettings(talker='GP'))
+    assert name == ('HDT', 'GP')
+    assert heard_in(log, DriverSettings(talker='IN')) is None
+    assert heard_in(log, DriverSettings(sentence='THS')) is None
+
+
+@pytest.mark.parametrize('end', [b'\n', b'\r\n', b'\r'])
+def test_any_line_end_will_do(tmp_path, end):
+    log = tmp_path / 'ends.log'
+    log.write_bytes(end.join([b'# HDT, of a ship', b'1772366400 $HEHDT,1.0,T*2E',
+                              b'1772366401 $HEHDT,2.0,T*2D']))
+    headings, counts = read_log(log)
+    assert headings == Headings.of([NOON, NOON + S], [1.0, 2.0]) and counts == {'no_sentence': 1}
 
 
 def test_a_log_without_headings_gives_none_and_its_counts(tmp_path):

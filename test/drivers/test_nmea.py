@@ -243,3 +243,23 @@ def test_any_splitting_gives_the_same_headings_and_everything_is_counted(
         assert decoder.lines == len(headings) + sum(decoder.counts.values())
         results.append((headings, decoder.counts))
     assert results[0] == results[1]
+
+
+def test_a_sentence_that_came_nobody_knows_when_has_no_stamp():
+    decoder = NmeaDecoder(DriverSettings())
+    assert len(decoder.feed(sentence('HEHDT,1.0,T'), None)) == 0
+    assert len(decoder.flush()) == 0 and decoder.counts == {'no_stamp': 1}
+
+
+def test_a_file_told_to_have_no_stamps_does_not_take_the_time_at_which_it_is_read(tmp_path):
+    log = tmp_path / 'gyro.log'
+    log.write_bytes(b'1772366400 ' + sentence('HEHDT,1.0,T'))
+    decoder = NmeaDecoder(DriverSettings(source=f'file:{log}', stamp_format='none'))
+    assert len(decoder.feed(log.read_bytes(), NOON)) == 0
+    assert decoder.counts == {'no_stamp': 1}
+
+
+def test_a_decoder_of_a_file_that_is_still_empty_is_still_choosing(tmp_path):
+    log = tmp_path / 'empty.log'
+    log.touch()
+    assert NmeaDecoder(DriverSettings(source=f'file:{log}')).chosen is None

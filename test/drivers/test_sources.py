@@ -15,8 +15,7 @@ import pytest
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
-from heading_intercompare.drivers.sources import (
-    LineSource, open_source, TcpLine, UdpSource)
+from heading_intercompare.drivers.sources import LineSource, open_source, TcpLine, UdpSource
 
 HDT = [b'$HEHDT,1.0,T*2E\r\n', b'$HEHDT,2.0,T*2D\r\n', b'$HEHDT,3.0,T*2C\r\n']
 GROUP = '239.192.0.3'

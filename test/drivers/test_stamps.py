@@ -10,7 +10,12 @@ from hypothesis import given, strategies as st
 import pytest
 
 from heading_intercompare.drivers.stamps import (
-    DAY_NS, day_time_ns, log_stamp_ns, nearest_day_ns, zda_ns)
+    DAY_NS,
+    day_time_ns,
+    log_stamp_ns,
+    nearest_day_ns,
+    zda_ns,
+)
 
 stamps = st.integers(0, 9_000_000_000 * 10**9)
 

@@ -1,0 +1,194 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Lists that fit into one text setting: course plans, faults, events, fixed errors, instants."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime, timezone
+import math
+import re
+
+from heading_intercompare.core.settings import SettingsError
+
+from .faults import Fault, FAULTS
+from .motion import Leg
+
+__all__ = ['Event', 'EVENTS', 'FIXED', 'parse_events', 'parse_faults', 'parse_fixed', 'parse_legs',
+           'parse_utc']
+
+EVENTS = {
+    'gyrocompass': 'command: seek the meridian',
+    'gyro_azimuth': 'command: hold the azimuth',
+    'reset': 'command: start again after a fault',
+    'force_on': 'command: go on though the thermostat is not ready',
+    'log_lost': 'no more speed from the log',
+    'log_found': 'speed from the log again',
+    'gps_lost': 'no more satellite heading',
+    'gps_found': 'satellite heading again',
+    'power_dip': 'the power fails for a moment: restart, still warm',
+    'fail_post': 'the self-test fails',
+    'fail_thermostat': 'the heater goes out',
+    'fail_gyro': 'a gyro loses its spin',
+    'fail_accelerometer': 'an accelerometer sticks',
+    'fail_gimbal': 'a gimbal reaches its stop',
+    'repair': 'injected failures are gone',
+}
+"""What can happen to a gimballed AHRS while it runs."""
+
+FIXED = ('drift_x', 'drift_y', 'drift_z', 'meter_x', 'meter_y', 'bias_x', 'bias_y')
+"""Errors that can be fixed instead of drawn: gyro drifts and meter biases in deg/h, accelerometer
+biases in micro-g."""
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """One event at `t_s`."""
+
+    t_s: float
+    kind: str
+
+
+def _entries(name: str, text: str) -> list[tuple[str, list[str]]]:
+    """Split 'a b c; d e f' into entries, each with its words."""
+    parts = [part.strip() for part in re.split(r'[;\n]', text)]
+    return [(f'{name} entry {i} {part!r}', part.split())
+            for i, part in enumerate(filter(None, parts), 1)]
+
+
+def _number(where: str, word: str, meaning: str, lo: float = -math.inf) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value) or value < lo:
+        least = '' if lo == -math.inf else f' of at least {lo:g}'
+        raise SettingsError(f'{where}: {meaning} {word!r} must be a number{least}')
+    return value
+
+
+def parse_legs(text: str, name: str = 'legs') -> tuple[Leg, ...]:
+    """
+    Return the course plan written as 't_s course_deg speed_kn; ...'.
+
+    Raises
+    ------
+    SettingsError
+        Naming the entry that is wrong: three numbers each, the first at 0 s, times increasing.
+
+    Examples
+    --------
+    >>> parse_legs('0 45 12; 600 90 12')[1]
+    Leg(t_s=600.0, course_deg=90.0, speed_kn=12.0)
+
+    """
+    legs = []
+    for where, words in _entries(name, text):
+        if len(words) != 3:
+            raise SettingsError(f"{where}: must be 't_s course_deg speed_kn'")
+        leg = Leg(_number(where, words[0], 'time', 0.0), _number(where, words[1], 'course'),
+                  _number(where, words[2], 'speed'))
+        if legs and leg.t_s <= legs[-1].t_s:
+            raise SettingsError(f'{where}: its time must exceed that of the entry before')
+        legs.append(leg)
+    if not legs or legs[0].t_s != 0.0:
+        raise SettingsError(f'{name} = {text!r}: the first entry must start at 0 s')
+    return tuple(legs)
+
+
+def parse_faults(text: str, name: str = 'faults') -> tuple[Fault, ...]:
+    """
+    Return the faults written as 't_s kind [value [duration_s]]; ...'.
+
+    Raises
+    ------
+    SettingsError
+        Naming the entry that is wrong and the kinds there are.
+
+    Examples
+    --------
+    >>> parse_faults('60 freeze 0 30; 600 mirrored')[0]
+    Fault(t_s=60.0, kind='freeze', value=0.0, duration_s=30.0)
+
+    """
+    faults = []
+    for where, words in _entries(name, text):
+        if not 2 <= len(words) <= 4:
+            raise SettingsError(f"{where}: must be 't_s kind [value [duration_s]]'")
+        if words[1] not in FAULTS:
+            raise SettingsError(f"{where}: kind {words[1]!r} must be {' or '.join(FAULTS)}")
+        value = (_number(where, words[2], 'value') if len(words) > 2 else FAULTS[words[1]][1])
+        duration = (_number(where, words[3], 'duration', 0.0) if len(words) > 3 else math.inf)
+        faults.append(Fault(_number(where, words[0], 'time', 0.0), words[1], value, duration))
+    return tuple(faults)
+
+
+def parse_utc(text: str, name: str = 'start_utc') -> int:
+    """
+    Return an ISO 8601 instant as integer nanoseconds; UTC unless it names a zone.
+
+    Examples
+    --------
+    >>> parse_utc('2026-01-01T00:00:00Z')
+    1767225600000000000
+
+    """
+    try:
+        instant = datetime.fromisoformat(re.sub('[zZ]$', '+00:00', text))
+    except ValueError:
+        raise SettingsError(
+            f"{name} = {text!r}: must be a UTC instant such as '2026-01-01T00:00:00Z'") from None
+    if instant.tzinfo is None:
+        instant = instant.replace(tzinfo=timezone.utc)
+    since = instant - datetime(1970, 1, 1, tzinfo=timezone.utc)
+    return (since.days * 86400 + since.seconds) * 10**9 + since.microseconds * 1000
+
+
+def parse_events(text: str, name: str = 'events') -> tuple[Event, ...]:
+    """
+    Return the events written as 't_s kind; ...', in the order of their times.
+
+    Raises
+    ------
+    SettingsError
+        Naming the entry that is wrong and the kinds there are.
+
+    Examples
+    --------
+    >>> parse_events('7200 gyro_azimuth')
+    (Event(t_s=7200.0, kind='gyro_azimuth'),)
+
+    """
+    events = []
+    for where, words in _entries(name, text):
+        if len(words) != 2:
+            raise SettingsError(f"{where}: must be 't_s kind'")
+        if words[1] not in EVENTS:
+            raise SettingsError(f"{where}: kind {words[1]!r} must be {' or '.join(EVENTS)}")
+        events.append(Event(_number(where, words[0], 'time', 0.0), words[1]))
+    return tuple(sorted(events, key=lambda event: event.t_s))
+
+
+def parse_fixed(text: str, name: str = 'fixed') -> dict[str, float]:
+    """
+    Return the fixed errors written as 'name value; ...'.
+
+    Raises
+    ------
+    SettingsError
+        Naming the entry that is wrong and the names there are.
+
+    Examples
+    --------
+    >>> parse_fixed('drift_y 0.01; bias_x 50')
+    {'drift_y': 0.01, 'bias_x': 50.0}
+
+    """
+    fixed = {}
+    for where, words in _entries(name, text):
+        if len(words) != 2:
+            raise SettingsError(f"{where}: must be 'name value'")
+        if words[0] not in FIXED:
+            raise SettingsError(f"{where}: name {words[0]!r} must be {' or '.join(FIXED)}")
+        fixed[words[0]] = _number(where, words[1], 'value')
+    return fixed

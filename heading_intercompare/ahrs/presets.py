@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Errors of the sensor models by name: classes of gyro instruments and a satellite compass."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+import math
+
+from .settings import Errors, Sensor
+
+__all__ = ['ERRORS', 'errors_of', 'SENSORS', 'terms_of']
+
+SENSORS = {
+    'ideal': {},
+    'gnss_compass': {'white_deg': 0.05, 'markov_deg': 0.08, 'markov_tau_s': 200.0},
+    'dtg_precision': {},
+    'marine_0p1': {},
+    'imo': {},
+}
+"""Error terms on top of the heading: a satellite compass with a base of 2 m and multipath; an AHRS
+has none, for its errors come from the model."""
+
+_PRECISION = Errors(
+    turn_on_deg_h=0.03, markov_deg_h=0.003, markov_tau_s=7200.0, random_walk_deg_sqrt_h=0.001,
+    temperature_deg_h_k=0.02, soak_deg_h=0.02, soak_tau_s=5400.0, torquer_ppm=0.0,
+    spin_axis_arcsec=1.0, residual_xy_deg_h=0.008, residual_z_deg_h=0.005,
+    accelerometer_bias_ug=50.0, accelerometer_markov_ug=5.0, accelerometer_markov_tau_s=3600.0,
+    accelerometer_white_ug=5.0, accelerometer_temperature_ug_k=5.0, accelerometer_step_m_s=1e-4,
+    log_scale=0.005, log_markov_m_s=0.01, log_markov_tau_s=600.0, gps_deg=0.1, gps_tau_s=100.0,
+    follow_up_s=0.02, harmonic_arcsec=20.0, harmonic2_arcsec=10.0, coupling=0.005,
+    flexure_deg=0.005, flexure_tau_s=600.0, output_deg=0.003)
+
+ERRORS = {
+    'dtg_precision': _PRECISION,
+    'marine_0p1': replace(
+        _PRECISION, markov_deg_h=0.012, markov_tau_s=3600.0, random_walk_deg_sqrt_h=0.002,
+        torquer_ppm=50.0, residual_xy_deg_h=0.015, residual_z_deg_h=0.010,
+        accelerometer_bias_ug=100.0, accelerometer_markov_ug=10.0, accelerometer_white_ug=10.0),
+    'imo': replace(
+        _PRECISION, turn_on_deg_h=0.1, markov_deg_h=0.035, markov_tau_s=3600.0,
+        random_walk_deg_sqrt_h=0.006, temperature_deg_h_k=0.05, soak_deg_h=0.10,
+        torquer_ppm=200.0, spin_axis_arcsec=3.0, residual_xy_deg_h=0.045,
+        residual_z_deg_h=0.030, accelerometer_bias_ug=300.0, accelerometer_markov_ug=30.0,
+        accelerometer_white_ug=30.0, accelerometer_temperature_ug_k=10.0,
+        accelerometer_step_m_s=1e-3),
+}
+"""Errors of the three classes of gimballed AHRS."""
+
+
+def errors_of(model: str, own: Errors) -> Errors:
+    """
+    Return the errors of a model with the given ones in their place.
+
+    Parameters
+    ----------
+    model : str
+        A name of `ERRORS`.
+    own : Errors
+        What is not none replaces the error of the model.
+
+    """
+    given = {f.name: getattr(own, f.name) for f in fields(own)
+             if getattr(own, f.name) is not None}
+    return replace(ERRORS[model], **given)
+
+
+def terms_of(sensor: Sensor) -> Sensor:
+    """Return the settings with the error terms of the named model joined to those given."""
+    terms = {}
+    for name, value in SENSORS[sensor.model].items():
+        if name == 'markov_tau_s':
+            terms[name] = sensor.markov_tau_s if sensor.markov_deg else value
+        else:
+            terms[name] = math.hypot(getattr(sensor, name), value)
+    return replace(sensor, **terms)

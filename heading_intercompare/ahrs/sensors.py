@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A simulated heading sensor: what it reads, when it says so, what is lost on the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+
+from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.records import Headings
+
+from .faults import Faults
+from .modes import AhrsStatus
+from .motion import ShipTruth
+from .noise import Markov, stream
+from .output import AhrsOutput
+from .plans import parse_faults
+from .presets import terms_of
+from .settings import AHRS_MODELS, Sensor
+
+__all__ = ['Readings', 'SimulatedSensor']
+
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """
+    Readings of one sensor and what it says of them.
+
+    Attributes
+    ----------
+    headings : Headings
+        Stamps and headings.
+    t_s : ndarray, shape (n,)
+        True instants of the readings, seconds since the start.
+    sigma_deg : ndarray, shape (n,)
+        Standard deviation the sensor claims, degrees; nan where it calls itself invalid.
+    rate_deg_s : ndarray, shape (n,)
+        Rate of turn to starboard, degrees per second.
+
+    """
+
+    headings: Headings
+    t_s: np.ndarray
+    sigma_deg: np.ndarray
+    rate_deg_s: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.headings)
+
+    def __getitem__(self, which) -> 'Readings':
+        """Return the readings of a slice or mask."""
+        return Readings(self.headings[which], self.t_s[which], self.sigma_deg[which],
+                        self.rate_deg_s[which])
+
+    @classmethod
+    def concatenate(cls, parts: list['Readings']) -> 'Readings':
+        """Return the readings joined in the order given; at least one part."""
+        if len(parts) == 1:
+            return parts[0]
+        return cls(Headings.concatenate([p.headings for p in parts]),
+                   *(np.concatenate([getattr(p, name) for p in parts])
+                     for name in ('t_s', 'sigma_deg', 'rate_deg_s')))
+
+
+class SimulatedSensor:
+    """
+    Readings of one heading sensor, block after block.
+
+    Parameters
+    ----------
+    settings : Sensor
+        Its errors, stamps and faults.
+    truth : ShipTruth
+        The ship it is mounted on.
+    start_ns : int
+        UTC stamp of the start, nanoseconds.
+    seed : int
+        Seed of the simulation.
+    role : str
+        'ts' or 'rs'; names its random numbers, so that the two never share any.
+
+    """
+
+    def __init__(self, settings: Sensor, truth: ShipTruth, start_ns: int, seed: int,
+                 role: str) -> None:
+        self._settings = settings
+        self._terms = terms_of(settings)
+        self._truth = truth
+        self._start_ns = start_ns
+        self._faults = Faults(parse_faults(settings.faults))
+        self._rng = {name: stream(seed, f'{role}.{name}')
+                     for name in ('white', 'jitter', 'dropout')}
+        self._tone_phase_rad = 2.0 * math.pi * stream(seed, f'{role}.tone').random()
+        self._markov = Markov(self._terms.markov_deg, self._terms.markov_tau_s,
+                              1.0 / settings.rate_hz, stream(seed, f'{role}.markov'))
+        self._ahrs = (AhrsOutput(settings, truth, seed, role)
+                      if settings.model in AHRS_MODELS else None)
+        self._next = 0
+
+    def statuses(self) -> tuple[AhrsStatus, ...]:
+        """Return what an AHRS has said of itself since the last call; nothing of other models."""
+        return self._ahrs.statuses() if self._ahrs else ()
+
+    def take(self, until_s: float) -> Readings:
+        """Return the readings from the end of the last call to before `until_s`."""
+        s = self._settings
+        stop = max(self._next, math.ceil((until_s - s.phase_s) * s.rate_hz))
+        t_s = s.phase_s + np.arange(self._next, stop) / s.rate_hz
+        # Rounding must not hand a reading over that belongs to the next call.
+        t_s = t_s[t_s < until_s]
+        self._next += t_s.size
+        random_deg = math.hypot(self._terms.white_deg, self._terms.markov_deg,
+                                s.resolution_deg / math.sqrt(12.0))
+        if self._ahrs:
+            heading_deg, sigma_deg = self._ahrs.read(t_s)
+            sigma_deg = np.hypot(sigma_deg, random_deg)
+        else:
+            heading_deg = np.degrees(self._truth.heading_rad(t_s))
+            sigma_deg = np.full(t_s.shape, random_deg)
+        if s.claimed_sigma_deg is not None:
+            sigma_deg = np.full(t_s.shape, s.claimed_sigma_deg)
+        heading_deg = heading_deg + self._errors(t_s)
+        if s.resolution_deg:
+            heading_deg = s.resolution_deg * np.rint(heading_deg / s.resolution_deg)
+        heading_deg, stamp_ns, given = self._faults.put(
+            t_s, wrap360(heading_deg), self._stamps(t_s))
+        given &= self._rng['dropout'].random(t_s.size) >= s.dropout
+        sigma_deg = np.where(np.isnan(heading_deg), np.nan, sigma_deg)
+        rate_deg_s = np.degrees(self._truth.heading_rate_rad_s(t_s))
+        return Readings(Headings.of(stamp_ns, heading_deg), t_s, sigma_deg, rate_deg_s)[given]
+
+    def _errors(self, t_s: np.ndarray) -> np.ndarray:
+        """Return the errors of the closed-form model, degrees."""
+        terms = self._terms
+        white = self._rng['white']
+        drawn = (white.standard_normal(t_s.size) if terms.white_shape == 'normal'
+                 else math.sqrt(12.0) * (white.random(t_s.size) - 0.5))
+        turning = 2.0 * math.pi / terms.tone_period_s * t_s + self._tone_phase_rad
+        return (terms.offset_deg + terms.drift_deg_h * t_s / 3600.0
+                + terms.settling_deg * np.exp(-t_s / terms.settling_tau_s)
+                + terms.tone_deg * np.sin(turning)
+                + self._markov.take(t_s.size) + terms.white_deg * drawn)
+
+    def _stamps(self, t_s: np.ndarray) -> np.ndarray:
+        """Return the stamps the clock of the sensor gives these instants."""
+        s = self._settings
+        late_s = (s.stamp_offset_s + 1e-6 * s.clock_drift_ppm * t_s
+                  + s.stamp_jitter_s * (2.0 * self._rng['jitter'].random(t_s.size) - 1.0))
+        return (self._start_ns + np.rint(t_s * 1e9).astype(np.int64)
+                + np.rint(late_s * 1e9).astype(np.int64))

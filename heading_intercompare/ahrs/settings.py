@@ -1,0 +1,203 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Every setting of the simulated trial: ship, sea, sensors, the gimballed AHRS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Mapping
+
+from heading_intercompare.core.settings import (
+    Checked,
+    from_mapping,
+    setting,
+    SettingsError,
+    to_mapping,
+)
+
+from .faults import FAULTS
+from .plans import EVENTS, FIXED, parse_events, parse_faults, parse_fixed, parse_legs, parse_utc
+from .seaway import SEAWAYS
+
+__all__ = ['Ahrs', 'AHRS_MODELS', 'Errors', 'Scenario', 'Sensor', 'SettingsError']
+
+AHRS_MODELS = ('dtg_precision', 'marine_0p1', 'imo')
+MODELS = ('ideal', 'gnss_compass', *AHRS_MODELS)
+
+
+def _own(help: str, hi: float | None = None) -> Any:
+    """Declare an error of the AHRS that takes the value of the model unless given."""
+    return setting(None, help + '; none: as the model', 0.0, hi)
+
+
+@dataclass(frozen=True, slots=True)
+class Errors(Checked):
+    """Errors of the instruments of the AHRS; sizes of random ones are standard deviations."""
+
+    turn_on_deg_h: float | None = _own('gyro drift, new at each turn-on [deg/h]')
+    markov_deg_h: float | None = _own('coloured gyro drift [deg/h]')
+    markov_tau_s: float | None = _own('its correlation time [s]')
+    random_walk_deg_sqrt_h: float | None = _own('angle random walk of a gyro [deg/sqrt(h)]')
+    temperature_deg_h_k: float | None = _own('gyro drift with temperature [deg/h/K]')
+    soak_deg_h: float | None = _own('gyro drift at power-on that dies away [deg/h]')
+    soak_tau_s: float | None = _own('its time constant [s]')
+    torquer_ppm: float | None = _own('scale error of the gyro torquers [1e-6]')
+    spin_axis_arcsec: float | None = _own('angle of spin and rotation axis of the meter [arcsec]')
+    residual_xy_deg_h: float | None = _own('levelling gyro drift left by calibration [deg/h]')
+    residual_z_deg_h: float | None = _own('course gyro drift left by calibration [deg/h]')
+    accelerometer_bias_ug: float | None = _own('accelerometer bias [ug]')
+    accelerometer_markov_ug: float | None = _own('its coloured part [ug]')
+    accelerometer_markov_tau_s: float | None = _own('correlation time of that [s]')
+    accelerometer_white_ug: float | None = _own('accelerometer white noise [ug/sqrt(Hz)]')
+    accelerometer_temperature_ug_k: float | None = _own('bias with temperature [ug/K]')
+    accelerometer_step_m_s: float | None = _own('velocity step of the accelerometers [m/s]')
+    log_scale: float | None = _own('scale error of the log')
+    log_markov_m_s: float | None = _own('coloured error of the log [m/s]')
+    log_markov_tau_s: float | None = _own('its correlation time [s]')
+    gps_deg: float | None = _own('coloured error of the satellite heading [deg]')
+    gps_tau_s: float | None = _own('its correlation time [s]')
+    follow_up_s: float | None = _own('lag of the azimuth follow-up [s]')
+    harmonic_arcsec: float | None = _own('pick-off error, once a turn [arcsec]')
+    harmonic2_arcsec: float | None = _own('pick-off error, twice a turn [arcsec]')
+    coupling: float | None = _own('heading error per roll or pitch angle')
+    flexure_deg: float | None = _own('coloured error of the mounting [deg]')
+    flexure_tau_s: float | None = _own('its correlation time [s]')
+    output_deg: float | None = _own('white noise of the output [deg]')
+
+
+@dataclass(frozen=True, slots=True)
+class Ahrs(Checked):
+    """The gimballed AHRS; used where the model of the sensor is one."""
+
+    initial_state: str = setting(
+        'cold', "'cold' power-on at 0; 'warm' begins with coarse levelling; 'aligned' begins in "
+        'operation with the drifts a calibration leaves', choices=('cold', 'warm', 'aligned'))
+    operation: str = setting('gyrocompass', 'mode of operation until another is commanded',
+                             choices=('gyrocompass', 'gyro_azimuth'))
+    powered_s: float = setting(
+        14400.0, 'time since power-on at the start, unless cold [s]', 0.0)
+    tilt_deg: float = setting(2.0, 'tilt of the platform before levelling [deg]', 0.0, 10.0)
+    azimuth_deg: float | None = setting(
+        None, 'azimuth of the platform at the start; aligned: its error [deg]; none: drawn',
+        -180.0, 180.0)
+    sigma_1_s: float = setting(2e-3, 'tuning of the gyrocompass [1/s]', 1e-4, 1e-2)
+    hold_s: float = setting(600.0, 'levelling before the course gyro is calibrated [s]', 10.0)
+    alignment_s: float = setting(600.0, 'mean of the rates for the alignment [s]', 10.0)
+    fine_s: float = setting(900.0, 'least time of fine levelling [s]', 10.0)
+    vertical: str = setting('aided', "gyro azimuth levelled with the log, 'aided', or by its own "
+                            "velocity, 'schuler'", choices=('aided', 'schuler'))
+    own_latitude: bool = setting(False, "'schuler': integrate the latitude too")
+    speed_compensation: str = setting(
+        'full', "speed of the log, no speed, or 'manual_speed_kn'",
+        choices=('full', 'none', 'manual'))
+    manual_speed_kn: float = setting(0.0, "speed set by hand, 'manual' [kn]", -100.0, 100.0)
+    manual_latitude_deg: float | None = setting(
+        None, 'latitude set by hand [deg]; none: as the position of the ship', -89.0, 89.0)
+    gps: bool = setting(False, 'a satellite heading is there to correct drifts with')
+    gps_correction: str = setting('rls', "'pair': half of the drift of each pair of fixes; 'rls': "
+                                  'line through all fixes', choices=('pair', 'rls'))
+    drift_fit: str = setting('lsq', 'course gyro drift by a straight line or the mean of pairs',
+                             choices=('lsq', 'pairs'))
+    accelerometer_calibration: str = setting(
+        'two_position', 'how the accelerometers are calibrated; two positions only when moored',
+        choices=('two_position', 'single', 'off'))
+    publish: str = setting(
+        'valid', 'least state of a heading that is not called invalid',
+        choices=('valid', 'settling', 'provisional'))
+    noise: bool = setting(True, 'false: no random errors at all')
+    fixed: str = setting('', "errors fixed instead of drawn, 'name value; ...' with the names "
+                         + ', '.join(FIXED) + ' [deg/h, ug]')
+    events: str = setting('', "'t_s kind; ...' with the kinds " + ', '.join(EVENTS))
+    errors: Errors = field(default_factory=Errors)
+
+    def __post_init__(self) -> None:
+        """Check ranges, events and fixed errors."""
+        Checked.__post_init__(self)
+        parse_events(self.events)
+        parse_fixed(self.fixed)
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor(Checked):
+    """One simulated heading sensor: what it is, its errors, its stamps, its faults."""
+
+    model: str = setting(
+        'ideal', "what the error terms below are added to: 'ideal' the true heading, "
+        "'gnss_compass' a satellite compass, else a gimballed AHRS", choices=MODELS)
+    rate_hz: float = setting(10.0, 'readings a second [Hz]', 0.001, 1000.0)
+    phase_s: float = setting(0.0, 'time of the first reading [s]', 0.0, 3600.0)
+    offset_deg: float = setting(0.0, 'constant error, or angle as mounted [deg]', -360.0, 360.0)
+    drift_deg_h: float = setting(0.0, 'steady drift [deg/h]', -3600.0, 3600.0)
+    settling_deg: float = setting(0.0, 'error at the start that dies away [deg]', -360.0, 360.0)
+    settling_tau_s: float = setting(1800.0, 'time constant of that [s]', 1.0)
+    tone_deg: float = setting(0.0, 'amplitude of a periodic error [deg]', 0.0, 180.0)
+    tone_period_s: float = setting(5064.0, 'its period; 84.4 min is Schuler [s]', 0.1)
+    white_deg: float = setting(0.0, 'standard deviation of white noise [deg]', 0.0, 180.0)
+    white_shape: str = setting('normal', 'its distribution', choices=('normal', 'uniform'))
+    markov_deg: float = setting(0.0, 'standard deviation of coloured noise [deg]', 0.0, 180.0)
+    markov_tau_s: float = setting(120.0, 'its correlation time [s]', 0.001)
+    resolution_deg: float = setting(0.0, 'step of the readings; 0: none [deg]', 0.0, 10.0)
+    claimed_sigma_deg: float | None = setting(
+        None, 'standard deviation the sensor claims [deg]; none: that of its random errors',
+        0.0, 180.0)
+    latency_s: float = setting(
+        0.0, 'how long after its instant a reading is handed over [s]', 0.0, 60.0)
+    stamp_offset_s: float = setting(
+        0.0, 'stamp minus the instant of the reading [s]; what the skew estimate finds',
+        -60.0, 60.0)
+    stamp_jitter_s: float = setting(
+        0.0, 'largest random error of a stamp, uniform [s]', 0.0, 10.0)
+    clock_drift_ppm: float = setting(0.0, 'rate error of the clock of the stamps [1e-6]',
+                                     -1000.0, 1000.0)
+    dropout: float = setting(0.0, 'probability that a reading is missing', 0.0, 1.0)
+    faults: str = setting('', "'t_s kind [value [duration_s]]; ...' with the kinds "
+                          + ', '.join(FAULTS))
+    ahrs: Ahrs = field(default_factory=Ahrs)
+
+    def __post_init__(self) -> None:
+        """Check ranges, the faults, and that jitter cannot swap two stamps."""
+        Checked.__post_init__(self)
+        parse_faults(self.faults)
+        if self.stamp_jitter_s * self.rate_hz >= 0.5:
+            raise SettingsError(
+                f'stamp_jitter_s = {self.stamp_jitter_s!r}: must be less than half the interval '
+                f'of the readings, {0.5 / self.rate_hz:g}')
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario(Checked):
+    """A trial to simulate: ship, sea, TS and RS."""
+
+    title: str = setting('', 'what this trial shows')
+    duration_s: float = setting(1200.0, 'length of the trial [s]', 1.0, 2.6e6)
+    start_utc: str = setting('2026-01-01T00:00:00Z', 'instant of the start, ISO 8601, UTC')
+    seed: int = setting(1, 'seed of all random numbers', 0, 2**63 - 1)
+    latitude_deg: float = setting(45.0, 'latitude of the start [deg]', -89.0, 89.0)
+    longitude_deg: float = setting(0.0, 'longitude of the start [deg]', -180.0, 180.0)
+    seaway: str = setting('calm', 'state of the sea', choices=tuple(SEAWAYS))
+    legs: str = setting('0 0 0', "course plan 't_s course_deg speed_kn; ...'")
+    ts: Sensor = field(default_factory=Sensor)
+    rs: Sensor = field(default_factory=Sensor)
+
+    def __post_init__(self) -> None:
+        """Check ranges, the course plan and the start."""
+        Checked.__post_init__(self)
+        parse_legs(self.legs)
+        parse_utc(self.start_utc)
+
+    @classmethod
+    def from_mapping(cls, mapping: Mapping[str, Any]) -> 'Scenario':
+        """
+        Return a scenario from nested or dotted names, as a YAML file gives them.
+
+        Raises
+        ------
+        SettingsError
+            For an unknown name or a value that is not allowed: name, value, what is allowed.
+
+        """
+        return from_mapping(cls, mapping)
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Return dotted names and values, in the order of their declaration."""
+        return to_mapping(self)

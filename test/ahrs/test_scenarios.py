@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The scenario files are right and show what they say."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare.ahrs.settings import Scenario
+from heading_intercompare.ahrs.simulator import Simulation
+
+yaml = pytest.importorskip('yaml')
+
+FOLDER = Path(__file__).resolve().parents[2] / 'config' / 'scenarios'
+FILES = sorted(FOLDER.glob('*.yaml'))
+
+
+def read(path):
+    """Return the scenario of a file."""
+    return Scenario.from_mapping(yaml.safe_load(path.read_text(encoding='utf-8')))
+
+
+def test_there_are_scenarios():
+    assert {'demo', 'harbour_alignment', 'sea_trial_12h', 'warm_up', 'ts_below_norm',
+            'ts_at_norm', 'ts_above_norm', 'degraded_rs'} <= {path.stem for path in FILES}
+
+
+@pytest.mark.parametrize('path', FILES, ids=lambda path: path.stem)
+def test_scenario_runs(path):
+    scenario = replace(read(path), duration_s=60.0)
+    assert scenario.title
+    assert sum(len(chunk.ts) for chunk in Simulation(scenario).chunks()) > 0
+
+
+@pytest.mark.parametrize('name, outcome', [
+    ('demo', 'compliant'), ('ts_below_norm', 'compliant'), ('ts_at_norm', 'indeterminate'),
+    ('ts_above_norm', 'non_compliant'), ('degraded_rs', 'non_compliant')])
+def test_verdict_of_the_scenario(name, outcome):
+    """The outcome each file promises under the norms 0.3 and 0.1 degrees."""
+    chunks = list(Simulation(read(FOLDER / f'{name}.yaml')).chunks())
+    ts, rs = (Headings.concatenate(getattr(chunk, role) for chunk in chunks)
+              for role in ('ts', 'rs'))
+    verdict = analyze(ts, rs, Settings.from_mapping(
+        {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}))
+    assert verdict.to_dict()['outcome'] == outcome
+
+
+def test_demo_is_short_and_turns():
+    scenario = read(FOLDER / 'demo.yaml')
+    truth = Headings.concatenate(chunk.truth for chunk in Simulation(scenario).chunks())
+    assert scenario.duration_s <= 1200.0
+    assert np.ptp(truth.heading_deg) > 180.0
+
+
+def analysed(faults):
+    """Return the dictionary of the verdict on a sound, turning TS with these faults."""
+    scenario = Scenario.from_mapping({
+        'duration_s': 1200.0, 'seaway': 'ss3', 'legs': '0 45 12; 400 160 12; 800 250 12',
+        'seed': 6, 'ts': {'white_deg': 0.1, 'faults': faults}, 'rs': {'white_deg': 0.05}})
+    chunks = list(Simulation(scenario).chunks())
+    ts, rs = (Headings.concatenate(getattr(chunk, role) for chunk in chunks)
+              for role in ('ts', 'rs'))
+    return analyze(ts, rs, Settings.from_mapping(
+        {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1})).to_dict()
+
+
+def test_sound_sensor_complies():
+    found = analysed('')
+    assert found['outcome'] == 'compliant'
+    assert found['runs'][0]['pairing']['ts_received'] == 12000
+
+
+@pytest.mark.parametrize('fault', ['300 freeze', '300 jump 5', '300 rotated', '300 mirrored',
+                                   '300 clock_step 5'])
+def test_analysis_sees_a_wrong_reading(fault):
+    """From a quarter of the trial on; each of them is far beyond 0.3 degrees in a turn."""
+    found = analysed(fault)
+    assert found['outcome'] != 'compliant'
+    assert max(run['max_abs_deg'] for run in found['runs']) > 3.0
+
+
+@pytest.mark.parametrize('fault, received, reason', [
+    ('300 silent 0 20', 11800, None), ('300 invalid 0 20', 12000, 'invalid'),
+    ('300 clock_step -20 50', 12000, 'stamp_not_increasing')])
+def test_analysis_counts_a_missing_reading(fault, received, reason):
+    """200 readings in 20 s; stamps set back by 20 s are old until they have caught up."""
+    pairing = analysed(fault)['runs'][0]['pairing']
+    assert pairing['ts_received'] == received
+    assert pairing['rejected']['ts'].get(reason, 0) == (0 if reason is None else 200)

@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Readings of simulated sensors."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from heading_intercompare.ahrs.motion import Leg, ShipTruth
+from heading_intercompare.ahrs.sensors import SimulatedSensor
+from heading_intercompare.ahrs.settings import Sensor, SettingsError
+from heading_intercompare.core.angles import wrap180
+
+START_NS = 1_000_000_000_000_000_000
+
+
+def readings(until_s=1000.0, course_deg=359.9, **settings):
+    """Return what a sensor on a steady ship reads."""
+    ship = ShipTruth([Leg(0.0, course_deg, 0.0)], 45.0)
+    return SimulatedSensor(Sensor(**settings), ship, START_NS, 3, 'ts').take(until_s)
+
+
+def errors(**settings):
+    """Return the errors of these readings, degrees."""
+    return wrap180(readings(10000.0, **settings).headings.heading_deg - 359.9)
+
+
+def test_ideal_sensor_reads_the_true_heading_on_time():
+    read = readings(1.0, rate_hz=4.0, phase_s=0.125)
+    assert read.headings.heading_deg == pytest.approx(359.9)
+    assert (read.headings.stamp_ns - START_NS).tolist() == [
+        125_000_000, 375_000_000, 625_000_000, 875_000_000]
+
+
+def test_readings_stay_within_the_circle():
+    heading = readings(white_deg=1.0, resolution_deg=0.1).headings.heading_deg
+    assert heading.min() >= 0.0 and heading.max() < 360.0
+    assert heading.min() < 1.0 and heading.max() > 359.0
+
+
+@pytest.mark.parametrize('shape', ['normal', 'uniform'])
+def test_white_noise_has_its_size_and_shape(shape):
+    """100000 readings: six standard errors of a normal sd are 1.4 %; uniform has kurtosis 1.8."""
+    x = errors(white_deg=0.2, white_shape=shape)
+    assert np.std(x) == pytest.approx(0.2, rel=0.014)
+    assert np.mean(x**4) / np.mean(x**2)**2 == pytest.approx(
+        3.0 if shape == 'normal' else 1.8, abs=0.1)
+    assert np.abs(np.corrcoef(x[1:], x[:-1])[0, 1]) < 0.02
+
+
+def test_terms_by_hand():
+    """Offset, drift, settling and tone at 0 and at 1800 s."""
+    x = errors(offset_deg=0.3, drift_deg_h=0.2, settling_deg=1.0, settling_tau_s=1800.0)
+    assert x[0] == pytest.approx(1.3)
+    assert x[18000] == pytest.approx(0.3 + 0.1 + math.exp(-1.0))
+    tone = errors(tone_deg=0.5, tone_period_s=100.0)
+    assert np.sqrt(np.mean(tone**2)) == pytest.approx(0.5 / math.sqrt(2.0), rel=1e-3)
+    assert tone[:1000] == pytest.approx(tone[1000:2000], abs=1e-9)
+
+
+def test_presets_join_the_terms_given():
+    """Satellite compass 0.05 and 0.08 with 0.12 white: the claim is their root sum of squares."""
+    read = readings(1.0, model='gnss_compass', white_deg=0.12)
+    assert read.sigma_deg == pytest.approx(math.sqrt(0.05**2 + 0.08**2 + 0.12**2))
+    assert readings(1.0, claimed_sigma_deg=0.7, white_deg=0.1).sigma_deg == pytest.approx(0.7)
+
+
+def test_resolution():
+    heading = readings(white_deg=0.2, resolution_deg=0.5).headings.heading_deg
+    assert np.abs(heading / 0.5 - np.rint(heading / 0.5)).max() < 1e-9
+
+
+def test_stamps_are_late_jitter_and_drift_as_set():
+    stamp = readings(rate_hz=10.0, stamp_offset_s=0.4, stamp_jitter_s=0.02,
+                     clock_drift_ppm=50.0).headings.stamp_ns
+    late_s = (stamp - START_NS) / 1e9 - 0.1 * np.arange(stamp.size)
+    late_s -= 0.4 + 50e-6 * 0.1 * np.arange(stamp.size)
+    assert late_s.min() == pytest.approx(-0.02, abs=1e-4)
+    assert late_s.max() == pytest.approx(0.02, abs=1e-4)
+    assert (np.diff(stamp) > 0).all()
+
+
+def test_dropouts_are_as_frequent_as_set():
+    """100000 readings, one in ten lost: 10000 +- 6 x 95."""
+    assert 90000 - 570 < len(readings(10000.0, dropout=0.1)) < 90000 + 570
+    assert len(readings(10.0, dropout=1.0)) == 0
+
+
+def test_latency_does_not_touch_the_readings():
+    assert readings(latency_s=2.0, white_deg=0.1).headings == readings(white_deg=0.1).headings
+
+
+def test_the_two_roles_have_their_own_noise():
+    ship = ShipTruth([Leg(0.0, 0.0, 0.0)], 45.0)
+    ts, rs = (SimulatedSensor(Sensor(white_deg=0.1), ship, 0, 3, role).take(100.0)
+              for role in ('ts', 'rs'))
+    both = np.corrcoef(wrap180(ts.headings.heading_deg), wrap180(rs.headings.heading_deg))
+    assert abs(both[0, 1]) < 6.0 / math.sqrt(1000.0)
+
+
+def test_invalid_readings_claim_nothing():
+    read = readings(10.0, faults='5 invalid')
+    assert np.isnan(read.sigma_deg).tolist() == np.isnan(read.headings.heading_deg).tolist()
+    assert np.isnan(read.sigma_deg).sum() == 50
+
+
+@pytest.mark.parametrize('settings, reason', [
+    ({'model': 'magnetic'}, "model = 'magnetic': must be 'ideal' or"),
+    ({'rate_hz': 0.0}, 'rate_hz = 0.0: must be a number from'),
+    ({'stamp_jitter_s': 0.05, 'rate_hz': 10.0}, 'stamp_jitter_s = 0.05: must be less than'),
+    ({'faults': '5 melt'}, "kind 'melt'"),
+    ({'dropout': 1.5}, 'dropout = 1.5')])
+def test_wrong_settings_are_refused(settings, reason):
+    with pytest.raises(SettingsError, match=reason):
+        Sensor(**settings)
