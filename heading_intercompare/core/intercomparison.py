@@ -8,7 +8,8 @@ from typing import Any, Iterable, Mapping, Sequence
 
 from .criteria import Limits
 from .difference import difference
-from .judge import EarlyVerdict, figures, homogeneity, judge, look_at, RunResult
+from .early import EarlyVerdict, figures, look_at
+from .judge import compare_runs, judge, RunResult
 from .ledger import Ledger, LedgerSegment
 from .pairing import Pairer
 from .records import Headings, Pairs
@@ -19,7 +20,7 @@ from .sequential import Look
 from .settings import Settings
 from .verdict import Verdict
 
-__all__ = ['analyze', 'Compliance', 'Intercomparison', 'join']
+__all__ = ['Compliance', 'Intercomparison', 'join']
 
 
 class Compliance:
@@ -186,10 +187,11 @@ def join(results: Sequence[RunResult], settings: Settings,
         ``path``, ``sha256``, ``ts_topic``, ``rs_topic`` of each input.
 
     """
-    results = [r.numbered(at + 1) for at, r in enumerate(results)]
+    runs = compare_runs(results)
+    results = [r.among(at + 1, runs) for at, r in enumerate(results)]
     return Verdict.of([r.verdict for r in results],
                       [r.outcome_among(len(results), settings) for r in results],
-                      settings, tuple(inputs), homogeneity(results))
+                      settings, tuple(inputs), runs)
 
 
 class Intercomparison:
@@ -251,45 +253,3 @@ class Intercomparison:
     def verdict(self, inputs: Iterable[Mapping[str, Any]] = ()) -> Verdict:
         """Return the verdict on the runs judged so far."""
         return join(self.results(), self.compliance.settings, inputs)
-
-
-def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings],
-            settings: Settings) -> Verdict:
-    """
-    Judge a TS by an RS.
-
-    Parameters
-    ----------
-    ts, rs : Headings, or equally long lists of them
-        Readings of the two sensors; in lists, each element is an input of its own.
-    settings : Settings
-        With the norms.
-
-    Returns
-    -------
-    Verdict
-        On all runs of all inputs.
-
-    Raises
-    ------
-    SettingsError
-        If a norm is missing.
-    ValueError
-        If the lists differ in length.
-
-    References
-    ----------
-    GK (1)-(7); the guarded decision of ``docs/verdict.md``.
-
-    """
-    ts = [ts] if isinstance(ts, Headings) else list(ts)
-    rs = [rs] if isinstance(rs, Headings) else list(rs)
-    if len(ts) != len(rs):
-        raise ValueError(f'{len(ts)} TS inputs but {len(rs)} RS inputs: give one RS for each TS')
-    results = []
-    for ts_part, rs_part in zip(ts, rs):
-        comparison = Intercomparison(settings)
-        comparison.update(ts_part, rs_part)
-        comparison.finish()
-        results += comparison.results()
-    return join(results, settings)

@@ -280,8 +280,8 @@ class Sequential(Checked):
 class Risk(Checked):
     """Risks and gates of the guarded decision."""
 
-    alpha_consumer: float = setting(0.05, 'risk to certify a TS at its norm', 1e-6, 0.5)
-    alpha_producer: float = setting(0.05, 'risk to reject a TS at its norm', 1e-6, 0.5)
+    alpha_consumer: float = setting(0.05, 'risk to certify a TS at its norm', 1e-9, 0.5)
+    alpha_producer: float = setting(0.05, 'risk to reject a TS at its norm', 1e-9, 0.5)
     method: str = setting(
         'dyadic+acf', "effective degrees of freedom: 'dyadic+acf', or 'dyadic' (the live view)",
         choices=('dyadic+acf', 'dyadic'))

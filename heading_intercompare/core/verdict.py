@@ -4,15 +4,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 import math
 from typing import Any, Mapping, Sequence
 
+from .assumptions import Assumption
 from .criteria import CountCriterion, TotalError, VarianceCriterion
+from .deviation import HeadingDependence
+from .ergodicity import Homogeneity
 from .guarded import Guarded
 from .ledger import LedgerSegment, REASONS
+from .normality import Normality
 from .outcome import Outcome, worst
+from .run_blocks import Allan, Correlation, Drift, RunSkew
 from .settings import Settings
+from .stationarity import Stationarity
 from .version import VERSION
 
 __all__ = ['Campaign', 'PairingFigures', 'plain', 'RunVerdict', 'SCHEMA', 'Verdict']
@@ -108,15 +114,15 @@ class RunVerdict:
     reason: str
     paper_outcome: Outcome
     guarded: Guarded
-    skew: Mapping[str, Any] = field(default_factory=dict)
-    drift: Mapping[str, Any] = field(default_factory=dict)
-    heading_dependence: Mapping[str, Any] = field(default_factory=dict)
-    normality: Mapping[str, Any] = field(default_factory=dict)
-    stationarity: Mapping[str, Any] = field(default_factory=dict)
-    correlation: Mapping[str, Any] = field(default_factory=dict)
-    allan: Mapping[str, Any] = field(default_factory=dict)
-    assumptions: Sequence[Mapping[str, Any]] = ()
-    warnings: Sequence[str] = ()
+    skew: RunSkew
+    drift: Drift
+    heading_dependence: HeadingDependence
+    normality: Normality
+    stationarity: Stationarity
+    correlation: Correlation
+    allan: Allan
+    assumptions: Sequence[Assumption]
+    warnings: Sequence[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,10 +138,10 @@ class Campaign:
     a_up_deg: float | None
     low_worst_deg: float | None
     up_worst_deg: float | None
-    homogeneity: Mapping[str, Any]
+    homogeneity: Homogeneity
 
     @classmethod
-    def of(cls, runs: Sequence[RunVerdict], homogeneity: Mapping[str, Any]) -> 'Campaign':
+    def of(cls, runs: Sequence[RunVerdict], homogeneity: Homogeneity) -> 'Campaign':
         """Return the worst figures of the runs."""
         def over(pick, values):
             present = [v for v in values if v is not None]
@@ -187,7 +193,7 @@ class Verdict:
     @classmethod
     def of(cls, runs: Sequence[RunVerdict], campaign_outcomes: Sequence[Outcome],
            settings: Settings, inputs: Sequence[Mapping[str, Any]],
-           homogeneity: Mapping[str, Any]) -> 'Verdict':
+           homogeneity: Homogeneity) -> 'Verdict':
         """Return the verdict on runs and on their outcomes at the shared producer's risk."""
         return cls(worst(campaign_outcomes), worst(r.paper_outcome for r in runs),
                    settings, tuple(inputs), Campaign.of(runs, homogeneity), tuple(runs))

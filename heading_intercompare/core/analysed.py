@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The differences of a run as its verdict takes them: settled, and with the drift taken out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .criteria import Limits
+from .drift import remove_polynomial, select_order
+from .run_diagnostics import SETTLED_SHARE
+from .run_series import RunSeries
+from .settings import Settings
+from .settling import warm_up
+from .statistics import Moments
+
+__all__ = ['Analysed', 'analysed']
+
+
+@dataclass(frozen=True, slots=True)
+class Analysed:
+    """
+    What of a run is analysed.
+
+    Attributes
+    ----------
+    stamp_ns, x_deg, rs_deg : ndarray, shape (n,)
+        Stamps, differences and RS headings behind the stabilisation period.
+    residual_deg : ndarray, shape (n,)
+        Differences about their mean, or about the polynomial that is removed, degrees.
+    order : int
+        Of that polynomial; 0 for the mean.
+    coefficients_deg : tuple of float
+        Its Legendre coefficients from order 0, degrees; empty if the mean alone is removed.
+    n_left_out : int
+        Differences at the start that an automatic stabilisation period leaves out.
+    moments : Moments
+        Of `x_deg`.
+    variance_deg2 : float or None
+        GK (4): sum of squared residuals / (n - 1 - order); None for n < 2 + order.
+
+    """
+
+    stamp_ns: np.ndarray
+    x_deg: np.ndarray
+    rs_deg: np.ndarray
+    residual_deg: np.ndarray
+    order: int
+    coefficients_deg: tuple[float, ...]
+    n_left_out: int
+    moments: Moments
+    variance_deg2: float | None
+
+    @property
+    def span_s(self) -> float:
+        """Time from the first to the last analysed difference, seconds."""
+        stamps = self.stamp_ns
+        return (int(stamps[-1]) - int(stamps[0])) / 1e9 if stamps.size else 0.0
+
+
+def analysed(run: RunSeries, limits: Limits, settings: Settings) -> Analysed:
+    """
+    Take a stabilisation period and a drift out of a run as the settings ask.
+
+    Parameters
+    ----------
+    run : RunSeries
+        A run at its end.
+    limits : Limits
+        `sigma_max_deg` says what counts as settled.
+    settings : Settings
+        `runs.stabilization_s` and `drift_order`; both may be 'auto'.
+
+    References
+    ----------
+    GK (4) and its conditions on the data.
+
+    """
+    stamps, x, rs = run.stamp_ns.values, run.x_deg.values, run.rs_deg.values
+    lo = 0
+    if settings.runs.stabilization_s == 'auto':
+        found = warm_up(stamps, x, SETTLED_SHARE * limits.sigma_max_deg)
+        if found is not None and found.stabilization_s > 0.0:
+            until = int(stamps[0]) + round(found.stabilization_s * 1e9)
+            lo = int(np.searchsorted(stamps, until))
+            stamps, x, rs = stamps[lo:], x[lo:], rs[lo:]
+    order = settings.drift_order
+    if order == 'auto':
+        chosen = select_order(stamps, x)
+        order = 0 if chosen is None else min(chosen.order, 3)
+    moments = Moments.of(x)
+    if order == 0 or moments.n < 2 + order:
+        variance = moments.variance_deg2 if moments.n >= 2 + order else None
+        return Analysed(stamps, x, rs, x - moments.mean_deg, 0, (), lo, moments, variance)
+    fit = remove_polynomial(stamps, x, order)
+    squares = float(np.dot(fit.residual_deg, fit.residual_deg))
+    return Analysed(stamps, x, rs, fit.residual_deg, fit.order, fit.coefficients_deg, lo,
+                    moments, squares / (moments.n - 1 - fit.order))

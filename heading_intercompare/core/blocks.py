@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Means over blocks of 2^l samples: what makes an uncertainty survive correlation in time."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import stdtrit
+
+__all__ = ['block_means', 'block_size', 'sum_covariance', 'student_95']
+
+
+def block_size(n: int, least: int) -> int:
+    """
+    Return the largest power of two of which there are at least so many blocks.
+
+    Parameters
+    ----------
+    n : int
+        Number of samples.
+    least : int
+        Fewest blocks; there are fewer than twice as many.
+
+    Returns
+    -------
+    int
+        Samples in a block; 0 if there are fewer samples than blocks wanted.
+
+    Examples
+    --------
+    >>> block_size(100, 16), block_size(15, 16)
+    (4, 0)
+
+    """
+    return 1 << ((n // least).bit_length() - 1) if n >= least else 0
+
+
+def block_means(values: ArrayLike, size: int) -> np.ndarray:
+    """
+    Return the means of consecutive blocks, the first one at the first sample.
+
+    Parameters
+    ----------
+    values : array_like, shape (n,) or (n, k)
+        In sample order.
+    size : int
+        Samples in a block, at least 1; an incomplete last block is dropped.
+
+    Returns
+    -------
+    ndarray, shape (n // size,) or (n // size, k)
+
+    Examples
+    --------
+    >>> block_means([1.0, 3.0, 5.0, 7.0, 9.0], 2).tolist()
+    [2.0, 6.0]
+
+    """
+    values = np.asarray(values, dtype=np.float64)
+    count = values.shape[0] // size
+    return values[:count * size].reshape(count, size, *values.shape[1:]).mean(axis=1)
+
+
+def sum_covariance(terms: ArrayLike) -> tuple[np.ndarray, int]:
+    """
+    Return the covariance of the sum of correlated terms.
+
+    Parameters
+    ----------
+    terms : array_like, shape (n,) or (n, k)
+        Summands in sample order; at least 16.
+
+    Returns
+    -------
+    covariance : ndarray, shape () or (k, k)
+        n times the samples in a block times the covariance of the means of 16 to 31 blocks.
+    dof : int
+        One less than the number of blocks.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than 16 terms.
+
+    Notes
+    -----
+    Holds if the correlation is short compared with a block.
+
+    References
+    ----------
+    Batch means, Schmeiser 1982; the same blocks as G.2 of ``docs/risk.md``.
+
+    """
+    terms = np.asarray(terms, dtype=np.float64)
+    n = terms.shape[0]
+    size = block_size(n, 16)
+    if not size:
+        raise ValueError(f'{n} terms: at least 16 are needed')
+    means = block_means(terms, size)
+    return n * size * np.cov(means, rowvar=False), means.shape[0] - 1
+
+
+def student_95(dof: float) -> float:
+    """Return the factor of a standard uncertainty that gives a 95 % interval."""
+    return -float(stdtrit(dof, 0.025)) if dof > 0 else math.inf

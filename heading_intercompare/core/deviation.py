@@ -1,0 +1,189 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""How the difference depends on the heading: deviation coefficients."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import Iterator
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import fdtrc
+
+from .angles import wrap360
+from .blocks import block_size
+
+__all__ = ['deviation', 'HeadingDependence', 'largest_empty_arc', 'WORST_CONDITION']
+
+WORST_CONDITION = 1e4
+"""Largest condition number at which coefficients are given: headings all round give 2."""
+
+_TERMS = 5
+_PIECE = 1 << 16
+_LEAST_SAMPLES = 64
+
+
+@dataclass(frozen=True, slots=True)
+class HeadingDependence:
+    """
+    x = A + B sin(psi) + C cos(psi) + D sin(2 psi) + E cos(2 psi); keys of the JSON.
+
+    Attributes
+    ----------
+    n : int
+        Number of samples.
+    reason : str
+        Empty, or why there are no coefficients: 'insufficient_data' or
+        'headings_too_narrow'.
+    empty_arc_deg : float or None
+        Largest arc of the compass without a heading of the RS; None for n = 0.
+    condition : float or None
+        Condition number of the normal equations; None for fewer than 64 samples.
+    coefficients_deg, u_deg : tuple of 5 floats or None
+        A to E, and their standard uncertainties, which allow for correlation; degrees. B and C
+        are semicircular (an uncorrected speed error is in C), D and E quadrantal.
+    covariance_deg2 : tuple of 5 tuples or None
+        Of the coefficients.
+    amplitude_deg : float or None
+        Largest departure from A over the compass.
+    f, p : float or None
+        Of B to E being zero together, and the probability of so large a value if they are.
+    residual_std_deg : float or None
+        Standard deviation of the differences less the fit.
+
+    """
+
+    n: int
+    reason: str
+    empty_arc_deg: float | None
+    condition: float | None
+    coefficients_deg: tuple[float, ...] | None = None
+    u_deg: tuple[float, ...] | None = None
+    covariance_deg2: tuple[tuple[float, ...], ...] | None = None
+    amplitude_deg: float | None = None
+    f: float | None = None
+    p: float | None = None
+    residual_std_deg: float | None = None
+
+
+def largest_empty_arc(heading_deg: ArrayLike) -> float | None:
+    """
+    Return the largest arc that holds no heading.
+
+    Parameters
+    ----------
+    heading_deg : array_like, shape (n,)
+        Degrees, finite, in any order.
+
+    Returns
+    -------
+    float or None
+        Degrees; 360 if all headings are equal, None for n = 0.
+
+    Examples
+    --------
+    >>> largest_empty_arc([350.0, 10.0, 100.0])
+    250.0
+
+    """
+    heading = np.sort(wrap360(heading_deg))
+    if not heading.size:
+        return None
+    over_north = float(heading[0]) + 360.0 - float(heading[-1])
+    return max(over_north, float(np.diff(heading).max(initial=0.0)))
+
+
+def _basis(heading_deg: np.ndarray) -> np.ndarray:
+    psi = np.radians(heading_deg)
+    return np.stack((np.ones_like(psi), np.sin(psi), np.cos(psi), np.sin(2.0 * psi),
+                     np.cos(2.0 * psi)), axis=-1)
+
+
+def _pieces(n: int, size: int) -> Iterator[slice]:
+    """Yield slices of whole blocks; the last may hold an incomplete one."""
+    step = max(1, _PIECE // size) * size
+    for lo in range(0, n, step):
+        yield slice(lo, min(n, lo + step))
+
+
+def deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
+    """
+    Fit the deviation coefficients of a run.
+
+    Parameters
+    ----------
+    x_deg, rs_deg : array_like, shape (n,)
+        Differences and headings of the RS, in sample order, finite, degrees.
+
+    Returns
+    -------
+    HeadingDependence
+        Without coefficients for fewer than 64 samples, or where the headings are too narrow an
+        arc: then the five terms cannot be told apart.
+
+    Notes
+    -----
+    Covariance G^-1 S G^-1, S from the scatter of the block means of each term times its
+    residual, so that it survives correlation. The 16 to 31 blocks have lost five degrees of
+    freedom to the fit, one to each term; the joint test allows for what is left (Hotelling).
+
+    References
+    ----------
+    The coefficients A to E of the compass adjuster; E.7 of ``docs/diagnostics.md``.
+
+    """
+    x, psi = np.asarray(x_deg, dtype=np.float64), np.asarray(rs_deg, dtype=np.float64)
+    n = x.size
+    arc = largest_empty_arc(psi)
+    if n < _LEAST_SAMPLES:
+        return HeadingDependence(n, 'insufficient_data', arc, None)
+    size = block_size(n, 16)
+    first = float(x[0])
+    gram, right = np.zeros((_TERMS, _TERMS)), np.zeros(_TERMS)
+    for part in _pieces(n, size):
+        basis = _basis(psi[part])
+        gram += basis.T @ basis
+        right += basis.T @ (x[part] - first)
+    condition = float(np.linalg.cond(gram / n))
+    if not condition <= WORST_CONDITION:
+        return HeadingDependence(n, 'headings_too_narrow', arc,
+                                 condition if math.isfinite(condition) else None)
+    beta = np.linalg.solve(gram, right)
+    sums, rss = [], 0.0
+    for part in _pieces(n, size):
+        basis = _basis(psi[part])
+        residual = x[part] - first - basis @ beta
+        rss += float(residual @ residual)
+        whole = residual.size // size
+        basis *= residual[:, np.newaxis]
+        sums.append(basis[:whole * size].reshape(whole, size, _TERMS).sum(axis=1))
+    means = np.concatenate(sums) / size
+    dof = means.shape[0] - _TERMS
+    inverse = np.linalg.inv(gram)
+    scatter = np.cov(means, rowvar=False) * ((means.shape[0] - 1) / dof)
+    covariance = inverse @ (n * size * scatter) @ inverse
+    covariance = 0.5 * (covariance + covariance.T)
+    f, p = _joint(beta[1:], covariance[1:, 1:], dof)
+    around = _basis(np.arange(0.0, 360.0, 0.5))[:, 1:] @ beta[1:]
+    beta[0] += first
+    return HeadingDependence(
+        n, '', arc, condition, tuple(beta.tolist()),
+        tuple(np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()),
+        tuple(tuple(row) for row in covariance.tolist()), float(np.abs(around).max()), f, p,
+        math.sqrt(rss / (n - _TERMS)))
+
+
+def _joint(beta: np.ndarray, covariance: np.ndarray,
+           dof: int) -> tuple[float | None, float | None]:
+    """Return F and p of all being zero; None where the residuals are mere rounding."""
+    scale = np.sqrt(np.diag(covariance))
+    if not (scale > 1e-13 * (1.0 + np.abs(beta))).all():
+        return None, None
+    standard = covariance / np.outer(scale, scale)
+    z = beta / scale
+    q = beta.size
+    square = float(z @ np.linalg.lstsq(standard, z, rcond=None)[0])
+    f = square * (dof - q + 1) / (dof * q)
+    return f, float(fdtrc(q, dof - q + 1, f))

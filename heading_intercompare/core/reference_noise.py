@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the two headings themselves say about the noise of the RS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+__all__ = ['reference_noise', 'ReferenceNoise']
+
+QUIET = 0.1
+"""An octave is used if the standard error is below this share of the variance of x in it."""
+
+_LEAST_PAIRS = 16
+_RISK_FACTOR = 1.6448536269514722
+
+
+@dataclass(frozen=True, slots=True)
+class ReferenceNoise:
+    """
+    The variance of x split between TS and RS, by octaves of averaging time; keys of the JSON.
+
+    Attributes
+    ----------
+    octaves : tuple of int
+        Samples averaged in the octaves used: 1, 2, 4, ... where the ship is quiet; empty if it
+        is in none.
+    ts_variance_deg2, rs_variance_deg2, u_deg2 : tuple of float
+        Of each octave used: the share of TS and of RS, which add up to that of x, and the
+        standard error of the latter; square degrees.
+    sigma_ref_lower_deg : float or None
+        Lower 95 % confidence bound of the RS standard deviation: what noise there is in other
+        octaves comes on top. None without any octave, 0 if the bound is below zero.
+
+    """
+
+    octaves: tuple[int, ...] = ()
+    ts_variance_deg2: tuple[float, ...] = ()
+    rs_variance_deg2: tuple[float, ...] = ()
+    u_deg2: tuple[float, ...] = ()
+    sigma_ref_lower_deg: float | None = None
+
+    def m_lower(self, sigma_ref_max_deg: float) -> float | None:
+        """Return the lower bound of M = sigma_ref / sigma_ref_max; None if nothing is known."""
+        if self.sigma_ref_lower_deg is None or not sigma_ref_max_deg > 0.0:
+            return None
+        return self.sigma_ref_lower_deg / sigma_ref_max_deg
+
+
+def reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
+                    skew_variance_deg2: float = 0.0) -> ReferenceNoise:
+    """
+    Bound the noise of the RS from below by the readings of both sensors.
+
+    Parameters
+    ----------
+    ts_deg, rs_deg : array_like, shape (n,)
+        Unwrapped headings of the pairs in sample order, finite, degrees.
+    skew_variance_deg2 : float
+        Largest variance that a time skew may add to x, square degrees. Half of it may pass for
+        noise of the RS, and is taken off the bound.
+
+    Returns
+    -------
+    ReferenceNoise
+
+    Notes
+    -----
+    With d the difference of neighbouring block means, d_ref (d_ref - d)/4 has the variance of
+    the RS noise in that octave as its mean, d (d - d_ref)/4 that of the TS: the heading cancels,
+    whatever it does. Where it moves much, the mean is uncertain and the octave is left out.
+    Holds if the errors of both and the heading are uncorrelated. A skew d makes the heading
+    itself leave g(0) - g(d) of its autocovariance, half of what it adds to x. Interpolating the
+    RS lowers the bound: the safe side.
+
+    References
+    ----------
+    Two-sensor covariance: Holcomb 1989 (BSSA 79) for seismometers; E.11 of
+    ``docs/diagnostics.md``.
+
+    """
+    ts, rs = (np.asarray(h, dtype=np.float64) for h in (ts_deg, rs_deg))
+    rows = []
+    size = 1
+    while rs.size // 2 >= _LEAST_PAIRS:
+        m = rs.size // 2 * 2
+        d, d_ref = (h[1:m:2] - h[0:m:2] for h in (ts, rs))
+        own = 0.25 * d_ref * (d_ref - d)
+        whole = 0.25 * float(np.mean((d - d_ref) ** 2))
+        variance = float(own.mean())
+        u = float(own.std(ddof=1)) / math.sqrt(own.size)
+        if u < QUIET * whole:
+            rows.append((size, whole - variance, variance, u))
+        ts, rs = (0.5 * (h[1:m:2] + h[0:m:2]) for h in (ts, rs))
+        size *= 2
+    if not rows:
+        return ReferenceNoise()
+    octaves, ts_variance, rs_variance, u = (tuple(c) for c in zip(*rows))
+    lower = (sum(rs_variance) - _RISK_FACTOR * math.sqrt(sum(v * v for v in u))
+             - 0.5 * skew_variance_deg2)
+    return ReferenceNoise(octaves, ts_variance, rs_variance, u, math.sqrt(max(0.0, lower)))

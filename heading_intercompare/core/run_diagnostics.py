@@ -1,0 +1,257 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What else a run says beside its verdict, and which assumptions of the verdict it bears out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+import math
+from typing import Iterator, Sequence
+
+import numpy as np
+
+from . import assumptions
+from .alignment import Skew, skew
+from .angles import unwrap_deg, wrap360
+from .assumptions import Assumption
+from .criteria import Limits
+from .detectors import (
+    Convention,
+    convention,
+    Detectors,
+    Frozen,
+    frozen,
+    same_source,
+    SameSource,
+    stamp_steps,
+)
+from .deviation import deviation, HeadingDependence
+from .dyadic import Dyadic
+from .ergodicity import Homogeneity
+from .guarded import Guarded
+from .noise import correlation_times, CorrelationTimes
+from .normality import Normality, normality
+from .reference_noise import reference_noise, ReferenceNoise
+from .resolution import resolution
+from .run_blocks import (
+    Allan,
+    allan_of,
+    Correlation,
+    correlation_of,
+    Drift,
+    drift_of,
+    run_skew,
+    RunSkew,
+)
+from .settings import Settings
+from .skew_scan import Scan
+from .stationarity import Stationarity, stationarity
+
+__all__ = ['diagnose', 'Diagnostics', 'Signs', 'with_runs']
+
+MOVING_AVERAGE_S = 1.0
+"""Span of the moving average that headings are compared with, seconds."""
+
+SETTLED_SHARE = 0.1
+"""Share of sigma_max to which a warm-up must have died away."""
+
+
+@dataclass(frozen=True, slots=True)
+class Signs:
+    """What the detectors found in the pairs of a run; the warnings say it in words."""
+
+    convention: Convention
+    source: SameSource
+    ts_frozen: Frozen
+    rs_frozen: Frozen
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostics:
+    """
+    The open blocks of a run in the JSON, its assumptions and warnings.
+
+    All fields but `signs` are keys of the JSON; ``docs/verdict_json.md`` lists what is in them.
+    """
+
+    skew: RunSkew
+    drift: Drift
+    heading_dependence: HeadingDependence
+    normality: Normality
+    stationarity: Stationarity
+    correlation: Correlation
+    allan: Allan
+    assumptions: tuple[Assumption, ...]
+    warnings: tuple[str, ...]
+    signs: Signs
+
+
+def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settings: Settings,
+             guarded: Guarded, limits: Limits, *, residual_deg: np.ndarray | None = None,
+             times: CorrelationTimes | None = None, scan: Scan | None = None,
+             detectors: Detectors | None = None) -> Diagnostics:
+    """
+    Examine a run.
+
+    Parameters
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps of the analysed pairs in increasing order, nanoseconds; n >= 0.
+    x_deg, rs_deg : ndarray, shape (n,)
+        Differences, installation offset removed, and headings of the RS; finite, degrees.
+    settings : Settings
+        Installation offset, model, variant, alignment, risk and pairing gap are used.
+    guarded : Guarded
+        The decision on the same differences.
+    limits : Limits
+        That it was made with.
+    residual_deg : ndarray, shape (n,), optional
+        Differences less the polynomial that `drift_order` removed; default the differences.
+    times : CorrelationTimes, optional
+        `correlation_times` of the residuals, if known already.
+    scan : Scan, optional
+        Of the two streams, if they are at hand.
+    detectors : Detectors, optional
+        When the detectors speak.
+
+    Returns
+    -------
+    Diagnostics
+        With None and 'not_testable' where n is too small.
+
+    Notes
+    -----
+    Whatever is long is not thinned, but averaged or looked at in parts: the skew is estimated
+    on averages over up to 0.1 s, trends on 16 to 127 block means, the noise of each sensor on a
+    million readings spread over the run, resolutions on the first 100000. Everything else takes
+    all differences.
+
+    References
+    ----------
+    GK, conditions on the data; ``docs/diagnostics.md``.
+
+    """
+    detectors = detectors or Detectors()
+    n = x_deg.size
+    is_whole = residual_deg is None
+    residual = x_deg if is_whole else residual_deg
+    range_s = settings.alignment.skew_range_s
+    estimate = Skew(0) if settings.alignment.skew == 'off' else skew(
+        stamp_ns, x_deg, rs_deg, range_s=range_s, max_gap_s=settings.pairing.max_gap_s)
+    stamps = stamp_steps(stamp_ns, detectors.silence_steps)
+    correlation = correlation_of(residual, stamps, times or correlation_times(residual))
+    signs, normal = _examine_headings(stamp_ns, x_deg, rs_deg, residual, settings, detectors,
+                                      correlation)
+    allan = allan_of(x_deg, stamps.typical_s, _noise_of_rs(x_deg, rs_deg, estimate, range_s))
+    drift, rest = drift_of(stamp_ns, x_deg, SETTLED_SHARE * limits.sigma_max_deg)
+    variance = float(np.var(x_deg, ddof=1)) if n > 1 else None
+    block = run_skew(estimate, variance, limits, scan)
+    result = Diagnostics(block, drift, deviation(x_deg, rs_deg), normal,
+                         stationarity(residual, stamps.typical_s or 0.0), correlation, allan, (),
+                         (), signs)
+    risk = settings.risk
+    blocks = Dyadic.of(rest).components(drift.order.order if drift.order else 0)
+    resolved = blocks is not None and not (
+        blocks.r1_blocks > risk.r1_max and blocks.slow_share > risk.share_max)
+    rest_found = result.stationarity if rest is residual else stationarity(
+        rest, stamps.typical_s or 0.0)
+    return replace(result, warnings=tuple(_warnings(result)),
+                   assumptions=_assumptions(result, n, settings, guarded, limits, rest_found,
+                                            resolved, is_whole))
+
+
+def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
+                      residual_deg: np.ndarray, settings: Settings, detectors: Detectors,
+                      correlation: Correlation) -> tuple[Signs, Normality]:
+    """Look at the headings of both sensors; those of the TS follow from the differences."""
+    ts_deg = x_deg + rs_deg
+    ts_deg += settings.installation_offset_deg
+    ts_deg = wrap360(ts_deg)
+    limits = {'least_s': detectors.frozen_s, 'moved_deg': detectors.frozen_moved_deg}
+    signs = Signs(
+        convention(x_deg, rs_deg, detectors.convention_tolerance_deg),
+        same_source(x_deg, rs_deg, resolution(ts_deg), resolution(rs_deg),
+                    detectors.same_source_ratio),
+        frozen(stamp_ns, ts_deg, rs_deg, **limits), frozen(stamp_ns, rs_deg, ts_deg, **limits))
+    step = correlation.stamps.typical_s
+    width = 2 * max(1, round(0.5 * MOVING_AVERAGE_S / step)) + 1 if step else 3
+    return signs, normality(residual_deg, ts_deg, rs_deg, width=width,
+                            n_effective=correlation.n_effective_variance)
+
+
+def _noise_of_rs(x_deg: np.ndarray, rs_deg: np.ndarray, estimate: Skew,
+                 range_s: float) -> ReferenceNoise:
+    added = estimate.largest_variance_deg2(range_s)
+    rs_line = unwrap_deg(rs_deg)
+    ts_line = unwrap_deg(x_deg)
+    ts_line += rs_line
+    return reference_noise(ts_line, rs_line,
+                           skew_variance_deg2=math.inf if added is None else added)
+
+
+def _assumptions(found: Diagnostics, n: int, settings: Settings, guarded: Guarded,
+                 limits: Limits, rest: Stationarity, resolved: bool,
+                 is_whole: bool) -> tuple[Assumption, ...]:
+    risk = settings.risk
+    trusted = bool(guarded.resolved) and guarded.nu >= risk.nu_min
+    upper = guarded.upper_bound_deg2 if trusted else None
+    least, most = (m * limits.sigma_ref_max_deg for m in (limits.m_low, limits.m_up))
+    drift = found.drift
+    return (
+        assumptions.large_n(n, guarded.nu, guarded.resolved, risk.nu_min),
+        assumptions.synchronous(found.skew.estimate, settings.alignment.skew_range_s),
+        assumptions.stabilized(drift.warm_up),
+        assumptions.reference_norm(found.allan.reference_noise.sigma_ref_lower_deg,
+                                   limits.sigma_ref_max_deg, upper, limits.m_low),
+        assumptions.installation(guarded.bias_interval_deg, limits.sigma_max_deg,
+                                 settings.variant),
+        assumptions.drift_and_stationary(drift.order, rest, resolved),
+        assumptions.ergodic(None),
+        assumptions.constant_moments(found.stationarity, drift.line if is_whole else None,
+                                     drift.span_h, found.heading_dependence, resolved),
+        assumptions.correlated_errors(upper, least, found.signs.source),
+        assumptions.laws(found.normality.difference, settings.model, (least, most), risk.nu_min))
+
+
+def with_runs(checked: Sequence[Assumption], runs: Homogeneity) -> tuple[Assumption, ...]:
+    """Return the assumptions of a run with (g) judged by all runs."""
+    return tuple(assumptions.ergodic(runs) if a.id == 'g' else a for a in checked)
+
+
+def _warnings(found: Diagnostics) -> Iterator[str]:
+    signs = found.signs
+    if signs.convention.kind == 'offset':
+        yield (f'convention: TS - RS is {signs.convention.angle_deg:.1f} deg; is one of them a '
+               'yaw (ENU) taken for a heading, or mounted backwards?')
+    if signs.convention.kind == 'mirrored':
+        yield ('convention: TS turns against RS, their sum stays at '
+               f'{signs.convention.angle_deg:.1f} deg; one of them counts counter-clockwise')
+    if signs.source.suspected:
+        yield ('same_source: the difference is no larger than rounding makes it; do both streams '
+               'come from one sensor?')
+    for name, sign in (('TS', signs.ts_frozen), ('RS', signs.rs_frozen)):
+        if sign.stretches:
+            yield (f'frozen: the {name} repeated its value {sign.stretches} times while the '
+                   f'other sensor turned, for {sign.duration_s:.1f} s by '
+                   f'{sign.other_moved_deg:.2f} deg at {sign.start_ns}')
+    estimate = found.skew.estimate
+    if estimate.significant and estimate.well_determined:
+        share = 1.0 - (estimate.std_aligned_deg / estimate.std_deg) ** 2
+        if share > assumptions.SKEW_SHARE:
+            age = 'older' if estimate.skew_s > 0.0 else 'newer'
+            yield (f'skew: the TS data are {abs(estimate.skew_s):.3f} s {age} than their stamps '
+                   'say, compared with the RS; that makes '
+                   f'{100.0 * share:.0f} % of the variance')
+    warm_up = found.drift.warm_up
+    if warm_up is not None and warm_up.stabilization_s > 0.0:
+        yield (f'warm_up: the difference still settles, to within {warm_up.tolerance_deg:.3g} deg '
+               f'{warm_up.settle_s:.4g} s after its first value')
+    steps = [s for s in (found.normality.ts_step_deg, found.normality.rs_step_deg) if s]
+    std = found.normality.difference.std_deg
+    if steps and std is not None and std < 0.5 * max(steps):
+        yield (f'resolution: the differences scatter by {std:.2g} deg, less than half of the step '
+               f'of {max(steps):.2g} deg in which a heading is reported')
+    stamps = found.correlation.stamps
+    if stamps.silences:
+        yield (f'silence: the pairs fall silent {stamps.silences} times, for up to '
+               f'{stamps.longest_s:.1f} s; correlation times and block lengths do not count that')

@@ -1,0 +1,180 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The end of warm-up: an exponential fitted to the differences, and an independent check."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import minimize_scalar
+
+from .drift import bic_of, blocked, rounding_floor, select_order
+
+__all__ = ['mser5', 'warm_up', 'WarmUp']
+
+_GRID = 400
+_LEAST_SAMPLES = 64
+
+CLEAR = 10.0
+"""By how much Schwarz's criterion must prefer the exponential to a constant."""
+
+
+@dataclass(frozen=True, slots=True)
+class WarmUp:
+    """
+    An exponential warm-up, x = level + amplitude exp(-(t - t_1)/tau).
+
+    Attributes
+    ----------
+    level_deg, amplitude_deg : float
+        Degrees.
+    tau_s : float
+        Time constant, seconds; from a hundredth of the run to the run.
+    tolerance_deg : float
+        What may be left of the amplitude when the TS has settled.
+    settle_s : float
+        When that is reached, seconds after the first stamp; 0 if the amplitude is within the
+        tolerance. Meaningless unless `preferred`.
+    preferred : bool
+        Whether the exponential describes the run: clearly better than a constant, and better
+        than any polynomial up to order 3.
+    span_s : float
+        Length of the run, seconds.
+
+    """
+
+    level_deg: float
+    amplitude_deg: float
+    tau_s: float
+    tolerance_deg: float
+    settle_s: float
+    preferred: bool
+    span_s: float
+
+    @property
+    def stabilization_s(self) -> float:
+        """How much of the start to leave out; all of the run if it never settles."""
+        return min(self.settle_s, self.span_s) if self.preferred else 0.0
+
+
+def warm_up(stamp_ns: ArrayLike, x_deg: ArrayLike, tolerance_deg: float) -> WarmUp | None:
+    """
+    Fit an exponential warm-up to the differences of a run.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    x_deg : array_like, shape (n,)
+        Differences, finite, degrees.
+    tolerance_deg : float
+        What may be left of the amplitude, degrees, greater than 0; a tenth of sigma_max is
+        usual.
+
+    Returns
+    -------
+    WarmUp or None
+        None for fewer than 64 samples.
+
+    Raises
+    ------
+    ValueError
+        If the tolerance is not greater than 0.
+
+    Notes
+    -----
+    Variable projection (Golub & Pereyra 1973): for each time constant the level and amplitude
+    follow from linear least squares on 64 to 127 block means; the amplitude is then corrected
+    for the averaging within a block.
+
+    References
+    ----------
+    GK asks that the stabilisation period be discarded, and leaves its end to the user.
+
+    """
+    if not tolerance_deg > 0.0:
+        raise ValueError(f'tolerance_deg = {tolerance_deg!r}: must be greater than 0')
+    stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
+    span = (int(stamps[-1]) - int(stamps[0])) / 1e9 if x.size else 0.0
+    if x.size < _LEAST_SAMPLES or not span > 0.0:
+        return None
+    t, z, size = blocked(stamps, x)
+    mean = float(z.mean())
+    y = z - mean
+
+    def fit(log_tau: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        e = np.exp(-t / np.exp(log_tau)[:, np.newaxis])
+        centre = e.mean(axis=1)
+        e -= centre[:, np.newaxis]
+        b = (e @ y) / np.sum(e * e, axis=1)
+        left = y - b[:, np.newaxis] * e
+        return np.sum(left * left, axis=1), b, mean - b * centre
+
+    grid = np.linspace(math.log(span / 100.0), math.log(span), _GRID)
+    squares = fit(grid)[0]
+    best = int(np.argmin(squares))
+    bounds = grid[max(best - 1, 0)], grid[min(best + 1, _GRID - 1)]
+    found = minimize_scalar(lambda g: float(fit(np.array([g]))[0][0]), bounds=bounds,
+                            method='bounded', options={'xatol': 1e-10})
+    log_tau = found.x if found.fun < squares[best] else grid[best]
+    rss, b, a = (float(v[0]) for v in fit(np.array([log_tau])))
+    tau = math.exp(log_tau)
+    step = span / (x.size - 1)
+    k = (np.arange(size) - 0.5 * (size - 1)) * step
+    amplitude = b / float(np.mean(np.exp(-k / tau)))
+    settle = max(0.0, tau * math.log(abs(amplitude) / tolerance_deg)) \
+        if abs(amplitude) > tolerance_deg else 0.0
+    return WarmUp(a, amplitude, tau, tolerance_deg, settle,
+                  _preferred(stamps, x, rss, z.size), span)
+
+
+def _preferred(stamps: np.ndarray, x: np.ndarray, rss: float, blocks: int) -> bool:
+    floor = rounding_floor(x)
+    mine = bic_of(rss, blocks, 4, floor)
+    others = [-math.inf if v is None else v for v in select_order(stamps, x).bic[:-1]]
+    return mine < min(others) and mine + CLEAR < others[0]
+
+
+def mser5(stamp_ns: ArrayLike, x_deg: ArrayLike) -> float | None:
+    """
+    Return where the start of a run stops to disturb its mean.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    x_deg : array_like, shape (n,)
+        Differences, finite, degrees.
+
+    Returns
+    -------
+    float or None
+        Seconds after the first stamp, at most half of the run; None for n < 20.
+
+    Notes
+    -----
+    Means of 5 samples; as many are left out as make the variance of the mean of the rest
+    smallest, the fewest if several do. It knows nothing of exponentials or norms, and a long
+    correlation misleads it: a check of `warm_up`, not a substitute.
+
+    References
+    ----------
+    MSER-5, White 1997.
+
+    """
+    stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
+    k = x.size // 5
+    if k < 4:
+        return None
+    z = x[:5 * k].reshape(k, 5).mean(axis=1)
+    z -= z.mean()
+    last = k // 2
+    left = np.arange(k, k - last - 1, -1, dtype=np.float64)
+    total = np.cumsum(z[::-1])[::-1][:last + 1]
+    squares = np.cumsum((z * z)[::-1])[::-1][:last + 1]
+    deviation = squares - total * total / left
+    d = int(np.argmin(deviation / (left * left)))
+    return (int(stamps[5 * d]) - int(stamps[0])) / 1e9
