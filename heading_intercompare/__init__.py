@@ -7,7 +7,8 @@ A tested sensor (TS) is compared with a reference sensor (RS) of the same ship. 
 `analyze`; the settings are those of the configuration file, by name.
 """
 
-from heading_intercompare.core.intercomparison import analyze, Compliance, Intercomparison, join
+from heading_intercompare.core.analysis import analyze
+from heading_intercompare.core.intercomparison import Compliance, Intercomparison, join
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing import pair, Pairer
 from heading_intercompare.core.records import Differences, Headings, Pairs

@@ -184,7 +184,7 @@ class RawHeadings:
         heading_deg = angles.heading_from_quaternion(q['x'], q['y'], q['z'], q['w'], convention)
         if 'covariance' in q.dtype.names:
             heading_deg[q['covariance'] == _UNKNOWN] = np.nan
-        stamp_ns = self.header['sec'] * np.int64(_SECOND_NS) + self.header['nanosec']
+        stamp_ns = self.header['sec'].astype(np.int64) * _SECOND_NS + self.header['nanosec']
         return Headings(stamp_ns, heading_deg)
 
 
@@ -239,7 +239,7 @@ def _raw(type_name: str, data: bytes, start: np.ndarray, stop: np.ndarray,
     """Return the same of messages of one byte order, that of their headers."""
     order = header.dtype['length'].byteorder
     order = '>' if order == '>' else '<'
-    end = header['length'] + np.int64(_HEADER.itemsize - 4)
+    end = header['length'].astype(np.int64) + (_HEADER.itemsize - 4)
     if type_name == _ODOMETRY:
         end = _aligned(end, 4) + 4
         _check_size(type_name, start, stop, start + 4 + end)

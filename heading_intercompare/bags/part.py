@@ -29,8 +29,9 @@ from .stream import MAGIC, RecordStream
 __all__ = ['Part']
 
 _FOOTER = HEAD.size + 20
+_BUFFER_BYTES = 1048576
 #: Blocks have at least this many bytes unless the file ends.
-_BLOCK_BYTES = 524288
+_BLOCK_BYTES = 1048576
 
 _AnyRecord = TypeVar('_AnyRecord', bound=mcap.McapRecord)
 
@@ -77,7 +78,7 @@ class Part:
         self.path = Path(path)
         self.incomplete: str | None = None
         self._forget()
-        with open(self.path, 'rb') as file:
+        with open(self.path, 'rb', _BUFFER_BYTES) as file:
             magic = file.read(len(MAGIC))
             if magic != MAGIC:
                 problem = ('is empty (0 bytes)' if not magic else
@@ -212,7 +213,7 @@ class Part:
 
         """
         count = 0
-        with open(self.path, 'rb') as file:
+        with open(self.path, 'rb', _BUFFER_BYTES) as file:
             try:
                 for piece, _ in RecordStream(file).pieces(self._begin, self._end, _BLOCK_BYTES,
                                                           start_ns, stop_ns):
@@ -228,7 +229,7 @@ class Part:
 
     def extras(self) -> Iterator[mcap.Metadata | mcap.Attachment]:
         """Yield metadata and attachments in file order; BagError if one is damaged."""
-        with open(self.path, 'rb') as file:
+        with open(self.path, 'rb', _BUFFER_BYTES) as file:
             stream = RecordStream(file)
             for at in sorted(self._extras):
                 try:

@@ -21,7 +21,7 @@ from .errors import BagError
 from .fields import CODES, Definitions, definitions_in, leaves, short_name
 
 __all__ = ['DEFINITIONS', 'Schema', 'TYPE_HASHES', 'definitions_of', 'layout_problem',
-           'schema_of']
+           'schema_of', 'shipped_schema']
 
 #: Field definitions by package/Type.
 DEFINITIONS = {

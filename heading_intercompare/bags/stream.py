@@ -36,7 +36,7 @@ _BARE_BYTES = 1048576
 _CHUNK_LIMIT = 2**31
 
 
-def _unpacked(content: bytes) -> bytes | memoryview:
+def _unpacked(content: bytes, zstd: zstandard.ZstdDecompressor) -> bytes | memoryview:
     """Return the records in the content of a chunk, decompressed and checked."""
     view = memoryview(content)
     try:
@@ -48,7 +48,7 @@ def _unpacked(content: bytes) -> bytes | memoryview:
         if size > _CHUNK_LIMIT:
             raise BagError(f'chunk damaged: it claims {size} bytes')
         if compression == 'zstd':
-            data = zstandard.ZstdDecompressor().decompress(data, max_output_size=size)
+            data = zstd.decompress(data, max_output_size=size)
         elif compression == 'lz4':
             data = lz4.frame.decompress(data)
         elif compression:
@@ -94,10 +94,10 @@ class _Group:
 
     def unpack(self) -> tuple[list[bytes | memoryview], BagError | None]:
         """Return the decompressed chunks, and why one is not among them, nor those behind it."""
-        unpacked = []
+        unpacked, zstd = [], zstandard.ZstdDecompressor()
         for offset, content in self._chunks:
             try:
-                unpacked.append(_unpacked(content))
+                unpacked.append(_unpacked(content, zstd))
             except BagError as error:
                 return unpacked, error.at('', offset)
         return unpacked, None

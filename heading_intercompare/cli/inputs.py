@@ -13,10 +13,12 @@ from typing import Any, Callable, Iterator, Sequence
 from heading_intercompare.bags.cdr import decode
 from heading_intercompare.bags.pairs_csv import PairsCsvWriter, read_pairs_csv
 from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.core.analysis import aligned
 from heading_intercompare.core.intercomparison import Compliance, Intercomparison
 from heading_intercompare.core.judge import RunResult
 from heading_intercompare.core.ledger import Ledger
 from heading_intercompare.core.pairing import rising
+from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 
 __all__ = ['analyze_input', 'describe', 'read_run_table', 'RunTable']
@@ -103,9 +105,13 @@ def _analyze_bag(path: str, settings: Settings, runs: Sequence[tuple[int, int]] 
     if runs is None:
         for kind, stamp_ns in _marks(reader):
             comparison.mark(kind, stamp_ns)
+    # To align a run takes all readings once more; else they are forgotten chunk by chunk.
+    kept = {ts: [], rs: []} if settings.alignment.skew == 'apply' else {}
     n = 0
     for chunk in reader.headings(conventions):
-        pairs = comparison.update(ts=chunk.get(ts), rs=chunk.get(rs))
+        for topic, chunks in kept.items():
+            chunks.append(chunk[topic])
+        pairs = comparison.update(ts=chunk[ts], rs=chunk[rs])
         n += sum(len(h) for h in chunk.values())
         if csv_out:
             csv_out.write(pairs)
@@ -114,7 +120,11 @@ def _analyze_bag(path: str, settings: Settings, runs: Sequence[tuple[int, int]] 
     if csv_out:
         csv_out.write(pairs)
     notes = [f'{path}: {reader.incomplete}'] if reader.incomplete else []
-    return comparison.results(), notes
+    results = comparison.results()
+    if kept:
+        results = aligned(*(Headings.concatenate(kept[topic]) for topic in (ts, rs)), results,
+                          settings, source=path)
+    return results, notes
 
 
 def _marks(reader: BagReader) -> Iterator[tuple[str, int]]:
