@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import argparse
-import json
+from functools import partial
 from pathlib import Path
 import sys
 from typing import Any, Mapping
@@ -17,6 +17,7 @@ from heading_intercompare.cli.progress import Progress
 from heading_intercompare.cli.table import verdict_text
 from heading_intercompare.core.criteria import Limits
 from heading_intercompare.core.intercomparison import join
+from heading_intercompare.report import json, SeriesSketch, write, WRITERS
 
 __all__ = ['add_arguments', 'add_settings_arguments', 'add_verdict_arguments', 'conclude', 'run']
 
@@ -46,6 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_settings_arguments(parser)
     parser.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
     parser.add_argument('--csv', metavar='F', help='write a row per pair')
+    parser.add_argument('--report', metavar='F.html', help='write the protocol, with plots')
     add_verdict_arguments(parser)
 
 
@@ -58,22 +60,31 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.csv and len(arguments.inputs) > 1:
         raise ValueError(f'--csv {arguments.csv}: takes the pairs of one INPUT, '
                          f'{len(arguments.inputs)} are given')
+    if arguments.report and Path(arguments.report).suffix not in WRITERS:
+        raise ValueError(f'--report {arguments.report}: must end with {" or ".join(WRITERS)}')
     csv_out = PairsCsvWriter(
         arguments.csv, wrap_center_deg=settings.wrap_center_deg) if arguments.csv else None
-    results, inputs, notes = [], [], []
+    results, inputs, notes, sketches = [], [], [], []
     try:
         for path in arguments.inputs:
+            takers = [csv_out.write] if csv_out else []
+            if arguments.report:
+                sketches.append(SeriesSketch(path))
+                takers.append(partial(sketches[-1].update, settings=settings))
             with Progress(path, arguments.quiet) as progress:
-                found, said = analyze_input(path, settings, table, csv_out, progress.show)
-                results += found
-                notes += said
-                inputs.append(describe(path, settings))
+                found, said = analyze_input(path, settings, table, takers, progress.show)
+            results += found
+            notes += said
+            inputs.append(describe(path, settings))
     finally:
         if csv_out:
             csv_out.close()
+    verdict = join(results, settings, inputs).to_dict()
+    if arguments.report:
+        write(verdict, arguments.report, sketches)
     for note in notes:
         print(f'note: {note}', file=sys.stderr)
-    return conclude(join(results, settings, inputs).to_dict(), arguments)
+    return conclude(verdict, arguments)
 
 
 def conclude(verdict: Mapping[str, Any], arguments: argparse.Namespace) -> int:
@@ -88,11 +99,10 @@ def conclude(verdict: Mapping[str, Any], arguments: argparse.Namespace) -> int:
         With `json` and `check`.
 
     """
-    text = json.dumps(verdict, indent=1, ensure_ascii=False, allow_nan=False) + '\n'
     if arguments.json == '-':
-        sys.stdout.write(text)
+        sys.stdout.write(json.render(verdict))
     else:
         print(verdict_text(verdict))
         if arguments.json:
-            Path(arguments.json).write_text(text, encoding='utf-8')
+            json.write(verdict, arguments.json)
     return _CHECK_CODES[verdict['outcome']] if arguments.check else 0

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import argparse
-import json
+from functools import partial
 from pathlib import Path
 import shutil
 from typing import Any
@@ -19,11 +19,12 @@ from heading_intercompare.cli.sameness import differences
 from heading_intercompare.cli.table import verdict_text
 from heading_intercompare.core.intercomparison import join
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.report import SeriesSketch, write
 
 __all__ = ['add_arguments', 'run']
 
 _SETTINGS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
-_MADE = ('bag', 'live', 'replayed', 'offline.json')
+_MADE = ('bag', 'live', 'replayed', 'offline.json', 'report.html')
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -69,11 +70,14 @@ def run(arguments: argparse.Namespace) -> int:
     say(f'3. offline: analyze {bag}\n')
     settings = Settings.from_mapping(_SETTINGS)
     with Progress(bag, arguments.quiet) as progress:
-        results, _ = analyze_input(bag, settings, None, None, progress.show)
+        sketch = SeriesSketch(bag)
+        results, _ = analyze_input(bag, settings, None,
+                                   [partial(sketch.update, settings=settings)], progress.show)
     offline = join(results, settings, [describe(bag, settings)]).to_dict()
-    (out / 'offline.json').write_text(json.dumps(offline, indent=1) + '\n', encoding='utf-8')
+    for name in ('offline.json', 'report.html'):
+        write(offline, out / name, [sketch])
     print(verdict_text(offline))
-    print()
+    print(f'\nprotocol: {out / "report.html"}')
     return _compare({'live': live, 'replayed': replayed, 'offline': offline})
 
 

@@ -11,14 +11,14 @@ from pathlib import Path
 from typing import Any, Callable, Iterator, Sequence
 
 from heading_intercompare.bags.cdr import decode
-from heading_intercompare.bags.pairs_csv import PairsCsvWriter, read_pairs_csv
+from heading_intercompare.bags.pairs_csv import read_pairs_csv
 from heading_intercompare.bags.reader import BagReader
 from heading_intercompare.core.analysis import aligned
 from heading_intercompare.core.intercomparison import Compliance, Intercomparison
 from heading_intercompare.core.judge import RunResult
 from heading_intercompare.core.ledger import Ledger
 from heading_intercompare.core.pairing import rising
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 
 __all__ = ['analyze_input', 'describe', 'read_run_table', 'RunTable']
@@ -28,7 +28,7 @@ MARKER_TOPIC = 'compliance/marker'
 
 
 def analyze_input(path: str, settings: Settings, table: RunTable | None,
-                  csv_out: PairsCsvWriter | None,
+                  takers: Sequence[Callable[[Pairs], None]],
                   progress: Callable[[str], None]) -> tuple[list[RunResult], list[str]]:
     """
     Judge the runs of one input.
@@ -40,8 +40,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
     settings : Settings
     table : sequence of (start_ns, stop_ns, source), optional
         Runs; those with a source are for the input of that name only.
-    csv_out : PairsCsvWriter, optional
-        Gets a row for each pair.
+    takers : sequence of callable
+        Each is given the pairs, chunk by chunk.
     progress : callable
         Told what has been done.
 
@@ -63,12 +63,12 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         (start, stop) for start, stop, source in table
         if source in ('', path, Path(path).name)]
     if Path(path).suffix == '.csv':
-        return _analyze_csv(path, settings, runs, csv_out, progress), []
-    return _analyze_bag(path, settings, runs, csv_out, progress)
+        return _analyze_csv(path, settings, runs, takers, progress), []
+    return _analyze_bag(path, settings, runs, takers, progress)
 
 
 def _analyze_csv(path: str, settings: Settings, runs: Sequence[tuple[int, int]] | None,
-                 csv_out: PairsCsvWriter | None,
+                 takers: Sequence[Callable[[Pairs], None]],
                  progress: Callable[[str], None]) -> list[RunResult]:
     compliance = Compliance(settings, source=path, table=runs)
     ledger = Ledger()
@@ -86,8 +86,8 @@ def _analyze_csv(path: str, settings: Settings, runs: Sequence[tuple[int, int]] 
         if len(pairs):
             newest_ns = int(pairs.stamp_ns[-1])
         compliance.update(pairs)
-        if csv_out:
-            csv_out.write(pairs)
+        for take in takers:
+            take(pairs)
         progress(f'{n:,} pairs')
     compliance.finish()
     for cut_ns in compliance.cuts:
@@ -96,7 +96,7 @@ def _analyze_csv(path: str, settings: Settings, runs: Sequence[tuple[int, int]] 
 
 
 def _analyze_bag(path: str, settings: Settings, runs: Sequence[tuple[int, int]] | None,
-                 csv_out: PairsCsvWriter | None,
+                 takers: Sequence[Callable[[Pairs], None]],
                  progress: Callable[[str], None]) -> tuple[list[RunResult], list[str]]:
     comparison = Intercomparison(settings, source=path, table=runs)
     reader = BagReader(path)
@@ -113,12 +113,12 @@ def _analyze_bag(path: str, settings: Settings, runs: Sequence[tuple[int, int]] 
             chunks.append(chunk[topic])
         pairs = comparison.update(ts=chunk[ts], rs=chunk[rs])
         n += sum(len(h) for h in chunk.values())
-        if csv_out:
-            csv_out.write(pairs)
+        for take in takers:
+            take(pairs)
         progress(f'{n:,} headings')
     pairs = comparison.finish()
-    if csv_out:
-        csv_out.write(pairs)
+    for take in takers:
+        take(pairs)
     notes = [f'{path}: {reader.incomplete}'] if reader.incomplete else []
     results = comparison.results()
     if kept:

@@ -4,45 +4,14 @@
 
 from __future__ import annotations
 
-from datetime import datetime, timezone
 from typing import Any, Callable, Mapping, Sequence
 
-__all__ = ['REASON_WORDS', 'utc_text', 'verdict_text']
+from heading_intercompare.report.wording import utc
+from heading_intercompare.report.words import OUTCOME_WORDS, REASON_WORDS
+
+__all__ = ['verdict_text']
 
 _COLUMNS = 5
-
-OUTCOME_WORDS = {'compliant': 'COMPLIANT', 'indeterminate': 'INDETERMINATE',
-                 'non_compliant': 'NON-COMPLIANT'}
-
-REASON_WORDS = {
-    'insufficient_data': 'fewer than 64 differences',
-    'insufficient_effective_data':
-        'the errors change too slowly for this record: measure longer',
-    'insufficient_duration': 'shorter than risk.min_duration_s',
-    'unresolved_but_far_above_rejection_limit':
-        'the errors change slowly, but lie far above the rejection limit',
-    'lower_bound_above_rejection_limit':
-        'the variance is above the rejection limit, at the stated risk',
-    'upper_bound_within_acceptance_limit':
-        'the variance is within the acceptance limit, at the stated risk',
-    'reference_limited': 'only better knowledge of sigma_ref can decide, not more data',
-    'data_limited': 'more data can decide',
-    'count_lower_bound_above_allowed':
-        'too many extreme differences, at the stated risk',
-    'total_error_not_within_norm': 'the total error is not shown to be within its norm',
-}
-
-
-def utc_text(stamp_ns: int | None) -> str:
-    """Return a stamp as UTC text, rounded down to milliseconds."""
-    if stamp_ns is None:
-        return '-'
-    seconds, ns = divmod(stamp_ns, 1_000_000_000)
-    try:
-        moment = datetime.fromtimestamp(seconds, timezone.utc)
-    except (OverflowError, OSError, ValueError):
-        return f'{stamp_ns} ns'
-    return f'{moment:%Y-%m-%d %H:%M:%S}.{ns // 1_000_000:03d}'
 
 
 def _number(value: float | int | None, digits: int = 4) -> str:
@@ -83,7 +52,7 @@ def _guarded(low: str, high: str, digits: int = 4) -> _Text:
 _ROWS: tuple[tuple[str, _Text], ...] = (
     ('outcome', _figure('outcome')),
     ('GK as printed', _figure('paper_outcome')),
-    ('first pair, UTC', lambda r: utc_text(r['start_ns'])),
+    ('first pair, UTC', lambda r: utc(r['start_ns'])),
     ('duration [s]', _figure('duration_s', 1)),
     ('TS received', _figure('pairing.ts_received')),
     ('RS received', _figure('pairing.rs_received')),

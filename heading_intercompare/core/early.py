@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .criteria import Limits
-from .guarded import decide, Evidence, evidence_of, Guarded
+from .guarded import decide, Evidence, evidence_of, Guarded, REASONS
 from .outcome import Outcome
 from .printed import as_printed, Printed
 from .rolling import Rolling
@@ -16,7 +16,15 @@ from .run_series import RunSeries
 from .sequential import Look, Looks
 from .settings import Risk, Settings
 
-__all__ = ['conclude', 'EarlyVerdict', 'figures', 'look_at', 'risk_at_the_end']
+__all__ = ['ALL_REASONS', 'conclude', 'EarlyVerdict', 'figures', 'look_at', 'risk_at_the_end']
+
+
+ALL_REASONS = {
+    **REASONS,
+    'count_lower_bound_above_allowed': 'too many extreme differences, at the stated risk',
+    'total_error_not_within_norm': 'the total error is not shown to be within its norm',
+}
+"""Why the outcome of a run is what it is: code and words."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,16 +31,16 @@ __all__ = ['decide', 'Evidence', 'evidence_of', 'Guarded', 'REASONS']
 REASONS = {
     'insufficient_data': 'fewer than 64 differences',
     'unresolved_but_far_above_rejection_limit':
-        'the slow part of the errors is not resolved, but even a variance known with one degree '
-        'of freedom would be above the rejection limit',
+        'the errors change slowly, but lie far above the rejection limit',
     'insufficient_effective_data':
-        'the record is too short for the correlation of the errors',
-    'lower_bound_above_rejection_limit': 'the lower bound is above the rejection limit',
-    'insufficient_duration': 'the run is shorter than risk.min_duration_s',
-    'upper_bound_within_acceptance_limit': 'the upper bound is within the acceptance limit',
-    'reference_limited':
-        'the variance is known well enough; only better knowledge of the reference sensor helps',
-    'data_limited': 'more data would decide, or the variance lies between the limits',
+        'the errors change too slowly for this record: measure longer',
+    'lower_bound_above_rejection_limit':
+        'the variance is above the rejection limit, at the stated risk',
+    'insufficient_duration': 'shorter than risk.min_duration_s',
+    'upper_bound_within_acceptance_limit':
+        'the variance is within the acceptance limit, at the stated risk',
+    'reference_limited': 'only better knowledge of sigma_ref can decide, not more data',
+    'data_limited': 'more data can decide',
 }
 """Why the decision on the variance is what it is: code and words."""
 

@@ -1,0 +1,257 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The protocol of an intercomparison: one HTML file that needs no network and no script."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any, Mapping, Sequence
+
+from heading_intercompare.core.verdict import SCHEMA
+
+from .figures import graphs
+from .markup import element, joined, Markup
+from .rule import rule, uncertainty
+from .series import SeriesSketch
+from .tables import facts, GUARDED, LEDGER, RESULTS, rows_by_run, table, WORST
+from .wording import exact, flat, outcome, utc, value
+from .words import REASON_WORDS, STATE_WORDS
+
+__all__ = ['render', 'settings_sha256', 'write']
+
+_NO_RUN = 'No run: no pair was made, or none in a run long enough.'
+
+_FINDINGS = ('skew', 'drift', 'heading_dependence', 'normality', 'stationarity', 'correlation',
+             'allan')
+
+_STYLE = """
+body { font: 14px/1.45 Helvetica, Arial, sans-serif; color: #000; background: #fff;
+  max-width: 980px; margin: 2em auto; padding: 0 1em; }
+h1 { font-size: 1.5em; border-bottom: 2px solid #000; padding-bottom: .2em; }
+h2 { font-size: 1.15em; margin: 1.8em 0 .5em; border-bottom: 1px solid #888; }
+table { border-collapse: collapse; margin: .5em 0 1em; width: 100%; }
+th, td { border: 1px solid #999; padding: .2em .5em; text-align: left; vertical-align: top;
+  overflow-wrap: anywhere; }
+th { font-weight: normal; } thead th { font-weight: bold; background: #eee; }
+td { font-variant-numeric: tabular-nums; }
+table.facts th { width: 34%; }
+tbody th { min-width: 16em; } table.plain tbody th { min-width: 0; }
+.state { white-space: nowrap; }
+table.settings td { font-family: monospace; }
+.verdict { border: 3px solid #000; padding: .6em 1em; }
+.verdict strong { font-size: 1.5em; letter-spacing: .03em; }
+.blank { display: block; min-height: 1.3em; border-bottom: 1px dotted #000; }
+.signature { display: flex; gap: 2em; margin-top: 3.5em; }
+.signature div { flex: 1; border-top: 1px solid #000; padding-top: .2em; }
+figure { margin: 1em 0; } figure svg { max-width: 100%; height: auto; }
+@media print { body { margin: 0; max-width: none; font-size: 11px; } a { color: #000; }
+  h2 { break-after: avoid; } tr, figure, .verdict, .signature { break-inside: avoid; } }
+"""
+
+Mapped = Mapping[str, Any]
+
+
+def settings_sha256(settings: Mapped) -> str:
+    """Return the SHA-256 of the settings as compact JSON with sorted names, UTF-8."""
+    text = json.dumps(settings, sort_keys=True, separators=(',', ':'), ensure_ascii=False)
+    return hashlib.sha256(text.encode('utf-8', 'surrogatepass')).hexdigest()
+
+
+def write(verdict: Mapped, path: str | Path, sketches: Sequence[SeriesSketch] = ()) -> None:
+    """
+    Write the protocol; see `render`.
+
+    Raises
+    ------
+    ValueError, OSError
+        If the verdict is of another schema, or the file cannot be written.
+
+    """
+    Path(path).write_text(render(verdict, sketches), encoding='utf-8')
+
+
+def render(verdict: Mapped, sketches: Sequence[SeriesSketch] = ()) -> str:
+    """
+    Return the protocol as an HTML page.
+
+    Parameters
+    ----------
+    verdict : mapping
+        `Verdict.to_dict()`, or the JSON of a report.
+    sketches : sequence of SeriesSketch
+        One an input, for the figures; none leaves them out.
+
+    Raises
+    ------
+    ValueError
+        If the verdict is of another schema.
+
+    """
+    if verdict.get('schema') != SCHEMA:
+        raise ValueError(f'schema = {verdict.get("schema")!r}: must be {SCHEMA!r}')
+    sections = (('Identification', _identification), ('Norms and decision rule', rule),
+                ('Pairing ledger', _ledger), ('Results', _results),
+                ('Worst of runs', _campaign), ('Guarded decision', _guarded),
+                ('Assumptions', _assumptions), ('Warnings', _warnings),
+                ('Uncertainty', uncertainty))
+    parts = [(title, make(verdict)) for title, make in sections]
+    parts = [(title, body) for title, body in parts if body]
+    findings = _findings(verdict)
+    parts += [('Figures', _figures(verdict, sketches)),
+              *([('Further findings', findings)] if findings else []),
+              ('Events, exclusions and reasons', facts(
+                  [('events during the trial', ''), ('data left out, and why', '')])),
+              ('Settings', _settings(verdict['settings'])), ('Signatures', _signatures())]
+    numbered = joined(element('section', element('h2', f'{k}. {title}'), body)
+                      for k, (title, body) in enumerate(parts, 1))
+    title = 'Intercomparison of heading sensors: protocol'
+    return '<!DOCTYPE html>\n' + element(
+        'html', element('head', element('meta', charset='utf-8'), element('title', title),
+                        element('style', Markup(_STYLE))),
+        element('body', element('h1', title), _headline(verdict), numbered), lang='en') + '\n'
+
+
+def _paragraph(*words: object) -> Markup:
+    return element('p', *words)
+
+
+def _listed(items: Sequence[object]) -> Markup:
+    return element('ul', *(element('li', item) for item in items))
+
+
+def _reason(run: Mapped) -> str:
+    return REASON_WORDS.get(run['reason'], run['reason'])
+
+
+def _headline(verdict: Mapped) -> Markup:
+    """Return the verdict with its reason in words."""
+    runs = verdict['runs']
+    reasons = [element('li', f'run {run["run"]}: {outcome(run["outcome"])} - {_reason(run)}')
+               for run in runs]
+    if runs and verdict['outcome'] != 'non_compliant' and any(
+            run['outcome'] == 'non_compliant' for run in runs):
+        reasons.append(element('li', "among several runs a single one is not rejected at its "
+                                     "share of the producer's risk"))
+    return element(
+        'div', element('strong', outcome(verdict['outcome'])),
+        _paragraph(f'GK as printed: {outcome(verdict["paper_outcome"])}'),
+        element('ul', *reasons) if reasons else _paragraph(_NO_RUN),
+        class_='verdict')
+
+
+def _identification(verdict: Mapped) -> Markup:
+    runs, software = verdict['runs'], verdict['software']
+    settings = verdict['settings']
+    parts = [facts([
+        ('software', f'{software["name"]} {software["version"]}'),
+        ('schema of the verdict', verdict['schema']),
+        ('SHA-256 of the settings', settings_sha256(settings)),
+        ('first and last pair [UTC]', f'{utc(min((r["start_ns"] for r in runs), default=None))} '
+                                      f'.. {utc(max((r["end_ns"] for r in runs), default=None))}'),
+        ('installation angle TS - RS [deg], as set',
+         value(settings['installation_offset_deg'])),
+        ('ship', ''), ('place or area, latitudes', ''),
+        ('tested sensor (TS): maker, type', ''), ('TS: serial number', ''),
+        ('reference sensor (RS): maker, type', ''), ('RS: serial number', ''),
+        ('RS: proof of its norm (service log)', ''), ('protocol number, client', '')])]
+    if verdict['inputs']:
+        parts.append(table(
+            ['input', 'SHA-256', 'TS topic', 'RS topic'],
+            [[value(given.get(key)) for key in ('path', 'sha256', 'ts_topic', 'rs_topic')]
+             for given in verdict['inputs']]))
+    else:
+        parts.append(_paragraph('Inputs: none recorded; the readings were given live or by a '
+                                'program.'))
+    return joined(parts)
+
+
+def _ledger(verdict: Mapped) -> Markup:
+    if not verdict['runs']:
+        return _paragraph(_NO_RUN)
+    return joined((_paragraph('Every reading received stands in exactly one row of its sensor: '
+                              'paired (used), without partner (not used) or rejected.'),
+                   rows_by_run(LEDGER, verdict['runs'])))
+
+
+def _results(verdict: Mapped) -> Markup:
+    if not verdict['runs']:
+        return _paragraph(_NO_RUN)
+    return joined((_paragraph('Differences are TS - RS. GK is Granovskii and Kudryavtsev, '
+                              'ALLSENSORS 2016; the numbers are those of its formulas.'),
+                   rows_by_run(RESULTS, verdict['runs'])))
+
+
+def _campaign(verdict: Mapped) -> Markup:
+    campaign = verdict['campaign']
+    rows = [[name, unit, text(campaign)] for name, unit, text in WORST]
+    rows += [[f'homogeneity: {name}', '', value(thing)]
+             for name, thing in flat(campaign['homogeneity'])]
+    return table(['', 'unit', 'worst of runs'], rows)
+
+
+def _guarded(verdict: Mapped) -> Markup:
+    if not verdict['runs']:
+        return _paragraph(_NO_RUN)
+    return joined((_paragraph('The confidences and the bounds hold only if the slow part of the '
+                              'errors is resolved.'),
+                   rows_by_run(GUARDED, verdict['runs'])))
+
+
+def _assumptions(verdict: Mapped) -> Markup:
+    parts = []
+    for run in verdict['runs']:
+        if run['assumptions']:
+            parts.append(element('h3', f'Run {run["run"]}'))
+            parts.append(table(
+                ['', 'statement', 'state', 'evidence'],
+                [[a['id'], a['statement'], _state(a['state']), value(a['evidence'])]
+                 for a in run['assumptions']], class_='plain'))
+    return joined(parts)
+
+
+def _state(word: str) -> Markup:
+    return element('span', STATE_WORDS.get(word, word), class_='state')
+
+
+def _findings(verdict: Mapped) -> Markup:
+    """Return what else was found in each run, by the names of the JSON."""
+    found = [{f'{block}.{name}': thing for block in _FINDINGS
+              for name, thing in flat(run[block])} for run in verdict['runs']]
+    rows = [(name, '', lambda run, name=name: value(run.get(name)))
+            for name in dict.fromkeys(name for run in found for name in run)]
+    if not rows:
+        return joined(())
+    runs = [{**names, 'run': run['run']} for names, run in zip(found, verdict['runs'])]
+    return joined((_paragraph('Names are those of the JSON and end in their unit.'),
+                   rows_by_run(rows, runs, units=False)))
+
+
+def _warnings(verdict: Mapped) -> Markup:
+    items = [f'run {run["run"]}: {warning}' for run in verdict['runs']
+             for warning in run['warnings']]
+    return _listed(items) if items else _paragraph('None.')
+
+
+def _figures(verdict: Mapped, sketches: Sequence[SeriesSketch]) -> Markup:
+    parts = []
+    for sketch in sketches:
+        source = f'Source: {sketch.source}. ' if sketch.source else ''
+        said = (f'{source}All pairs of the input, those of a stabilisation period too; '
+                f'{sketch.n_invalid} not finite left out.')
+        drawn = [element('figure', graph) for graph in graphs(sketch, verdict)]
+        parts += [_paragraph(said), *drawn] if drawn else [
+            _paragraph(f'{source}No difference to draw.')]
+    return joined(parts) or _paragraph('None: the protocol was made from the verdict alone.')
+
+
+def _settings(settings: Mapped) -> Markup:
+    return table(['name', 'value'], [[name, exact(thing)] for name, thing in settings.items()],
+                 class_='settings')
+
+
+def _signatures() -> Markup:
+    return element('div', *(element('div', words) for words in (
+        'measured by: name, date', 'evaluated by: name, date', 'approved by: name, date')),
+        class_='signature')

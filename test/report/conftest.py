@@ -1,0 +1,34 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Verdicts and sketches made by the package from simulated readings."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from heading_intercompare import analyze, Headings, pair, Settings
+from heading_intercompare.report import SeriesSketch
+
+BASE = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
+
+
+@pytest.fixture
+def made(rng):
+    """Return what makes a verdict of some runs, and their sketches."""
+    def make(runs: int, n: int = 600, noise_deg: float = 0.2,
+             **settings: Any) -> tuple[dict[str, Any], list[SeriesSketch]]:
+        taken = Settings.from_mapping(
+            {**BASE, **{k.replace('__', '.'): v for k, v in settings.items()}})
+        ts, rs, sketches = [], [], []
+        for run in range(runs):
+            stamps = (np.arange(n) + 10_000 * run + 1_700_000_000) * 10 ** 9
+            true = 180.0 + 170.0 * np.sin(np.arange(n) / 40.0)
+            ts.append(Headings.of(stamps, true + 0.05 + rng.normal(0.0, noise_deg, n)))
+            rs.append(Headings.of(stamps, true))
+            sketches.append(SeriesSketch())
+            sketches[-1].update(pair(ts[-1], rs[-1], taken)[0], taken)
+        return analyze(ts, rs, taken).to_dict(), sketches
+    return make

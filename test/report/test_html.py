@@ -1,0 +1,259 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The protocol says all that the verdict holds, and nothing of a name is taken for markup."""
+
+from __future__ import annotations
+
+import hashlib
+from html.parser import HTMLParser
+import json
+import math
+import re
+from xml.etree import ElementTree
+
+import pytest
+
+from heading_intercompare.report import html, SeriesSketch, write
+from heading_intercompare.report.rule import rule
+
+VOID = {'meta', 'br', 'hr', 'img', 'input', 'link'}
+SVG = '{http://www.w3.org/2000/svg}'
+
+
+class Page(HTMLParser):
+    """Reads a page: its text, its cells, its elements, and whether they are nested well."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.open, self.names, self.faults = [], [], []
+        self.text, self.cells, self.links = [], [], []
+        self.feed(page)
+        self.close()
+        self.faults += self.open
+
+    def handle_starttag(self, tag, attrs):
+        self.names.append(tag)
+        self.links += [v for k, v in attrs if k in ('href', 'src', 'xlink:href')]
+        self.faults += [k for k, _ in attrs if k.startswith('on')]
+        if tag == 'td':
+            self.cells.append('')
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.handle_endtag(tag)
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            self.faults.append(tag)
+
+    def handle_data(self, data):
+        if 'style' not in self.open:
+            self.text.append(data)
+        if 'td' in self.open:
+            self.cells[-1] += data
+
+
+def numbers(cells):
+    """Return all numbers in some texts."""
+    return [float(m) for cell in cells
+            for m in re.findall(r'-?\d+(?:\.\d+)?(?:e[-+]?\d+)?', cell)]
+
+
+@pytest.mark.parametrize('runs', [0, 1, 3, 7])
+def test_the_page_is_nested_well_and_needs_nothing_from_elsewhere(made, runs):
+    page = html.render(*made(runs))
+    read = Page(page)
+    assert read.faults == []
+    assert read.links == []
+    assert 'script' not in read.names
+    assert '@import' not in page and 'url(' not in page
+    assert read.names.count('figure') == 3 * runs
+
+
+@pytest.mark.parametrize('runs', [0, 1, 3])
+def test_an_absent_figure_is_a_dash(made, runs):
+    cells = Page(html.render(*made(runs, n=20))).cells
+    words = {word.strip('.,;') for cell in cells for word in cell.split()}
+    assert not words & {'None', 'nan', 'inf', '-inf', 'null', 'NaN', 'True', 'False'}
+    assert '-' in words
+
+
+def marked(thing, marks):
+    """Return a block with each number replaced by one of its own, an integer by an integer."""
+    if isinstance(thing, dict):
+        return {key: marked(inner, marks) for key, inner in thing.items()}
+    if isinstance(thing, list):
+        return [marked(inner, marks) for inner in thing]
+    if isinstance(thing, bool) or not isinstance(thing, (int, float)):
+        return thing
+    mark = 5000 + len(marks) if isinstance(thing, int) else 7000.25 + len(marks)
+    marks.append(mark)
+    return mark
+
+
+@pytest.mark.parametrize('block', ['variance_criterion', 'count_criterion', 'total_error',
+                                   'guarded', 'pairing'])
+def test_every_number_of_the_criteria_is_in_the_page(made, block):
+    """Each number is made unique first, so that none is found in the place of another."""
+    verdict, _ = made(3, norms__total_error_max_deg=1.0, norms__m_low=0.5, noise_deg=0.31)
+    marks = []
+    for run in verdict['runs']:
+        run['pairing']['rejected'] = {'ts': {'invalid': 1, 'no_stamp': 2}, 'rs': {'invalid': 3}}
+        run[block] = marked(run[block], marks)
+    found = set(numbers(Page(html.render(verdict)).cells))
+    assert len(marks) >= 3 * 4
+    assert [mark for mark in marks if mark not in found] == []
+
+
+def test_every_number_of_a_run_and_of_the_worst_run_is_in_the_page(made):
+    verdict, _ = made(2)
+    marks = []
+    for part in (*verdict['runs'], verdict['campaign']):
+        part |= {key: marked(v, marks) for key, v in part.items()
+                 if not isinstance(v, (dict, list)) and key not in ('start_ns', 'end_ns', 'run')}
+    found = set(numbers(Page(html.render(verdict)).cells))
+    assert len(marks) > 20
+    assert [mark for mark in marks if mark not in found] == []
+
+
+def test_a_hostile_name_is_shown_and_not_obeyed(made):
+    verdict, sketches = made(1)
+    name = '<script>alert("1")</script>&amp;\x00\udcff.mcap\'"><img src=x onerror=y>'
+    verdict['runs'][0] |= {'source': name, 'warnings': [name], 'reason': name}
+    verdict['runs'][0]['pairing']['rejected'] = {'ts': {name: 3}, 'rs': {}}
+    verdict['runs'][0]['skew'] = {name: {'found': name}}
+    verdict['runs'][0]['assumptions'] = [
+        {'id': 'a', 'statement': name, 'state': name, 'evidence': name}]
+    verdict['inputs'] = [{'path': name, 'sha256': name, 'ts_topic': name, 'rs_topic': name}]
+    verdict['settings']['ts_topic'] = name
+    sketches[0].source = name
+    page = html.render(verdict, sketches)
+    read = Page(page)
+    assert read.faults == []
+    assert not {'script', 'img'} & set(read.names)
+    shown = name.replace('\x00', '\ufffd').replace('\udcff', '\ufffd')
+    assert shown in read.cells
+    page.encode('utf-8')
+
+
+def test_the_graphs_are_xml_with_title_units_and_limits(made):
+    verdict, sketches = made(1)
+    figures = re.findall(r'<figure>(.*?)</figure>', html.render(verdict, sketches), re.DOTALL)
+    assert len(figures) == 3
+    for figure in figures:
+        root = ElementTree.fromstring(figure)
+        words = [e.text for e in root.iter(f'{SVG}text')]
+        assert any('Run 1' in w and 'n = 600' in w for w in words)
+        assert any('[deg]' in w for w in words)
+        assert any('GK (' in w for w in words)
+        assert all(math.isfinite(float(v)) for e in root.iter()
+                   for v in re.findall(r'[-\w.]+', e.get('points', '')))
+        assert {c for e in root.iter() for c in (e.get('fill'), e.get('stroke')) if c} <= {
+            'black', 'white', 'none', '#bbbbbb', '#555555', '#dddddd'}
+
+
+def test_a_limit_is_drawn_at_its_level(made):
+    """The limit line of n+ has its y midway as the axis ticks say."""
+    verdict, sketches = made(1)
+    figure = re.search(r'<figure>(.*?)</figure>', html.render(verdict, sketches)).group(1)
+    root = ElementTree.fromstring(figure)
+    labels = [(float(e.text), float(e.get('y')) - 4.0) for e in root.iter(f'{SVG}text')
+              if e.get('text-anchor') == 'end']
+    (v0, y0), (v1, y1) = labels[0], labels[-1]
+    drawn = sorted(float(e.get('points').split()[0].split(',')[1])
+                   for e in root.iter(f'{SVG}polyline') if e.get('stroke-dasharray') == '9 4')
+    run = verdict['runs'][0]
+    limit = run['count_criterion']['limit_deg']
+    expected = sorted(y0 + (run['mean_deg'] + sign * limit - v0) * (y1 - y0) / (v1 - v0)
+                      for sign in (-1.0, 1.0))
+    assert drawn == pytest.approx(expected, abs=0.05)
+
+
+def test_constant_data_are_drawn(made):
+    verdict, sketches = made(1, noise_deg=0.0)
+    read = Page(html.render(verdict, sketches))
+    assert read.faults == []
+    assert read.names.count('svg') > 0
+
+
+def test_a_single_pair_is_drawn(made):
+    read = Page(html.render(*made(1, n=1)))
+    assert read.faults == []
+    assert read.names.count('figure') == 3
+
+
+def test_a_few_wild_differences_do_not_squeeze_the_histogram(made):
+    verdict, sketches = made(1, n=600)
+    verdict_wild, sketches_wild = made(1, n=600)
+    sketches_wild[0].histogram.update(sketches_wild[0].time.bins.mean_deg[:1] * 0.0 + 120.0)
+    sketches_wild[0].time.bins.up_deg[0] = 120.0
+    assert 'beyond the axis' not in html.render(verdict, sketches)
+    assert ', 1 beyond the axis' in html.render(verdict_wild, sketches_wild)
+
+
+def test_an_empty_sketch_says_so(made):
+    assert 'No difference to draw.' in html.render(made(1)[0], [SeriesSketch('x')])
+
+
+def test_the_outcome_and_its_reason_stand_in_words(made):
+    good = ''.join(Page(html.render(made(1)[0])).text)
+    assert 'COMPLIANT - the variance is within the acceptance limit' in good
+    assert 'sigma_max of the TS: met' in good
+    bad = ''.join(Page(html.render(made(1, noise_deg=0.6)[0])).text)
+    assert 'NON-COMPLIANT - the variance is above the rejection limit' in bad
+    assert 'sigma_max of the TS: not met' in bad
+
+
+def test_the_producers_risk_is_shared_among_the_runs(made):
+    assert '0.05 / 3 = 0.0167' in rule(made(3)[0])
+    assert '0.05 / 1 = 0.05' in rule(made(1)[0])
+
+
+def test_a_published_norm_is_named_with_its_status_and_figure(made):
+    words = rule(made(1, norms__preset='imo_a424', norms__latitude_deg=60.0,
+                      norms__sigma_max_deg=None)[0])
+    assert 'imo_a424: gyro-compass' in words
+    assert '<td>unverified</td>' in words
+    assert 'sigma_max [deg]</th><td>0.5</td>' in words
+
+
+def test_the_settings_hash_is_that_of_their_compact_sorted_json():
+    expected = hashlib.sha256(b'{"a":1.0,"b":null}').hexdigest()
+    assert html.settings_sha256({'b': None, 'a': 1.0}) == expected
+    assert html.settings_sha256({'a': 1.5, 'b': None}) != expected
+
+
+def test_the_findings_of_later_stages_are_shown_by_their_names(made):
+    verdict, _ = made(1)
+    verdict['runs'][0]['skew'] = {'skew_s': 0.125, 'found': True,
+                                  'scan': {'lag_s': list(range(40))}}
+    verdict['runs'][0]['allan'] = {'rows': [{'tau_s': 1.0, 'deviation_deg': 0.03125}]}
+    verdict['campaign']['homogeneity'] = {'p_value': 0.4375}
+    page = html.render(verdict)
+    assert {'0.125', 'yes', '40 values, see the JSON', '0.03125',
+            '0.4375'} <= set(Page(page).cells)
+    assert 'allan.rows.1.deviation_deg' in page
+    assert 'homogeneity: p_value' in page
+
+
+def test_a_verdict_of_another_schema_is_refused(made):
+    with pytest.raises(ValueError, match='schema = None: must be'):
+        html.render({**made(0)[0], 'schema': None})
+
+
+def test_write_picks_the_form_by_the_suffix(made, tmp_path):
+    verdict, sketches = made(1)
+    write(verdict, tmp_path / 'r.HTML', sketches)
+    write(verdict, str(tmp_path / 'r.json'))
+    assert (tmp_path / 'r.HTML').read_text('utf-8') == html.render(verdict, sketches)
+    assert json.loads((tmp_path / 'r.json').read_text('utf-8')) == verdict
+
+
+@pytest.mark.parametrize('name', ['r.pdf', 'r', 'html'])
+def test_an_unknown_suffix_is_refused_and_the_known_ones_are_named(made, tmp_path, name):
+    with pytest.raises(ValueError, match=r'must end in \.html or \.json'):
+        write(made(0)[0], tmp_path / name)
+    assert not (tmp_path / name).exists()
