@@ -225,5 +225,5 @@ def rate_lower(k: float, trials: float, alpha: float) -> float:
 
 
 def rate_upper(k: float, trials: float, alpha: float) -> float:
-    """Return the upper confidence bound of a rate; see `rate_lower`."""
+    """Return the upper confidence bound of a rate, G.14; see `rate_lower`."""
     return float(betaincinv(k + 1.0, trials - k, 1.0 - alpha)) if k < trials else 1.0

@@ -327,7 +327,7 @@ def total_error(mean_deg: float | None, variance_deg2: float | None, limits: Lim
 
     References
     ----------
-    GK (7).
+    GK (7), whose root is GK (3) solved for the TS.
 
     """
     norm = norms.total_error_max_deg

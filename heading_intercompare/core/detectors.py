@@ -12,31 +12,13 @@ from numpy.typing import ArrayLike
 
 from .angles import circular_mean, unwrap_deg, wrap180
 from .resolution import Resolution
-from .settings import Checked, setting
 
-__all__ = ['Convention', 'convention', 'Detectors', 'Frozen', 'frozen', 'SameSource',
+__all__ = ['Convention', 'convention', 'Frozen', 'frozen', 'SameSource',
            'same_source', 'stamp_steps', 'StampSteps']
 
 _EQUAL_DEG = 1e-7
 _CONCENTRATED = 0.9
 _TURNED_DEG = 5.0
-
-
-@dataclass(frozen=True, slots=True)
-class Detectors(Checked):
-    """When the detectors speak."""
-
-    convention_tolerance_deg: float = setting(
-        10.0, 'a mean difference so near to 90, -90 or 180 is a wrong convention [deg]', 0.0, 45.0)
-    frozen_s: float = setting(
-        5.0, 'a sensor is frozen if it repeats its value for so long [s] ...', 0.0)
-    frozen_moved_deg: float = setting(
-        0.5, '... while the other one turns by so much [deg]', 0.0, 180.0)
-    same_source_ratio: float = setting(
-        1.5, 'the sensors are one if the variance of the difference is at most so many times '
-        'what rounding alone gives', 1.0)
-    silence_steps: float = setting(
-        10.0, 'a silence is so many times longer than the usual step of the stamps', 1.0)
 
 
 @dataclass(frozen=True, slots=True)

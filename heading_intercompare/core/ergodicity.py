@@ -94,7 +94,7 @@ def homogeneity(runs: Sequence[RunFigures]) -> Homogeneity:
     References
     ----------
     Cochran 1937, Birge ratio; between-run variance by DerSimonian & Laird 1986; Bartlett 1937.
-    GK assumes an ergodic process: the same form in every run.
+    GK assumes an ergodic process: the same form in every run. E.5 of ``docs/diagnostics.md``.
 
     Examples
     --------

@@ -209,7 +209,8 @@ def coverage_factor(model: str, ratio: float, p: float) -> float:
 
     References
     ----------
-    GK (2)-(2d) for the models, GK (*), (**) for the use.
+    GK (2)-(2d) for the models, GK (*), (**) for the use; K.1 (two uniform parts) and K.2 (normal
+    and uniform) of ``docs/equations.md``.
 
     Examples
     --------

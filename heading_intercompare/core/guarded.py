@@ -222,7 +222,8 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
 
     References
     ----------
-    ``docs/risk.md``; JCGM 106:2012, guarded acceptance and rejection.
+    G.5, G.7, G.11 and the table of ``docs/risk.md``; JCGM 106:2012, guarded acceptance and
+    rejection.
 
     """
     c = evidence.components

@@ -120,7 +120,8 @@ def three_cornered_hat(heading_deg: ArrayLike, stamp_ns: ArrayLike | None = None
 
     References
     ----------
-    Gray & Allan 1974; the covariance form is that of Groslambert et al. 1981.
+    Gray & Allan 1974; the covariance form is that of Groslambert et al. 1981. E.12 of
+    ``docs/diagnostics.md``.
 
     """
     heading = np.asarray(heading_deg, dtype=np.float64)

@@ -213,8 +213,8 @@ class Intercomparison:
     >>> ts = Headings.of(stamps, 90.0 + 0.1 * np.sin(np.arange(200) * 2.0))
     >>> comparison = Intercomparison(Settings.from_mapping(
     ...     {'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}}))
-    >>> comparison.update(ts=ts, rs=rs)
-    >>> comparison.finish()
+    >>> _ = comparison.update(ts=ts, rs=rs)
+    >>> _ = comparison.finish()
     >>> comparison.verdict().outcome.value
     'compliant'
 

@@ -283,7 +283,8 @@ def allan_deviation(x: ArrayLike, rate_hz: float, tau_s: ArrayLike | None = None
 
     References
     ----------
-    NIST SP 1065 (Riley 2008), ADEV and overlapping ADEV; Allan 1966.
+    NIST SP 1065 (Riley 2008), ADEV and overlapping ADEV; Allan 1966. E.13 of
+    ``docs/diagnostics.md``.
 
     """
     if not 0.0 < rate_hz < np.inf:

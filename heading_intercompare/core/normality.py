@@ -77,7 +77,7 @@ def shape(values: ArrayLike, n_effective: float | None = None) -> Shape:
     References
     ----------
     z_1 = g_1/sqrt(6/nu), z_2 = g_2/sqrt(24/nu), chi-square of two degrees: Jarque & Bera 1987;
-    for correlated values Bai & Ng 2005.
+    for correlated values Bai & Ng 2005 (JBES 23, 49). E.6 of ``docs/diagnostics.md``.
 
     """
     x = np.asarray(values, dtype=np.float64)

@@ -68,9 +68,9 @@ def resolution(heading_deg: ArrayLike) -> Resolution:
 
     Examples
     --------
-    >>> found = resolution(np.round(10.0 * np.sin(np.arange(99.0)), 1))
-    >>> round(found.step_deg, 6)
-    0.1
+    >>> found = resolution([0.2 * (k % 3) for k in range(40)])
+    >>> round(found.step_deg, 6), found.repeated_share
+    (0.2, 0.0)
 
     """
     heading = np.asarray(heading_deg, dtype=np.float64)[:_LOOKED_AT]

@@ -18,7 +18,6 @@ from .criteria import Limits
 from .detectors import (
     Convention,
     convention,
-    Detectors,
     Frozen,
     frozen,
     same_source,
@@ -43,7 +42,7 @@ from .run_blocks import (
     run_skew,
     RunSkew,
 )
-from .settings import Settings
+from .settings import Detectors, Settings
 from .skew_scan import Scan
 from .stationarity import Stationarity, stationarity
 
@@ -88,8 +87,7 @@ class Diagnostics:
 
 def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settings: Settings,
              guarded: Guarded, limits: Limits, *, residual_deg: np.ndarray | None = None,
-             times: CorrelationTimes | None = None, scan: Scan | None = None,
-             detectors: Detectors | None = None) -> Diagnostics:
+             times: CorrelationTimes | None = None, scan: Scan | None = None) -> Diagnostics:
     """
     Examine a run.
 
@@ -100,7 +98,7 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     x_deg, rs_deg : ndarray, shape (n,)
         Differences, installation offset removed, and headings of the RS; finite, degrees.
     settings : Settings
-        Installation offset, model, variant, alignment, risk and pairing gap are used.
+        Installation offset, model, variant, alignment, risk, pairing gap and detectors are used.
     guarded : Guarded
         The decision on the same differences.
     limits : Limits
@@ -111,8 +109,6 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
         `correlation_times` of the residuals, if known already.
     scan : Scan, optional
         Of the two streams, if they are at hand.
-    detectors : Detectors, optional
-        When the detectors speak.
 
     Returns
     -------
@@ -131,7 +127,7 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     GK, conditions on the data; ``docs/diagnostics.md``.
 
     """
-    detectors = detectors or Detectors()
+    detectors = settings.detectors
     n = x_deg.size
     is_whole = residual_deg is None
     residual = x_deg if is_whole else residual_deg

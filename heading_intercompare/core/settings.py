@@ -15,9 +15,9 @@ import math
 import types
 from typing import Any, get_args, get_origin, get_type_hints, Iterator, Mapping, Union
 
-__all__ = ['Alignment', 'Checked', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential',
-           'Setting', 'Settings', 'SettingsError', 'declared', 'from_mapping', 'setting',
-           'to_mapping']
+__all__ = ['Alignment', 'Checked', 'Detectors', 'Norms', 'Pairing', 'Risk', 'RunCutting',
+           'Sequential', 'Setting', 'Settings', 'SettingsError', 'declared', 'from_mapping',
+           'setting', 'to_mapping']
 
 
 class SettingsError(ValueError):
@@ -293,6 +293,23 @@ class Risk(Checked):
 
 
 @dataclass(frozen=True, slots=True)
+class Detectors(Checked):
+    """When the detectors speak."""
+
+    convention_tolerance_deg: float = setting(
+        10.0, 'a mean difference so near to 90, -90 or 180 is a wrong convention [deg]', 0.0, 45.0)
+    frozen_s: float = setting(
+        5.0, 'a sensor is frozen if it repeats its value for so long [s]', 0.0)
+    frozen_moved_deg: float = setting(
+        0.5, 'and the other one turns by so much meanwhile [deg]', 0.0, 180.0)
+    same_source_ratio: float = setting(
+        1.5, 'the sensors are one if the variance of the difference is at most so many times '
+        'what rounding alone gives', 1.0)
+    silence_steps: float = setting(
+        10.0, 'a silence is so many times longer than the usual step of the stamps', 1.0)
+
+
+@dataclass(frozen=True, slots=True)
 class Settings(Checked):
     """All settings of the analysis; nodes, command line and scripts take the same ones."""
 
@@ -321,6 +338,7 @@ class Settings(Checked):
                                  choices=('enu', 'ned'))
     risk: Risk = field(default_factory=Risk)
     window_s: float = setting(600.0, 'length of the rolling window [s]', 1.0)
+    detectors: Detectors = field(default_factory=Detectors)
 
     def __post_init__(self) -> None:
         """Check single settings, and those that exclude each other."""

@@ -92,7 +92,8 @@ def warm_up(stamp_ns: ArrayLike, x_deg: ArrayLike, tolerance_deg: float) -> Warm
 
     References
     ----------
-    GK asks that the stabilisation period be discarded, and leaves its end to the user.
+    GK asks that the stabilisation period be discarded, and leaves its end to the user. E.3 of
+    ``docs/diagnostics.md``.
 
     """
     if not tolerance_deg > 0.0:

@@ -131,6 +131,10 @@ def scan(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 0.01,
     away from the readings if TS and RS keep step. `bias_s` bounds that: half the RS interval
     times the share of noise in the variance of the RS rate.
 
+    References
+    ----------
+    E.16 of ``docs/diagnostics.md``.
+
     """
     if not 0.0 < step_s <= range_s < math.inf:
         raise ValueError(f'range_s = {range_s!r}, step_s = {step_s!r}: must be greater than 0, '

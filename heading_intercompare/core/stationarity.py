@@ -216,6 +216,10 @@ def stationarity(x_deg: ArrayLike, step_s: float) -> Stationarity:
     The blocks must be long compared with the correlation of the errors; where the record is too
     short for that (`Guarded.resolved`), a slow error and a change of the mean look alike.
 
+    References
+    ----------
+    GK asks for moments that are constant within a run. E.4 of ``docs/diagnostics.md``.
+
     """
     x = np.asarray(x_deg, dtype=np.float64)
     size = block_size(x.size, 16)

@@ -31,7 +31,8 @@ class Moments:
 
     References
     ----------
-    Merging: Chan, Golub and LeVeque 1983. The estimates are GK (4).
+    Merging: Chan, Golub and LeVeque 1983, E.1 of ``docs/equations.md``. The estimates are
+    GK (4).
 
     """
 

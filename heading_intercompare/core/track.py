@@ -13,6 +13,8 @@ from .records import Headings
 
 __all__ = ['Track']
 
+_ROUNDING_S = 5e-10
+
 
 class Track:
     """
@@ -57,6 +59,8 @@ class Track:
         """Tell where all of a span of time lies between readings at most a gap apart."""
         if not len(self):
             return np.zeros(from_s.shape, bool)
+        # Half a nanosecond, the unit of stamps, absorbs the rounding of seconds.
+        from_s, to_s = from_s + _ROUNDING_S, to_s - _ROUNDING_S
         good = (from_s >= self.t_s[0]) & (to_s <= self.t_s[-1])
         gaps = np.flatnonzero(np.diff(self.t_s) > max_gap_s)
         if gaps.size:

@@ -11,7 +11,8 @@ import pytest
 
 from heading_intercompare.ahrs.motion import Leg, ShipTruth
 from heading_intercompare.ahrs.sensors import SimulatedSensor
-from heading_intercompare.ahrs.settings import Sensor, SettingsError
+from heading_intercompare.ahrs.settings import Scenario, Sensor, SettingsError
+from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.core.angles import wrap180
 
 START_NS = 1_000_000_000_000_000_000
@@ -102,7 +103,8 @@ def test_the_two_roles_have_their_own_noise():
 
 
 def test_invalid_readings_claim_nothing():
-    read = readings(10.0, faults='5 invalid')
+    read = next(Simulation(Scenario.from_mapping({
+        'duration_s': 10.0, 'ts.faults': '5 invalid'})).chunks()).ts_readings
     assert np.isnan(read.sigma_deg).tolist() == np.isnan(read.headings.heading_deg).tolist()
     assert np.isnan(read.sigma_deg).sum() == 50
 

@@ -37,7 +37,7 @@ def test_rounding_of_a_sum_does_not_hide_the_step(rng):
     rs = rng.uniform(0.0, 360.0, 2000)
     found = resolution(rs + (heading - rs))
     assert found.step_deg == pytest.approx(0.01, rel=1e-9)
-    assert found.repeated_share == np.mean(np.diff(heading) == 0.0)
+    assert found.repeated_share == pytest.approx(np.mean(np.diff(heading) == 0.0))
 
 
 def test_continuous_headings_have_no_step(rng):

@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The table of equations in docs/ahrs.md and the docstrings name each other."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+from pathlib import Path
+import re
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+TEXT = (ROOT / 'docs' / 'ahrs.md').read_text(encoding='utf-8')
+ROWS = re.findall(r'^\| \((\d+)\) \| ([PRC]) \| (.+) \| `([\w.]+)` \|$', TEXT, re.MULTILINE)
+NUMBER = re.compile(r'\((\d+)\)(?:-\((\d+)\))?')
+
+
+def named_in(docstring):
+    """Return the numbers that a docstring names as S (1), (2) or S (3)-(5)."""
+    numbers = set()
+    for match in re.finditer(r'\bS (\(\d+\)(?:(?:, |-)(?:S )?\(\d+\))*)', docstring):
+        for first, last in NUMBER.findall(match.group(1).replace('S ', '')):
+            numbers |= set(range(int(first), int(last or first) + 1))
+    return numbers
+
+
+def test_names_are_read_as_written():
+    assert named_in('S (1), S (2), see S (5)-(7), then (9) and GK (11)') == {1, 2, 5, 6, 7}
+
+
+def test_every_equation_has_one_row():
+    assert [int(row[0]) for row in ROWS] == list(range(1, 23))
+
+
+@pytest.mark.parametrize('number, origin, form, function', ROWS, ids=[row[0] for row in ROWS])
+def test_function_of_the_row_names_the_equation(number, origin, form, function):
+    module, *names = function.split('.')
+    found = importlib.import_module(f'heading_intercompare.ahrs.{module}')
+    for name in names:
+        found = getattr(found, name)
+    assert int(number) in named_in(found.__doc__), f'{function} does not name S ({number})'
+    assert form
+
+
+@pytest.mark.parametrize('function', sorted(set(
+    re.findall(r'`(\w+\.\w+(?:\.\w+)?)`', TEXT))))
+def test_whatever_the_page_names_exists(function):
+    module, *names = function.split('.')
+    found = importlib.import_module(f'heading_intercompare.ahrs.{module}')
+    for name in names:
+        found = getattr(found, name)
+
+
+def test_no_docstring_names_an_equation_that_is_not_there():
+    for path in sorted((ROOT / 'heading_intercompare' / 'ahrs').glob('*.py')):
+        for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+            if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)):
+                named = named_in(ast.get_docstring(node) or '')
+                assert named <= set(range(1, 23)), f'{path.name}: {named}'
