@@ -161,7 +161,9 @@ class Compliance:
                                              'rs_used': r.verdict.n_input})
                       for r, cut_ns in self._finished]
         else:
-            shares = ledger.shares(self.cuts)
+            # The run in progress has its share too; it is not among the results yet.
+            in_progress = [] if self._run is None else [self._run.cut_ns]
+            shares = ledger.shares([*self.cuts, *in_progress])
         short = (f'{self._n_short} pieces shorter than runs.min_duration_s were left out',) \
             if self._n_short else ()
         return [r.with_pairing(share, short if at == 0 else ())
@@ -208,9 +210,9 @@ class Intercomparison:
     Examples
     --------
     >>> import numpy as np
-    >>> stamps = np.arange(1, 201) * 10 ** 9
-    >>> rs = Headings.of(stamps, np.full(200, 90.0))
-    >>> ts = Headings.of(stamps, 90.0 + 0.1 * np.sin(np.arange(200) * 2.0))
+    >>> stamps = np.arange(1, 1001) * 10 ** 9
+    >>> rs = Headings.of(stamps, np.full(1000, 90.0))
+    >>> ts = Headings.of(stamps, 90.0 + 0.1 * np.random.default_rng(1).standard_normal(1000))
     >>> comparison = Intercomparison(Settings.from_mapping(
     ...     {'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}}))
     >>> _ = comparison.update(ts=ts, rs=rs)

@@ -93,7 +93,7 @@ class Moments:
 
 
 def count_outside(x_deg: np.ndarray, center_deg: float, limit_deg: float) -> int:
-    """Return how many values deviate from the centre by more than the limit, strictly."""
+    """Return how many values are more than the limit from the centre, strictly; GK (*), (**)."""
     return int(np.count_nonzero(np.abs(x_deg - center_deg) > limit_deg))
 
 

@@ -120,6 +120,7 @@ class Compliance(Node):
 
     def end(self) -> None:
         """Take the last pairs and the final ledger, then end the run and report."""
+        self._health.mute()
         self._end_s = time.monotonic() + self._own.end_wait_s
         self._alone_s = time.monotonic() + _ALONE_S
 

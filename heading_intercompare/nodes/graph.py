@@ -11,13 +11,12 @@ from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 
 import rclpy
 from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from .compliance import Compliance
 from .parameters import overrides
-from .process import end, Stop
+from .process import end, spinning, Stop
 from .recorder import Recorder
 from .synchronizer import Synchronizer
 
@@ -113,20 +112,18 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         plan.append((Recorder, 'recorder', {'output': output, **(recorder or {})}))
     plan.append((Synchronizer, 'synchronizer', heard))
     plan += [(s.make, s.name, {**heard, **s.settings}) for s in sources]
-    with _context(private) as context, Stop() as stop:
-        executor = SingleThreadedExecutor(context=context)
-        nodes = {}
+    with (_context(private) as context, Stop() as stop,
+          spinning(context) as (executor, nodes)):
         for make, name, own in plan:
-            nodes[name] = make(context=context, cli_args=['--ros-args', '-r', f'__node:={name}'],
-                               parameter_overrides=overrides({**settings, **own}))
-            executor.add_node(nodes[name])
-        running = [nodes[s.name] for s in sources]
+            nodes.append(make(context=context, cli_args=['--ros-args', '-r', f'__node:={name}'],
+                              parameter_overrides=overrides({**settings, **own})))
+            executor.add_node(nodes[-1])
+        compliance, *others = nodes[:-len(sources)]
+        running = nodes[-len(sources):]
         _in_step(running)
-        compliance = nodes['compliance']
         while not stop.requested and not all(source.done for source in running):
             executor.spin_once(0.2)
             progress(compliance.n_pairs)
-        end(executor, [*running, nodes['synchronizer'], compliance,
-                       *(nodes[n] for n in ('recorder',) if n in nodes)])
-        executor.shutdown()
+        # Sources first, then who takes their headings, then the verdict, then who records it.
+        end(executor, [*running, others[-1], compliance, *others[:-1]])
         return json.loads(compliance.report)

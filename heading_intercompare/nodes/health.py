@@ -34,16 +34,21 @@ class Health:
         self._parts: dict[str, DiagnosticStatus] = {}
         self._latched: dict[str, DiagnosticStatus] = {}
         self._refreshers: list[Callable[[], None]] = []
+        self._ending = False
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', STATUS)
         every(node, 1.0, self._beat)
         self.note('node', OK, 'running')
+
+    def mute(self) -> None:
+        """Log only errors from now on: at the end inputs go away, as they should."""
+        self._ending = True
 
     def before_beat(self, refresh: Callable[[], None]) -> None:
         """Have a function called each second, before the parts are published."""
         self._refreshers.append(refresh)
 
     def note(self, part: str, level: bytes, message: str, *, latch: bool = False,
-             **values: Any) -> None:
+             log: bool = True, **values: Any) -> None:
         """
         State how a part is; a worse state than before is published at once.
 
@@ -57,6 +62,8 @@ class Health:
             The state in words.
         latch : bool
             Keep showing this state, unless it is OK, until `acknowledge`.
+        log : bool
+            Log a change of level.
         **values : object
             Figures.
 
@@ -66,7 +73,7 @@ class Health:
         self._parts[part] = now
         if latch and level != OK:
             self._latched[part] = now
-        if before is None or before.level != level:
+        if log and (before is None or before.level != level):
             self._log(level, f'{part}: {message}', first=before is None)
         if level > (OK if before is None else before.level):
             self.publish()
@@ -93,6 +100,8 @@ class Health:
         logger = self._node.get_logger()
         if level == ERROR:
             logger.error(text)
+        elif self._ending:
+            pass
         elif level == WARN:
             logger.warning(text)
         elif not first:

@@ -13,6 +13,7 @@ from rclpy.subscription import Subscription
 
 from .batches import take_all, Unwatched
 from .health import Health
+from .parameters import resolved
 from .status_messages import ERROR, OK, WARN
 
 __all__ = ['Intake']
@@ -43,6 +44,8 @@ class Intake:
 
     Attributes
     ----------
+    full_name : str
+        The topic as the graph knows it.
     type_name : str or None
         Type taken; None while there is no subscription.
     received, lost, last_sequence : int
@@ -65,6 +68,7 @@ class Intake:
                  sole: bool = True) -> None:
         self._node, self._topic, self._types, self._qos = node, topic, types, qos
         self._health, self._stale_s, self._raw, self._sole = health, stale_s, raw, sole
+        self.full_name = resolved(node, topic)
         self._subscription: Subscription | None = None
         self._group = Unwatched()
         self._newest_s = time.monotonic()
@@ -94,10 +98,10 @@ class Intake:
 
     def look(self) -> str:
         """Look at the publishers, subscribe to their type; return what is wrong, or nothing."""
-        self.publishers = self._node.count_publishers(self._topic)
+        self.publishers = self._node.count_publishers(self.full_name)
         if not self.publishers:
             return ''
-        infos = self._node.get_publishers_info_by_topic(self._topic)
+        infos = self._node.get_publishers_info_by_topic(self.full_name)
         found = {info.topic_type for info in infos}
         good = [name for name in self._types if name in found]
         if self.open and good and self._subscription is None:

@@ -125,7 +125,7 @@ def _imu(ns: int, frame_id: str, z: float, w: float, sigma_deg: float,
 
 
 def pair_messages(pairs: Pairs) -> list[TwistStamped]:
-    """Return pairs as geometry_msgs/TwistStamped, stamped with the TS; docs/ros.md has fields."""
+    """Return pairs as geometry_msgs/TwistStamped, as `bags.heading_messages.encode_pairs` does."""
     rows = zip(pairs.stamp_ns.tolist(), difference(pairs).x_deg.tolist(), pairs.rs_deg.tolist(),
                pairs.ts_deg.tolist(), pairs.lag_ns.tolist(), pairs.rs_variance_factor.tolist())
     messages = []

@@ -19,7 +19,7 @@ from heading_intercompare.drivers.sources import FileSource, open_source
 from . import qos
 from .health import Health
 from .messages import heading_messages
-from .parameters import declare, OVERRIDES
+from .parameters import declare, OVERRIDES, resolved
 from .process import run
 from .reading import Reading
 from .sending import all_acknowledged, Audience
@@ -39,6 +39,7 @@ class NmeaDriver(Node):
             self, Settings, DriverSettings, Sending, Taking, DriverNode)
         self.done = self.ended = False
         self._frame_id = own.frame_id or settings.topic.strip('/').replace('/', '_')
+        resolved(self, settings.topic)
         self._decoder = NmeaDecoder(settings)
         self._source = open_source(settings)
         self._health = Health(self)
@@ -115,6 +116,11 @@ class NmeaDriver(Node):
             self._pass_on()
             all_acknowledged([self._publisher], 2.0)
         self.ended = True
+
+    def destroy_node(self) -> None:
+        """Stop reading, and destroy the node."""
+        self._reading.stop()
+        super().destroy_node()
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -13,7 +13,7 @@ from rclpy.parameter import Parameter
 
 from heading_intercompare.core.settings import declared, from_mapping, SettingsError, to_mapping
 
-__all__ = ['declare', 'OVERRIDES', 'overrides']
+__all__ = ['declare', 'OVERRIDES', 'overrides', 'resolved']
 
 OVERRIDES = {'automatically_declare_parameters_from_overrides': True}
 """What `Node.__init__` must be given for `declare` to see all that was given to the node."""
@@ -67,6 +67,15 @@ def declare(node: Node, *classes: type) -> tuple[Any, ...]:
                                     dynamic_typing=True), ignore_override=True)
         made.append(settings)
     return tuple(made)
+
+
+def resolved(node: Node, topic: str) -> str:
+    """Return the full name of a topic, remapped; SettingsError if it cannot be one."""
+    try:
+        return node.resolve_topic_name(topic)
+    except RuntimeError as error:
+        reason = str(error).partition(': ')[2].partition(', at ')[0]
+        raise SettingsError(f'topic {topic!r}: {reason}') from error
 
 
 def overrides(values: Mapping[str, Any]) -> list[Parameter]:

@@ -9,11 +9,12 @@ are left out, and a flag ends the loop instead.
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 import os
 import signal
 import sys
 import time
-from typing import Any, Callable, Protocol, Sequence
+from typing import Any, Callable, Iterator, Protocol, Sequence
 
 import rclpy
 from rclpy.context import Context
@@ -25,7 +26,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.drivers.settings import DriverError
 
-__all__ = ['end', 'Ending', 'MISTAKES', 'run', 'Stop', 'words']
+__all__ = ['end', 'Ending', 'MISTAKES', 'run', 'spinning', 'Stop', 'words']
 
 MISTAKES = (SettingsError, DriverError, BagError, OSError)
 """What a user can cause; the text of each is one line that says what is wrong."""
@@ -74,6 +75,18 @@ class Stop:
         self.requested = True
 
 
+@contextmanager
+def spinning(context: Context) -> Iterator[tuple[SingleThreadedExecutor, list[Node]]]:
+    """Give an executor and a list; the nodes in it are destroyed, whatever happens."""
+    executor, nodes = SingleThreadedExecutor(context=context), []
+    try:
+        yield executor, nodes
+    finally:
+        executor.shutdown()
+        for node in nodes:
+            node.destroy_node()
+
+
 def end(executor: SingleThreadedExecutor, nodes: Sequence[Node]) -> None:
     """End nodes one after the other, in the order given, and destroy them."""
     for node in nodes:
@@ -120,13 +133,12 @@ def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None)
                            signal_handler_options=SignalHandlerOptions.NO)
             except RuntimeError as error:
                 raise SettingsError(str(error).partition(', at ')[0]) from error
-            node = make(context=context)
-            executor = SingleThreadedExecutor(context=context)
-            executor.add_node(node)
-            while not (stop.requested or node.done):
-                executor.spin_once(0.2)
-            end(executor, [node])
-            executor.shutdown()
+            with spinning(context) as (executor, nodes):
+                nodes.append(make(context=context))
+                executor.add_node(nodes[0])
+                while not (stop.requested or nodes[0].done):
+                    executor.spin_once(0.2)
+                end(executor, nodes)
     except MISTAKES as error:
         sys.stderr.write(f'{name}: error: {words(error)}\n')
         return 2

@@ -25,9 +25,9 @@ from .health import Health
 from .intake import Intake
 from .messages import HEADING_TYPES, PAIRS_TYPES
 from .parameters import declare, OVERRIDES
-from .process import run
+from .process import run, words
 from .settings import RecorderNode, Taking
-from .status_messages import OK, run_table
+from .status_messages import ERROR, OK, run_table
 from .timing import every
 
 __all__ = ['main', 'Recorder']
@@ -70,7 +70,7 @@ class Recorder(Node):
                 (_REPORT, {'std_msgs/msg/String': String}, qos.REPORT, qos.REPORT)):
             self._intakes[topic] = _offered(offered), Intake(
                 self, topic, types, taken, self._health, raw=True, sole=False)
-        self._written = 0
+        self.written, self._fault = 0, ''
         self._report: bytes | None = None
         self._quiet_s = self._end_s = 0.0
         self._ending = False
@@ -82,33 +82,42 @@ class Recorder(Node):
             return
         rows = []
         for topic, (offered, intake) in self._intakes.items():
-            name = self.resolve_topic_name(topic)
             taken = intake.take()
             if taken:
-                self._bag.add_topic(name, intake.type_name, offered)
+                self._bag.add_topic(intake.full_name, intake.type_name, offered)
                 self._report = taken[-1][0] if topic == _REPORT else self._report
-            rows += [(info['received_timestamp'], name, data, info) for data, info in taken]
+            rows += [(info['received_timestamp'], intake.full_name, data, info)
+                     for data, info in taken]
         rows.sort(key=lambda row: row[0])
-        for received_ns, name, data, info in rows:
-            self._bag.write(name, data, received_ns, info['source_timestamp'],
-                            info['publication_sequence_number'])
-        self._written += len(rows)
-        self._bag.flush_if_due(time.monotonic())
+        try:
+            for received_ns, name, data, info in rows:
+                self._bag.write(name, data, received_ns, info['source_timestamp'],
+                                info['publication_sequence_number'])
+                self.written += 1
+            self._bag.flush_if_due(time.monotonic())
+        except OSError as error:
+            # A disk that is full may be given room again; what was taken waits in memory.
+            self._fault = words(error)
+            self._note()
         if self._ending:
             self._close_if_quiet()
 
     def _note(self) -> None:
-        self._health.note('bag', OK, f'recording to {self.path}', messages=self._written)
+        self._health.note('bag', ERROR if self._fault else OK,
+                          self._fault or f'recording to {self.path}', latch=True,
+                          messages=self.written)
+        self._fault = ''
 
     def end(self) -> None:
         """Go on until the other nodes are gone or time is up, for the last verdict."""
+        self._health.mute()
         now_s = time.monotonic()
         self._ending, self._quiet_s, self._end_s = (True, now_s + _QUIET_S,
                                                     now_s + self._own.end_wait_s)
 
     def _close_if_quiet(self) -> None:
         now_s = time.monotonic()
-        if any(self.count_publishers(topic) for topic in self._intakes):
+        if any(self.count_publishers(i.full_name) for _, i in self._intakes.values()):
             self._quiet_s = now_s + _QUIET_S
         if now_s < min(self._quiet_s, self._end_s):
             return

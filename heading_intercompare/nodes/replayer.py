@@ -19,7 +19,7 @@ from heading_intercompare.core.settings import Settings, SettingsError
 from . import qos
 from .health import Health
 from .messages import HEADING_TYPES
-from .parameters import declare, OVERRIDES
+from .parameters import declare, OVERRIDES, resolved
 from .process import run
 from .sending import all_acknowledged, Allowance, Audience
 from .settings import ReplayerNode, Sending
@@ -50,6 +50,7 @@ class Replayer(Node):
         self._marker = self.create_publisher(DiagnosticArray, _MARKER, qos.MARKER)
         self._headings = {}
         for topic in (settings.ts_topic, settings.rs_topic):
+            resolved(self, topic)
             name = self._reader.resolve(topic)
             type_name = self._reader.topics[name].type_name
             if type_name not in HEADING_TYPES:
@@ -127,6 +128,7 @@ class Replayer(Node):
 
     def end(self) -> None:
         """Stop."""
+        all_acknowledged(self._headings.values(), 2.0)
         self.ended = True
 
 

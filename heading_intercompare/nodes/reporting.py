@@ -14,8 +14,10 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from std_msgs.msg import String
 
+from heading_intercompare.core.early import EarlyVerdict
 from heading_intercompare.core.intercomparison import Compliance
 from heading_intercompare.core.ledger import Ledger
+from heading_intercompare.core.verdict import Verdict
 
 from . import qos
 from .health import Health
@@ -71,7 +73,7 @@ class Reporting:
             event_callbacks=health.of_publisher('compliance/verdict'))
         self._report = node.create_publisher(String, 'compliance/report', qos.REPORT)
         self._ledger: Ledger | None = None
-        self._n_runs = 0
+        self._seen: tuple[int, EarlyVerdict | None] = (0, None)
         self._due: tuple[int, float] | None = None
         self.final, self.paired, self.report, self.closed = False, 0, None, False
         if own.report_dir is not None:
@@ -83,24 +85,28 @@ class Reporting:
         self.final = self.final or final
 
     def look(self, n_pairs: int) -> None:
-        """Publish if runs have ended; `n_pairs` were published so far, a ledger must know them."""
-        if self._compliance.finished_runs != self._n_runs:
-            self._n_runs = self._compliance.finished_runs
+        """Publish what has changed; `n_pairs` were published so far, a ledger must know them."""
+        seen = self._compliance.finished_runs, self._compliance.early
+        if seen[0] != self._seen[0]:
             self._due = n_pairs, time.monotonic() + self._own.ledger_wait_s
+        elif seen[1] != self._seen[1]:
+            self._announce(self._compliance.verdict(self._ledger))
+        self._seen = seen
         if self._due is not None:
             n_due, until_s = self._due
             covered = self.paired >= n_due
             if covered or time.monotonic() > until_s:
-                self._publish(covered)
+                self._conclude(covered)
 
     def close(self, complete: bool) -> None:
         """Publish the last verdict and report, and wait until they have arrived."""
-        self._publish(complete)
+        self._conclude(complete)
         for publisher in (self._verdict, self._report):
             publisher.wait_for_all_acked(Duration(seconds=1.0))
         self.closed = True
 
-    def _publish(self, complete: bool) -> None:
+    def _conclude(self, complete: bool) -> None:
+        """Publish and write the report, unless it says nothing new."""
         self._due = None
         verdict = self._compliance.verdict(self._ledger)
         report = report_message(verdict)
@@ -109,11 +115,19 @@ class Reporting:
         self.report = report.data
         self._health.note('ledger', OK if complete else WARN,
                           'complete' if complete else 'the last report lacks the whole ledger')
-        self._health.note('verdict', OUTCOME_LEVELS[verdict.outcome], verdict.outcome, latch=True,
-                          runs=len(verdict.runs))
-        self._verdict.publish(verdict_message(verdict, self._compliance.newest_ns or 0))
+        self._announce(verdict)
         self._report.publish(report)
         self._write(report.data)
+
+    def _announce(self, verdict: Verdict) -> None:
+        """Publish the verdict."""
+        early = self._compliance.early
+        outcome = verdict.outcome if early is None else early.outcome
+        self._health.note('verdict', OUTCOME_LEVELS[outcome], outcome, latch=True, log=False,
+                          runs=len(verdict.runs))
+        where = f'{len(verdict.runs)} runs' if early is None else f'the run in progress, {early}'
+        self._node.get_logger().info(f'verdict on {where}: {outcome}')
+        self._verdict.publish(verdict_message(verdict, self._compliance.newest_ns or 0, early))
 
     def _write(self, text: str) -> None:
         if self._own.report_dir is None:

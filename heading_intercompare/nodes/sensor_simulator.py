@@ -4,30 +4,39 @@
 
 from __future__ import annotations
 
+from functools import partial
 import math
 import time
-from typing import Any, Iterator, Sequence
+from typing import Any, Callable, Sequence
 
 from rclpy.node import Node
 from sensor_msgs.msg import Imu
+from std_srvs.srv import SetBool, Trigger
 
+from heading_intercompare.ahrs.condition import condition
+from heading_intercompare.ahrs.faults import FAULTS
+from heading_intercompare.ahrs.modes import AhrsStatus
+from heading_intercompare.ahrs.plans import EVENTS
 from heading_intercompare.ahrs.settings import Scenario
-from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation
+from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation, Trial
 from heading_intercompare.core.settings import Settings
 
 from . import qos
 from .health import Health
 from .messages import heading_messages
-from .parameters import declare, OVERRIDES
+from .parameters import declare, OVERRIDES, resolved
 from .process import run
 from .sending import all_acknowledged, Allowance, Audience
 from .settings import Sending, SimulatorNode
-from .status_messages import OK
+from .status_messages import ERROR, OK, WARN
 from .timing import every
 
 __all__ = ['main', 'SensorSimulator']
 
 _TICK_S = 0.05
+# As fast as possible, so much is simulated at a time.
+_STEP_S = 0.5
+_LEVELS = {'ok': OK, 'warn': WARN, 'error': ERROR}
 
 
 class SensorSimulator(Node):
@@ -40,6 +49,8 @@ class SensorSimulator(Node):
         self.done = self.ended = False
         self._health = Health(self)
         topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic}
+        for topic in topics.values():
+            resolved(self, topic)
         self._frames = {role: topic.strip('/').replace('/', '_') for role, topic in topics.items()}
         self._publishers_of = {
             role: self.create_publisher(Imu, topic, qos.HEADINGS_OUT,
@@ -48,48 +59,86 @@ class SensorSimulator(Node):
         self._audience = Audience(self, [*self._publishers_of.values()], sending.subscribers,
                                   self._health)
         self._allowance = Allowance(sending.max_rate_hz)
-        self._chunks: Iterator[SimulatedChunk] | None = None
-        self._next: SimulatedChunk | None = None
-        self._began_s = self.simulated_s = 0.0
-        self._health.before_beat(lambda: self._health.note(
-            'simulation', OK, self._scenario.title or 'simulating', simulated_s=self.simulated_s,
-            duration_s=self._scenario.duration_s))
+        self._trial: Trial | None = None
+        self._began_s = 0.0
+        for kind in EVENTS:
+            self.create_service(Trigger, f'~/{kind}', partial(self._command, kind))
+        for kind in FAULTS:
+            self.create_service(SetBool, f'~/inject_{kind}', partial(self._inject, kind))
+        self._health.before_beat(self._tell)
         every(self, _TICK_S, self._tick)
 
-    def _begin(self) -> None:
+    def _tell(self) -> None:
+        now_s = 0.0 if self._trial is None else self._trial.now_s
+        self._health.note('simulation', OK, self._scenario.title or 'simulating',
+                          simulated_s=now_s, duration_s=self._scenario.duration_s, **{
+                              f'{role}_faults': ' '.join(self._trial.faults(role)) or 'none'
+                              for role in ('ts', 'rs') if self._trial is not None})
+
+    def _begin(self) -> Trial:
         start_ns = time.time_ns() if self._own.stamps == 'now' else None
-        chunk_s = _TICK_S * self._own.speed if self._own.speed > 0.0 else 0.5
-        self._chunks = Simulation(self._scenario, start_ns).chunks(chunk_s)
-        self._next = next(self._chunks)
         self._began_s = time.monotonic()
+        return Simulation(self._scenario, start_ns).begin()
 
     def _tick(self) -> None:
         if self.done or self.ended or not self._audience.there():
             return
-        if self._chunks is None:
-            self._begin()
-        elapsed_s = math.inf
-        if self._own.speed > 0.0:
-            elapsed_s = (time.monotonic() - self._began_s) * self._own.speed
-        while self._next and self._next.end_s <= elapsed_s and self._allowance.left():
-            self._publish(self._next)
-            self.simulated_s = self._next.end_s
-            self._next = next(self._chunks, None)
-        if self._next is None:
+        trial = self._trial = self._trial or self._begin()
+        speed, elapsed_s, step_s = self._own.speed, math.inf, _STEP_S
+        if speed > 0.0:
+            elapsed_s = (time.monotonic() - self._began_s) * speed
+            step_s = _TICK_S * speed
+        while (not trial.over and trial.now_s + step_s <= elapsed_s and self._allowance.left()):
+            self._publish(trial.advance(trial.now_s + step_s))
+        if trial.over:
             all_acknowledged(self._publishers_of.values())
             self.done = True
 
     def _publish(self, chunk: SimulatedChunk) -> None:
-        """Publish the readings of both sensors, each stream in its order."""
-        for role, readings in (('ts', chunk.ts_readings), ('rs', chunk.rs_readings)):
+        """Publish the readings of both sensors, each stream in its order, and their state."""
+        for role, readings, statuses in (('ts', chunk.ts_readings, chunk.ts_statuses),
+                                         ('rs', chunk.rs_readings, chunk.rs_statuses)):
             messages = heading_messages(readings.headings, self._frames[role],
                                         readings.sigma_deg, readings.rate_deg_s)
             for message in messages:
                 self._publishers_of[role].publish(message)
             self._allowance.spend(len(messages))
+            for status in statuses:
+                self._report(role, status)
+
+    def _report(self, role: str, status: AhrsStatus) -> None:
+        """State mode, progress and built-in tests of an AHRS; log what has happened."""
+        said = condition(status)
+        self._health.note(role, _LEVELS[said.level], said.words, log=False, **said.figures)
+        if status.message:
+            self.get_logger().info(f'{role}: {status.message}, {status.t_s:.1f} s of the trial')
+
+    def _command(self, kind: str, _: Trigger.Request, response: Any) -> Any:
+        return self._answer(response, kind, lambda trial: trial.command('ts', kind))
+
+    def _inject(self, kind: str, request: SetBool.Request, response: Any) -> Any:
+        act = Trial.inject if request.data else Trial.mend
+        return self._answer(response, f'{kind} {"begins" if request.data else "ends"}',
+                            lambda trial: act(trial, 'ts', kind))
+
+    def _answer(self, response: Any, what: str, act: Callable[[Trial], float]) -> Any:
+        """Act on the trial, and say when that takes effect or why it cannot."""
+        if self._trial is None or self._trial.over:
+            response.success = False
+            response.message = f'the trial {"is over" if self._trial else "has not begun"}'
+            return response
+        try:
+            at_s = act(self._trial)
+        except ValueError as error:
+            response.success, response.message = False, f'TS: {error}'
+        else:
+            response.success, response.message = True, f'TS: {what} at {at_s:.2f} s of the trial'
+            self.get_logger().info(response.message)
+        return response
 
     def end(self) -> None:
         """Stop."""
+        all_acknowledged(self._publishers_of.values(), 2.0)
         self.ended = True
 
 

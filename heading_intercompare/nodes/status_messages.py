@@ -15,9 +15,10 @@ from typing import Any, Iterable, Mapping
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from std_msgs.msg import String
 
+from heading_intercompare.core.early import EarlyVerdict
 from heading_intercompare.core.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.verdict import RunVerdict, Verdict
+from heading_intercompare.core.verdict import plain, RunVerdict, Verdict
 
 from .stamps import stamp_ns, time_message
 
@@ -104,14 +105,17 @@ def _run_values(run: RunVerdict) -> dict[str, Any]:
     return {**{name: getattr(run, name) for name in names}, 'nu': run.guarded.nu}
 
 
-def verdict_message(verdict: Verdict, ns: int) -> DiagnosticArray:
-    """Return a verdict: the conclusion, then each run with its reason."""
+def verdict_message(verdict: Verdict, ns: int,
+                    early: EarlyVerdict | None = None) -> DiagnosticArray:
+    """Return a verdict: the conclusion, each run with its reason, a look at the one going on."""
     whole = status('verdict', OUTCOME_LEVELS[verdict.outcome], verdict.outcome,
                    {'outcome': verdict.outcome, 'paper_outcome': verdict.paper_outcome,
                     'runs': len(verdict.runs)})
-    return status_array(ns, [whole, *(
-        status(f'run {run.run}', OUTCOME_LEVELS[run.outcome], run.reason, _run_values(run))
-        for run in verdict.runs)])
+    runs = [status(f'run {run.run}', OUTCOME_LEVELS[run.outcome], run.reason, _run_values(run))
+            for run in verdict.runs]
+    looks = [] if early is None else [status('run in progress', OUTCOME_LEVELS[early.outcome],
+                                             early.reason, plain(early))]
+    return status_array(ns, [whole, *runs, *looks])
 
 
 def report_message(verdict: Verdict) -> String:

@@ -4,16 +4,16 @@
 
 from __future__ import annotations
 
+from collections import deque
 import time
 from typing import Any, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
-from rclpy.duration import Duration
 from rclpy.node import Node
 
 from heading_intercompare.core.pairing import Pairer
-from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 
 from . import qos
@@ -22,11 +22,15 @@ from .intake import Intake
 from .messages import HEADING_TYPES, headings_from, pair_messages
 from .parameters import declare, OVERRIDES
 from .process import run
+from .sending import all_acknowledged
 from .settings import SynchronizerNode, Taking
 from .status_messages import ledger_message, marks_from, OK, WARN
 from .timing import every
 
 __all__ = ['main', 'Synchronizer']
+
+# Most pairs published at once; a subscription keeps 1000, and takes them as often.
+_BURST = 200
 
 
 class Synchronizer(Node):
@@ -55,14 +59,19 @@ class Synchronizer(Node):
         self._open_at_s = time.monotonic() + self._own.startup_wait_s
         for intake, _ in self._inputs:
             intake.open = False
+        self._waiting: deque[TwistStamped] = deque()
+        self._flushed = False
         self._end_s: float | None = None
         every(self, taking.drain_period_s, self._drain)
         every(self, 1.0, self._beat)
 
     def _drain(self) -> None:
         self._open_when_wanted()
-        if not self.ended:
-            self._publish(self._pairer.update(*self._take(), now_s=time.monotonic()))
+        if not self._flushed:
+            self._waiting += pair_messages(
+                self._pairer.update(*self._take(), now_s=time.monotonic()))
+        for _ in range(min(_BURST, len(self._waiting))):
+            self._pairs.publish(self._waiting.popleft())
         if self._end_s is not None and not self.ended:
             self._finish_if_quiet()
 
@@ -77,10 +86,6 @@ class Synchronizer(Node):
         return [headings_from([message for message, _ in intake.take()], convention)
                 for intake, convention in self._inputs]
 
-    def _publish(self, pairs: Pairs) -> None:
-        for message in pair_messages(pairs):
-            self._pairs.publish(message)
-
     def _beat(self) -> None:
         self._ledger.publish(ledger_message(self._pairer.ledger, final=self.ended))
         counts = self._pairer.ledger.total.counts
@@ -92,9 +97,11 @@ class Synchronizer(Node):
         for kind, stamp_ns in marks_from(message):
             if kind == 'start':
                 self._pairer.ledger.cut(stamp_ns + 1)
+        self._beat()
 
     def end(self) -> None:
         """Take the headings that still come, until their publishers are gone or time is up."""
+        self._health.mute()
         self._end_s = time.monotonic() + self._own.end_wait_s
 
     def _finish_if_quiet(self) -> None:
@@ -104,12 +111,14 @@ class Synchronizer(Node):
             publishers += intake.publishers
         if publishers and time.monotonic() < self._end_s:
             return
-        self._publish(self._pairer.update(*self._take()))
-        self._publish(self._pairer.flush())
-        self.ended = True
-        self._beat()
-        for publisher in (self._pairs, self._ledger):
-            publisher.wait_for_all_acked(Duration(seconds=1.0))
+        if not self._flushed:
+            self._flushed = True
+            self._waiting += pair_messages(self._pairer.update(*self._take()))
+            self._waiting += pair_messages(self._pairer.flush())
+        if not self._waiting:
+            self.ended = True
+            self._beat()
+            all_acknowledged([self._pairs, self._ledger], 2.0)
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Compare two sensors live: two drivers, synchronizer, compliance, recorder.
+
+    ros2 launch heading_intercompare intercompare.launch.py config:=FILE
+        [record:=false] [output:=BAG] [report_dir:=DIR]
+"""
+
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+import yaml
+
+from launch import LaunchDescription
+
+
+def node(executable, name, config, own, **kwargs):
+    """Return a node; `own` overrules the parameter file, for the namespace is given."""
+    return Node(package='heading_intercompare', executable=executable, name=name, namespace='/',
+                parameters=[config, own] if own else [config], output='screen', **kwargs)
+
+
+def nodes(context):
+    """Return the nodes; in whatever order they start, no heading is lost."""
+    config, record, output, report_dir = (
+        LaunchConfiguration(name).perform(context)
+        for name in ('config', 'record', 'output', 'report_dir'))
+    with open(config, encoding='utf-8') as file:
+        sections = yaml.safe_load(file)
+    parameters = {name.lstrip('/'): (section or {}).get('ros__parameters') or {}
+                  for name, section in sections.items()}
+    # Who is waited for: the pairs by compliance, headings by the synchronizer, both the recorder.
+    heard = {'subscribers': 2 if record == 'true' else 1}
+    made = []
+    for role in ('ts', 'rs'):
+        topic = parameters.get('**', {}).get(f'{role}_topic', f'{role}/heading')
+        given = parameters.get(f'{role}_driver', {})
+        made.append(node('nmea_driver', f'{role}_driver', config,
+                         {'topic': given.get('topic', topic), **heard}))
+    made += [node('synchronizer', 'synchronizer', config, heard,
+                  on_exit=Shutdown(reason='the synchronizer has ended')),
+             node('compliance', 'compliance', config,
+                  {'report_dir': report_dir} if report_dir else {},
+                  on_exit=Shutdown(reason='the compliance node has ended'))]
+    if record == 'true':
+        made.append(node('recorder', 'recorder', config, {'output': output} if output else {},
+                         on_exit=Shutdown(reason='the recorder has ended')))
+    return made
+
+
+def generate_launch_description():
+    """Return the graph."""
+    return LaunchDescription([
+        DeclareLaunchArgument('config', description='ROS parameter file with the norms and the '
+                              'sections ts_driver and rs_driver'),
+        DeclareLaunchArgument('record', default_value='true', choices=['true', 'false'],
+                              description='record a bag'),
+        DeclareLaunchArgument('output', default_value='', description='the bag; empty: as the '
+                              'parameter file says, else heading_<UTC>'),
+        DeclareLaunchArgument('report_dir', default_value='', description='folder for the '
+                              'reports; empty: as the parameter file says, else none'),
+        OpaqueFunction(function=nodes),
+    ])

@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Compare two sensors again from a bag: replayer, synchronizer, compliance.
+
+    ros2 launch heading_intercompare replay.launch.py bag:=BAG config:=FILE
+        [rate:=20.0] [start:=0.0] [clock:=true] [report_dir:=DIR]
+
+All end when the bag does.
+"""
+
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+from launch import LaunchDescription
+
+
+def node(name, config, own, reason):
+    """Return a node whose end ends all; `own` overrules the file, for the namespace is given."""
+    return Node(package='heading_intercompare', executable=name, name=name, namespace='/',
+                parameters=[config, own] if own else [config], output='screen',
+                on_exit=Shutdown(reason=reason))
+
+
+def nodes(context):
+    """Return the nodes; in whatever order they start, no heading is lost."""
+    bag, config, rate, start, clock, report_dir = (
+        LaunchConfiguration(name).perform(context)
+        for name in ('bag', 'config', 'rate', 'start', 'clock', 'report_dir'))
+    replayed = {'bag': bag, 'rate': float(rate), 'start_s': float(start),
+                'clock': clock == 'true', 'subscribers': 1}
+    return [node('replayer', config, replayed, 'the bag has been replayed'),
+            node('synchronizer', config, {'subscribers': 1}, 'the synchronizer has ended'),
+            node('compliance', config, {'report_dir': report_dir} if report_dir else {},
+                 'the compliance node has ended')]
+
+
+def generate_launch_description():
+    """Return the graph."""
+    return LaunchDescription([
+        DeclareLaunchArgument('bag', description='.mcap file or rosbag2 folder'),
+        DeclareLaunchArgument('config', description='ROS parameter file with the norms'),
+        DeclareLaunchArgument('rate', default_value='1.0', description='times the speed of the '
+                              'recording; 0.0: as fast as possible'),
+        DeclareLaunchArgument('start', default_value='0.0',
+                              description='seconds left out at the start'),
+        DeclareLaunchArgument('clock', default_value='false', choices=['true', 'false'],
+                              description='publish /clock'),
+        DeclareLaunchArgument('report_dir', default_value='', description='folder for the '
+                              'report; empty: as the parameter file says, else none'),
+        OpaqueFunction(function=nodes),
+    ])

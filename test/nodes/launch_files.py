@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the launch files ask for, told without the packages `launch` and `launch_ros`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+import importlib.util
+from pathlib import Path
+import sys
+import types
+from typing import Any
+from unittest import mock
+
+import yaml
+
+FOLDER = Path(__file__).resolve().parents[2] / 'launch'
+
+
+@dataclass
+class Node:
+    """A node that is asked for, with what `launch_ros.actions.Node` is given."""
+
+    package: str
+    executable: str
+    name: str
+    namespace: str
+    parameters: list[Any]
+    output: str
+    on_exit: Any = None
+
+    def arguments(self, folder: Path) -> list[str]:
+        """Return the arguments of the process, as `launch_ros` composes them."""
+        files = []
+        for number, given in enumerate(self.parameters):
+            path = given
+            if isinstance(given, dict):
+                path = folder / f'{self.name}_{number}.yaml'
+                path.write_text(yaml.dump({f'/{self.name}': {'ros__parameters': given}}))
+            files += ['--params-file', str(path)]
+        return ['--ros-args', '-r', f'__node:={self.name}', '-r', f'__ns:={self.namespace}',
+                *files]
+
+
+@dataclass
+class Argument:
+    """An argument of a launch file."""
+
+    name: str
+    default_value: str | None = None
+    description: str = ''
+    choices: list[str] = field(default_factory=list)
+
+
+@dataclass
+class Configuration:
+    """The value of an argument, to come."""
+
+    name: str
+
+    def perform(self, context: dict[str, str]) -> str:
+        """Return the value."""
+        return context[self.name]
+
+
+@dataclass
+class Function:
+    """A function that returns actions."""
+
+    function: Any
+
+
+@dataclass
+class Shutdown:
+    """The end of everything."""
+
+    reason: str
+
+
+def description(name: str) -> list[Any]:
+    """Return the actions of a launch file."""
+    modules = {key: types.ModuleType(key) for key in (
+        'launch', 'launch.actions', 'launch.substitutions', 'launch_ros', 'launch_ros.actions')}
+    modules['launch'].LaunchDescription = list
+    modules['launch.actions'].DeclareLaunchArgument = Argument
+    modules['launch.actions'].OpaqueFunction = Function
+    modules['launch.actions'].Shutdown = Shutdown
+    modules['launch.substitutions'].LaunchConfiguration = Configuration
+    modules['launch_ros.actions'].Node = Node
+    with mock.patch.dict(sys.modules, modules):
+        spec = importlib.util.spec_from_file_location('launch_file', FOLDER / name)
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module.generate_launch_description()
+
+
+def nodes(name: str, **given: str) -> list[Node]:
+    """Return the nodes that a launch file starts with these arguments."""
+    actions = description(name)
+    declared = {a.name: a for a in actions if isinstance(a, Argument)}
+    assert given.keys() <= declared.keys()
+    context = {key: given.get(key, a.default_value) for key, a in declared.items()}
+    for key, value in context.items():
+        assert value is not None, f'{key} is required'
+        assert not declared[key].choices or value in declared[key].choices
+    function, = (a.function for a in actions if isinstance(a, Function))
+    return function(context)

@@ -1,0 +1,274 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node that judges."""
+
+from __future__ import annotations
+
+import json
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TwistStamped
+import numpy as np
+import pytest
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from heading_intercompare.core import intercomparison
+from heading_intercompare.core.ledger import Ledger, LedgerSegment
+from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.nodes import qos
+from heading_intercompare.nodes.compliance import Compliance
+from heading_intercompare.nodes.messages import pair_messages
+from heading_intercompare.nodes.status_messages import (
+    ledger_message,
+    marker_message,
+    marks_from,
+    status,
+    status_array,
+)
+
+from .conftest import NORMS
+
+T0_NS = 1_700_000_000_000_000_000
+S_NS = 1_000_000_000
+
+
+def some_pairs(rng, lo_s, hi_s):
+    """Return a pair a second, T0 + lo to hi - 1 seconds."""
+    stamps = T0_NS + np.arange(lo_s, hi_s) * S_NS
+    return Pairs.of(stamps, 90.0 + rng.normal(0.0, 0.1, hi_s - lo_s), np.full(hi_s - lo_s, 90.0))
+
+
+class Graph:
+    """A compliance node, a stand-in for the synchronizer, and what the node publishes."""
+
+    def __init__(self, ros, **values):
+        self.ros = ros
+        self.pairs = ros.plain.create_publisher(TwistStamped, 'pairs', qos.PAIRS)
+        self.ledger = ros.plain.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
+        self.marker = ros.plain.create_publisher(DiagnosticArray, 'compliance/marker', qos.MARKER)
+        self.node = ros.ours(Compliance, **values)
+        self.heard = {topic: ros.listen(kind, f'compliance/{topic}', profile)
+                      for topic, kind, profile in (
+                          ('rolling', DiagnosticArray, qos.STATUS),
+                          ('run', DiagnosticArray, qos.STATUS),
+                          ('verdict', DiagnosticArray, qos.VERDICT),
+                          ('marker', DiagnosticArray, qos.MARKER),
+                          ('report', String, qos.REPORT))}
+        ros.spin_until(lambda: self.pairs.get_subscription_count() == 1
+                       and self.ledger.get_subscription_count() == 1)
+
+    def send(self, pairs):
+        """Publish pairs, no more at once than are kept, and wait until they have been taken."""
+        for lo in range(0, len(pairs), 500):
+            piece = pairs[lo:lo + 500]
+            n = self.node.n_pairs + len(piece)
+            for message in pair_messages(piece):
+                self.pairs.publish(message)
+            self.ros.spin_until(lambda n=n: self.node.n_pairs == n)
+
+    def book(self, counts, final=False, more=()):
+        """Publish a ledger."""
+        segments = [LedgerSegment(None, counts), *(LedgerSegment(ns, c) for ns, c in more)]
+        self.ledger.publish(ledger_message(Ledger.from_segments(segments, T0_NS), final))
+
+    def call(self, name):
+        """Call a service of the node."""
+        client = self.ros.plain.create_client(Trigger, f'compliance/{name}')
+        self.ros.spin_until(client.service_is_ready)
+        future = client.call_async(Trigger.Request())
+        self.ros.spin_until(future.done)
+        return future.result()
+
+    def reports(self):
+        """Return the reports heard so far."""
+        return [json.loads(m.data) for m in self.heard['report']]
+
+    def end(self):
+        """End the node as its process would; return the last report."""
+        self.ros.end(self.node)
+        report = json.loads(self.node.report)
+        self.ros.spin_until(lambda: report in self.reports())
+        return report
+
+
+def values(message):
+    """Return the values of the first status."""
+    return {pair.key: pair.value for pair in message.status[0].values}
+
+
+def offline(pairs, marks=()):
+    """Return what the pure part says of the pairs."""
+    compliance = intercomparison.Compliance(Settings.from_mapping(NORMS), source='live')
+    for kind, stamp_ns in marks:
+        compliance.mark(kind, stamp_ns)
+    compliance.update(pairs)
+    compliance.finish()
+    return json.loads(json.dumps(compliance.verdict().to_dict()))
+
+
+def test_the_last_report_is_the_verdict_of_the_pure_part(ros, rng):
+    graph, pairs = Graph(ros), some_pairs(rng, 0, 300)
+    for lo in range(0, 300, 60):
+        graph.send(pairs[lo:lo + 60])
+    graph.book({'paired': 300, 'rs_used': 300}, final=True)
+    assert graph.end() == offline(pairs)
+    assert values(graph.heard['verdict'][-1])['outcome'] == graph.reports()[-1]['outcome']
+
+
+def test_the_end_waits_for_the_pairs_that_the_final_ledger_knows(ros, rng):
+    graph, pairs = Graph(ros), some_pairs(rng, 0, 200)
+    graph.send(pairs[:100])
+    graph.book({'paired': 200, 'rs_used': 200}, final=True)
+    graph.node.end()
+    ros.spin_until(lambda: ros.executor.spin_once(0.2) is None)
+    assert not graph.node.ended
+    graph.send(pairs[100:])
+    ros.spin_until(lambda: graph.node.ended)
+    assert json.loads(graph.node.report)['runs'][0]['n'] == 200
+
+
+def test_a_synchronizer_that_has_gone_is_not_waited_for(ros, rng):
+    graph = Graph(ros, end_wait_s=5.0)
+    graph.send(some_pairs(rng, 0, 100))
+    ros.plain.destroy_publisher(graph.pairs)
+    graph.node.end()
+    ros.spin_until(lambda: graph.node.ended, timeout_s=3.0)
+    assert json.loads(graph.node.report)['runs'][0]['n'] == 100
+
+
+def test_without_pairs_the_end_still_gives_a_report(ros):
+    graph = Graph(ros)
+    ros.plain.destroy_publisher(graph.pairs)
+    report = graph.end()
+    assert (report['outcome'], report['runs']) == ('indeterminate', [])
+
+
+def test_a_run_that_falls_silent_is_reported_once_its_ledger_has_come(ros, rng):
+    graph = Graph(ros, ledger_wait_s=30.0)
+    graph.send(some_pairs(rng, 0, 100))
+    graph.send(some_pairs(rng, 200, 210))
+    graph.book({'paired': 100, 'rs_used': 100})
+    ros.spin_until(lambda: ros.executor.spin_once(0.2) is None)
+    assert graph.reports() == []
+    graph.book({'paired': 100, 'rs_used': 100, 'ts_unpaired': 3},
+               more=[(T0_NS + 200 * S_NS, {'paired': 10, 'rs_used': 10})])
+    ros.spin_until(lambda: graph.reports())
+    run, = graph.reports()[0]['runs']
+    assert (run['n'], run['pairing']['ts_unpaired'], run['pairing']['paired']) == (100, 3, 100)
+
+
+def test_a_report_whose_ledger_does_not_come_is_published_all_the_same(ros, rng):
+    graph = Graph(ros, ledger_wait_s=0.2)
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    graph.send(some_pairs(rng, 0, 100))
+    graph.send(some_pairs(rng, 200, 210))
+    ros.spin_until(lambda: graph.reports())
+    ros.spin_until(lambda: any('lacks the whole ledger' in s.message for m in states
+                               for s in m.status))
+
+
+def test_marks_of_a_recording_take_effect_by_their_stamps(ros, rng):
+    marks = [('start', T0_NS + 49 * S_NS), ('stop', T0_NS + 199 * S_NS)]
+    graph, pairs = Graph(ros), some_pairs(rng, 0, 300)
+    for mark in marks:
+        graph.marker.publish(marker_message(*mark))
+    ros.spin_until(lambda: len(graph.heard['marker']) == 2)
+    graph.send(pairs)
+    graph.book({'paired': 300, 'rs_used': 300}, final=True)
+    runs = graph.end()['runs']
+    assert runs[0]['start_ns'] == T0_NS + 50 * S_NS
+    expected = offline(pairs, marks)['runs'][0]
+    assert {k: v for k, v in runs[0].items() if k != 'pairing'} == {
+        k: v for k, v in expected.items() if k != 'pairing'}
+    assert runs[0]['n'] == 150
+
+
+def test_the_services_cut_behind_the_newest_pair_and_leave_marks(ros, rng):
+    graph, pairs = Graph(ros), some_pairs(rng, 0, 300)
+    graph.send(pairs[:50])
+    assert graph.call('start_run').success
+    graph.send(pairs[50:200])
+    assert graph.call('stop_run').success
+    graph.send(pairs[200:])
+    graph.book({'paired': 300, 'rs_used': 300}, final=True)
+    run, = graph.end()['runs']
+    assert (run['start_ns'], run['end_ns'], run['n']) == (
+        T0_NS + 50 * S_NS, T0_NS + 199 * S_NS, 150)
+    ros.spin_until(lambda: len(graph.heard['marker']) == 2)
+    assert [m for message in graph.heard['marker'] for m in marks_from(message)] == [
+        ('start', T0_NS + 49 * S_NS), ('stop', T0_NS + 199 * S_NS)]
+
+
+def test_a_mark_that_is_neither_start_nor_stop_is_a_warning(ros):
+    graph = Graph(ros)
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    graph.marker.publish(status_array(T0_NS, [status('marker', b'\0', 'pause')]))
+    ros.spin_until(lambda: any("mark 'pause' is neither start nor stop" in s.message
+                               for m in states for s in m.status))
+
+
+def test_a_bad_verdict_stays_in_the_diagnostics_until_it_is_acknowledged(ros, rng):
+    graph = Graph(ros, norms__sigma_max_deg=0.001, norms__sigma_ref_max_deg=0.001)
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    graph.send(some_pairs(rng, 0, 2000))
+    graph.book({'paired': 2000, 'rs_used': 2000})
+    assert graph.call('stop_run').success
+    ros.spin_until(lambda: graph.reports())
+    assert graph.reports()[0]['outcome'] == 'non_compliant'
+    ros.spin_until(lambda: any(s.name == 'compliance: verdict' and s.level == b'\2'
+                               for m in states for s in m.status))
+    assert graph.call('acknowledge').message == '1 alerts acknowledged'
+
+
+def test_figures_of_the_window_and_of_the_run_come_every_second(ros, rng):
+    graph = Graph(ros)
+    graph.send(some_pairs(rng, 0, 100))
+    ros.spin_until(lambda: graph.heard['run'] and values(graph.heard['run'][-1])['n'] == '100')
+    ros.spin_until(lambda: values(graph.heard['rolling'][-1])['n'] == '100')
+    float(values(graph.heard['run'][-1])['mean_deg'])
+
+
+def test_a_report_is_also_written_as_a_file(ros, rng, tmp_path):
+    graph = Graph(ros, report_dir=str(tmp_path / 'reports'))
+    graph.send(some_pairs(rng, 0, 100))
+    graph.book({'paired': 100, 'rs_used': 100}, final=True)
+    report = graph.end()
+    written, = (tmp_path / 'reports').iterdir()
+    assert written.name == 'verdict_20231114T221459Z.json'
+    assert json.loads(written.read_text('utf-8')) == report
+
+
+def test_a_report_that_cannot_be_written_is_an_error_in_the_diagnostics(ros, rng, tmp_path):
+    folder = tmp_path / 'reports'
+    graph = Graph(ros, report_dir=str(folder))
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    folder.rmdir()
+    graph.send(some_pairs(rng, 0, 100))
+    graph.book({'paired': 100, 'rs_used': 100})
+    graph.call('stop_run')
+    ros.spin_until(lambda: any('No such file' in s.message for m in states for s in m.status))
+
+
+@pytest.mark.parametrize('values, message', [
+    ({'norms__sigma_max_deg': 'none'}, 'norms.sigma_max_deg'),
+    ({'norms__sigma_ref_max_deg': -1.0}, 'norms.sigma_ref_max_deg = -1.0'),
+    ({'report_directory': 'x'}, "unknown parameter 'report_directory'; did you mean 'report_dir'"),
+])
+def test_a_wrong_setting_ends_the_node_before_it_begins(ros, values, message):
+    with pytest.raises(SettingsError) as error:
+        ros.ours(Compliance, **values)
+    assert message in str(error.value)
+
+
+def test_a_look_at_the_run_in_progress_that_decides_is_a_verdict_but_no_report(ros, rng):
+    graph = Graph(ros, sequential__plan_s=800.0, sequential__looks=2,
+                  norms__sigma_max_deg=1.0, norms__sigma_ref_max_deg=0.5)
+    graph.send(some_pairs(rng, 0, 500))
+    ros.spin_until(lambda: graph.heard['verdict'])
+    whole, progress = graph.heard['verdict'][0].status
+    assert (whole.message, progress.name) == ('indeterminate', 'run in progress')
+    shown = {pair.key: pair.value for pair in progress.values}
+    assert (shown['look'], shown['looks'], shown['outcome']) == ('1', '2', 'compliant')
+    assert graph.reports() == []

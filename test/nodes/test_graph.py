@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The graph in one process: live, replayed and offline verdicts are the same."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+
+import pytest
+
+from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.core.intercomparison import Intercomparison
+from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.nodes.graph import intercompare, Source
+from heading_intercompare.nodes.nmea_driver import NmeaDriver
+from heading_intercompare.nodes.replayer import Replayer
+from heading_intercompare.nodes.sensor_simulator import SensorSimulator
+
+from .conftest import NORMS
+
+TRIAL = {'duration_s': 120.0, 'seed': 5, 'ts.white_deg': 0.1, 'ts.rate_hz': 10.0,
+         'rs.rate_hz': 4.0, 'rs.phase_s': 0.03, 'rs.white_deg': 0.02, 'rs.dropout': 0.1,
+         'legs': '0 350 12; 40 20 12', 'stamps': 'scenario', 'speed': 0.0}
+
+
+def offline(path, **settings):
+    """Return the verdict on a bag."""
+    comparison = Intercomparison(Settings.from_mapping({**NORMS, **settings}))
+    conventions = {'ts/heading': 'enu', 'rs/heading': 'enu'}
+    for chunk in BagReader(path).headings(conventions):
+        comparison.update(ts=chunk['ts/heading'], rs=chunk['rs/heading'])
+    comparison.finish()
+    return json.loads(json.dumps(comparison.verdict().to_dict()))
+
+
+def assert_same(a, b, path=''):
+    """Equal words and integers; reals to 1e-12 relative."""
+    if isinstance(a, dict):
+        assert a.keys() == b.keys(), path
+        for key in a:
+            if key not in ('source', 'inputs'):
+                assert_same(a[key], b[key], f'{path}.{key}')
+    elif isinstance(a, list):
+        assert len(a) == len(b), path
+        for at, (x, y) in enumerate(zip(a, b)):
+            assert_same(x, y, f'{path}[{at}]')
+    elif isinstance(a, float) and isinstance(b, float):
+        assert math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-15), f'{path}: {a!r} {b!r}'
+    else:
+        assert a == b, path
+
+
+@pytest.fixture(scope='module')
+def trial(tmp_path_factory):
+    """Return the live verdict on a simulated trial, and its bag."""
+    bag = str(tmp_path_factory.mktemp('trial') / 'bag')
+    live = intercompare([Source(SensorSimulator, 'sensor_simulator', TRIAL)], NORMS, output=bag,
+                        private=True)
+    return live, bag
+
+
+def test_the_live_verdict_is_that_of_the_recording(trial):
+    live, bag = trial
+    assert live['runs'][0]['n'] > 1000
+    assert_same(live, offline(bag))
+
+
+@pytest.mark.parametrize('rate', [0.0, 4.0])
+def test_a_replay_at_any_rate_gives_the_live_verdict(trial, rate):
+    live, bag = trial
+    replayed = intercompare([Source(Replayer, 'replayer', {'bag': bag, 'rate': rate})], NORMS,
+                            private=True)
+    assert_same(replayed, live)
+
+
+def test_the_bag_holds_all_that_was_published_and_the_report(trial):
+    live, bag = trial
+    reader = BagReader(bag)
+    run = live['runs'][0]['pairing']
+    counts = {name: info.count for name, info in reader.topics.items()}
+    assert counts['/ts/heading'] == run['ts_received']
+    assert counts['/rs/heading'] == run['rs_received']
+    assert counts['/pairs'] == run['paired']
+    assert reader.incomplete is None
+    attached = {a.name: a.data for a in reader.attachments()}
+    assert json.loads(attached['report.json']) == live
+
+
+def log(path, n, first_s, heading_deg):
+    """Write a log of n HDT sentences, 5 a second."""
+    lines = []
+    for i in range(n):
+        body = f'HEHDT,{heading_deg + 0.02 * (i * 7 % 11):.2f},T'
+        checksum = 0
+        for character in body.encode():
+            checksum ^= character
+        minutes, seconds = divmod(first_s + i / 5, 60)
+        lines.append(f'2014-08-01T00:{minutes:02.0f}:{seconds:09.6f}Z ${body}*{checksum:02X}\n')
+    path.write_text(''.join(lines))
+    return f'file:{path}'
+
+
+def drivers(tmp_path):
+    """Return two drivers, whose logs begin 8 s apart."""
+    return [Source(NmeaDriver, 'ts_driver', {'source': log(tmp_path / 'ts.log', 300, 0.0, 90.0),
+                                             'speed': 100.0}),
+            Source(NmeaDriver, 'rs_driver', {'source': log(tmp_path / 'rs.log', 300, 8.05, 90.1),
+                                             'topic': 'rs/heading', 'speed': 100.0})]
+
+
+def test_two_logs_are_played_in_step_and_every_reading_is_accounted_for(tmp_path):
+    """60 s each, 8 s apart, at 100 times the speed: out of step they would not pair."""
+    bag = str(tmp_path / 'bag')
+    live = intercompare(drivers(tmp_path), {**NORMS, 'pairing.max_wait_s': 0.3}, output=bag,
+                        private=True)
+    run, = live['runs']
+    assert (run['pairing']['ts_received'], run['pairing']['rs_received']) == (300, 300)
+    assert run['pairing']['paired'] == 259
+    assert_same(live, offline(bag, **{'pairing.max_wait_s': 0.3}))
+
+
+def test_reports_are_written_and_progress_is_told(tmp_path):
+    told = []
+    intercompare(drivers(tmp_path), NORMS, report_dir=str(tmp_path / 'reports'), private=True,
+                 progress=told.append)
+    assert told[-1] > 200 and told == sorted(told)
+    assert len(list((tmp_path / 'reports').glob('verdict_*.json'))) == 1
+
+
+def test_a_mistake_in_one_node_leaves_nothing_running(tmp_path):
+    before = os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE']
+    sources = drivers(tmp_path)
+    with pytest.raises(SettingsError, match='unknown parameter'):
+        intercompare([*sources, Source(NmeaDriver, 'third', {'sourse': 'x'})], NORMS)
+    assert os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] == before
+    assert intercompare(sources, NORMS, private=True)['runs'][0]['n'] == 259

@@ -1,0 +1,191 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The graph as the launch files start it: one process a node, ended by a signal."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+import yaml
+
+from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.core.intercomparison import Intercomparison
+from heading_intercompare.core.pairing import pair
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.drivers.logs import read_log
+from heading_intercompare.drivers.settings import DriverSettings
+
+from .conftest import NORMS
+from .launch_files import nodes
+from .test_graph import assert_same, log, offline
+
+# One domain a worker, so that graphs of parallel tests do not see each other.
+DOMAIN = 60 + int(''.join(filter(str.isdigit, os.environ.get('PYTEST_XDIST_WORKER', '0'))))
+
+
+class Processes:
+    """Processes of one graph; whatever happens, none is left behind."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.running: dict[str, subprocess.Popen] = {}
+
+    def start(self, node) -> None:
+        """Start a node as `ros2 launch` would."""
+        code = (f'from heading_intercompare.nodes.{node.executable} import main; '
+                'raise SystemExit(main())')
+        environment = {**os.environ, 'ROS_DOMAIN_ID': str(DOMAIN),
+                       'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+        with open(self.folder / f'{node.name}.log', 'wb') as said:
+            # Background children inherit an ignored SIGINT; the node sets its own handler.
+            self.running[node.name] = subprocess.Popen(
+                [sys.executable, '-c', code, *node.arguments(self.folder)], env=environment,
+                cwd=self.folder, stdout=said, stderr=said)
+
+    def signal(self, number: int) -> None:
+        """Send a signal to all that are running, at once."""
+        for process in self.running.values():
+            if process.poll() is None:
+                process.send_signal(number)
+
+    def wait(self, *names: str, timeout_s: float) -> None:
+        """Wait until processes have ended, each with exit code 0."""
+        deadline_s = time.monotonic() + timeout_s
+        for name in names:
+            code = self.running[name].wait(max(0.1, deadline_s - time.monotonic()))
+            said = (self.folder / f'{name}.log').read_text()
+            assert (name, code) == (name, 0), said
+            assert 'Traceback' not in said
+
+    def reap(self) -> None:
+        """Kill what is left."""
+        self.signal(signal.SIGKILL)
+        for process in self.running.values():
+            process.wait()
+
+
+@pytest.fixture
+def processes(tmp_path):
+    """Return the processes of a test."""
+    made = Processes(tmp_path)
+    yield made
+    made.reap()
+
+
+def config_of(folder, ts, rs, speed):
+    """Write a parameter file with two logs as sources."""
+    path = folder / 'config.yaml'
+    path.write_text(yaml.dump({
+        '/**': {'ros__parameters': NORMS},
+        'ts_driver': {'ros__parameters': {'source': ts, 'speed': speed}},
+        'rs_driver': {'ros__parameters': {'source': rs, 'speed': speed}}}, sort_keys=False))
+    return str(path)
+
+
+def run_live(processes, config, order, number, timeout_s):
+    """Run the live graph on two logs, end it with a signal; return its report and its bag."""
+    folder = processes.folder
+    bag, reports = folder / 'bag', folder / 'reports'
+    made = {n.name: n for n in nodes('intercompare.launch.py', config=config, output=str(bag),
+                                     report_dir=str(reports))}
+    for name in order:
+        processes.start(made[name])
+    processes.wait('ts_driver', 'rs_driver', timeout_s=timeout_s)
+    processes.signal(number)
+    processes.wait('synchronizer', 'compliance', 'recorder', timeout_s=15.0)
+    written, = reports.iterdir()
+    return json.loads(written.read_text('utf-8')), bag
+
+
+DRIVERS_LAST = ('recorder', 'compliance', 'synchronizer', 'ts_driver', 'rs_driver')
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('order, number', [(DRIVERS_LAST, signal.SIGINT),
+                                           (DRIVERS_LAST[::-1], signal.SIGTERM)])
+def test_in_any_order_of_start_nothing_is_lost(processes, tmp_path, order, number):
+    config = config_of(tmp_path, log(tmp_path / 'ts.log', 300, 0.0, 90.0),
+                       log(tmp_path / 'rs.log', 300, 0.05, 90.1), 30.0)
+    report, bag = run_live(processes, config, order, number, 30.0)
+    run, = report['runs']
+    assert (run['pairing']['ts_received'], run['pairing']['rs_received']) == (300, 300)
+    assert run['pairing']['paired'] == run['n'] == 299
+    counts = {name: info.count for name, info in BagReader(bag).topics.items()}
+    assert (counts['/ts/heading'], counts['/rs/heading'], counts['/pairs']) == (300, 300, 299)
+    assert counts['/compliance/report'] == 1
+    assert_same(report, offline(bag))
+
+
+@pytest.mark.slow
+def test_real_logs_at_20_times_the_speed_give_the_offline_verdict(
+        processes, tmp_path, shared_data):
+    """Gyro against Seapath: every sentence of both logs arrives, is paired and recorded."""
+    logs = [shared_data / 'nbp1406' / f'NBP1406_{name}-2014-08-01' for name in ('gyr1', 's330')]
+    config = config_of(tmp_path, *(f'file:{path}' for path in logs), 20.0)
+    report, bag = run_live(processes, config, DRIVERS_LAST, signal.SIGINT, 120.0)
+    ts, rs = (read_log(path, DriverSettings(source=f'file:{path}'))[0] for path in logs)
+    run, = report['runs']
+    assert run['pairing']['ts_received'] == len(ts) == 5000
+    assert run['pairing']['rs_received'] == len(rs)
+    reader = BagReader(bag)
+    chunks = list(reader.headings({'ts/heading': 'enu', 'rs/heading': 'enu'}))
+    recorded = [Headings.concatenate(c[t] for c in chunks) for t in ('ts/heading', 'rs/heading')]
+    assert [h.stamp_ns.tolist() for h in recorded] == [ts.stamp_ns.tolist(), rs.stamp_ns.tolist()]
+    assert reader.topics['/pairs'].count == len(pair(*recorded)[0])
+    comparison = Intercomparison(Settings.from_mapping(NORMS))
+    comparison.update(*recorded)
+    comparison.finish()
+    assert_same(report, json.loads(json.dumps(comparison.verdict().to_dict())))
+
+
+@pytest.mark.slow
+def test_a_replay_as_processes_ends_by_itself_and_gives_the_same_report(processes, tmp_path):
+    config = config_of(tmp_path, log(tmp_path / 'ts.log', 300, 0.0, 90.0),
+                       log(tmp_path / 'rs.log', 300, 0.05, 90.1), 60.0)
+    live, bag = run_live(processes, config, DRIVERS_LAST, signal.SIGINT, 30.0)
+    reports = tmp_path / 'replayed'
+    for node in nodes('replay.launch.py', config=config, bag=str(bag), rate='50.0',
+                      report_dir=str(reports)):
+        processes.start(node)
+    processes.wait('replayer', timeout_s=30.0)
+    # What `ros2 launch` does when a node with on_exit=Shutdown() has ended.
+    processes.signal(signal.SIGINT)
+    processes.wait('synchronizer', 'compliance', timeout_s=15.0)
+    written, = reports.iterdir()
+    assert_same(json.loads(written.read_text('utf-8')), live)
+
+
+@pytest.mark.slow
+def test_a_recorder_that_is_killed_leaves_all_but_the_last_second(processes, tmp_path):
+    config = config_of(tmp_path, log(tmp_path / 'ts.log', 3000, 0.0, 90.0),
+                       log(tmp_path / 'rs.log', 3000, 0.05, 90.1), 20.0)
+    bag = tmp_path / 'bag'
+    for node in nodes('intercompare.launch.py', config=config, output=str(bag)):
+        processes.start(node)
+
+    def recorded():
+        try:
+            info = BagReader(bag).topics.get('/ts/heading')
+        except (OSError, ValueError):
+            return 0
+        return info.count if info else 0
+    deadline_s = time.monotonic() + 30.0
+    while recorded() < 300:
+        assert time.monotonic() < deadline_s
+        assert processes.running['recorder'].poll() is None
+    began_s, before = time.monotonic(), recorded()
+    while time.monotonic() < began_s + 2.0:
+        assert processes.running['recorder'].poll() is None
+    processes.running['recorder'].kill()
+    processes.running['recorder'].wait()
+    # 100 a second for two seconds, less at most the last one and a quarter for a busy machine.
+    assert recorded() - before >= 75
+    assert BagReader(bag).incomplete

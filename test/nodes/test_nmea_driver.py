@@ -1,0 +1,155 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node that turns sentences into headings."""
+
+from __future__ import annotations
+
+import socket
+import time
+
+from diagnostic_msgs.msg import DiagnosticArray
+import pytest
+from sensor_msgs.msg import Imu
+
+from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.drivers.settings import DriverError
+from heading_intercompare.nodes import qos
+from heading_intercompare.nodes.messages import headings_from
+from heading_intercompare.nodes.nmea_driver import NmeaDriver
+
+
+def sentence(heading):
+    """Return an HDT sentence with a heading, a number or text."""
+    body = f'HEHDT,{heading},T'
+    checksum = 0
+    for character in body.encode():
+        checksum ^= character
+    return f'${body}*{checksum:02X}\r\n'
+
+
+def log(path, n, start='2014-08-01T00:00:', rate_hz=10):
+    """Write a log of n stamped sentences that turn to starboard, 0.1 deg each."""
+    path.write_text(''.join(f'{start}{i / rate_hz:09.6f}Z {sentence(round(10.0 + i / 10, 2))}'
+                            for i in range(n)))
+    return f'file:{path}'
+
+
+def test_a_log_is_published_whole_with_its_stamps_and_then_the_node_is_done(ros, tmp_path):
+    node = ros.ours(NmeaDriver, source=log(tmp_path / 'gyro.log', 300), speed=0.0)
+    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    ros.spin_until(lambda: node.done)
+    ros.spin_until(lambda: len(heard) == 300)
+    headings = headings_from(heard, 'enu')
+    assert headings.stamp_ns.tolist() == [1406851200 * 10 ** 9 + i * 10 ** 8 for i in range(300)]
+    assert headings.heading_deg.tolist() == pytest.approx([10.0 + i / 10 for i in range(300)])
+    assert {m.header.frame_id for m in heard} == {'ts_heading'}
+
+
+def test_a_log_is_not_begun_before_it_is_heard(ros, tmp_path):
+    node = ros.ours(NmeaDriver, source=log(tmp_path / 'gyro.log', 5), speed=0.0, subscribers=2)
+    first = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    ros.spin_until(lambda: ros.executor.spin_once(0.3) is None)
+    assert (first, node.done) == ([], False)
+    second = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    ros.spin_until(lambda: len(first) == len(second) == 5)
+
+
+def test_a_log_is_played_at_its_own_pace_times_the_speed(ros, tmp_path):
+    node = ros.ours(NmeaDriver, source=log(tmp_path / 'gyro.log', 31), speed=5.0)
+    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    ros.spin_until(lambda: heard)
+    began_s = time.monotonic()
+    ros.spin_until(lambda: node.done)
+    assert time.monotonic() - began_s == pytest.approx(0.6, abs=0.25)
+
+
+def test_logs_that_begin_apart_are_played_in_step_from_one_origin(ros, tmp_path):
+    """The second log begins 1 s later: at twice the speed, half a second."""
+    early = log(tmp_path / 'a.log', 30)
+    late = log(tmp_path / 'b.log', 10, '2014-08-01T00:01:')
+    node = ros.ours(NmeaDriver, source=late, topic='rs/heading', speed=20.0)
+    assert node.first_ns == 1406851260 * 10 ** 9
+    node.play_from(node.first_ns - 10 * 10 ** 9)
+    heard = ros.listen(Imu, 'rs/heading', qos.PAIRS)
+    began_s = time.monotonic()
+    ros.spin_until(lambda: heard)
+    assert time.monotonic() - began_s == pytest.approx(0.5, abs=0.25)
+    other = ros.ours(NmeaDriver, name='other', source=early, origin_ns=node.first_ns, speed=0.0)
+    assert other.first_ns == 1406851200 * 10 ** 9
+
+
+def test_sentences_over_udp_are_stamped_when_they_come(ros):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(('127.0.0.1', 0))
+        port = probe.getsockname()[1]
+    ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{port}', sentence='HDT')
+    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        before_ns = time.time_ns()
+        sender.sendto(sentence(123.45).encode(), ('127.0.0.1', port))
+        sent_ns = time.time_ns()
+        # The node is busy elsewhere for a while: the stamp must not know.
+        time.sleep(0.2)
+        ros.spin_until(lambda: heard)
+    headings = headings_from(heard, 'enu')
+    assert before_ns <= headings.stamp_ns[0] <= sent_ns + 100_000_000
+    assert headings.heading_deg[0] == pytest.approx(123.45)
+
+
+def test_what_gave_no_heading_is_in_the_diagnostics_by_reason(ros, tmp_path):
+    path = tmp_path / 'gyro.log'
+    source = log(path, 20)
+    path.write_text(f'{path.read_text()}2014-08-01T00:00:59Z {sentence("")}')
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    ros.ours(NmeaDriver, source=source, speed=0.0)
+
+    def shown():
+        return [{v.key: v.value for v in s.values} for m in states for s in m.status
+                if s.name == 'nmea_driver: source']
+    ros.spin_until(lambda: shown() and shown()[-1].get('empty_heading') == '1')
+    assert shown()[-1]['published'] == '20'
+
+
+def test_the_name_of_the_node_can_be_given(ros, tmp_path):
+    node = ros.ours(NmeaDriver, name='rs_driver', source=log(tmp_path / 'gyro.log', 1))
+    assert node.get_name() == 'rs_driver'
+
+
+def test_the_end_stops_a_log_that_is_under_way(ros, tmp_path):
+    node = ros.ours(NmeaDriver, source=log(tmp_path / 'gyro.log', 600))
+    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    ros.spin_until(lambda: len(heard) > 2)
+    ros.end(node)
+    assert node.ended
+    assert len(heard) < 600
+
+
+@pytest.mark.parametrize('values, error, message', [
+    ({}, SettingsError, 'source is required: must be file:PATH'),
+    ({'source': 'usb:1'}, SettingsError, "source = 'usb:1': must be file:PATH"),
+    ({'source': 'file:no/such.log'}, OSError, 'No such file'),
+    ({'source': 'udp://127.0.0.1:10110', 'sentense': 'HDT'}, SettingsError,
+     "unknown parameter 'sentense'; did you mean 'sentence'?"),
+])
+def test_a_mistake_ends_the_node_before_it_begins(ros, values, error, message):
+    with pytest.raises(error) as raised:
+        ros.ours(NmeaDriver, **values)
+    assert message in str(raised.value)
+
+
+def test_an_empty_log_is_refused(ros, tmp_path):
+    (tmp_path / 'empty.log').touch()
+    with pytest.raises(DriverError, match='no lines'):
+        ros.ours(NmeaDriver, source=f'file:{tmp_path}/empty.log')
+
+
+def test_an_error_of_the_source_reaches_the_process(ros, tmp_path):
+    node = ros.ours(NmeaDriver, source=log(tmp_path / 'gyro.log', 600))
+
+    def read(timeout_s):
+        raise OSError(5, 'Input/output error', 'gyro')
+    node._source.read = read
+    ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    with pytest.raises(OSError, match='Input/output error'):
+        ros.spin_until(lambda: node.done)

@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node that writes bags."""
+
+from __future__ import annotations
+
+import json
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import QuaternionStamped
+import pytest
+from rclpy.serialization import serialize_message
+from sensor_msgs.msg import Imu
+from std_msgs.msg import String
+
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.version import VERSION
+from heading_intercompare.nodes import qos
+from heading_intercompare.nodes.messages import heading_messages, headings_from
+from heading_intercompare.nodes.recorder import Recorder
+from heading_intercompare.nodes.status_messages import marker_message
+
+REPORT = json.dumps({'runs': [{'start_ns': 5, 'end_ns': 9}]})
+
+
+def some_headings(n):
+    """Return messages stamped 1 to n seconds."""
+    return heading_messages(Headings.of([i * 10 ** 9 for i in range(1, n + 1)],
+                                        [i / 10 for i in range(n)]), 'gyro')
+
+
+def sensor_of(ros, topic='ts/heading', kind=Imu):
+    """Return a publisher that the recorder listens to."""
+    sensor = ros.plain.create_publisher(kind, topic, qos.HEADINGS_OUT)
+    ros.spin_until(lambda: sensor.get_subscription_count() == 1)
+    return sensor
+
+
+def finish(ros, node, *publishers):
+    """Let the publishers go, then end the recorder; return the bag."""
+    for publisher in publishers:
+        ros.plain.destroy_publisher(publisher)
+    ros.end(node)
+    return BagReader(node.path)
+
+
+def test_headings_are_written_as_they_were_sent(ros, tmp_path):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    sensor, sent = sensor_of(ros), some_headings(300)
+    for message in sent:
+        sensor.publish(message)
+    ros.spin_until(lambda: node.written == 300)
+    bag = finish(ros, node, sensor)
+    assert bag.incomplete is None
+    stored = list(bag.messages(['/ts/heading']))
+    assert [m.sequence for m in stored] == list(range(1, 301))
+    assert all(m.publish_time_ns <= m.log_time_ns for m in stored)
+    chunk, = bag.headings({'ts/heading': 'enu'})
+    assert chunk['ts/heading'] == headings_from(sent, 'enu')
+
+
+def test_a_type_that_is_accepted_is_recorded_as_it_is(ros, tmp_path):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    sensor = sensor_of(ros, 'rs/heading', QuaternionStamped)
+    sensor.publish(QuaternionStamped())
+    ros.spin_until(lambda: node.written == 1)
+    bag = finish(ros, node, sensor)
+    assert bag.topics['/rs/heading'].type_name == 'geometry_msgs/msg/QuaternionStamped'
+
+
+def test_what_comes_of_the_comparison_is_written_too(ros, tmp_path):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    made = [(ros.plain.create_publisher(kind, topic, profile), message)
+            for kind, topic, profile, message in (
+                (DiagnosticArray, 'pairs/ledger', qos.LEDGER, DiagnosticArray()),
+                (DiagnosticArray, 'compliance/marker', qos.MARKER, marker_message('start', 7)),
+                (DiagnosticArray, 'compliance/verdict', qos.VERDICT, DiagnosticArray()),
+                (String, 'compliance/report', qos.REPORT, String(data=REPORT)))]
+    for publisher, message in made:
+        ros.spin_until(lambda p=publisher: p.get_subscription_count() == 1)
+        publisher.publish(message)
+    ros.spin_until(lambda: node.written == 4)
+    bag = finish(ros, node, *(publisher for publisher, _ in made))
+    assert {name: info.count for name, info in bag.topics.items()} == {
+        '/pairs/ledger': 1, '/compliance/marker': 1, '/compliance/verdict': 1,
+        '/compliance/report': 1}
+    attached = {a.name: a.data.decode() for a in bag.attachments()}
+    assert attached == {'report.json': REPORT, 'runs.csv': 'start,stop\n5,10\n'}
+
+
+def test_settings_and_version_are_in_the_bag(ros, tmp_path):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'), variant='C')
+    stated = finish(ros, node).metadata()['heading_intercompare']
+    assert stated['version'] == VERSION
+    assert stated['settings.variant'] == 'C'
+    assert stated['settings.norms.sigma_max_deg'] == '0.2'
+
+
+def test_after_a_second_what_came_is_on_the_disk(ros, tmp_path):
+    """What is read here is what a process that is killed leaves behind."""
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    sensor, sent = sensor_of(ros), some_headings(50)
+    for message in sent:
+        sensor.publish(message)
+    ros.spin_until(lambda: node.written == 50)
+
+    def on_disk():
+        info = BagReader(node.path).topics.get('/ts/heading')
+        return info.count if info else 0
+    ros.spin_until(lambda: on_disk() == 50, timeout_s=3.0)
+    assert BagReader(node.path).incomplete
+
+
+def test_the_end_waits_for_the_last_verdict(ros, tmp_path):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    report = ros.plain.create_publisher(String, 'compliance/report', qos.REPORT)
+    ros.spin_until(lambda: report.get_subscription_count() == 1)
+    node.end()
+    ros.spin_until(lambda: ros.executor.spin_once(0.5) is None)
+    assert not node.ended
+    report.publish(String(data=REPORT))
+    assert report.wait_for_all_acked()
+    bag = finish(ros, node, report)
+    assert bag.topics['/compliance/report'].count == 1
+
+
+def test_a_disk_that_fails_is_an_error_and_nothing_is_lost_when_it_works_again(
+        ros, tmp_path, monkeypatch):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    sensor = sensor_of(ros)
+
+    def fail(now_s):
+        raise OSError(28, 'No space left on device', 'bag_0.mcap')
+    with monkeypatch.context() as patch:
+        patch.setattr(node._bag, 'flush_if_due', fail)
+        for message in some_headings(20):
+            sensor.publish(message)
+        ros.spin_until(lambda: any('No space left on device' in s.message
+                                   for m in states for s in m.status))
+    ros.spin_until(lambda: node.written == 20)
+    assert finish(ros, node, sensor).topics['/ts/heading'].count == 20
+
+
+def test_a_bag_is_never_overwritten(ros, tmp_path):
+    with pytest.raises(BagError, match='exists already'):
+        ros.ours(Recorder, output=str(tmp_path))
+
+
+def test_the_recorded_message_is_the_one_that_was_published(ros, tmp_path):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    marker = ros.plain.create_publisher(DiagnosticArray, 'compliance/marker', qos.MARKER)
+    message = marker_message('stop', 123_456_789_000)
+    marker.publish(message)
+    ros.spin_until(lambda: node.written == 1)
+    stored, = finish(ros, node, marker).messages()
+    assert len(stored.data) == len(serialize_message(message))
+    from heading_intercompare.bags.cdr import decode
+    assert decode(stored.type_name, stored.data)['status'][0]['message'] == 'stop'

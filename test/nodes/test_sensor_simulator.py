@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node that simulates both sensors."""
+
+from __future__ import annotations
+
+import time
+
+from diagnostic_msgs.msg import DiagnosticArray
+import pytest
+from sensor_msgs.msg import Imu
+from std_srvs.srv import SetBool, Trigger
+
+from heading_intercompare.ahrs.faults import FAULTS
+from heading_intercompare.ahrs.plans import EVENTS
+from heading_intercompare.ahrs.settings import Scenario
+from heading_intercompare.ahrs.simulator import Simulation
+from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.nodes import qos
+from heading_intercompare.nodes.messages import heading_messages, headings_from
+from heading_intercompare.nodes.sensor_simulator import SensorSimulator
+from heading_intercompare.nodes.status_messages import ERROR, OK
+
+TRIAL = {'duration_s': 20.0, 'ts.rate_hz': 10.0, 'rs.rate_hz': 4.0, 'ts.white_deg': 0.1,
+         'legs': '0 350 10; 10 20 10'}
+
+
+def run(ros, **values):
+    """Return what both topics say until the trial is over."""
+    node = ros.ours(SensorSimulator, **{k.replace('.', '__'): v for k, v in TRIAL.items()},
+                    **values)
+    heard = [ros.listen(Imu, f'{role}/heading', qos.PAIRS) for role in ('ts', 'rs')]
+    ros.spin_until(lambda: node.done)
+    ros.spin_until(lambda: (len(heard[0]), len(heard[1])) == (200, 80))
+    return heard
+
+
+@pytest.mark.parametrize('speed', [0.0, 40.0])
+def test_the_published_trial_is_that_of_the_pure_simulation(ros, speed):
+    heard = run(ros, speed=speed, stamps='scenario')
+    chunk, = Simulation(Scenario.from_mapping(TRIAL)).chunks(20.0)
+    assert headings_from(heard[0], 'enu') == headings_from(heading_messages(chunk.ts, ''), 'enu')
+    assert headings_from(heard[1], 'enu') == headings_from(heading_messages(chunk.rs, ''), 'enu')
+    assert heard[0][0].angular_velocity_covariance[0] == 0.0
+    assert heard[0][0].orientation_covariance[8] > 0.0
+
+
+def test_a_live_trial_begins_now(ros):
+    before_ns = time.time_ns()
+    heard = run(ros, speed=0.0)
+    assert before_ns <= headings_from(heard[0][:1], 'enu').stamp_ns[0] <= time.time_ns()
+
+
+def test_the_speed_is_kept(ros):
+    began_s = time.monotonic()
+    run(ros, speed=20.0)
+    assert time.monotonic() - began_s == pytest.approx(1.0, abs=0.4)
+
+
+def test_a_trial_is_not_begun_before_both_topics_are_heard(ros):
+    node = ros.ours(SensorSimulator, duration_s=5.0, speed=0.0)
+    ts = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    ros.spin_until(lambda: ros.executor.spin_once(0.3) is None)
+    assert (ts, node.done) == ([], False)
+    ros.listen(Imu, 'rs/heading', qos.PAIRS)
+    ros.spin_until(lambda: node.done)
+
+
+def test_a_wrong_scenario_ends_the_node_before_it_begins(ros):
+    with pytest.raises(SettingsError, match="unknown parameter 'ts.white'; did you mean"):
+        ros.ours(SensorSimulator, ts__white=0.1)
+
+
+def called(ros, kind, name, **request):
+    """Return the answer of a service of the node."""
+    client = ros.plain.create_client(kind, f'/sensor_simulator/{name}')
+    ros.spin_until(client.service_is_ready)
+    answer = client.call_async(kind.Request(**request))
+    ros.spin_until(answer.done)
+    return answer.result()
+
+
+def values(heard, part):
+    """Return the figures of each status of a part on /diagnostics, its words and level."""
+    return [{**{pair.key: pair.value for pair in status.values}, 'words': status.message,
+             'level': status.level} for message in heard for status in message.status
+            if status.name == f'sensor_simulator: {part}']
+
+
+def begun(ros, **settings):
+    """Return a node whose trial goes on for long, what its TS says, and the diagnostics."""
+    node = ros.ours(SensorSimulator, stamps='scenario', duration_s=100000.0, **settings)
+    ts, _ = (ros.listen(Imu, f'{role}/heading', qos.PAIRS) for role in ('ts', 'rs'))
+    diagnostics = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    ros.spin_until(lambda: ts)
+    return node, ts, diagnostics
+
+
+def test_injected_fault_begins_and_ends_when_the_service_says(ros):
+    """An ideal TS on a steady ship: only the fault turns its heading, by 5 degrees."""
+    _, ts, diagnostics = begun(ros, legs='0 70 10', speed=5.0)
+    times_s = []
+    for on in (True, False):
+        answer = called(ros, SetBool, 'inject_jump', data=on)
+        assert answer.success
+        assert f'TS: jump {"begins" if on else "ends"} at ' in answer.message
+        times_s.append(float(answer.message.split()[-5]))
+        n = len(ts)
+        ros.spin_until(lambda: len(ts) > n + 5)  # noqa: B023
+        if on:
+            ros.spin_until(lambda: any(shown.get('ts_faults') == 'jump'
+                                       for shown in values(diagnostics, 'simulation')))
+    read = headings_from(ts, 'enu')
+    t_s = (read.stamp_ns - Simulation(Scenario()).start_ns) / 1e9
+    turned = t_s[abs(read.heading_deg - 75.0) < 1e-9]
+    assert len(turned) + (abs(read.heading_deg - 70.0) < 1e-9).sum() == len(ts)
+    assert turned.min() == pytest.approx(times_s[0], abs=0.11)
+    assert turned.max() == pytest.approx(times_s[1], abs=0.11)
+
+
+def test_commanded_mode_shows_on_diagnostics_with_progress_and_tests(ros):
+    """The command acts with the next 10 s of the trial, a tenth of a second here."""
+    settings = {'ts__model': 'dtg_precision', 'ts__ahrs__initial_state': 'aligned'}
+    _, _, diagnostics = begun(ros, speed=100.0, **settings)
+    ros.spin_until(lambda: values(diagnostics, 'ts'))
+    assert values(diagnostics, 'ts')[-1]['mode'] == 'GYROCOMPASS'
+    answer = called(ros, Trigger, 'gyro_azimuth')
+    assert answer.success and 'TS: gyro_azimuth at ' in answer.message
+    ros.spin_until(lambda: values(diagnostics, 'ts')[-1]['mode'] == 'GYRO_AZIMUTH')
+    shown = values(diagnostics, 'ts')[-1]
+    assert (shown['words'], shown['level']) == ('gyro azimuth, heading valid', OK)
+    assert (shown['mode_progress'], shown['test_gyro']) == ('1.0', 'passed')
+    assert float(shown['mode_time_s']) >= 0.0
+    assert called(ros, Trigger, 'fail_gyro').success
+    ros.spin_until(lambda: values(diagnostics, 'ts')[-1]['level'] == ERROR)
+    assert values(diagnostics, 'ts')[-1]['words'] == 'fault: gyro'
+    assert values(diagnostics, 'ts')[-1]['test_gyro'] == 'failed'
+    assert not values(diagnostics, 'rs')
+
+
+def test_service_says_why_it_cannot(ros):
+    node, _, _ = begun(ros, speed=20.0)
+    for kind, name, request, words in (
+            (Trigger, 'gyrocompass', {}, "TS: a sensor of the model 'ideal' has no modes"),
+            (SetBool, 'inject_freeze', {'data': False}, 'TS: freeze is not present')):
+        answer = called(ros, kind, name, **request)
+        assert not answer.success and answer.message.startswith(words)
+    ros.end(node)
+
+
+def test_service_waits_for_the_trial_to_begin(ros):
+    ros.ours(SensorSimulator, duration_s=5.0)
+    answer = called(ros, SetBool, 'inject_jump', data=True)
+    assert (answer.success, answer.message) == (False, 'the trial has not begun')
+
+
+def test_every_fault_and_event_has_its_service(ros):
+    node = ros.ours(SensorSimulator, duration_s=5.0)
+    offered = {name.rpartition('/')[2] for name, _ in node.get_service_names_and_types_by_node(
+        'sensor_simulator', '/')}
+    assert {*EVENTS, *(f'inject_{kind}' for kind in FAULTS)} <= offered

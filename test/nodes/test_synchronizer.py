@@ -1,0 +1,191 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node that pairs."""
+
+from __future__ import annotations
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import QuaternionStamped, TwistStamped
+import numpy as np
+import pytest
+from rclpy.node import Node
+from sensor_msgs.msg import Imu
+
+from heading_intercompare.core.pairing import pair
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.nodes import qos
+from heading_intercompare.nodes.health import Health
+from heading_intercompare.nodes.intake import Intake
+from heading_intercompare.nodes.messages import (
+    heading_messages,
+    headings_from,
+    pairs_from,
+    PAIRS_TYPES,
+)
+from heading_intercompare.nodes.status_messages import (
+    ledger_from,
+    ledger_message,
+    marker_message,
+)
+from heading_intercompare.nodes.synchronizer import Synchronizer
+from heading_intercompare.nodes.timing import every
+
+T0_NS = 1_700_000_000_000_000_000
+
+
+def stream(rng, rate_hz, span_s, offset_ns=0):
+    """Return readings at a rate, headings near north so that they wrap."""
+    n = int(rate_hz * span_s)
+    stamps = T0_NS + offset_ns + (np.arange(n) * (1e9 / rate_hz)).astype(np.int64)
+    return Headings.of(stamps, (rng.normal(0.0, 1.0, n)) % 360.0)
+
+
+def graph(ros, **values):
+    """Return a synchronizer, publishers of its inputs, and what it publishes."""
+    pairs = ros.listen(TwistStamped, 'pairs', qos.PAIRS)
+    ledgers = ros.listen(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
+    sensors = [ros.plain.create_publisher(Imu, f'{role}/heading', qos.HEADINGS_OUT)
+               for role in ('ts', 'rs')]
+    node = ros.ours(Synchronizer, **values)
+    ros.spin_until(lambda: all(s.get_subscription_count() == 1 for s in sensors))
+    return node, sensors, pairs, ledgers
+
+
+def send(publisher, headings):
+    """Publish headings."""
+    for message in heading_messages(headings, 'x'):
+        publisher.publish(message)
+
+
+def arrived(headings):
+    """Return headings as their messages carry them."""
+    return headings_from(heading_messages(headings, 'x'), 'enu')
+
+
+def finish(ros, node, sensors, ledgers):
+    """End the synchronizer as its process would; return the final ledger."""
+    for sensor in sensors:
+        ros.plain.destroy_publisher(sensor)
+    ros.end(node)
+    ros.spin_until(lambda: ledgers and ledger_from(ledgers[-1])[1])
+    return ledger_from(ledgers[-1])[0]
+
+
+def test_live_pairs_are_those_of_the_pure_pairer_to_the_bit(ros, rng):
+    node, sensors, pairs, ledgers = graph(ros)
+    ts, rs = stream(rng, 10.0, 20.0, 13_000_000), stream(rng, 4.0, 20.0)
+    for lo in range(0, 200, 20):
+        send(sensors[0], ts[lo:lo + 20])
+        send(sensors[1], rs[lo * 2 // 5:(lo + 20) * 2 // 5])
+        ros.spin_until(lambda: node.executor is not None and ros.executor.spin_once(0.01) is None)
+    ledger = finish(ros, node, sensors, ledgers)
+    expected, pure = pair(arrived(ts), arrived(rs), Settings())
+    ros.spin_until(lambda: len(pairs) >= len(expected))
+    assert pairs_from(pairs) == expected
+    assert ledger.total.counts == pure.total.counts
+    assert ledger.segments == pure.segments
+
+
+def test_one_stream_ahead_of_the_other_changes_nothing(ros, rng):
+    node, sensors, pairs, ledgers = graph(ros)
+    ts, rs = stream(rng, 10.0, 5.0, 7), stream(rng, 10.0, 5.0)
+    send(sensors[0], ts)
+    ros.spin_until(lambda: ros.executor.spin_once(0.05) is None)
+    send(sensors[1], rs)
+    finish(ros, node, sensors, ledgers)
+    expected, _ = pair(arrived(ts), arrived(rs), Settings())
+    ros.spin_until(lambda: len(pairs) >= len(expected))
+    assert pairs_from(pairs) == expected
+
+
+def test_a_burst_of_pairs_does_not_overrun_who_takes_them(ros, rng):
+    """The RS comes late: 2500 pairs at once, of which a subscription keeps 1000."""
+    heard = ros.add(Node, 'taker')
+    intake = Intake(heard, 'pairs', PAIRS_TYPES, qos.PAIRS, Health(heard))
+    every(heard, 0.05, intake.take)
+    node, sensors, _, ledgers = graph(ros)
+    ts, rs = stream(rng, 100.0, 25.0), stream(rng, 10.0, 25.1)
+    for lo in range(0, len(ts), 500):
+        send(sensors[0], ts[lo:lo + 500])
+        ros.spin_until(lambda lo=lo: ledger_from(ledger_message(
+            node._pairer.ledger))[0].total.received('ts') == lo + 500)
+    send(sensors[1], rs)
+    finish(ros, node, sensors, ledgers)
+    ros.spin_until(lambda: intake.received == 2500)
+    assert intake.lost == 0
+
+
+def test_a_reading_without_a_partner_is_given_up_after_the_wait(ros, rng):
+    _, sensors, _, ledgers = graph(ros, pairing__max_wait_s=0.2)
+    send(sensors[0], stream(rng, 10.0, 1.0))
+    ros.spin_until(lambda: ledgers and ledger_from(ledgers[-1])[0].total.counts.get(
+        'ts_unpaired') == 10)
+
+
+def test_the_ledger_comes_every_second_and_its_last_one_is_final(ros, rng):
+    node, sensors, _, ledgers = graph(ros)
+    ros.spin_until(lambda: len(ledgers) >= 2)
+    assert not ledger_from(ledgers[-1])[1]
+    send(sensors[0], stream(rng, 10.0, 1.0))
+    ledger = finish(ros, node, sensors, ledgers)
+    assert ledger.total.counts == {'ts_unpaired': 10}
+    assert ledger.newest_ns == T0_NS + 900_000_000
+
+
+def test_rejected_readings_are_counted_by_reason(ros):
+    node, sensors, _, ledgers = graph(ros)
+    send(sensors[0], Headings.of([T0_NS, T0_NS, 0, T0_NS + 1], [1.0, 2.0, 3.0, np.nan]))
+    ledger = finish(ros, node, sensors, ledgers)
+    assert ledger.total.counts == {
+        'ts_rejected.invalid': 1, 'ts_rejected.no_stamp': 1,
+        'ts_rejected.stamp_not_increasing': 1, 'ts_unpaired': 1}
+
+
+def test_a_start_mark_opens_a_segment_and_a_stop_mark_does_not(ros, rng):
+    marker = ros.plain.create_publisher(DiagnosticArray, 'compliance/marker', qos.MARKER)
+    node, sensors, _, ledgers = graph(ros)
+    marker.publish(marker_message('start', T0_NS + 450_000_000))
+    marker.publish(marker_message('stop', T0_NS + 700_000_000))
+    ros.spin_until(lambda: ledgers and len(ledger_from(ledgers[-1])[0].segments) == 2)
+    send(sensors[0], stream(rng, 10.0, 1.0))
+    ledger = finish(ros, node, sensors, ledgers)
+    first, second = ledger.segments
+    assert second.start_ns == T0_NS + 450_000_001
+    assert (first.counts['ts_unpaired'], second.counts['ts_unpaired']) == (5, 5)
+
+
+def test_inputs_open_only_when_somebody_takes_the_pairs(ros):
+    sensor = ros.plain.create_publisher(Imu, 'ts/heading', qos.HEADINGS_OUT)
+    node = ros.ours(Synchronizer)
+    ros.spin_until(lambda: ros.executor.spin_once(0.2) is None)
+    assert sensor.get_subscription_count() == 0
+    assert node.count_publishers('ts/heading') == 1
+    ros.listen(TwistStamped, 'pairs', qos.PAIRS)
+    ros.spin_until(lambda: sensor.get_subscription_count() == 1)
+
+
+def test_inputs_open_without_a_taker_after_the_startup_wait(ros):
+    sensor = ros.plain.create_publisher(Imu, 'ts/heading', qos.HEADINGS_OUT)
+    ros.ours(Synchronizer, startup_wait_s=0.3)
+    ros.spin_until(lambda: sensor.get_subscription_count() == 1)
+
+
+def test_the_convention_of_an_input_is_honoured(ros):
+    pairs = ros.listen(TwistStamped, 'pairs', qos.PAIRS)
+    ts = ros.plain.create_publisher(QuaternionStamped, 'compass', qos.HEADINGS_OUT)
+    rs = ros.plain.create_publisher(Imu, 'rs/heading', qos.HEADINGS_OUT)
+    ros.ours(Synchronizer, ts_topic='compass', ts_convention='ned')
+    ros.spin_until(lambda: all(p.get_subscription_count() == 1 for p in (ts, rs)))
+    north_ned = QuaternionStamped()
+    north_ned.header.stamp.sec = 100
+    ts.publish(north_ned)
+    send(rs, Headings.of([100 * 10 ** 9], [1.0]))
+    ros.spin_until(lambda: pairs)
+    assert pairs_from(pairs).ts_deg[0] == pytest.approx(0.0)
+    assert pairs_from(pairs).rs_deg[0] == pytest.approx(1.0)
+
+
+def test_a_wrong_setting_ends_the_node_before_it_begins(ros):
+    with pytest.raises(SettingsError, match='unknown parameter'):
+        ros.ours(Synchronizer, tolerance_s=0.1)
