@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import json
 from pathlib import Path
 import re
-from typing import Any, Iterator, Mapping
+from typing import Any, Iterator, Mapping, Sequence
 
-__all__ = ['bag_metadata', 'listed_parts', 'PartInfo', 'Qos', 'TopicRow']
+__all__ = ['bag_metadata', 'listed_parts', 'metadata_file', 'PartInfo', 'Qos', 'TopicRow']
 
 _VERSION = 9
 _DISTRIBUTION = 'jazzy'
@@ -136,39 +136,50 @@ def _lines(value: Any, indent: str) -> Iterator[str]:
                 yield f'{indent}- {_scalar(inner)}'
 
 
-def bag_metadata(part: PartInfo, custom_data: Mapping[str, str]) -> tuple[str, str]:
+def _span(parts: Sequence[PartInfo]) -> dict[str, Any]:
+    """Return the rows of starting time, duration and number of messages."""
+    starts = [part.start_ns for part in parts if part.start_ns is not None]
+    start_ns = min(starts, default=_NEVER)
+    end_ns = max((part.end_ns for part in parts if part.start_ns is not None), default=start_ns)
+    return {'duration': {'nanoseconds': end_ns - start_ns},
+            'starting_time': {'nanoseconds_since_epoch': start_ns},
+            'message_count': sum(part.count for part in parts)}
+
+
+def bag_metadata(parts: Sequence[PartInfo], custom_data: Mapping[str, str]) -> str:
     """
-    Return what rosbag2 says of a bag of one file.
+    Return what rosbag2 says of the files of a bag, as the MCAP metadata record `rosbag2` has it.
 
     Parameters
     ----------
-    part : PartInfo
-        The file and its topics.
+    parts : sequence of PartInfo
+        The files and their topics, in order.
     custom_data : mapping of str to str
         Free entries.
 
-    Returns
-    -------
-    file_text, record_text : str
-        The text of metadata.yaml, and that of the MCAP metadata record `rosbag2`.
-
     """
-    start_ns = _NEVER if part.start_ns is None else part.start_ns
-    start = {'nanoseconds_since_epoch': start_ns}
-    duration = {'nanoseconds': 0 if part.start_ns is None else part.end_ns - start_ns}
-    topics = [{'topic_metadata': {
-        'name': topic.name, 'type': topic.type_name, 'serialization_format': 'cdr',
-        'offered_qos_profiles': topic.qos.rows(), 'type_description_hash': topic.type_hash},
-        'message_count': topic.count} for topic in part.topics]
-    rows = {'version': _VERSION, 'storage_identifier': 'mcap', 'duration': duration,
-            'starting_time': start, 'message_count': part.count,
-            'topics_with_message_count': topics, 'compression_format': '',
-            'compression_mode': '', 'relative_file_paths': [part.path],
-            'files': [{'path': part.path, 'starting_time': start, 'duration': duration,
-                       'message_count': part.count}],
+    counts: dict[str, int] = {}
+    topics: dict[str, TopicRow] = {}
+    for part in parts:
+        for row in part.topics:
+            topics[row.name] = row
+            counts[row.name] = counts.get(row.name, 0) + row.count
+    rows = {'version': _VERSION, 'storage_identifier': 'mcap', **_span(parts),
+            'topics_with_message_count': [{'topic_metadata': {
+                'name': name, 'type': row.type_name, 'serialization_format': 'cdr',
+                'offered_qos_profiles': row.qos.rows(), 'type_description_hash': row.type_hash},
+                'message_count': counts[name]} for name, row in topics.items()],
+            'compression_format': '', 'compression_mode': '',
+            'relative_file_paths': [part.path for part in parts],
+            'files': [{'path': part.path, **_span([part])} for part in parts],
             'custom_data': dict(custom_data) or None, 'ros_distro': _DISTRIBUTION}
-    file_text = '\n'.join(_lines({'rosbag2_bagfile_information': rows}, '')) + '\n'
-    return file_text, '\n'.join(_lines(rows, '')) + '\n'
+    return '\n'.join(_lines(rows, '')) + '\n'
+
+
+def metadata_file(parts: Sequence[PartInfo], custom_data: Mapping[str, str]) -> str:
+    """Return the text of metadata.yaml; see `bag_metadata`."""
+    inner = bag_metadata(parts, custom_data).splitlines()
+    return '\n'.join(['rosbag2_bagfile_information:', *(f'  {line}' for line in inner)]) + '\n'
 
 
 def listed_parts(path: Path) -> list[str]:

@@ -29,6 +29,10 @@ __all__ = ['ChunkWriter']
 #: Fast, and on these messages hardly larger than higher levels.
 _ZSTD_LEVEL = 1
 
+#: Chunks from one that defines all topics to the next: a file whose first chunk is damaged and
+#: whose summary is cut can then still be understood.
+_DEFINED_EVERY = 32
+
 _COMPRESS: dict[str, tuple[str, Callable[[bytes], bytes]]] = {
     'none': ('', bytes),
     'lz4': ('lz4', lz4.frame.compress),
@@ -87,18 +91,21 @@ class ChunkWriter:
         self._first, self._last = 2**64, 0
         #: By channel, the entries of its message index: log time and offset.
         self._index: dict[int, bytearray] = {}
+        if self._chunk_indexes and len(self._chunk_indexes) % _DEFINED_EVERY == 0:
+            for definition in (*self._schemas, *self._channels):
+                self._add(_built(definition))
 
     def _add(self, piece: bytes) -> None:
         self._pieces.append(piece)
         self._size += len(piece)
 
     def add_channel(self, topic: str, type_name: str, schema_text: str,
-                    metadata: Mapping[str, str]) -> int:
+                    metadata: Mapping[str, str], encoding: str = 'ros2msg') -> int:
         """Return the number of a new channel; its definition opens the next chunk."""
         schema = next((s for s in self._schemas if s.name == type_name), None)
         if schema is None:
-            schema = mcap.Schema(id=len(self._schemas) + 1, name=type_name, encoding='ros2msg',
-                            data=schema_text.encode())
+            schema = mcap.Schema(id=len(self._schemas) + 1, name=type_name, encoding=encoding,
+                                 data=schema_text.encode())
             self._schemas.append(schema)
             self._add(_built(schema))
         channel = mcap.Channel(id=len(self._channels) + 1, topic=topic, message_encoding='cdr',

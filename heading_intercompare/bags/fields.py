@@ -10,7 +10,8 @@ from typing import Iterator, Mapping
 
 from .errors import BagError
 
-__all__ = ['CODES', 'Definitions', 'Field', 'SEQUENCE', 'definitions_in', 'leaves', 'short_name']
+__all__ = ['CODES', 'Definitions', 'Field', 'SEQUENCE', 'definitions_in', 'full_name', 'leaves',
+           'short_name']
 
 #: Letters of `struct` for the primitive types; 's' stands for strings here.
 CODES = {'bool': '?', 'byte': 'B', 'octet': 'B', 'char': 'B', 'uint8': 'B', 'int8': 'b',
@@ -48,6 +49,11 @@ class Field:
 
 
 Definitions = Mapping[str, tuple[Field, ...]]
+
+
+def full_name(type_name: str) -> str:
+    """Return package/msg/Type of package/Type; other names unchanged."""
+    return type_name if '/msg/' in type_name else type_name.replace('/', '/msg/', 1)
 
 
 def short_name(type_name: str) -> str:

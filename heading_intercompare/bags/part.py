@@ -12,6 +12,7 @@ from __future__ import annotations
 from io import BytesIO
 import os
 from pathlib import Path
+import re
 import struct
 from typing import Iterator, TypeVar
 import zlib
@@ -26,7 +27,7 @@ from .blocks import Block, HEAD, Record, walk
 from .errors import BagError
 from .stream import MAGIC, RecordStream
 
-__all__ = ['Part']
+__all__ = ['mcap_files', 'parsed', 'Part']
 
 _FOOTER = HEAD.size + 20
 _BUFFER_BYTES = 1048576
@@ -36,7 +37,36 @@ _BLOCK_BYTES = 1048576
 _AnyRecord = TypeVar('_AnyRecord', bound=mcap.McapRecord)
 
 
-def _parsed(kind: type[_AnyRecord], content: bytes) -> _AnyRecord:
+def _naturally(path: Path) -> list:
+    return [int(piece) if piece.isdigit() else piece for piece in re.split(r'(\d+)', path.name)]
+
+
+def mcap_files(path: Path) -> list[Path]:
+    """
+    Return the MCAP files of a bag in natural order of their names.
+
+    Parameters
+    ----------
+    path : Path
+        A rosbag2 directory; or a file, which is then the only one, whatever its name.
+
+    Raises
+    ------
+    BagError
+        If a directory holds none.
+
+    """
+    if not path.is_dir():
+        return [path]
+    paths = sorted(path.glob('*.mcap'), key=_naturally)
+    if not paths:
+        raise BagError('holds no .mcap file (`ros2 bag convert` makes one of other storages)',
+                       path)
+    return paths
+
+
+def parsed(kind: type[_AnyRecord], content: bytes) -> _AnyRecord:
+    """Return a record of MCAP from the bytes behind its head; BagError if it is damaged."""
     try:
         return kind.read(ReadDataStream(BytesIO(content)))
     except (McapError, struct.error, UnicodeDecodeError):
@@ -108,7 +138,7 @@ class Part:
         if at < len(MAGIC) or tail[:HEAD.size] != HEAD.pack(Opcode.FOOTER, 20) or (
                 tail[_FOOTER:] != MAGIC):
             return False
-        footer = _parsed(mcap.Footer, tail[HEAD.size:])
+        footer = parsed(mcap.Footer, tail[HEAD.size:])
         length = at - footer.summary_start
         if not footer.summary_start or length <= 0:
             return False
@@ -129,11 +159,11 @@ class Part:
         for record in walk(summary, 0, len(summary))[1]:
             content = summary[record.start:record.start + record.length]
             if record.opcode == Opcode.STATISTICS:
-                statistics = _parsed(mcap.Statistics, content)
+                statistics = parsed(mcap.Statistics, content)
             elif record.opcode == Opcode.METADATA_INDEX:
-                self._extras.append(_parsed(mcap.MetadataIndex, content).offset)
+                self._extras.append(parsed(mcap.MetadataIndex, content).offset)
             elif record.opcode == Opcode.ATTACHMENT_INDEX:
-                self._extras.append(_parsed(mcap.AttachmentIndex, content).offset)
+                self._extras.append(parsed(mcap.AttachmentIndex, content).offset)
             else:
                 self._take_definition(record.opcode, content)
         if statistics is None:
@@ -150,10 +180,10 @@ class Part:
 
     def _take_definition(self, opcode: int, content: bytes) -> None:
         if opcode == Opcode.SCHEMA:
-            schema = _parsed(mcap.Schema, content)
+            schema = parsed(mcap.Schema, content)
             self.schemas[schema.id] = schema
         elif opcode == Opcode.CHANNEL:
-            channel = _parsed(mcap.Channel, content)
+            channel = parsed(mcap.Channel, content)
             self.channels[channel.id] = channel
 
     def _take_header(self, stream: RecordStream) -> None:
@@ -161,7 +191,7 @@ class Part:
         record = stream.record(len(MAGIC))
         if record.opcode != Opcode.HEADER:
             raise BagError('it has no header', offset=len(MAGIC))
-        self.profile = _parsed(mcap.Header, stream.content(record)).profile
+        self.profile = parsed(mcap.Header, stream.content(record)).profile
         self._begin = self._end = record.start + record.length
 
     def _scan(self, stream: RecordStream) -> None:
@@ -236,11 +266,11 @@ class Part:
                     record = stream.record(at)
                     content = stream.content(record)
                     if record.opcode == Opcode.METADATA:
-                        yield _parsed(mcap.Metadata, content)
+                        yield parsed(mcap.Metadata, content)
                         continue
                     crc = int.from_bytes(content[-4:], 'little')
                     if crc not in (0, zlib.crc32(content[:-4])):
                         raise BagError('attachment damaged: its checksum does not match')
-                    yield _parsed(mcap.Attachment, content)
+                    yield parsed(mcap.Attachment, content)
                 except BagError as error:
                     raise error.at(self.path, at) from None

@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 import os
 from pathlib import Path
-import re
 from typing import Iterable, Iterator, Mapping, NamedTuple
 
 from mcap.records import Attachment as McapAttachment, Metadata as McapMetadata
@@ -17,8 +16,9 @@ from heading_intercompare.core.records import Headings
 
 from .bag_yaml import listed_parts, Qos
 from .errors import BagError
+from .fields import full_name
 from .heading_messages import HEADING_TYPES, raw_headings
-from .part import Part
+from .part import mcap_files, Part
 from .schemas import layout_problem
 from .window import Window
 
@@ -67,22 +67,11 @@ class Attachment:
     data: bytes
 
 
-def _full_name(type_name: str) -> str:
-    return type_name if '/msg/' in type_name else type_name.replace('/', '/msg/', 1)
-
-
-def _naturally(path: Path) -> list:
-    return [int(piece) if piece.isdigit() else piece for piece in re.split(r'(\d+)', path.name)]
-
-
 def _opened(path: Path) -> tuple[list[Part], list[str]]:
     """Return the files of a bag in order, and why some are missing."""
     if not path.is_dir():
         return [Part(path)], []
-    paths = sorted(path.glob('*.mcap'), key=_naturally)
-    if not paths:
-        raise BagError('holds no .mcap file (`ros2 bag convert` makes one of other storages)',
-                       path)
+    paths = mcap_files(path)
     absent = [f'{name} is missing' for name in listed_parts(path / 'metadata.yaml')
               if not (path / name).is_file()]
     parts = []
@@ -148,7 +137,7 @@ class BagReader:
     @staticmethod
     def _type_of(part: Part, number: int) -> str:
         schema = part.schemas.get(part.channels[number].schema_id)
-        return _full_name(schema.name) if schema else ''
+        return full_name(schema.name) if schema else ''
 
     def resolve(self, topic: str) -> str:
         """

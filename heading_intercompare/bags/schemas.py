@@ -86,15 +86,18 @@ class Schema:
     type_name : str
         As package/msg/Type.
     text : str
-        The definition and all it depends on, encoding ros2msg.
+        The definition and all it depends on.
     type_hash : str
         REP-2016 hash, or empty when unknown.
+    encoding : str
+        Of the text: ros2msg, or ros2idl as other recorders may write it.
 
     """
 
     type_name: str
     text: str
     type_hash: str
+    encoding: str = 'ros2msg'
 
 
 def _installed(name: str, suffix: str) -> Path | None:

@@ -23,12 +23,12 @@ import zstandard
 from .blocks import Block, block_of, HEAD, Record, whole
 from .errors import BagError
 
-__all__ = ['MAGIC', 'RecordStream']
+__all__ = ['CHUNK_HEAD', 'MAGIC', 'RecordStream', 'unpacked']
 
 MAGIC = b'\x89MCAP0\r\n'
 
 #: First and last log time, size and checksum of the decompressed records, length of a name.
-_CHUNK_HEAD = struct.Struct('<QQQII')
+CHUNK_HEAD = struct.Struct('<QQQII')
 _BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
 #: Messages outside chunks are read by this many bytes.
 _BARE_BYTES = 1048576
@@ -36,24 +36,41 @@ _BARE_BYTES = 1048576
 _CHUNK_LIMIT = 2**31
 
 
-def _unpacked(content: bytes, zstd: zstandard.ZstdDecompressor) -> bytes | memoryview:
-    """Return the records in the content of a chunk, decompressed and checked."""
+def _unzstd(data: memoryview, size: int, zstd: zstandard.ZstdDecompressor) -> bytes:
+    """Return what decompresses to `size` bytes; never more, whatever the frame claims."""
+    claimed = zstandard.frame_content_size(data)
+    if claimed not in (size, -1):
+        raise BagError('chunk damaged: its compressed data has another size than its head says')
+    return zstd.decompress(data, max_output_size=size)
+
+
+def unpacked(content: bytes, zstd: zstandard.ZstdDecompressor) -> bytes | memoryview:
+    """
+    Return the records in the content of a chunk, decompressed and checked.
+
+    Raises
+    ------
+    BagError
+        If it is damaged: sizes that do not agree, a wrong checksum.
+
+    """
     view = memoryview(content)
     try:
-        _, _, size, crc, letters = _CHUNK_HEAD.unpack_from(view)
-        start = _CHUNK_HEAD.size + letters
-        compression = bytes(view[_CHUNK_HEAD.size:start]).decode()
+        _, _, size, crc, letters = CHUNK_HEAD.unpack_from(view)
+        start = CHUNK_HEAD.size + letters
+        compression = bytes(view[CHUNK_HEAD.size:start]).decode()
         length = struct.unpack_from('<Q', view, start)[0]
         data = view[start + 8:start + 8 + length]
         if size > _CHUNK_LIMIT:
             raise BagError(f'chunk damaged: it claims {size} bytes')
         if compression == 'zstd':
-            data = zstd.decompress(data, max_output_size=size)
+            data = _unzstd(data, size, zstd)
         elif compression == 'lz4':
             data = lz4.frame.decompress(data)
         elif compression:
             raise BagError(f'chunk compressed with {compression!r}; known are zstd and lz4')
-    except (struct.error, UnicodeDecodeError, zstandard.ZstdError, RuntimeError) as error:
+    except (struct.error, UnicodeDecodeError, zstandard.ZstdError, RuntimeError,
+            MemoryError) as error:
         raise BagError(f'chunk damaged: {error}') from None
     if len(data) != size or (crc and zlib.crc32(data) != crc):
         raise BagError('chunk damaged: its checksum does not match')
@@ -94,13 +111,13 @@ class _Group:
 
     def unpack(self) -> tuple[list[bytes | memoryview], BagError | None]:
         """Return the decompressed chunks, and why one is not among them, nor those behind it."""
-        unpacked, zstd = [], zstandard.ZstdDecompressor()
+        chunks, zstd = [], zstandard.ZstdDecompressor()
         for offset, content in self._chunks:
             try:
-                unpacked.append(_unpacked(content, zstd))
+                chunks.append(unpacked(content, zstd))
             except BagError as error:
-                return unpacked, error.at('', offset)
-        return unpacked, None
+                return chunks, error.at('', offset)
+        return chunks, None
 
     def block(self, chunks: list[bytes | memoryview]) -> Block:
         """Return the messages of the decompressed chunks."""

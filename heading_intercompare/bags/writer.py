@@ -178,7 +178,8 @@ class BagWriter:
             return
         schema, qos = schema or schema_of(type_name), qos or Qos()
         number = self._chunks.add_channel(name, type_name, schema.text, {
-            'offered_qos_profiles': qos.to_yaml(), 'topic_type_hash': schema.type_hash})
+            'offered_qos_profiles': qos.to_yaml(), 'topic_type_hash': schema.type_hash},
+            schema.encoding)
         self._rows[name] = number, TopicRow(name, type_name, schema.type_hash, qos)
         self._describe(record=False)
 

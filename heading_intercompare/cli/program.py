@@ -25,8 +25,16 @@ COMMANDS = {
                 '--set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1'),
     'import-nmea': ('import_nmea', 'NMEA logs to a bag',
                     'import-nmea --ts gyro.log --rs seapath.log -o trial_bag'),
+    'simulate': ('simulate', 'a trial of simulated sensors to a bag, at full speed',
+                 'simulate --scenario sea_trial_12h -o trial_bag'),
     'record': ('record', 'topics to a bag', 'record -o trial_bag'),
+    'report': ('report', 'the protocol of recorded runs, with plots',
+               'report trial_bag -o protocol.html --config heading_intercompare.yaml'),
     'norms': ('norms', 'list the norm presets with their sources', 'norms'),
+    'info': ('info', 'what a bag holds: topics, rates, settings, runs, verdict',
+             'info trial_bag'),
+    'recover': ('recover', 'everything readable of a cut or damaged bag to a new one',
+                'recover trial_bag -o recovered_bag'),
     'replay': ('replay', 'a bag to topics', 'replay trial_bag --rate 20'),
 }
 
