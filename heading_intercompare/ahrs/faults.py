@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from bisect import insort
+from dataclasses import dataclass, replace
 import math
+from typing import Sequence
 
 import numpy as np
 
@@ -51,10 +53,46 @@ class Faults:
 
     """
 
-    def __init__(self, faults: tuple[Fault, ...] = ()) -> None:
-        self._faults = tuple(sorted(faults, key=lambda fault: fault.t_s))
-        self._held_deg: dict[int, float] = {}
-        self._passed_deg: dict[int, float] = {}
+    def __init__(self, faults: Sequence[Fault] = ()) -> None:
+        self._faults = sorted(faults, key=_start)
+        self._held_deg: dict[tuple[float, str], float] = {}
+        self._last_deg: float | None = None
+
+    def begin(self, fault: Fault) -> None:
+        """
+        Take in one more fault, which must not begin before readings that were put already.
+
+        Raises
+        ------
+        ValueError
+            If one of this kind is present then.
+
+        """
+        if any(other.kind == fault.kind for other in self.present(fault.t_s)):
+            raise ValueError(f'{fault.kind} is present already')
+        insort(self._faults, fault, key=_start)
+
+    def end(self, kind: str, t_s: float) -> None:
+        """
+        End the faults of a kind at a time.
+
+        Raises
+        ------
+        ValueError
+            If none is present then.
+
+        """
+        present = [fault for fault in self.present(t_s) if fault.kind == kind]
+        if not present:
+            raise ValueError(f'{kind} is not present')
+        for fault in present:
+            self._faults[self._faults.index(fault)] = replace(
+                fault, duration_s=t_s - fault.t_s)
+
+    def present(self, t_s: float) -> tuple[Fault, ...]:
+        """Return the faults that are present at a time."""
+        return tuple(fault for fault in self._faults
+                     if fault.t_s <= t_s < fault.t_s + fault.duration_s)
 
     def put(self, t_s: np.ndarray, heading_deg: np.ndarray,
             stamp_ns: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -81,12 +119,12 @@ class Faults:
         given = np.ones(t_s.shape, dtype=bool)
         if not t_s.size:
             return heading_deg, stamp_ns, given
-        for i, fault in enumerate(self._faults):
+        for fault in self._faults:
             at = fault.active(t_s)
-            if fault.kind == 'freeze':
-                heading_deg = self._frozen(i, at, heading_deg)
-            elif not at.any():
+            if not at.any():
                 continue
+            if fault.kind == 'freeze':
+                heading_deg = self._frozen(fault, at, heading_deg)
             elif fault.kind in ('jump', 'rotated'):
                 heading_deg = np.where(at, wrap360(heading_deg + fault.value), heading_deg)
             elif fault.kind == 'mirrored':
@@ -97,14 +135,19 @@ class Faults:
                 heading_deg = np.where(at, math.nan, heading_deg)
             else:
                 given &= ~at
+        self._last_deg = float(heading_deg[-1])
         return heading_deg, stamp_ns, given
 
-    def _frozen(self, i: int, at: np.ndarray, heading_deg: np.ndarray) -> np.ndarray:
+    def _frozen(self, fault: Fault, at: np.ndarray, heading_deg: np.ndarray) -> np.ndarray:
         """Hold the reading before the fault, or the first one if there is none before."""
-        if at.any() and i not in self._held_deg:
-            first = int(np.argmax(at))
-            before = (heading_deg[first - 1] if first
-                      else self._passed_deg.get(i, heading_deg[0]))
-            self._held_deg[i] = float(before)
-        self._passed_deg[i] = float(heading_deg[-1])
-        return np.where(at, self._held_deg[i], heading_deg) if at.any() else heading_deg
+        # Faults that act later than this one had not begun then, so that the last reading of the
+        # chunk before is what this one has to hold.
+        first = int(np.argmax(at))
+        before = (heading_deg[first - 1] if first
+                  else heading_deg[0] if self._last_deg is None else self._last_deg)
+        held_deg = self._held_deg.setdefault((fault.t_s, fault.kind), float(before))
+        return np.where(at, held_deg, heading_deg)
+
+
+def _start(fault: Fault) -> float:
+    return fault.t_s

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from bisect import insort
 from dataclasses import dataclass
 import math
 
@@ -12,6 +13,7 @@ import numpy as np
 from .alignment import Procedure
 from .claims import alignment_sigma
 from .computer import Computer
+from .condition import progress, self_tests
 from .earth import RAD_PER_DEG_H, UG_M_S2
 from .instruments import Instruments
 from .laws import gyrocompass_azimuth, gyrocompass_gains, torque
@@ -19,7 +21,7 @@ from .modes import AhrsStatus, Mode, Validity
 from .motion import ShipTruth
 from .noise import stream
 from .operation import PROCEDURES
-from .plans import parse_events
+from .plans import Event, parse_events
 from .platform import Platform, rows_of
 from .seaway import BLOCK_STEPS, GRID_S
 from .settings import Ahrs, Errors
@@ -104,7 +106,7 @@ class GimballedAhrs:
         self._messages: list[str] = []
         self._events = list(parse_events(settings.events))
         self._place = stream(seed, f'{role}.ahrs.start')
-        self._step = 0
+        self._step = self._entered = 0
         self._rates = (0.0, 0.0, 0.0)
         self._failed_at: int | None = None
         self.computer.prepare(float(ship.block(0).latitude_rad[0]))
@@ -152,6 +154,12 @@ class GimballedAhrs:
             platform.alpha_rad = parts.bias[1] / computer.gravity
             platform.beta_rad = -parts.bias[0] / computer.gravity
         self.sigma_rad = alignment_sigma(self.residual_deg_h, computer.latitude_rad)
+
+    def command(self, kind: str, t_s: float) -> float:
+        """Let an event happen at a time, or at the next block if it is past; return when."""
+        event = Event(max(t_s, self.now_s), kind)
+        insort(self._events, event, key=lambda other: other.t_s)
+        return event.t_s
 
     def say(self, message: str) -> None:
         """Report what has happened."""
@@ -226,7 +234,9 @@ class GimballedAhrs:
 
     def _enter(self, mode: Mode) -> None:
         """Begin a mode."""
-        self.mode = mode
+        self.mode, self._entered = mode, self._step
+        if mode is not Mode.FAULT:
+            self._reached = mode
         if mode is Mode.POST or mode is Mode.FAULT:
             self.validity, self.sigma_rad = Validity.NONE, math.nan
         self._procedure: Procedure = PROCEDURES[mode](self)
@@ -301,10 +311,15 @@ class GimballedAhrs:
         """Return what is said now."""
         computer = self.computer
         message, self._messages = '; '.join(self._messages), []
+        mode_s = (self._step - self._entered) * GRID_S
         drifts = (computer.drift_x_rad_s, computer.drift_y_rad_s, computer.drift_z_rad_s,
                   computer.meter_x_rad_s, computer.meter_y_rad_s)
         return AhrsStatus(
-            t_s=self.now_s, mode=self.mode.name, validity=self.validity.name, message=message,
+            t_s=self.now_s, mode=self.mode.name, mode_s=mode_s, progress=progress(
+                self.mode, mode_s, self.validity, self.instruments.thermostat.away_k,
+                self.settings),
+            validity=self.validity.name,
+            tests=tuple(self_tests(self._reached, self._faults).items()), message=message,
             flags=('DEGRADED', *sorted(self._flags)) if self._flags else (),
             faults=tuple(self._faults), sigma_deg=math.degrees(self.sigma_rad),
             temperature_c=self.instruments.thermostat.SET_C + self.instruments.thermostat.away_k,

@@ -44,6 +44,10 @@ class AhrsStatus:
         Instant, seconds since the start.
     mode, validity : str
         Names of `Mode` and `Validity`.
+    mode_s, progress : float
+        Time in this mode, seconds; its share of the least time that the mode takes, 1 at most.
+    tests : tuple of (str, str)
+        Built-in tests and their results, 'pending', 'passed' or 'failed'.
     message : str
         What has just happened; empty if nothing.
     flags : tuple of str
@@ -65,7 +69,10 @@ class AhrsStatus:
 
     t_s: float
     mode: str
+    mode_s: float
+    progress: float
     validity: str
+    tests: tuple[tuple[str, str], ...]
     message: str
     flags: tuple[str, ...]
     faults: tuple[str, ...]

@@ -63,6 +63,10 @@ class AhrsOutput:
         said, self._statuses = tuple(self._statuses), []
         return said
 
+    def command(self, kind: str, t_s: float) -> float:
+        """Let an event happen at a time, or at the next block if it is past; return when."""
+        return self._ahrs.command(kind, t_s)
+
     def read(self, t_s: np.ndarray) -> Indication:
         """
         Return the output at some instants.

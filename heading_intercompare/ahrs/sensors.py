@@ -12,12 +12,10 @@ import numpy as np
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings
 
-from .faults import Faults
 from .modes import AhrsStatus
 from .motion import ShipTruth
 from .noise import Markov, stream
 from .output import AhrsOutput
-from .plans import parse_faults
 from .presets import terms_of
 from .settings import AHRS_MODELS, Sensor
 
@@ -66,12 +64,12 @@ class Readings:
 
 class SimulatedSensor:
     """
-    Readings of one heading sensor, block after block.
+    Readings of one heading sensor, block after block, before faults are put on them.
 
     Parameters
     ----------
     settings : Sensor
-        Its errors, stamps and faults.
+        Its errors and stamps.
     truth : ShipTruth
         The ship it is mounted on.
     start_ns : int
@@ -89,7 +87,6 @@ class SimulatedSensor:
         self._terms = terms_of(settings)
         self._truth = truth
         self._start_ns = start_ns
-        self._faults = Faults(parse_faults(settings.faults))
         self._rng = {name: stream(seed, f'{role}.{name}')
                      for name in ('white', 'jitter', 'dropout')}
         self._tone_phase_rad = 2.0 * math.pi * stream(seed, f'{role}.tone').random()
@@ -102,6 +99,21 @@ class SimulatedSensor:
     def statuses(self) -> tuple[AhrsStatus, ...]:
         """Return what an AHRS has said of itself since the last call; nothing of other models."""
         return self._ahrs.statuses() if self._ahrs else ()
+
+    def command(self, kind: str, t_s: float) -> float:
+        """
+        Let an event happen to an AHRS; return when it does.
+
+        Raises
+        ------
+        ValueError
+            If the sensor is no AHRS.
+
+        """
+        if self._ahrs is None:
+            raise ValueError(f'a sensor of the model {self._settings.model!r} has no modes, only '
+                             f'{", ".join(AHRS_MODELS)} have')
+        return self._ahrs.command(kind, t_s)
 
     def take(self, until_s: float) -> Readings:
         """Return the readings from the end of the last call to before `until_s`."""
@@ -120,16 +132,14 @@ class SimulatedSensor:
             heading_deg = np.degrees(self._truth.heading_rad(t_s))
             sigma_deg = np.full(t_s.shape, random_deg)
         if s.claimed_sigma_deg is not None:
-            sigma_deg = np.full(t_s.shape, s.claimed_sigma_deg)
+            sigma_deg = np.where(np.isnan(heading_deg), np.nan, s.claimed_sigma_deg)
         heading_deg = heading_deg + self._errors(t_s)
         if s.resolution_deg:
             heading_deg = s.resolution_deg * np.rint(heading_deg / s.resolution_deg)
-        heading_deg, stamp_ns, given = self._faults.put(
-            t_s, wrap360(heading_deg), self._stamps(t_s))
-        given &= self._rng['dropout'].random(t_s.size) >= s.dropout
-        sigma_deg = np.where(np.isnan(heading_deg), np.nan, sigma_deg)
+        given = self._rng['dropout'].random(t_s.size) >= s.dropout
         rate_deg_s = np.degrees(self._truth.heading_rate_rad_s(t_s))
-        return Readings(Headings.of(stamp_ns, heading_deg), t_s, sigma_deg, rate_deg_s)[given]
+        return Readings(Headings.of(self._stamps(t_s), wrap360(heading_deg)), t_s, sigma_deg,
+                        rate_deg_s)[given]
 
     def _errors(self, t_s: np.ndarray) -> np.ndarray:
         """Return the errors of the closed-form model, degrees."""

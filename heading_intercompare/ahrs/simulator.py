@@ -12,13 +12,14 @@ import numpy as np
 
 from heading_intercompare.core.records import Headings
 
+from .faults import Fault, FAULTS, Faults
 from .modes import AhrsStatus
 from .motion import ShipTruth
-from .plans import parse_legs, parse_utc
+from .plans import EVENTS, parse_faults, parse_legs, parse_utc
 from .sensors import Readings, SimulatedSensor
-from .settings import Scenario
+from .settings import Scenario, Sensor
 
-__all__ = ['SimulatedChunk', 'Simulation']
+__all__ = ['SimulatedChunk', 'Simulation', 'Trial']
 
 BLOCK_S = 10.0
 
@@ -103,27 +104,157 @@ class Simulation:
         """
         if not chunk_s > 0.0:
             raise ValueError(f'chunk_s = {chunk_s!r}: must be greater than 0')
-        s = self.scenario
-        ship = self.truth()
-        senders = [
-            _Sender(SimulatedSensor(sensor, ship, self.start_ns, s.seed, role), sensor.latency_s,
-                    s.duration_s)
-            for role, sensor in (('ts', s.ts), ('rs', s.rs))]
-        true = _Truth(ship, self.start_ns, s)
-        last_s = s.duration_s + max(s.ts.latency_s, s.rs.latency_s)
-        for i in range(1, math.ceil(last_s / chunk_s) + 1):
-            end_s = i * chunk_s
-            ts, rs = (sender.take(end_s) for sender in senders)
-            ts_said, rs_said = (sender.statuses(end_s) for sender in senders)
-            yield SimulatedChunk(end_s, true.take(end_s), ts, rs, ts_said, rs_said)
+        trial, number = self.begin(), 0
+        while not trial.over:
+            number += 1
+            yield trial.advance(number * chunk_s)
+
+    def begin(self) -> 'Trial':
+        """Begin the trial; what is handed over can be commanded on the way."""
+        return Trial(self.scenario, self.truth(), self.start_ns)
+
+
+class Trial:
+    """
+    A trial under way, reproducible from its scenario and the times of the commands.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What to simulate.
+    ship : ShipTruth
+        The ship.
+    start_ns : int
+        UTC stamp of the start, nanoseconds.
+
+    Attributes
+    ----------
+    now_s : float
+        Up to where it has been handed over, seconds since the start.
+
+    """
+
+    def __init__(self, scenario: Scenario, ship: ShipTruth, start_ns: int) -> None:
+        s = scenario
+        self.now_s = 0.0
+        self._last_s = s.duration_s + max(s.ts.latency_s, s.rs.latency_s)
+        self._true = _Truth(ship, start_ns, s)
+        self._senders = {
+            role: _Sender(SimulatedSensor(sensor, ship, start_ns, s.seed, role), sensor,
+                          s.duration_s)
+            for role, sensor in (('ts', s.ts), ('rs', s.rs))}
+
+    @property
+    def over(self) -> bool:
+        """Whether all has been handed over."""
+        return self.now_s >= self._last_s
+
+    def advance(self, end_s: float) -> SimulatedChunk:
+        """Return what is handed over from now to before `end_s`, which becomes now."""
+        ts, rs = self._senders.values()
+        readings = ts.take(end_s), rs.take(end_s)
+        self.now_s = end_s
+        return SimulatedChunk(end_s, self._true.take(end_s), *readings, ts.statuses(end_s),
+                              rs.statuses(end_s))
+
+    def command(self, role: str, kind: str, t_s: float | None = None) -> float:
+        """
+        Let one of `plans.EVENTS` happen to an AHRS, such as the command of a mode.
+
+        Parameters
+        ----------
+        role : str
+            'ts' or 'rs'.
+        kind : str
+            The event.
+        t_s : float, optional
+            When, seconds since the start, not before now; now unless given.
+
+        Returns
+        -------
+        float
+            When it happens. An AHRS is simulated in blocks of 10 s; what comes after its block
+            has begun happens at the next.
+
+        Raises
+        ------
+        ValueError
+            If the time is past, the event unknown or the sensor no AHRS.
+
+        """
+        if kind not in EVENTS:
+            raise ValueError(f'command {kind!r}: must be {" or ".join(EVENTS)}')
+        return self._senders[role].command(kind, self._time(t_s))
+
+    def inject(self, role: str, kind: str, value: float | None = None,
+               t_s: float | None = None) -> float:
+        """
+        Put one of `faults.FAULTS` on a sensor until it is mended.
+
+        Parameters
+        ----------
+        role : str
+            'ts' or 'rs'.
+        kind : str
+            The fault.
+        value : float, optional
+            As the kind needs it; the value of the kind unless given.
+        t_s : float, optional
+            The first instant of a reading that it acts on, not before now; now unless given.
+
+        Returns
+        -------
+        float
+            That instant.
+
+        Raises
+        ------
+        ValueError
+            If the time is past, the fault unknown or present already.
+
+        """
+        if kind not in FAULTS:
+            raise ValueError(f'fault {kind!r}: must be {" or ".join(FAULTS)}')
+        at_s = self._time(t_s)
+        self._senders[role].faults.begin(
+            Fault(at_s, kind, FAULTS[kind][1] if value is None else value))
+        return at_s
+
+    def mend(self, role: str, kind: str, t_s: float | None = None) -> float:
+        """
+        End a fault, whether it was injected or comes from the scenario; return when.
+
+        Raises
+        ------
+        ValueError
+            If the time is past or the fault not present then.
+
+        """
+        at_s = self._time(t_s)
+        self._senders[role].faults.end(kind, at_s)
+        return at_s
+
+    def faults(self, role: str) -> tuple[str, ...]:
+        """Return the kinds of the faults that a sensor has now."""
+        return tuple(fault.kind for fault in self._senders[role].faults.present(self.now_s))
+
+    def _time(self, t_s: float | None) -> float:
+        if t_s is None:
+            return self.now_s
+        if not t_s >= self.now_s:
+            raise ValueError(f't_s = {t_s!r}: must not be before {self.now_s:g} s, up to where '
+                             'the trial is handed over')
+        return t_s
 
 
 class _Sender:
     """Makes readings in blocks of fixed length, so that they do not depend on the chunks."""
 
-    def __init__(self, sensor: SimulatedSensor, latency_s: float, duration_s: float) -> None:
+    def __init__(self, sensor: SimulatedSensor, settings: Sensor, duration_s: float) -> None:
+        self.faults = Faults(parse_faults(settings.faults))
+        self.command = sensor.command
         self._sensor = sensor
-        self._latency_s = latency_s
+        self._latency_s = settings.latency_s
         self._duration_s = duration_s
         self._made_s = 0.0
         self._waiting = sensor.take(0.0)
@@ -138,7 +269,15 @@ class _Sender:
         made = Readings.concatenate(parts)
         n = int(np.searchsorted(made.t_s + self._latency_s, end_s, side='left'))
         self._waiting = made[slice(n, None)]
-        return made[slice(0, n)]
+        return self._faulty(made[slice(0, n)])
+
+    def _faulty(self, sound: Readings) -> Readings:
+        """Return readings with the faults; who gives no heading claims nothing."""
+        heading_deg, stamp_ns, given = self.faults.put(
+            sound.t_s, sound.headings.heading_deg, sound.headings.stamp_ns)
+        sigma_deg = np.where(np.isnan(heading_deg), np.nan, sound.sigma_deg)
+        return Readings(Headings.of(stamp_ns, heading_deg), sound.t_s, sigma_deg,
+                        sound.rate_deg_s)[given]
 
     def statuses(self, end_s: float) -> tuple[AhrsStatus, ...]:
         """Return what the sensor said before `end_s`; call after `take`."""

@@ -89,7 +89,8 @@ def test_the_other_sensor_does_not_notice():
     assert one[5].rs != other[5].rs
 
 
-@pytest.mark.parametrize('kind, mode', [('gyro_azimuth', 'GYRO_AZIMUTH'), ('fail_gyro', 'FAULT')])
+@pytest.mark.parametrize('kind, mode', [('gyro_azimuth', 'GYRO_AZIMUTH'),
+                                        ('fail_gyro', 'FAULT')])
 def test_command_ahead_of_time_is_the_event_of_the_scenario(kind, mode):
     trial = begun()
     chunks = [trial.advance(5.0)]

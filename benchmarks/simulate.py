@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+How fast `simulate` writes a trial: time, its ratio to the simulated time, peak memory, size.
+
+The TS is the gimballed AHRS at sea, the RS a satellite compass. Promise: 12 h with both sensors
+at 100 Hz take less than a minute, and the memory does not grow with the length. Printed, not
+judged: the figures are those of the machine.
+
+    python benchmarks/simulate.py
+    python benchmarks/simulate.py --hours 1 12 --rate-hz 10 --model marine_0p1
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+import resource
+import subprocess
+import sys
+import tempfile
+from time import perf_counter
+
+SCENARIO = """\
+title: Benchmark
+duration_s: {duration_s}
+seaway: ss5
+legs: 0 30 10; 7200 120 12; 14400 210 12; 28800 300 12
+ts:
+  model: {model}
+  rate_hz: {rate_hz}
+  ahrs: {{initial_state: aligned}}
+rs: {{model: gnss_compass, rate_hz: {rate_hz}}}
+"""
+
+
+def measure(duration_s: float, rate_hz: float, model: str) -> tuple[float, float, int]:
+    """Return seconds, peak memory in MB and bytes of the bag, of one run in its own process."""
+    with tempfile.TemporaryDirectory() as folder:
+        scenario, bag = Path(folder, 'scenario.yaml'), Path(folder, 'bag')
+        scenario.write_text(SCENARIO.format(duration_s=duration_s, rate_hz=rate_hz, model=model),
+                            encoding='utf-8')
+        begin = perf_counter()
+        subprocess.run([sys.executable, '-m', 'heading_intercompare', 'simulate', '--scenario',
+                        str(scenario), '-o', str(bag)], check=True, stdout=subprocess.PIPE)
+        took_s = perf_counter() - begin
+        # The parent's own peak is that of its largest child so far: lengths go up.
+        peak_mb = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
+        return took_s, peak_mb, sum(file.stat().st_size for file in bag.iterdir())
+
+
+def main() -> int:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.split('\n\n')[0])
+    parser.add_argument('--hours', type=float, nargs='+', default=[1.0, 12.0])
+    parser.add_argument('--rate-hz', type=float, default=100.0)
+    parser.add_argument('--model', default='dtg_precision')
+    arguments = parser.parse_args()
+    print('simulated    took  simulated/took  peak memory       bag')
+    for hours in sorted(arguments.hours):
+        took_s, peak_mb, size = measure(3600.0 * hours, arguments.rate_hz, arguments.model)
+        print(f'{hours:7.2f} h {took_s:5.1f} s {3600.0 * hours / took_s:15.0f} '
+              f'{peak_mb:9.0f} MB {size / 1e6:6.0f} MB')
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
