@@ -8,6 +8,7 @@ A tested sensor (TS) is compared with a reference sensor (RS) of the same ship. 
 """
 
 from heading_intercompare.core.analysis import analyze
+from heading_intercompare.core.hats import three_cornered_hat
 from heading_intercompare.core.intercomparison import Compliance, Intercomparison, join
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing import pair, Pairer
@@ -18,4 +19,4 @@ from heading_intercompare.core.version import VERSION as __version__
 
 __all__ = ['analyze', 'Compliance', 'Differences', 'Headings', 'Intercomparison', 'join',
            'Outcome', 'pair', 'Pairer', 'Pairs', 'RunVerdict', 'Settings', 'SettingsError',
-           'Verdict', '__version__']
+           'three_cornered_hat', 'Verdict', '__version__']

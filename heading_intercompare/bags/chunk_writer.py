@@ -21,7 +21,7 @@ from mcap.opcode import Opcode
 import numpy as np
 import zstandard
 
-from .blocks import HEAD, MESSAGE_HEAD
+from .blocks import HEAD, MESSAGE_HEAD, walk
 from .stream import MAGIC
 
 __all__ = ['ChunkWriter']
@@ -92,8 +92,11 @@ class ChunkWriter:
         #: By channel, the entries of its message index: log time and offset.
         self._index: dict[int, bytearray] = {}
         if self._chunk_indexes and len(self._chunk_indexes) % _DEFINED_EVERY == 0:
-            for definition in (*self._schemas, *self._channels):
-                self._add(_built(definition))
+            self._redefine()
+
+    def _redefine(self) -> None:
+        for definition in (*self._schemas, *self._channels):
+            self._add(_built(definition))
 
     def _add(self, piece: bytes) -> None:
         self._pieces.append(piece)
@@ -159,7 +162,26 @@ class ChunkWriter:
                 self.end_chunk()
             lo = hi
 
+    def take_pending(self) -> list[tuple[int, bytes, int, int, int]]:
+        """Take the messages out of memory, each as `add` takes it; definitions stay."""
+        data = b''.join(self._pieces)
+        messages, _ = walk(data, 0, len(data))
+        taken = []
+        for at in messages:
+            _, length, channel, sequence, log, publish = MESSAGE_HEAD.unpack_from(data, at)
+            payload = data[at + MESSAGE_HEAD.size:at + HEAD.size + length]
+            taken.append((channel, payload, log, publish, sequence))
+        self._begin_chunk()
+        if taken and not self._chunk_indexes:
+            self._redefine()
+        return taken
+
     # The file
+
+    @property
+    def size(self) -> int:
+        """Bytes written."""
+        return self._end
 
     def _append(self, data: bytes) -> None:
         """Write all of it, or none and raise OSError."""

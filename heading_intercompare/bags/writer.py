@@ -4,65 +4,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import replace
+import errno
+from math import inf
 import os
 from pathlib import Path
-from typing import Iterable, Mapping
+from typing import BinaryIO, Iterable, Mapping
 
-from mcap.opcode import Opcode
 import numpy as np
-from numpy.typing import ArrayLike
 
 from heading_intercompare.core.version import VERSION
 
-from .bag_yaml import bag_metadata, PartInfo, Qos, TopicRow
-from .blocks import HEAD, MESSAGE_HEADS
+from .bag_yaml import bag_metadata, metadata_file, PartInfo, Qos, TopicRow
 from .chunk_writer import ChunkWriter
 from .errors import BagError
+from .rows import Rows
 from .schemas import Schema, schema_of
 from .settings import BagSettings
 
 __all__ = ['BagWriter', 'Rows']
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Rows:
-    """
-    Many messages of one topic.
-
-    Attributes
-    ----------
-    topic : str
-        A topic that was added.
-    data : ndarray of uint8, shape (n, size)
-        One CDR message a row.
-    log_time_ns : array_like of int, shape (n,)
-        Nanoseconds; also the publish time unless that is given.
-    publish_time_ns : array_like of int, shape (n,), optional
-        Nanoseconds.
-    sequence : array_like of int, shape (n,) or scalar
-        Sequence numbers.
-
-    """
-
-    topic: str
-    data: np.ndarray
-    log_time_ns: ArrayLike
-    publish_time_ns: ArrayLike | None = None
-    sequence: ArrayLike = 0
-
-    def records(self, channel: int) -> list[bytes]:
-        """Return the message records of MCAP."""
-        count, size = self.data.shape
-        log = np.asarray(self.log_time_ns)
-        head = np.empty(count, MESSAGE_HEADS)
-        head['opcode'], head['channel'] = Opcode.MESSAGE, channel
-        head['length'] = head.itemsize - HEAD.size + size
-        head['sequence'], head['log_time'] = self.sequence, log
-        head['publish_time'] = log if self.publish_time_ns is None else self.publish_time_ns
-        records = np.empty((count, head.itemsize + size), np.uint8)
-        records[:, :head.itemsize] = head.view(np.uint8).reshape(count, head.itemsize)
-        records[:, head.itemsize:] = self.data
-        return records.view(f'V{records.shape[1]}').ravel().tolist()
 
 
 def _topic_name(topic: str) -> str:
@@ -77,14 +38,14 @@ def _checked_time(time_ns: int) -> int:
 
 class BagWriter:
     """
-    A rosbag2 directory being written: `name/name_0.mcap` and `name/metadata.yaml`.
+    A rosbag2 directory being written: `name/name_0.mcap` and so on, and `name/metadata.yaml`.
 
     Parameters
     ----------
     path : str or path
         The directory; it must not exist.
     settings : BagSettings
-        Chunks, compression, flush interval.
+        Chunks, compression, flush interval, size and duration of a file.
     software : str
         Name and version of the program, for the header and `custom_data`.
 
@@ -92,6 +53,9 @@ class BagWriter:
     ----------
     path : Path
         The directory.
+    problem : OSError or None
+        Why no new file could be begun or metadata.yaml not be written; nothing is lost by that,
+        and it is tried again. At the end it is raised.
 
     Raises
     ------
@@ -119,23 +83,54 @@ class BagWriter:
     def __init__(self, path: str | os.PathLike[str], settings: BagSettings | None = None, *,
                  software: str = f'heading_intercompare {VERSION}') -> None:
         self.path = Path(path)
-        self._settings = settings = settings or BagSettings()
+        self._settings = settings or BagSettings()
         self._software = software
-        self._rows: dict[str, tuple[int, TopicRow]] = {}
+        self._rows: dict[str, tuple[int, TopicRow, Schema]] = {}
+        self._records: dict[str, dict[str, str]] = {}
         self._last_flush_s: float | None = None
+        self._last_sync_s = -inf
+        self._closed: list[PartInfo] = []
+        self.problem: OSError | None = None
         try:
             self.path.mkdir(parents=True)
         except FileExistsError:
             raise BagError('exists already; a bag is never overwritten', self.path) from None
-        self._name = f'{self.path.resolve().name}_0.mcap'
-        self._file = open(self.path / self._name, 'xb', buffering=0)
+        self._stem = self.path.resolve().name
+        self._number = 0
+        self._file, self._chunks = self._opened()
         try:
-            self._chunks = ChunkWriter(self._file, settings.compression, settings.chunk_bytes,
-                                       software)
-            self._describe(record=True)
+            self._describe_record()
+            self.describe()
         except OSError:
             self._file.close()
             raise
+
+    def _opened(self) -> tuple[BinaryIO, ChunkWriter]:
+        """Return a new file that knows all topics and has all metadata; the folder is made."""
+        self.path.mkdir(parents=True, exist_ok=True)
+        file = open(self._place(self._number), 'xb', buffering=0)
+        try:
+            chunks = ChunkWriter(file, self._settings.compression, self._settings.chunk_bytes,
+                                 self._software)
+            for _, row, schema in self._rows.values():
+                self._define(chunks, row, schema)
+            for name, mapping in self._records.items():
+                chunks.add_metadata(name, mapping)
+        except OSError:
+            file.close()
+            with suppress(OSError):
+                os.unlink(file.name)
+            raise
+        return file, chunks
+
+    def _place(self, number: int) -> Path:
+        return self.path / f'{self._stem}_{number}.mcap'
+
+    @staticmethod
+    def _define(chunks: ChunkWriter, row: TopicRow, schema: Schema) -> int:
+        return chunks.add_channel(row.name, row.type_name, schema.text, {
+            'offered_qos_profiles': row.qos.to_yaml(), 'topic_type_hash': schema.type_hash},
+            schema.encoding)
 
     def __enter__(self) -> 'BagWriter':
         return self
@@ -177,13 +172,11 @@ class BagWriter:
                                f'cannot be {type_name} too', self.path)
             return
         schema, qos = schema or schema_of(type_name), qos or Qos()
-        number = self._chunks.add_channel(name, type_name, schema.text, {
-            'offered_qos_profiles': qos.to_yaml(), 'topic_type_hash': schema.type_hash},
-            schema.encoding)
-        self._rows[name] = number, TopicRow(name, type_name, schema.type_hash, qos)
-        self._describe(record=False)
+        row = TopicRow(name, type_name, schema.type_hash, qos)
+        self._rows[name] = self._define(self._chunks, row, schema), row, schema
+        self._describe_later()
 
-    def _number(self, topic: str) -> int:
+    def _channel(self, topic: str) -> int:
         name = _topic_name(topic)
         if name not in self._rows:
             raise BagError(f'topic {name} was not added; added are '
@@ -210,15 +203,17 @@ class BagWriter:
         log_time_ns = _checked_time(log_time_ns)
         publish_time_ns = (log_time_ns if publish_time_ns is None
                            else _checked_time(publish_time_ns))
-        self._chunks.add(self._number(topic), data, log_time_ns, publish_time_ns,
+        self._chunks.add(self._channel(topic), data, log_time_ns, publish_time_ns,
                          sequence % 2**32)
+        if not self._chunks.pending:
+            self._split_if_due()
 
     def write_rows(self, batches: Iterable[Rows]) -> None:
         """Take many messages of several topics, merged in the order of their log times."""
         records: list[bytes] = []
         channels, logs = [], []
         for rows in batches:
-            number = self._number(rows.topic)
+            number = self._channel(rows.topic)
             log = np.asarray(rows.log_time_ns, np.int64)
             if len(log):
                 _checked_time(int(log.min()))
@@ -231,10 +226,12 @@ class BagWriter:
         order = np.argsort(log, kind='stable')
         self._chunks.add_records([records[i] for i in order.tolist()],
                                  np.concatenate(channels)[order], log[order])
+        self._split_if_due()
 
     def metadata(self, name: str, mapping: Mapping[str, object]) -> None:
-        """Write a metadata record; values become text."""
-        self._chunks.add_metadata(name, {str(k): str(v) for k, v in mapping.items()})
+        """Write a metadata record, into later files of the bag too; values become text."""
+        self._records[name] = {str(k): str(v) for k, v in mapping.items()}
+        self._chunks.add_metadata(name, self._records[name])
 
     def attachment(self, name: str, media_type: str, data: bytes, time_ns: int = 0) -> None:
         """Write a file into the bag."""
@@ -248,7 +245,7 @@ class BagWriter:
 
     def flush_if_due(self, now_s: float) -> bool:
         """
-        Flush if `flush_interval_s` has passed since the last time; say whether it did.
+        Write what is in memory if `flush_interval_s` has passed; say whether it has.
 
         Parameters
         ----------
@@ -260,23 +257,110 @@ class BagWriter:
             self._last_flush_s = now_s
         if now_s - self._last_flush_s < self._settings.flush_interval_s:
             return False
-        self.flush()
         self._last_flush_s = now_s
+        self._chunks.end_chunk()
+        if now_s - self._last_sync_s >= self._settings.fsync_interval_s:
+            self._last_sync_s = now_s
+            self._chunks.sync()
+        self._split_if_due()
+        if self.problem is not None:
+            self._describe_later()
         return True
 
-    def _describe(self, record: bool) -> None:
-        """Write metadata.yaml, and into the file what rosbag2 writes at open and close."""
-        for number, row in self._rows.values():
-            row.count = self._chunks.counts.get(number, 0)
-        part = PartInfo(self._name, self._chunks.start_ns, self._chunks.end_ns,
-                        sum(self._chunks.counts.values()), [row for _, row in self._rows.values()])
-        file_text, record_text = bag_metadata(part, {'software': self._software})
-        if record:
-            self._chunks.add_metadata('rosbag2', {'serialized_metadata': record_text})
+    def take_pending(self) -> list[tuple[str, bytes, int, int, int]]:
+        """Take the messages out of memory that could not be written; as `write` takes them."""
+        names = {number: name for name, (number, _, _) in self._rows.items()}
+        return [(names[number], *rest) for number, *rest in self._chunks.take_pending()]
+
+    def check(self) -> None:
+        """Raise FileNotFoundError if the file that is written is not in its place any more."""
+        place = self._place(self._number)
+        if not os.path.samestat(os.stat(place), os.fstat(self._file.fileno())):
+            raise FileNotFoundError(errno.ENOENT, 'is another file now', str(place))
+
+    @property
+    def absent(self) -> int:
+        """Number of messages written to files that are not in their place any more."""
+        parts = [*self._closed, self._part()]
+        return sum(part.count for part in parts if not (self.path / part.path).exists())
+
+    def split(self) -> None:
+        """
+        Go on in a new file, and end the one before if that can be written.
+
+        Raises
+        ------
+        OSError
+            If no file can be made; all is then as before.
+
+        """
+        before = self._number
+        self._number += 1
+        while self._place(self._number).exists():
+            self._number += 1
+        try:
+            file, chunks = self._opened()
+        except OSError:
+            self._number = before
+            raise
+        old = self._chunks
+        with suppress(OSError):
+            old.end_chunk()
+            self._describe_record()
+            old.finish()
+            old.sync()
+        self._closed.append(self._part(before))
+        waiting = old.take_pending()
+        with suppress(OSError):
+            self._file.close()
+        self._file, self._chunks = file, chunks
+        for message in waiting:
+            chunks.add(*message)
+        self._describe_record()
+        self._describe_later()
+
+    def _split_if_due(self) -> None:
+        """Go on in a new file when the settings say so; a failure is a `problem`, no error."""
+        settings, chunks = self._settings, self._chunks
+        if chunks.start_ns is None:
+            return
+        span_s = (chunks.end_ns - chunks.start_ns) / 1e9
+        if 0 < settings.split_bytes <= chunks.size or 0 < settings.split_duration_s <= span_s:
+            try:
+                self.split()
+            except OSError as error:
+                self.problem = error
+
+    def _part(self, number: int | None = None) -> PartInfo:
+        """Return what there is to say of the file being written."""
+        rows = []
+        for channel, row, _ in self._rows.values():
+            rows.append(replace(row, count=self._chunks.counts.get(channel, 0)))
+        name = self._place(self._number if number is None else number).name
+        return PartInfo(name, self._chunks.start_ns, self._chunks.end_ns,
+                        sum(self._chunks.counts.values()), rows)
+
+    def _describe_record(self) -> None:
+        """Write into the file what rosbag2 writes at open and close."""
+        text = bag_metadata([self._part()], {'software': self._software})
+        self._chunks.add_metadata('rosbag2', {'serialized_metadata': text})
+
+    def _describe_later(self) -> None:
+        """Write metadata.yaml, which nobody needs before the end: a failure is a `problem`."""
+        try:
+            self.describe()
+            self.problem = None
+        except OSError as error:
+            self.problem = error
+
+    def describe(self) -> None:
+        """Write metadata.yaml, for the files that are there."""
+        parts = [part for part in (*self._closed, self._part())
+                 if (self.path / part.path).exists()]
         target = self.path / 'metadata.yaml'
         draft = target.with_suffix('.yaml.part')
         with open(draft, 'w', encoding='utf-8') as file:
-            file.write(file_text)
+            file.write(metadata_file(parts, {'software': self._software}))
             file.flush()
             os.fsync(file.fileno())
         os.replace(draft, target)
@@ -292,8 +376,9 @@ class BagWriter:
             return
         try:
             self._chunks.end_chunk()
-            self._describe(record=True)
+            self._describe_record()
             self._chunks.finish()
             self._chunks.sync()
+            self.describe()
         finally:
             self._file.close()

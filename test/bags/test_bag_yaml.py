@@ -6,7 +6,14 @@ from __future__ import annotations
 
 import pytest
 
-from heading_intercompare.bags.bag_yaml import bag_metadata, listed_parts, PartInfo, Qos, TopicRow
+from heading_intercompare.bags.bag_yaml import (
+    bag_metadata,
+    listed_parts,
+    metadata_file,
+    PartInfo,
+    Qos,
+    TopicRow,
+)
 
 yaml = pytest.importorskip('yaml')
 
@@ -65,7 +72,8 @@ def test_qos_is_read_from_words_and_numbers():
 
 
 def test_an_empty_bag_is_described_as_rosbag2_does():
-    file_text, record_text = bag_metadata(PartInfo('bag_0.mcap'), {})
+    parts = [PartInfo('bag_0.mcap')]
+    file_text, record_text = metadata_file(parts, {}), bag_metadata(parts, {})
     expected = yaml.safe_load(EMPTY_BAG_OF_ROSBAG2)
     assert yaml.safe_load(record_text) == expected
     assert yaml.safe_load(file_text) == {'rosbag2_bagfile_information': expected}
@@ -77,7 +85,7 @@ def test_an_empty_bag_is_described_as_rosbag2_does():
     ' blank ', '[x]', 'a: b', '日本', '\U0001F6A2', 'tab\there', '0x10', '.5', '1:30'])
 def test_any_text_comes_back(name):
     part = PartInfo(name, 5, 12, 3, [TopicRow('/ts', 'a/msg/B', '', Qos(), 3)])
-    loaded = yaml.safe_load(bag_metadata(part, {name: name})[1])
+    loaded = yaml.safe_load(bag_metadata([part], {name: name}))
     assert loaded['relative_file_paths'] == [name]
     assert loaded['custom_data'] == {name: name}
     assert loaded['duration'] == {'nanoseconds': 7}
@@ -87,8 +95,22 @@ def test_any_text_comes_back(name):
 def test_files_listed_are_found_in_any_style(tmp_path):
     path = tmp_path / 'metadata.yaml'
     assert listed_parts(path) == []
-    path.write_text(bag_metadata(PartInfo('a "b" 1.mcap'), {})[0])
+    path.write_text(metadata_file([PartInfo('a "b" 1.mcap')], {}))
     assert listed_parts(path) == ['a "b" 1.mcap']
     path.write_text("x:\n  relative_file_paths:\n  - folder/one_0.mcap\n  - 'two_1.mcap'\n"
                     '  files:\n    - path: three\n')
     assert listed_parts(path) == ['one_0.mcap', 'two_1.mcap']
+
+
+def test_counts_and_spans_of_several_files_are_joined():
+    parts = [PartInfo('a_0.mcap', 5, 12, 3, [TopicRow('/ts', 'a/msg/B', '', Qos(), 3)]),
+             PartInfo('a_1.mcap'),
+             PartInfo('a_2.mcap', 4, 30, 2, [TopicRow('/ts', 'a/msg/B', '', Qos(), 1),
+                                             TopicRow('/rs', 'a/msg/B', '', Qos(), 1)])]
+    loaded = yaml.safe_load(bag_metadata(parts, {}))
+    assert loaded['starting_time'] == {'nanoseconds_since_epoch': 4}
+    assert loaded['duration'] == {'nanoseconds': 26}
+    assert loaded['message_count'] == 5
+    assert loaded['relative_file_paths'] == ['a_0.mcap', 'a_1.mcap', 'a_2.mcap']
+    assert [f['duration']['nanoseconds'] for f in loaded['files']] == [7, 0, 26]
+    assert [t['message_count'] for t in loaded['topics_with_message_count']] == [4, 1]

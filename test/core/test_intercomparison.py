@@ -182,9 +182,12 @@ def test_a_missing_norm_is_an_error_at_once():
 
 @pytest.mark.parametrize('n', [0, 1, 2, 3, 63, 64])
 @pytest.mark.parametrize('x', [0.0, 0.25, 179.9, -180.0, np.nan])
-def test_few_or_constant_or_invalid_differences_give_a_stated_result(n, x):
+@pytest.mark.parametrize('more', [{}, {'norms__sigma_ref_max_deg': 0}, {'model': 'UU'},
+                                  {'variant': 'A'}, {'drift_order': 'auto'},
+                                  {'runs__stabilization_s': 'auto', 'drift_order': 3}])
+def test_few_or_constant_or_invalid_differences_give_a_stated_result(n, x, more):
     stamps = T0 + np.arange(n) * S
-    compliance = Compliance(settings())
+    compliance = Compliance(settings(**more))
     with warnings.catch_warnings():
         warnings.simplefilter('error')
         compliance.update(Pairs.of(stamps, np.full(n, 180.0 + x), np.full(n, 180.0)))
@@ -273,3 +276,50 @@ def test_among_several_runs_the_producers_risk_is_shared(rng):
                        settings())
     assert together.runs[0].outcome is Outcome.NON_COMPLIANT
     assert together.outcome is Outcome.INDETERMINATE
+
+
+def test_an_automatic_stabilisation_leaves_the_warm_up_out(rng):
+    ts, rs = sensors(rng, n=18000, mean=0.0, sigma=0.05)
+    t = (ts.stamp_ns - T0) / S
+    warm = Headings.of(ts.stamp_ns, (ts.heading_deg + 2.0 * np.exp(-t / 100.0)) % 360.0)
+    (given,) = analyze(warm, rs, settings()).runs
+    (auto,) = analyze(warm, rs, settings(runs__stabilization_s='auto')).runs
+    # 2 exp(-t / 100) falls to a tenth of the norm, 0.03, after 100 ln(2 / 0.03) = 420 s.
+    assert auto.n_stabilization == pytest.approx(4200, rel=0.1)
+    assert auto.n_input == auto.n_invalid + auto.n_stabilization + auto.n
+    assert given.outcome is not Outcome.COMPLIANT and auto.outcome is Outcome.COMPLIANT
+
+
+def test_a_drift_is_taken_out_only_where_asked_for(rng):
+    ts, rs = sensors(rng, n=18000, mean=0.0, sigma=0.05)
+    hours = (ts.stamp_ns - T0) / S / 3600.0
+    drifting = Headings.of(ts.stamp_ns, (ts.heading_deg + 4.0 * hours) % 360.0)
+    (counted,) = analyze(drifting, rs, settings()).runs
+    assert counted.drift_coefficients_deg == () and counted.outcome is not Outcome.COMPLIANT
+    for order in (1, 'auto'):
+        (removed,) = analyze(drifting, rs, settings(drift_order=order)).runs
+        # Legendre on [-1, 1]: a slope of 4 deg/h over half an hour is 1 deg to either side.
+        assert removed.drift_coefficients_deg[1] == pytest.approx(1.0, abs=0.01)
+        assert removed.outcome is Outcome.COMPLIANT
+        assert any('drift_removed' in w for w in removed.warnings)
+
+
+def test_a_skew_is_applied_only_where_asked_for(rng):
+    t = np.arange(0.0, 1800.0, 0.1)
+    stamps = T0 + np.round(t * 1e9).astype(np.int64)
+
+    def heading(at):
+        return 100.0 + 20.0 * np.sin(at / 8.0)
+
+    rs = Headings.of(stamps, heading(t) + 0.02 * rng.standard_normal(t.size))
+    late = Headings.of(stamps, heading(t - 0.5) + 0.05 * rng.standard_normal(t.size))
+    (reported,) = analyze(late, rs, settings()).runs
+    assert reported.outcome is Outcome.NON_COMPLIANT
+    assert reported.skew.outcome_aligned is Outcome.COMPLIANT
+    assert reported.skew.estimate.skew_s == pytest.approx(0.5, abs=0.02)
+    verdict = analyze(late, rs, settings(alignment__skew='apply'))
+    (applied,) = verdict.runs
+    assert applied.outcome is Outcome.COMPLIANT and applied.run == 1
+    assert applied.skew.scan.skew_s == pytest.approx(0.5, abs=0.02)
+    assert applied.pairing.ts_received == len(late)
+    exact(verdict)
