@@ -10,6 +10,7 @@ from typing import Any, Mapping, Sequence
 
 import yaml
 
+from heading_intercompare.cli.yaml_file import parse_yaml
 from heading_intercompare.core.settings import declared, Settings, SettingsError
 
 __all__ = ['Config', 'load_config', 'parse_assignments', 'settings_for']
@@ -53,13 +54,7 @@ def load_config(path: str | None) -> Config:
     """
     if path is None:
         return Config()
-    try:
-        document = yaml.safe_load(Path(path).read_text(encoding='utf-8'))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        mark = getattr(error, 'problem_mark', None)
-        where = f', line {mark.line + 1}' if mark else ''
-        problem = getattr(error, 'problem', None) or 'not text'
-        raise SettingsError(f'{path}{where}: not YAML: {problem}') from error
+    document = parse_yaml(Path(path).read_bytes(), path)
     if document is None:
         return Config(path)
     if not isinstance(document, dict):

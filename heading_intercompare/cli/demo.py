@@ -5,17 +5,16 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 import shutil
 from typing import Any
 
-import yaml
-
-from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.cli.inputs import analyze_input, describe
 from heading_intercompare.cli.progress import Progress
 from heading_intercompare.cli.sameness import differences
+from heading_intercompare.cli.scenarios import read_scenario
 from heading_intercompare.cli.table import verdict_text
 from heading_intercompare.core.intercomparison import join
 from heading_intercompare.core.settings import Settings
@@ -43,7 +42,9 @@ def run(arguments: argparse.Namespace) -> int:
     from heading_intercompare.nodes.replayer import Replayer
     from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 
-    scenario = _scenario(arguments.duration)
+    scenario = read_scenario('demo').scenario
+    if arguments.duration is not None:
+        scenario = replace(scenario, duration_s=arguments.duration)
     if not arguments.speed > 0.0:
         raise ValueError(f'--speed {arguments.speed}: must be greater than 0')
     out = Path(arguments.out)
@@ -54,11 +55,11 @@ def run(arguments: argparse.Namespace) -> int:
     say = print if not arguments.quiet else lambda *_: None
 
     say(f'1. live: simulator -> synchronizer -> compliance -> recorder, '
-        f'{scenario["duration_s"]:g} s at {arguments.speed:g} times the speed')
+        f'{scenario.duration_s:g} s at {arguments.speed:g} times the speed')
     with Progress('live', arguments.quiet) as progress:
         live = intercompare(
             [Source(SensorSimulator, 'sensor_simulator',
-                    {**scenario, 'speed': arguments.speed, 'stamps': 'scenario'})],
+                    {**scenario.to_mapping(), 'speed': arguments.speed, 'stamps': 'scenario'})],
             _SETTINGS, output=bag, report_dir=str(out / 'live'), private=True,
             progress=lambda n: progress.show(f'{n:,} pairs'))
     say(f'2. replayed: {bag} -> synchronizer -> compliance')
@@ -92,19 +93,6 @@ def _compare(verdicts: dict[str, dict[str, Any]]) -> int:
     print(f'live, replayed and offline verdicts agree: {pairs} pairs, every count and word, '
           'every figure to 1e-12')
     return 0
-
-
-def _scenario(duration_s: float | None) -> dict[str, Any]:
-    """Return the scenario of the demo, from where the package keeps its configuration."""
-    for folder in Path(__file__).resolve().parents:
-        for below in ('config', 'share/heading_intercompare/config'):
-            path = folder / below / 'scenarios' / 'demo.yaml'
-            if path.is_file():
-                given = yaml.safe_load(path.read_text(encoding='utf-8'))
-                if duration_s is not None:
-                    given['duration_s'] = duration_s
-                return Scenario.from_mapping(given).to_mapping()
-    raise FileNotFoundError(2, 'not installed with the package', 'config/scenarios/demo.yaml')
 
 
 def _remove(path: Path) -> None:

@@ -8,9 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-import yaml
-
 from heading_intercompare.ahrs.settings import Scenario
+from heading_intercompare.cli.yaml_file import parse_yaml
 from heading_intercompare.core.settings import SettingsError
 
 __all__ = ['ScenarioFile', 'read_scenario']
@@ -77,13 +76,7 @@ def read_scenario(given: str, seed: int | None = None) -> ScenarioFile:
     """
     path = _found(given)
     data = path.read_bytes()
-    try:
-        mapping = yaml.safe_load(data.decode())
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        mark = getattr(error, 'problem_mark', None)
-        where = f', line {mark.line + 1}' if mark else ''
-        problem = getattr(error, 'problem', None) or 'not text'
-        raise SettingsError(f'{path}{where}: not YAML: {problem}') from error
+    mapping = parse_yaml(data, path)
     if not isinstance(mapping, dict):
         raise SettingsError(f'{path}: not a scenario: it must hold names and values such as '
                             'duration_s: 1200')
