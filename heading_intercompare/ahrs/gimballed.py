@@ -311,7 +311,7 @@ class GimballedAhrs:
         """Return what is said now."""
         computer = self.computer
         message, self._messages = '; '.join(self._messages), []
-        mode_s = (self._step - self._entered) * GRID_S
+        mode_s = round((self._step - self._entered) * GRID_S, 3)
         drifts = (computer.drift_x_rad_s, computer.drift_y_rad_s, computer.drift_z_rad_s,
                   computer.meter_x_rad_s, computer.meter_y_rad_s)
         return AhrsStatus(

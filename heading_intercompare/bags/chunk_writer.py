@@ -172,8 +172,7 @@ class ChunkWriter:
             payload = data[at + MESSAGE_HEAD.size:at + HEAD.size + length]
             taken.append((channel, payload, log, publish, sequence))
         self._begin_chunk()
-        if taken and not self._chunk_indexes:
-            self._redefine()
+        self._redefine()
         return taken
 
     # The file

@@ -261,6 +261,19 @@ class BagReader:
                         raise BagError(f'a message is of channel {number}, which is not defined',
                                        part.path, block.offset)
 
+    @property
+    def recovered(self) -> str | None:
+        """What was lost before this bag was recovered from a damaged one; None if nothing."""
+        try:
+            found = self.metadata().get('recovery', {})
+        except BagError:
+            return None
+        if not any(key.startswith('note.') for key in found):
+            return None
+        bound = 'at least ' if found.get('messages_lost_is') == 'at least' else ''
+        return (f'recovered from a damaged bag: {bound}{found.get("messages_lost", "?")} messages '
+                f'and {found.get("bytes_lost", "?")} bytes were lost')
+
     def metadata(self) -> dict[str, dict[str, str]]:
         """Return the metadata records by name; the last of a name counts."""
         return {record.name: dict(record.metadata) for part in self._parts

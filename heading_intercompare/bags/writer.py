@@ -97,7 +97,7 @@ class BagWriter:
             raise BagError('exists already; a bag is never overwritten', self.path) from None
         self._stem = self.path.resolve().name
         self._number = 0
-        self._file, self._chunks = self._opened()
+        self._file, self._chunks = self._opened(0)
         try:
             self._describe_record()
             self.describe()
@@ -105,10 +105,10 @@ class BagWriter:
             self._file.close()
             raise
 
-    def _opened(self) -> tuple[BinaryIO, ChunkWriter]:
+    def _opened(self, number: int) -> tuple[BinaryIO, ChunkWriter]:
         """Return a new file that knows all topics and has all metadata; the folder is made."""
         self.path.mkdir(parents=True, exist_ok=True)
-        file = open(self._place(self._number), 'xb', buffering=0)
+        file = open(self._place(number), 'xb', buffering=0)
         try:
             chunks = ChunkWriter(file, self._settings.compression, self._settings.chunk_bytes,
                                  self._software)
@@ -294,26 +294,21 @@ class BagWriter:
             If no file can be made; all is then as before.
 
         """
-        before = self._number
-        self._number += 1
-        while self._place(self._number).exists():
-            self._number += 1
-        try:
-            file, chunks = self._opened()
-        except OSError:
-            self._number = before
-            raise
+        number = self._number + 1
+        while self._place(number).exists():
+            number += 1
+        file, chunks = self._opened(number)
         old = self._chunks
         with suppress(OSError):
             old.end_chunk()
             self._describe_record()
             old.finish()
             old.sync()
-        self._closed.append(self._part(before))
+        self._closed.append(self._part())
         waiting = old.take_pending()
         with suppress(OSError):
             self._file.close()
-        self._file, self._chunks = file, chunks
+        self._file, self._chunks, self._number = file, chunks, number
         for message in waiting:
             chunks.add(*message)
         self._describe_record()
@@ -331,13 +326,12 @@ class BagWriter:
             except OSError as error:
                 self.problem = error
 
-    def _part(self, number: int | None = None) -> PartInfo:
+    def _part(self) -> PartInfo:
         """Return what there is to say of the file being written."""
         rows = []
         for channel, row, _ in self._rows.values():
             rows.append(replace(row, count=self._chunks.counts.get(channel, 0)))
-        name = self._place(self._number if number is None else number).name
-        return PartInfo(name, self._chunks.start_ns, self._chunks.end_ns,
+        return PartInfo(self._place(self._number).name, self._chunks.start_ns, self._chunks.end_ns,
                         sum(self._chunks.counts.values()), rows)
 
     def _describe_record(self) -> None:

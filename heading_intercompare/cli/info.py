@@ -27,17 +27,15 @@ def run(arguments: argparse.Namespace) -> int:
     """Print what the bag says of itself."""
     reader = BagReader(arguments.bag)
     metadata = reader.metadata()
-    lines = [*_whole(reader, metadata), *_topics(reader), *_records(metadata),
+    lines = [*_whole(reader), *_topics(reader), *_records(metadata),
              *_files(reader.attachments())]
     print('\n'.join(lines))
     return 0
 
 
-def _whole(reader: BagReader, metadata: Mapping[str, Mapping[str, str]]) -> Iterator[str]:
+def _whole(reader: BagReader) -> Iterator[str]:
     yield f'bag: {reader.path}'
-    missing = reader.incomplete
-    if missing is None and any(key.startswith('note.') for key in metadata.get('recovery', {})):
-        missing = 'recovered from a damaged bag, see recovery'
+    missing = reader.incomplete or reader.recovered
     yield f'complete: {"yes" if missing is None else f"no: {missing}"}'
     span_s = _span_s(reader)
     if span_s is None:

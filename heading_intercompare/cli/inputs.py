@@ -119,7 +119,7 @@ def _analyze_bag(path: str, settings: Settings, runs: Sequence[tuple[int, int]] 
     pairs = comparison.finish()
     for take in takers:
         take(pairs)
-    notes = [f'{path}: {reader.incomplete}'] if reader.incomplete else []
+    notes = [f'{path}: {why}' for why in (reader.incomplete, reader.recovered) if why]
     results = comparison.results()
     if kept:
         results = aligned(*(Headings.concatenate(kept[topic]) for topic in (ts, rs)), results,

@@ -31,21 +31,19 @@ __all__ = ['end', 'Ending', 'MISTAKES', 'run', 'spinning', 'Stop', 'words']
 MISTAKES = (SettingsError, DriverError, BagError, OSError)
 """What a user can cause; the text of each is one line that says what is wrong."""
 
-END_S = 9.0
-"""Longest time that a node may take to end; `ros2 launch` kills after 10 s."""
+# Longest time that a node may take to end; `ros2 launch` kills after 10 s.
+_END_S = 9.0
+
+# What best effort has under way goes with the process that sent it.
+_LINGER_S = 0.5
 
 
 class Ending(Protocol):
     """
     What every node here has beside being a Node.
 
-    Attributes
-    ----------
-    done : bool
-        Its work is over by itself.
-    ended : bool
-        After `end`: nothing is left to be published or written.
-
+    `done`: its work is over by itself. After `end` it goes on being spun until `ended`: all is
+    published and written.
     """
 
     done: bool
@@ -87,12 +85,15 @@ def spinning(context: Context) -> Iterator[tuple[SingleThreadedExecutor, list[No
             node.destroy_node()
 
 
-def end(executor: SingleThreadedExecutor, nodes: Sequence[Node]) -> None:
-    """End nodes one after the other, in the order given, and destroy them."""
+def end(executor: SingleThreadedExecutor, nodes: Sequence[Node], linger_s: float = 0.0) -> None:
+    """End nodes in the order given, each living on for `linger_s`, and destroy them."""
     for node in nodes:
         node.end()
-        deadline_s = time.monotonic() + END_S
+        deadline_s = time.monotonic() + _END_S
         while not node.ended and time.monotonic() < deadline_s:
+            executor.spin_once(0.05)
+        deadline_s = time.monotonic() + linger_s
+        while time.monotonic() < deadline_s:
             executor.spin_once(0.05)
         executor.remove_node(node)
         node.destroy_node()
@@ -138,7 +139,7 @@ def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None)
                 executor.add_node(nodes[0])
                 while not (stop.requested or nodes[0].done):
                     executor.spin_once(0.2)
-                end(executor, nodes)
+                end(executor, nodes, _LINGER_S)
     except MISTAKES as error:
         sys.stderr.write(f'{name}: error: {words(error)}\n')
         return 2

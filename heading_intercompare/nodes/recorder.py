@@ -15,8 +15,8 @@ from rclpy.serialization import deserialize_message
 from std_msgs.msg import String
 
 from heading_intercompare.bags.bag_yaml import Qos
+from heading_intercompare.bags.recording import Recording
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.bags.writer import BagWriter
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.version import VERSION
 
@@ -25,9 +25,9 @@ from .health import Health
 from .intake import Intake
 from .messages import HEADING_TYPES, PAIRS_TYPES
 from .parameters import declare, OVERRIDES
-from .process import run, words
+from .process import run
 from .settings import RecorderNode, Taking
-from .status_messages import ERROR, OK, run_table
+from .status_messages import ERROR, OK, run_table, WARN
 from .timing import every
 
 __all__ = ['main', 'Recorder']
@@ -55,7 +55,7 @@ class Recorder(Node):
         self.ended = False
         self._health = Health(self)
         self.path = self._own.output or f'heading_{datetime.now(timezone.utc):%Y%m%dT%H%M%SZ}'
-        self._bag = BagWriter(self.path, bag_settings, software=f'heading_intercompare {VERSION}')
+        self._bag = Recording(self.path, bag_settings)
         self._bag.metadata('heading_intercompare', {
             'version': VERSION, **{f'settings.{name}': value for name, value
                                    in self._settings.to_mapping().items()}})
@@ -70,12 +70,17 @@ class Recorder(Node):
                 (_REPORT, {'std_msgs/msg/String': String}, qos.REPORT, qos.REPORT)):
             self._intakes[topic] = _offered(offered), Intake(
                 self, topic, types, taken, self._health, raw=True, sole=False)
-        self.written, self._fault = 0, ''
+        self._state = ''
         self._report: bytes | None = None
         self._quiet_s = self._end_s = 0.0
         self._ending = False
         self._health.before_beat(self._note)
         every(self, taking.drain_period_s, self._drain)
+
+    @property
+    def written(self) -> int:
+        """Number of messages that were handed to the bag."""
+        return self._bag.written
 
     def _drain(self) -> None:
         if self.ended:
@@ -89,24 +94,22 @@ class Recorder(Node):
             rows += [(info['received_timestamp'], intake.full_name, data, info)
                      for data, info in taken]
         rows.sort(key=lambda row: row[0])
-        try:
-            for received_ns, name, data, info in rows:
-                self._bag.write(name, data, received_ns, info['source_timestamp'],
-                                info['publication_sequence_number'])
-                self.written += 1
-            self._bag.flush_if_due(time.monotonic())
-        except OSError as error:
-            # A disk that is full may be given room again; what was taken waits in memory.
-            self._fault = words(error)
+        for received_ns, name, data, info in rows:
+            self._bag.write(name, data, received_ns, info['source_timestamp'],
+                            info['publication_sequence_number'])
+        self._bag.tick(time.monotonic())
+        if self._bag.fault + self._bag.remark != self._state:
+            self._state = self._bag.fault + self._bag.remark
             self._note()
         if self._ending:
             self._close_if_quiet()
 
     def _note(self) -> None:
-        self._health.note('bag', ERROR if self._fault else OK,
-                          self._fault or f'recording to {self.path}', latch=True,
-                          messages=self.written)
-        self._fault = ''
+        bag = self._bag
+        level = ERROR if bag.fault else WARN if bag.remark else OK
+        self._health.note('bag', level, bag.fault or bag.remark or f'recording to {self.path}',
+                          latch=True, messages=bag.written, waiting=bag.waiting,
+                          lost=sum(bag.lost.values()), faults=bag.faults, absent=bag.absent)
 
     def end(self) -> None:
         """Go on until the other nodes are gone or time is up, for the last verdict."""
@@ -125,8 +128,19 @@ class Recorder(Node):
             report = deserialize_message(self._report, String).data
             self._bag.attachment('report.json', 'application/json', report.encode())
             self._bag.attachment('runs.csv', 'text/csv', run_table(report).encode())
+        self._bag.metadata('recording', self._losses())
         self._bag.close()
+        self._note()
         self.ended = True
+
+    def _losses(self) -> dict[str, int]:
+        """Return what was received and what was lost, by topic and where."""
+        bag, found = self._bag, {'faults': self._bag.faults, 'absent': self._bag.absent}
+        for _, intake in self._intakes.values():
+            name = intake.full_name
+            found |= {f'received.{name}': intake.received, f'lost_on_the_way.{name}': intake.lost,
+                      f'not_written.{name}': bag.lost.get(name, 0)}
+        return found
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -15,6 +15,7 @@ from std_msgs.msg import String
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.bags.writer import BagWriter
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.nodes import qos
@@ -132,16 +133,20 @@ def test_a_disk_that_fails_is_an_error_and_nothing_is_lost_when_it_works_again(
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
     sensor = sensor_of(ros)
 
-    def fail(now_s):
+    def fail(bag, now_s):
         raise OSError(28, 'No space left on device', 'bag_0.mcap')
     with monkeypatch.context() as patch:
-        patch.setattr(node._bag, 'flush_if_due', fail)
+        patch.setattr(BagWriter, 'flush_if_due', fail)
         for message in some_headings(20):
             sensor.publish(message)
         ros.spin_until(lambda: any('No space left on device' in s.message
                                    for m in states for s in m.status))
     ros.spin_until(lambda: node.written == 20)
-    assert finish(ros, node, sensor).topics['/ts/heading'].count == 20
+    bag = finish(ros, node, sensor)
+    assert bag.topics['/ts/heading'].count == 20
+    losses = bag.metadata()['recording']
+    assert (losses['faults'], losses['received./ts/heading']) == ('1', '20')
+    assert losses['lost_on_the_way./ts/heading'] == losses['not_written./ts/heading'] == '0'
 
 
 def test_a_bag_is_never_overwritten(ros, tmp_path):

@@ -1,0 +1,154 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Our bags in pybag, and in the JavaScript libraries with which Foxglove reads bags."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from heading_intercompare.bags.cdr import decode, encode
+from heading_intercompare.bags.heading_messages import encode_imu, encode_pairs, IMU, PAIRS_TYPE
+from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.bags.settings import BagSettings
+from heading_intercompare.bags.writer import BagWriter, Rows
+from heading_intercompare.core.records import Headings, Pairs
+
+STATUS = 'diagnostic_msgs/msg/DiagnosticArray'
+START_NS = 1_406_851_200_000_000_000
+
+
+@pytest.fixture(params=['none', 'lz4', 'zstd'])
+def bag(request, tmp_path, rng):
+    """Return a bag with each kind of message that the recorder writes."""
+    stamps = START_NS + np.arange(300) * 10_000_000
+    ts = Headings.of(stamps, rng.uniform(0.0, 360.0, 300))
+    pairs = Pairs.of(stamps[:50], ts.heading_deg[:50], ts.heading_deg[:50] - 0.1)
+    status = {'name': 'a', 'message': 'start', 'values': [{'key': 'n', 'value': '3'}]}
+    header = {'stamp': {'sec': 1, 'nanosec': 2}, 'frame_id': ''}
+    with BagWriter(tmp_path / 'bag', BagSettings(compression=request.param,
+                                                 chunk_bytes=20_000)) as bag:
+        bag.add_topic('/ts/heading', IMU)
+        bag.write_rows([Rows('/ts/heading', encode_imu(ts, 'gyro'), stamps)])
+        bag.add_topic('/pairs', PAIRS_TYPE)
+        bag.write_rows([Rows('/pairs', encode_pairs(pairs), stamps[:50])])
+        bag.add_topic('/compliance/marker', STATUS)
+        bag.write('/compliance/marker', encode(STATUS, {'header': header, 'status': [status]}),
+                  START_NS)
+        bag.add_topic('/compliance/report', 'std_msgs/msg/String')
+        bag.write('/compliance/report', encode('std_msgs/msg/String', {'data': 'Länge 54°'}),
+                  START_NS)
+        bag.metadata('heading_intercompare', {'version': '1'})
+        bag.attachment('runs.csv', 'text/csv', b'start,stop\n')
+    return bag.path
+
+
+def ours(path: Path) -> dict[tuple[str, int], object]:
+    """Return the messages by topic and time, as JSON would have them."""
+    return {(m.topic, m.log_time_ns): json.loads(json.dumps(decode(m.type_name, m.data)))
+            for m in BagReader(path).messages()}
+
+
+def plain(message: object) -> object:
+    """Return a message of pybag as a mapping, without the constants of its type."""
+    if isinstance(message, (list, tuple)) or hasattr(message, 'tolist'):
+        return [plain(m) for m in message]
+    if isinstance(message, (str, int, float)):
+        return message
+    if isinstance(message, bytes):
+        return message[0]
+    names = getattr(message, '__dataclass_fields__', None) or vars(message)
+    return {name: plain(getattr(message, name)) for name in names if not name.isupper()}
+
+
+def test_pybag_decodes_every_message(bag):
+    reader = pytest.importorskip('pybag.mcap_reader', reason='pybag-sdk is not installed')
+    with reader.McapFileReader.from_file(bag / 'bag_0.mcap', enable_crc_check=True) as file:
+        theirs = {(m.topic, m.log_time): plain(m.data)
+                  for topic in file.get_topics() for m in file.messages(topic)}
+        assert {r.name for r in file.get_metadata()} >= {'rosbag2', 'heading_intercompare'}
+    # Of an attachment pybag 0.13 takes the checksum over its data, MCAP over all its fields.
+    with reader.McapFileReader.from_file(bag / 'bag_0.mcap', enable_crc_check=False) as file:
+        assert [a.data for a in file.get_attachments()] == [b'start,stop\n']
+    expected = ours(bag)
+    assert len(expected) == 352 and theirs == expected
+
+
+SCRIPT = r"""
+const { McapIndexedReader } = require('@mcap/core');
+const { parse } = require('@foxglove/rosmsg');
+const { MessageReader } = require('@foxglove/rosmsg2-serialization');
+const zstd = require('fzstd');
+const lz4 = require('lz4js');
+const fs = require('fs');
+
+async function main() {
+  const data = fs.readFileSync(process.argv[2]);
+  const readable = {
+    size: async () => BigInt(data.length),
+    read: async (at, length) => new Uint8Array(data.subarray(Number(at), Number(at + length))),
+  };
+  const reader = await McapIndexedReader.Initialize({
+    readable,
+    decompressHandlers: { zstd: (b) => zstd.decompress(b), lz4: (b) => lz4.decompress(b) },
+  });
+  const readers = new Map();
+  for (const [id, channel] of reader.channelsById) {
+    const text = new TextDecoder().decode(reader.schemasById.get(channel.schemaId).data);
+    readers.set(id, new MessageReader(parse(text, { ros2: true })));
+  }
+  const found = [];
+  for await (const message of reader.readMessages()) {
+    found.push([reader.channelsById.get(message.channelId).topic, String(message.logTime),
+                readers.get(message.channelId).readMessage(message.data)]);
+  }
+  console.log(JSON.stringify(found,
+    (key, value) => ArrayBuffer.isView(value) ? Array.from(value)
+      : typeof value === 'bigint' ? Number(value) : value));
+}
+main();
+"""
+
+
+@pytest.fixture(scope='module')
+def javascript(tmp_path_factory):
+    """Return a folder with the libraries and a script that prints the messages of a file."""
+    if shutil.which('node') is None or shutil.which('npm') is None:
+        pytest.skip('node and npm are not installed')
+    folder = tmp_path_factory.mktemp('npm')
+    (folder / 'package.json').write_text('{"private": true}')
+    (folder / 'read.js').write_text(SCRIPT)
+    try:
+        subprocess.run(['npm', 'install', '--no-audit', '--no-fund', '--ignore-scripts',
+                        '@mcap/core@2', '@foxglove/rosmsg@5', '@foxglove/rosmsg2-serialization@3',
+                        'fzstd@0.1', 'lz4js@0.2'],
+                       cwd=folder, check=True, capture_output=True, timeout=120)
+    except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
+        pytest.skip(f'npm cannot install the libraries: {error}')
+    return folder
+
+
+@pytest.mark.slow
+def test_the_libraries_of_foxglove_decode_every_message(bag, javascript):
+    done = subprocess.run(['node', 'read.js', str(bag / 'bag_0.mcap')], cwd=javascript,
+                          capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    theirs = {(topic, int(stamp)): without_rounding(message)
+              for topic, stamp, message in json.loads(done.stdout)}
+    expected = ours(bag)
+    assert len(expected) == 352 and theirs == expected
+
+
+def without_rounding(message: object) -> object:
+    """Return a message with `nsec` as ROS 2 calls it; JavaScript prints 0 and -0 alike."""
+    if isinstance(message, dict):
+        return {'nanosec' if name == 'nsec' else name: without_rounding(value)
+                for name, value in message.items()}
+    if isinstance(message, list):
+        return [without_rounding(value) for value in message]
+    return message

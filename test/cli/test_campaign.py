@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Many inputs at once: the same verdict as one by one, and a bad one named."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
+import json
+import os
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from heading_intercompare import Headings
+from heading_intercompare.bags.heading_messages import encode_imu, IMU
+from heading_intercompare.bags.settings import BagSettings
+from heading_intercompare.bags.writer import BagWriter, Rows
+from heading_intercompare.cli import main
+from heading_intercompare.cli.campaign import _result, judge_inputs
+
+S = 1_000_000_000
+NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1',
+         '--set', 'risk.min_duration_s=0']
+
+
+def write_bag(path, number: int) -> str:
+    """Write two minutes at 10 Hz, TS 0.1° sd, RS exact."""
+    rng = np.random.default_rng(number)
+    stamps = (1_400_000_000 + 1000 * number) * S + np.arange(1200) * (S // 10)
+    with BagWriter(path, BagSettings(chunk_bytes=50_000)) as writer:
+        for topic, error in (('ts/heading', 0.1), ('rs/heading', 0.0)):
+            writer.add_topic(topic, IMU)
+            readings = Headings.of(stamps, 100.0 + error * rng.standard_normal(1200))
+            writer.write_rows([Rows(topic, encode_imu(readings, 'x'), stamps)])
+    return str(path)
+
+
+@pytest.fixture
+def bags(tmp_path):
+    """Return three bags and a csv of pairs."""
+    found = [write_bag(tmp_path / f'trial_{i}', i) for i in range(3)]
+    assert main(['analyze', found[0], *NORMS, '--csv', str(tmp_path / 'pairs.csv')]) == 0
+    return [*found, str(tmp_path / 'pairs.csv')]
+
+
+def judged(capsys, *arguments) -> tuple[dict, str]:
+    """Return the JSON of `analyze` and what it says beside it."""
+    capsys.readouterr()
+    assert main(['analyze', *arguments, *NORMS, '--json', '-']) == 0
+    out, err = capsys.readouterr()
+    return json.loads(out), err
+
+
+def test_several_processes_judge_as_one_does(bags, capsys):
+    serial, _ = judged(capsys, *bags, '--jobs', '1')
+    parallel, said = judged(capsys, *bags, '--jobs', '2')
+    assert parallel == serial and said == ''
+    assert [run['source'] for run in parallel['runs']] == bags
+    assert [given['path'] for given in parallel['inputs']] == bags
+    assert parallel['outcome'] == 'compliant'
+
+
+@pytest.mark.parametrize('jobs', ['1', '2'])
+def test_a_bad_bag_is_named_and_the_campaign_is_not_compliant(bags, tmp_path, capsys, jobs):
+    (tmp_path / 'bad.mcap').write_bytes(b'no bag')
+    inputs = [bags[0], str(tmp_path / 'bad.mcap'), str(tmp_path / 'nowhere'), bags[1]]
+    verdict, said = judged(capsys, *inputs, '--jobs', jobs)
+    assert verdict['outcome'] == verdict['paper_outcome'] == 'indeterminate'
+    assert [run['outcome'] for run in verdict['runs']] == ['compliant'] * 2
+    assert [given.get('error') for given in verdict['inputs']] == [
+        None, 'is not an MCAP file', 'No such file or directory', None]
+    assert verdict['inputs'][1]['sha256'] is None
+    assert said == (f'note: {inputs[1]}: not judged: is not an MCAP file\n'
+                    f'note: {inputs[2]}: not judged: No such file or directory\n')
+
+
+def test_a_bad_bag_does_not_hide_that_another_is_not_compliant(bags, tmp_path, capsys):
+    assert main(['analyze', *bags[:2], str(tmp_path / 'nowhere'), '--check',
+                 '--set', 'norms.sigma_max_deg=0.02', '--set', 'norms.sigma_ref_max_deg=0.01',
+                 '--set', 'risk.min_duration_s=0', '--jobs', '1']) == 1
+
+
+def test_a_report_is_written_though_a_bag_is_bad(bags, tmp_path, capsys):
+    judged(capsys, *bags[:2], str(tmp_path / 'nowhere'), '--jobs', '2', '--report',
+           str(tmp_path / 'report.html'))
+    text = (tmp_path / 'report.html').read_text('utf-8')
+    assert 'nowhere' in text and 'trial_1' in text
+
+
+def test_where_no_input_can_be_read_nothing_is_judged(tmp_path, capsys):
+    assert main(['analyze', str(tmp_path / 'a'), str(tmp_path / 'b'), *NORMS,
+                 '--jobs', '1']) == 2
+    out, err = capsys.readouterr()
+    assert out == '' and err.count('\n') == 1
+    assert 'none of the 2 inputs can be read' in err and 'No such file' in err
+
+
+@pytest.mark.parametrize('jobs', ['0', '-1', 'x', '1.5', '²'])
+def test_a_wrong_number_of_processes_is_refused(capsys, jobs):
+    assert main(['analyze', 'a', 'b', *NORMS, '--jobs', jobs]) == 2
+    assert 'is not a whole number above 0' in capsys.readouterr().err
+
+
+def test_a_process_that_dies_is_no_end_of_the_others():
+    """An exit code 3 instead of an answer: what a process killed for want of memory leaves."""
+    broken = Future()
+    broken.set_exception(BrokenProcessPool())
+    job = SimpleNamespace(survive=os._exit, unread=lambda path, why: (path, why))
+    path, why = _result(job, 3, broken)
+    assert path == 3 and 'died' in why
+    job.survive = str
+    assert _result(job, 3, broken) == '3'
+
+
+def test_an_unfinished_bag_is_judged_and_said_to_be_unfinished(bags, capsys):
+    file = f'{bags[1]}/trial_1_0.mcap'
+    with open(file, 'r+b') as cut:
+        cut.truncate(100_000)
+    verdict, said = judged(capsys, *bags[:2], '--jobs', '1')
+    assert len(verdict['runs']) == 2 and 'was not closed' in said
+
+
+def test_a_recovered_bag_is_said_to_be_recovered(bags, tmp_path, capsys):
+    file = f'{bags[1]}/trial_1_0.mcap'
+    with open(file, 'r+b') as cut:
+        cut.truncate(60_000)
+    assert main(['recover', bags[1], '-o', str(tmp_path / 'new')]) == 0
+    _, said = judged(capsys, str(tmp_path / 'new'))
+    assert 'recovered from a damaged bag' in said
+
+
+def test_notes_and_results_come_in_the_order_given(bags):
+    from heading_intercompare import Settings
+    settings = Settings.from_mapping({'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1})
+    found = judge_inputs([bags[2], bags[0], bags[1]], settings, None, jobs=3)
+    assert [each.path for each in found] == [bags[2], bags[0], bags[1]]
+    assert all(each.error is None and len(each.results) == 1 for each in found)
