@@ -7,7 +7,6 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import replace
 import errno
-from math import inf
 import os
 from pathlib import Path
 from typing import BinaryIO, Iterable, Mapping
@@ -22,6 +21,7 @@ from .errors import BagError
 from .rows import Rows
 from .schemas import Schema, schema_of
 from .settings import BagSettings
+from .syncing import Syncing
 
 __all__ = ['BagWriter', 'Rows']
 
@@ -88,7 +88,7 @@ class BagWriter:
         self._rows: dict[str, tuple[int, TopicRow, Schema]] = {}
         self._records: dict[str, dict[str, str]] = {}
         self._last_flush_s: float | None = None
-        self._last_sync_s = -inf
+        self._syncing = Syncing(self._settings.fsync_interval_s)
         self._closed: list[PartInfo] = []
         self.problem: OSError | None = None
         try:
@@ -259,9 +259,7 @@ class BagWriter:
             return False
         self._last_flush_s = now_s
         self._chunks.end_chunk()
-        if now_s - self._last_sync_s >= self._settings.fsync_interval_s:
-            self._last_sync_s = now_s
-            self._chunks.sync()
+        self._syncing.begin_if_due(self._file.fileno(), now_s)
         self._split_if_due()
         if self.problem is not None:
             self._describe_later()
@@ -376,3 +374,4 @@ class BagWriter:
             self.describe()
         finally:
             self._file.close()
+            self._syncing.close()

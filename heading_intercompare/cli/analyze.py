@@ -5,19 +5,18 @@
 from __future__ import annotations
 
 import argparse
-from functools import partial
 from pathlib import Path
 import sys
 from typing import Any, Mapping
 
 from heading_intercompare.bags.pairs_csv import PairsCsvWriter
+from heading_intercompare.cli.campaign import capped, judge_inputs, positive
 from heading_intercompare.cli.config import load_config, settings_for
-from heading_intercompare.cli.inputs import analyze_input, describe, read_run_table
-from heading_intercompare.cli.progress import Progress
+from heading_intercompare.cli.inputs import read_run_table
 from heading_intercompare.cli.table import verdict_text
 from heading_intercompare.core.criteria import Limits
 from heading_intercompare.core.intercomparison import join
-from heading_intercompare.report import json, SeriesSketch, write, WRITERS
+from heading_intercompare.report import json, write, WRITERS
 
 __all__ = ['add_arguments', 'add_settings_arguments', 'add_verdict_arguments', 'conclude', 'run']
 
@@ -47,6 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_settings_arguments(parser)
     parser.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
     parser.add_argument('--csv', metavar='F', help='write a row per pair')
+    parser.add_argument('--jobs', metavar='N', type=positive,
+                        help='processes for several large INPUTs (default: one for each core)')
     parser.add_argument('--report', metavar='F.html', help='write the protocol, with plots')
     add_verdict_arguments(parser)
 
@@ -64,25 +65,20 @@ def run(arguments: argparse.Namespace) -> int:
         raise ValueError(f'--report {arguments.report}: must end with {" or ".join(WRITERS)}')
     csv_out = PairsCsvWriter(
         arguments.csv, wrap_center_deg=settings.wrap_center_deg) if arguments.csv else None
-    results, inputs, notes, sketches = [], [], [], []
     try:
-        for path in arguments.inputs:
-            takers = [csv_out.write] if csv_out else []
-            if arguments.report:
-                sketches.append(SeriesSketch(path))
-                takers.append(partial(sketches[-1].update, settings=settings))
-            with Progress(path, arguments.quiet) as progress:
-                found, said = analyze_input(path, settings, table, takers, progress.show)
-            results += found
-            notes += said
-            inputs.append(describe(path, settings))
+        judged = judge_inputs(arguments.inputs, settings, table,
+                              takers=[csv_out.write] if csv_out else [],
+                              sketched=bool(arguments.report), jobs=arguments.jobs,
+                              quiet=arguments.quiet)
     finally:
         if csv_out:
             csv_out.close()
-    verdict = join(results, settings, inputs).to_dict()
+    results = [result for each in judged for result in each.results]
+    verdict = join(results, settings, [each.description for each in judged]).to_dict()
+    verdict = capped(verdict, judged)
     if arguments.report:
-        write(verdict, arguments.report, sketches)
-    for note in notes:
+        write(verdict, arguments.report, [each.sketch for each in judged if each.sketch])
+    for note in (note for each in judged for note in each.notes):
         print(f'note: {note}', file=sys.stderr)
     return conclude(verdict, arguments)
 

@@ -14,7 +14,6 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverSettings
-from heading_intercompare.drivers.sources import FileSource, open_source
 
 from . import qos
 from .health import Health
@@ -41,19 +40,17 @@ class NmeaDriver(Node):
         self._frame_id = own.frame_id or settings.topic.strip('/').replace('/', '_')
         resolved(self, settings.topic)
         self._decoder = NmeaDecoder(settings)
-        self._source = open_source(settings)
+        wake = self.create_guard_condition(self._pass_on)
+        self._reading = Reading(settings, sending.max_rate_hz, wake.trigger)
         self._health = Health(self)
         self._publisher = self.create_publisher(
             Imu, settings.topic, qos.HEADINGS_OUT,
             event_callbacks=self._health.of_publisher(settings.topic))
-        from_file = isinstance(self._source, FileSource)
-        if from_file and own.origin_ns is not None:
-            self._source.origin_ns = own.origin_ns
-        self._audience = Audience(self, [self._publisher], sending.subscribers * from_file,
+        if self._reading.from_file and own.origin_ns is not None:
+            self.play_from(own.origin_ns)
+        self._audience = Audience(self, [self._publisher],
+                                  sending.subscribers if self._reading.from_file else 0,
                                   self._health)
-        wake = self.create_guard_condition(self._pass_on)
-        self._reading = Reading(self._source, wake.trigger,
-                                sending.max_rate_hz if from_file else None)
         self._published = self._beyond = self._published_before = 0
         self._newest_s = self._beat_s = time.monotonic()
         self._health.before_beat(self._note)
@@ -63,11 +60,11 @@ class NmeaDriver(Node):
     @property
     def first_ns(self) -> int | None:
         """First stamp of a log; None of other sources."""
-        return getattr(self._source, 'first_ns', None)
+        return getattr(self._reading.source, 'first_ns', None)
 
     def play_from(self, origin_ns: int) -> None:
         """Play a log from a log time, in step with others; before it has begun."""
-        self._source.origin_ns = origin_ns
+        self._reading.source.origin_ns = origin_ns
 
     def _begin(self) -> None:
         if not self._reading.started and self._audience.there():
@@ -104,7 +101,7 @@ class NmeaDriver(Node):
         rate_hz = (self._published - self._published_before) / max(now_s - self._beat_s, 1e-3)
         self._beat_s, self._published_before = now_s, self._published
         words = f'no heading for more than {self._taking.stale_s:g} s; ' if silent else ''
-        self._health.note('source', WARN if silent else OK, words + self._source.status,
+        self._health.note('source', WARN if silent else OK, words + self._reading.source.status,
                           sentence=self._decoder.chosen, published=self._published,
                           rate_hz=rate_hz, age_s=age_s, stamp_beyond_2038=self._beyond or None,
                           **self._decoder.counts)

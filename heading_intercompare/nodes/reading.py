@@ -9,7 +9,8 @@ from queue import Empty, Full, Queue
 import threading
 from typing import Callable
 
-from heading_intercompare.drivers.sources import Source
+from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.drivers.sources import FileSource, open_source, Source
 
 __all__ = ['Reading']
 
@@ -25,21 +26,37 @@ class Reading:
 
     Parameters
     ----------
-    source : Source
-        Open; closed by `stop`.
+    settings : DriverSettings
+        Which source; opened here, closed by `stop`.
+    max_rate_hz : float
+        Most lines a second of a file that is played as fast as possible.
     notify : callable
         Called from the thread when something has come or reading is over.
-    max_rate_hz : float, optional
-        Most lines a second, for a file that is played as fast as possible.
+
+    Attributes
+    ----------
+    source : Source
+        What is read.
+    from_file : bool
+        It is a log, which can wait to be begun.
+
+    Raises
+    ------
+    SettingsError, DriverError, OSError
+        As `open_source`.
 
     """
 
-    def __init__(self, source: Source, notify: Callable[[], None],
-                 max_rate_hz: float | None = None) -> None:
-        self._source, self._notify = source, notify
-        self._pause_s = 0.0 if max_rate_hz is None else _PIECE / max_rate_hz
-        self._queue: Queue[Received] = Queue(maxsize=20)
+    def __init__(self, settings: DriverSettings, max_rate_hz: float,
+                 notify: Callable[[], None]) -> None:
+        self.from_file = settings.address.scheme == 'file'
+        self._notify = notify
         self._stopped = threading.Event()
+        # A pause between two lines of a log ends with `stop`.
+        self.source: Source = (FileSource(settings, wait=self._stopped.wait) if self.from_file
+                               else open_source(settings))
+        self._pause_s = _PIECE / max_rate_hz if self.from_file else 0.0
+        self._queue: Queue[Received] = Queue(maxsize=20)
         self._pool = ThreadPoolExecutor(1)
         self._work: Future[None] | None = None
 
@@ -74,11 +91,11 @@ class Reading:
         """Stop reading and close the source."""
         self._stopped.set()
         self._pool.shutdown()
-        self._source.close()
+        self.source.close()
 
     def _run(self) -> None:
-        while not (self._stopped.is_set() or self._source.exhausted):
-            lines = self._source.read(_READ_S)
+        while not (self._stopped.is_set() or self.source.exhausted):
+            lines = self.source.read(_READ_S)
             for at in range(0, len(lines), _PIECE):
                 self._put(lines[at:at + _PIECE])
 

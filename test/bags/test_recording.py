@@ -12,6 +12,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
@@ -292,3 +293,71 @@ def test_killed_at_any_moment_at_most_a_second_is_lost(tmp_path, after_s):
             '/remark': len(found)}
     else:
         assert after_s < 1.0
+
+
+def test_a_disk_that_takes_long_to_sync_holds_up_nobody(tmp_path, disk, monkeypatch):
+    syncs, over = [], threading.Event()
+    fsync = os.fsync
+
+    def slow(descriptor):
+        if threading.current_thread() is not threading.main_thread():
+            syncs.append(descriptor)
+            assert over.wait(30.0)
+        fsync(descriptor)
+    monkeypatch.setattr(os, 'fsync', slow)
+    trial = Trial(tmp_path / 'bag', disk)
+    trial.run(10)
+    assert len(syncs) == 1 and trial.bag.fault == ''
+    assert numbers(tmp_path / 'bag') == list(range(len(numbers(tmp_path / 'bag'))))
+    assert len(numbers(tmp_path / 'bag')) >= 95
+    over.set()
+    trial.bag.close()
+    assert numbers(tmp_path / 'bag') == list(range(100))
+
+
+def test_a_sync_that_fails_is_a_fault(tmp_path, disk, monkeypatch):
+    def fail(descriptor):
+        raise OSError(errno.EIO, 'Input/output error')
+    trial = Trial(tmp_path / 'bag', disk)
+    with monkeypatch.context() as patch:
+        patch.setattr(os, 'fsync', fail)
+        for _ in range(1000):
+            trial.run(0.1)
+            if trial.bag.fault:
+                break
+        assert 'Input/output error' in trial.bag.fault
+    trial.run(10)
+    assert trial.bag.fault == ''
+    trial.bag.close()
+    assert numbers(tmp_path / 'bag') == list(range(trial.sent))
+
+
+LIMITED = """
+import random, resource, sys
+from heading_intercompare.bags.cdr import encode
+from heading_intercompare.bags.recording import Recording
+from heading_intercompare.bags.settings import BagSettings
+
+resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+bag = Recording(sys.argv[1], BagSettings(chunk_bytes=20_000, free_space_mb=0.0))
+bag.add_topic('/remark', 'std_msgs/msg/String')
+source = random.Random(1)
+for i in range(2000):
+    text = encode('std_msgs/msg/String', {'data': source.randbytes(100).hex()})
+    bag.write('/remark', text, 10**18 + i, 10**18 + i, i)
+    bag.tick(i / 100)
+bag.close()
+print(bag.faults, bag.lost, bag.written)
+"""
+
+
+def test_files_that_the_system_refuses_to_let_grow_are_followed_by_others(tmp_path):
+    done = subprocess.run([sys.executable, '-c', LIMITED, str(tmp_path / 'bag')], timeout=60,
+                          capture_output=True, text=True, check=True)
+    faults, rest = done.stdout.split(' ', 1)
+    assert int(faults) >= 2 and rest == '{} 2000\n', done.stderr
+    reader = BagReader(tmp_path / 'bag')
+    assert [m.sequence for m in reader.messages()] == list(range(2000))
+    assert len(list((tmp_path / 'bag').glob('*.mcap'))) >= 3
+    total = recover(tmp_path / 'bag', tmp_path / 'new')
+    assert (total.messages, total.messages_lost, total.chunks_lost) == (2000, 0, 0)

@@ -13,12 +13,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from heading_intercompare import Headings
+from heading_intercompare import Headings, Settings
 from heading_intercompare.bags.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.bags.writer import BagWriter, Rows
-from heading_intercompare.cli import main
-from heading_intercompare.cli.campaign import _result, judge_inputs
+from heading_intercompare.cli import campaign, main
 
 S = 1_000_000_000
 NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1',
@@ -38,7 +37,7 @@ def write_bag(path, number: int) -> str:
 
 
 @pytest.fixture
-def bags(tmp_path):
+def bags(tmp_path, capsys):
     """Return three bags and a csv of pairs."""
     found = [write_bag(tmp_path / f'trial_{i}', i) for i in range(3)]
     assert main(['analyze', found[0], *NORMS, '--csv', str(tmp_path / 'pairs.csv')]) == 0
@@ -53,8 +52,15 @@ def judged(capsys, *arguments) -> tuple[dict, str]:
     return json.loads(out), err
 
 
-def test_several_processes_judge_as_one_does(bags, capsys):
-    serial, _ = judged(capsys, *bags, '--jobs', '1')
+@pytest.fixture
+def processes(monkeypatch):
+    """Have even small inputs judged in processes of their own."""
+    monkeypatch.setattr(campaign, '_WORTH_BYTES', 0)
+
+
+def test_several_processes_judge_as_one_does(bags, capsys, monkeypatch):
+    serial, _ = judged(capsys, *bags)
+    monkeypatch.setattr(campaign, '_WORTH_BYTES', 0)
     parallel, said = judged(capsys, *bags, '--jobs', '2')
     assert parallel == serial and said == ''
     assert [run['source'] for run in parallel['runs']] == bags
@@ -62,11 +68,13 @@ def test_several_processes_judge_as_one_does(bags, capsys):
     assert parallel['outcome'] == 'compliant'
 
 
-@pytest.mark.parametrize('jobs', ['1', '2'])
-def test_a_bad_bag_is_named_and_the_campaign_is_not_compliant(bags, tmp_path, capsys, jobs):
+@pytest.mark.parametrize('worth', [0, 10**9])
+def test_a_bad_bag_is_named_and_the_campaign_is_not_compliant(
+        bags, tmp_path, capsys, monkeypatch, worth):
+    monkeypatch.setattr(campaign, '_WORTH_BYTES', worth)
     (tmp_path / 'bad.mcap').write_bytes(b'no bag')
     inputs = [bags[0], str(tmp_path / 'bad.mcap'), str(tmp_path / 'nowhere'), bags[1]]
-    verdict, said = judged(capsys, *inputs, '--jobs', jobs)
+    verdict, said = judged(capsys, *inputs)
     assert verdict['outcome'] == verdict['paper_outcome'] == 'indeterminate'
     assert [run['outcome'] for run in verdict['runs']] == ['compliant'] * 2
     assert [given.get('error') for given in verdict['inputs']] == [
@@ -79,19 +87,18 @@ def test_a_bad_bag_is_named_and_the_campaign_is_not_compliant(bags, tmp_path, ca
 def test_a_bad_bag_does_not_hide_that_another_is_not_compliant(bags, tmp_path, capsys):
     assert main(['analyze', *bags[:2], str(tmp_path / 'nowhere'), '--check',
                  '--set', 'norms.sigma_max_deg=0.02', '--set', 'norms.sigma_ref_max_deg=0.01',
-                 '--set', 'risk.min_duration_s=0', '--jobs', '1']) == 1
+                 '--set', 'risk.min_duration_s=0']) == 1
 
 
-def test_a_report_is_written_though_a_bag_is_bad(bags, tmp_path, capsys):
-    judged(capsys, *bags[:2], str(tmp_path / 'nowhere'), '--jobs', '2', '--report',
+def test_a_report_is_written_though_a_bag_is_bad(bags, tmp_path, capsys, processes):
+    judged(capsys, *bags[:2], str(tmp_path / 'nowhere'), '--report',
            str(tmp_path / 'report.html'))
     text = (tmp_path / 'report.html').read_text('utf-8')
     assert 'nowhere' in text and 'trial_1' in text
 
 
 def test_where_no_input_can_be_read_nothing_is_judged(tmp_path, capsys):
-    assert main(['analyze', str(tmp_path / 'a'), str(tmp_path / 'b'), *NORMS,
-                 '--jobs', '1']) == 2
+    assert main(['analyze', str(tmp_path / 'a'), str(tmp_path / 'b'), *NORMS]) == 2
     out, err = capsys.readouterr()
     assert out == '' and err.count('\n') == 1
     assert 'none of the 2 inputs can be read' in err and 'No such file' in err
@@ -108,17 +115,17 @@ def test_a_process_that_dies_is_no_end_of_the_others():
     broken = Future()
     broken.set_exception(BrokenProcessPool())
     job = SimpleNamespace(survive=os._exit, unread=lambda path, why: (path, why))
-    path, why = _result(job, 3, broken)
+    path, why = campaign._result(job, 3, broken)
     assert path == 3 and 'died' in why
     job.survive = str
-    assert _result(job, 3, broken) == '3'
+    assert campaign._result(job, 3, broken) == '3'
 
 
 def test_an_unfinished_bag_is_judged_and_said_to_be_unfinished(bags, capsys):
     file = f'{bags[1]}/trial_1_0.mcap'
     with open(file, 'r+b') as cut:
         cut.truncate(100_000)
-    verdict, said = judged(capsys, *bags[:2], '--jobs', '1')
+    verdict, said = judged(capsys, *bags[:2])
     assert len(verdict['runs']) == 2 and 'was not closed' in said
 
 
@@ -131,9 +138,8 @@ def test_a_recovered_bag_is_said_to_be_recovered(bags, tmp_path, capsys):
     assert 'recovered from a damaged bag' in said
 
 
-def test_notes_and_results_come_in_the_order_given(bags):
-    from heading_intercompare import Settings
+def test_results_come_in_the_order_given(bags, processes):
     settings = Settings.from_mapping({'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1})
-    found = judge_inputs([bags[2], bags[0], bags[1]], settings, None, jobs=3)
+    found = campaign.judge_inputs([bags[2], bags[0], bags[1]], settings, None, jobs=3)
     assert [each.path for each in found] == [bags[2], bags[0], bags[1]]
     assert all(each.error is None and len(each.results) == 1 for each in found)

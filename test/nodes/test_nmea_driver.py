@@ -149,7 +149,7 @@ def test_an_error_of_the_source_reaches_the_process(ros, tmp_path):
 
     def read(timeout_s):
         raise OSError(5, 'Input/output error', 'gyro')
-    node._source.read = read
+    node._reading.source.read = read
     ros.listen(Imu, 'ts/heading', qos.PAIRS)
     with pytest.raises(OSError, match='Input/output error'):
         ros.spin_until(lambda: node.done)

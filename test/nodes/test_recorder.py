@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import QuaternionStamped
@@ -21,7 +22,7 @@ from heading_intercompare.core.version import VERSION
 from heading_intercompare.nodes import qos
 from heading_intercompare.nodes.messages import heading_messages, headings_from
 from heading_intercompare.nodes.recorder import Recorder
-from heading_intercompare.nodes.status_messages import marker_message
+from heading_intercompare.nodes.status_messages import ERROR, marker_message
 
 REPORT = json.dumps({'runs': [{'start_ns': 5, 'end_ns': 9}]})
 
@@ -147,6 +148,26 @@ def test_a_disk_that_fails_is_an_error_and_nothing_is_lost_when_it_works_again(
     losses = bag.metadata()['recording']
     assert (losses['faults'], losses['received./ts/heading']) == ('1', '20')
     assert losses['lost_on_the_way./ts/heading'] == losses['not_written./ts/heading'] == '0'
+
+
+def test_a_folder_that_is_removed_is_an_error_at_once_and_recording_goes_on(ros, tmp_path):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    sensor, sent = sensor_of(ros), some_headings(20)
+    for message in sent[:10]:
+        sensor.publish(message)
+    ros.spin_until(lambda: node.written == 10)
+    shutil.rmtree(tmp_path / 'bag')
+    ros.spin_until(lambda: any(s.level == ERROR and 'No such file' in s.message
+                               for m in states for s in m.status), timeout_s=2.0)
+    for message in sent[10:]:
+        sensor.publish(message)
+    ros.spin_until(lambda: node.written == 20)
+    bag = finish(ros, node, sensor)
+    kept = [m.sequence for m in bag.messages(['/ts/heading'])]
+    assert kept[-10:] == list(range(11, 21))
+    losses = bag.metadata()['recording']
+    assert losses['absent'] == str(20 - len(kept)) and losses['faults'] == '1'
 
 
 def test_a_bag_is_never_overwritten(ros, tmp_path):
