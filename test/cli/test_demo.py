@@ -36,9 +36,10 @@ def test_differences_between_verdicts_are_found():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('ts, rs', [
-    ('nbp1406/NBP1406_gyr1-2014-08-01', 'nbp1406/NBP1406_s330-2014-08-01')])
-def test_real_logs_played_live_give_the_verdict_of_their_import(ts, rs, shared_data, tmp_path,
+@pytest.mark.parametrize('ts, rs, n', [
+    ('nbp1406/NBP1406_gyr1-2014-08-01', 'nbp1406/NBP1406_s330-2014-08-01', 3120),
+    ('lmg1903/LMG1903_lgyr.d085', 'lmg1903/LMG1903_lsep.d085', 9991)], ids=['nbp', 'lmg'])
+def test_real_logs_played_live_give_the_verdict_of_their_import(ts, rs, n, shared_data, tmp_path,
                                                                 capfd):
     config = tmp_path / 'config.yaml'
     config.write_text('\n'.join([
@@ -54,7 +55,7 @@ def test_real_logs_played_live_give_the_verdict_of_their_import(ts, rs, shared_d
     for path in (bag, imported):
         assert main(['analyze', path, '--config', str(config), '--json', '-']) == 0
         verdicts.append(json.loads(capfd.readouterr().out))
-    assert verdicts[0]['runs'][0]['n'] == 3120
+    assert sum(run['n'] for run in verdicts[0]['runs']) == n
     for other in verdicts[1:]:
         assert list(differences(verdicts[0], other)) == []
 
