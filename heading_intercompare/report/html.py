@@ -161,6 +161,8 @@ def _identification(verdict: Mapped) -> Markup:
             ['input', 'SHA-256', 'TS topic', 'RS topic'],
             [[value(given.get(key)) for key in ('path', 'sha256', 'ts_topic', 'rs_topic')]
              for given in verdict['inputs']]))
+        parts += [_paragraph(f'Not read: {given["error"]}') for given in verdict['inputs']
+                  if given.get('error')]
     else:
         parts.append(_paragraph('Inputs: none recorded; the readings were given live or by a '
                                 'program.'))

@@ -139,6 +139,13 @@ def test_a_hostile_name_is_shown_and_not_obeyed(made):
     page.encode('utf-8')
 
 
+def test_an_input_that_could_not_be_read_is_named_with_its_fault(made):
+    verdict, _ = made(1)
+    verdict['inputs'] = [{'path': 'b.mcap', 'sha256': None, 'ts_topic': None, 'rs_topic': None,
+                          'error': 'b.mcap: empty <file>'}]
+    assert 'Not read: b.mcap: empty &lt;file&gt;' in html.render(verdict)
+
+
 def test_the_graphs_are_xml_with_title_units_and_limits(made):
     verdict, sketches = made(1)
     figures = re.findall(r'<figure>(.*?)</figure>', html.render(verdict, sketches), re.DOTALL)
