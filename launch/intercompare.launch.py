@@ -7,12 +7,11 @@ Compare two sensors live: two drivers, synchronizer, compliance, recorder.
         [record:=false] [output:=BAG] [report_dir:=DIR]
 """
 
+from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 import yaml
-
-from launch import LaunchDescription
 
 
 def node(executable, name, config, own, **kwargs):

@@ -9,11 +9,10 @@ Compare two sensors again from a bag: replayer, synchronizer, compliance.
 All end when the bag does.
 """
 
+from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
-
-from launch import LaunchDescription
 
 
 def node(name, config, own, reason):

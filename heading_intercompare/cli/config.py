@@ -11,7 +11,7 @@ from typing import Any, Mapping, Sequence
 import yaml
 
 from heading_intercompare.cli.yaml_file import parse_yaml
-from heading_intercompare.core.settings import declared, Settings, SettingsError
+from heading_intercompare.core.settings import declared, flattened, Settings, SettingsError
 
 __all__ = ['Config', 'load_config', 'parse_assignments', 'settings_for']
 
@@ -29,9 +29,9 @@ class Config:
     path : str
         Of the file; empty without one.
     shared : mapping
-        Nested or dotted names of the section ``/**``: those of `Settings`.
+        Dotted names of the section ``/**``: those of `Settings`.
     sections : mapping of str to mapping
-        The parameters of single nodes.
+        The parameters of single nodes, dotted names.
 
     """
 
@@ -68,7 +68,8 @@ def load_config(path: str | None) -> Config:
         parameters = section['ros__parameters'] or {}
         if not isinstance(parameters, dict):
             raise SettingsError(f'{path}: section {name!r}: ros__parameters must be a mapping')
-        sections[str(name).lstrip('/') if name != SHARED else SHARED] = parameters
+        sections[str(name).lstrip('/') if name != SHARED else SHARED] = dict(
+            flattened(parameters))
     return Config(path, sections.pop(SHARED, {}), sections)
 
 

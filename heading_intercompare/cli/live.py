@@ -56,7 +56,6 @@ def run(arguments: argparse.Namespace) -> int:
             [Source(NmeaDriver, name, driver) for name, driver in drivers.items()],
             {k: v for k, v in settings.to_mapping().items() if v is not None},
             output=output, report_dir=config.sections.get('compliance', {}).get('report_dir'),
-            recorder={k: v for k, v in config.sections.get('recorder', {}).items()
-                      if k != 'output'},
+            own=config.sections,
             progress=lambda n: progress.show(f'{n:,} pairs'))
     return conclude(report, arguments)

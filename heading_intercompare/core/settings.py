@@ -16,8 +16,8 @@ import types
 from typing import Any, get_args, get_origin, get_type_hints, Iterator, Mapping, Union
 
 __all__ = ['Alignment', 'Checked', 'Detectors', 'Norms', 'Pairing', 'Risk', 'RunCutting',
-           'Sequential', 'Setting', 'Settings', 'SettingsError', 'declared', 'from_mapping',
-           'setting', 'to_mapping']
+           'Sequential', 'Setting', 'Settings', 'SettingsError', 'declared', 'flattened',
+           'from_mapping', 'setting', 'to_mapping']
 
 
 class SettingsError(ValueError):
@@ -116,10 +116,11 @@ def _checked(rule: Setting, value: Any) -> Any:
     return value
 
 
-def _flattened(mapping: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
+def flattened(mapping: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
+    """Yield dotted names and values of a nested mapping."""
     for name, value in mapping.items():
         if isinstance(value, Mapping):
-            yield from _flattened(value, f'{prefix}{name}.')
+            yield from flattened(value, f'{prefix}{name}.')
         else:
             yield f'{prefix}{name}', value
 
@@ -144,7 +145,7 @@ def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
     """
     rules = {rule.name: rule for rule in declared(settings_class)}
     values = {}
-    for name, value in _flattened(mapping):
+    for name, value in flattened(mapping):
         if name not in rules:
             close = difflib.get_close_matches(name, rules, n=1)
             hint = f'; did you mean {close[0]!r}?' if close else ''

@@ -78,7 +78,7 @@ class FileSource:
             if due > self._clock():
                 if lines or due > end:
                     break
-                self._wait(due - self._clock())
+                self._wait(max(0.0, due - self._clock()))
             lines.append(self._next)
             self._next = self._line()
         if self._next is None:

@@ -72,7 +72,7 @@ def _in_step(sources: Sequence[Node]) -> None:
 
 def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                  output: str | None = None, report_dir: str | None = None,
-                 recorder: Mapping[str, Any] | None = None, private: bool = False,
+                 own: Mapping[str, Mapping[str, Any]] | None = None, private: bool = False,
                  progress: Callable[[int], None] = lambda n_pairs: None) -> dict[str, Any]:
     """
     Run sources, synchronizer and compliance until all sources are through, or a signal comes.
@@ -87,8 +87,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         Bag to record.
     report_dir : str, optional
         Folder for the reports.
-    recorder : mapping, optional
-        Further parameters of the recorder.
+    own : mapping of str to mapping, optional
+        Further parameters of synchronizer, compliance and recorder, by name of the node.
     private : bool
         Keep the graph within this process.
     progress : callable
@@ -106,17 +106,18 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
 
     """
     heard = {'subscribers': 1 if output is None else 2}
+    own = own or {}
     plan: list[tuple[type, str, Mapping[str, Any]]] = [
-        (Compliance, 'compliance', {'report_dir': report_dir})]
+        (Compliance, 'compliance', {**own.get('compliance', {}), 'report_dir': report_dir})]
     if output is not None:
-        plan.append((Recorder, 'recorder', {'output': output, **(recorder or {})}))
-    plan.append((Synchronizer, 'synchronizer', heard))
+        plan.append((Recorder, 'recorder', {**own.get('recorder', {}), 'output': output}))
+    plan.append((Synchronizer, 'synchronizer', {**own.get('synchronizer', {}), **heard}))
     plan += [(s.make, s.name, {**heard, **s.settings}) for s in sources]
     with (_context(private) as context, Stop() as stop,
           spinning(context) as (executor, nodes)):
-        for make, name, own in plan:
+        for make, name, parameters in plan:
             nodes.append(make(context=context, cli_args=['--ros-args', '-r', f'__node:={name}'],
-                              parameter_overrides=overrides({**settings, **own})))
+                              parameter_overrides=overrides({**settings, **parameters})))
             executor.add_node(nodes[-1])
         compliance, *others = nodes[:-len(sources)]
         running = nodes[-len(sources):]

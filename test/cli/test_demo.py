@@ -67,7 +67,10 @@ def test_real_logs_played_live_give_the_verdict_of_their_import(ts, rs, n, share
     ('ts_driver: {ros__parameters: {source: "file:nowhere.log"}}\n'
      'rs_driver: {ros__parameters: {source: "file:nowhere.log"}}', 'nowhere.log: No such file'),
     ('ts_driver: {ros__parameters: {source: "udp://:1", spead: 3}}\n'
-     'rs_driver: {ros__parameters: {source: "udp://:1"}}', "did you mean 'speed'")])
+     'rs_driver: {ros__parameters: {source: "udp://:1"}}', "did you mean 'speed'"),
+    ('ts_driver: {ros__parameters: {source: "udp://:1"}}\n'
+     'rs_driver: {ros__parameters: {source: "udp://:1"}}\n'
+     'synchronizer: {ros__parameters: {end_weight_s: 1}}', "did you mean 'end_wait_s'")])
 def test_a_wrong_source_is_named(text, words, tmp_path, capfd):
     config = tmp_path / 'config.yaml'
     config.write_text(f'/**: {{ros__parameters: {{{NORMS}}}}}\n' + text.replace('{}', ''))
