@@ -28,8 +28,8 @@ class Analysed:
     ----------
     stamp_ns, x_deg, rs_deg : ndarray, shape (n,)
         Stamps, differences and RS headings behind the stabilisation period.
-    residual_deg : ndarray, shape (n,)
-        Differences about their mean, or about the polynomial that is removed, degrees.
+    residual_deg : ndarray, shape (n,), or None
+        Differences about the polynomial that is removed, degrees; None if it is the mean alone.
     order : int
         Of that polynomial; 0 for the mean.
     coefficients_deg : tuple of float
@@ -46,12 +46,20 @@ class Analysed:
     stamp_ns: np.ndarray
     x_deg: np.ndarray
     rs_deg: np.ndarray
-    residual_deg: np.ndarray
+    residual_deg: np.ndarray | None
     order: int
     coefficients_deg: tuple[float, ...]
     n_left_out: int
     moments: Moments
     variance_deg2: float | None
+
+    def deviations(self, variant: str) -> np.ndarray:
+        """Return what the counts are taken of: |x| in variant A, else about what is removed."""
+        if variant == 'A':
+            return np.abs(self.x_deg)
+        if self.residual_deg is not None:
+            return np.abs(self.residual_deg)
+        return np.abs(self.x_deg - self.moments.mean_deg)
 
     @property
     def span_s(self) -> float:
@@ -93,7 +101,7 @@ def analysed(run: RunSeries, limits: Limits, settings: Settings) -> Analysed:
     moments = Moments.of(x)
     if order == 0 or moments.n < 2 + order:
         variance = moments.variance_deg2 if moments.n >= 2 + order else None
-        return Analysed(stamps, x, rs, x - moments.mean_deg, 0, (), lo, moments, variance)
+        return Analysed(stamps, x, rs, None, 0, (), lo, moments, variance)
     fit = remove_polynomial(stamps, x, order)
     squares = float(np.dot(fit.residual_deg, fit.residual_deg))
     return Analysed(stamps, x, rs, fit.residual_deg, fit.order, fit.coefficients_deg, lo,

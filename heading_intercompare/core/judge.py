@@ -97,18 +97,17 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str,
     data = analysed(run, limits, settings)
     moments = data.moments
     n = moments.n
-    deviation = np.abs(data.x_deg if settings.variant == 'A' else data.residual_deg)
-    printed = as_printed(n, moments.mean_deg if n else None, data.variance_deg2,
-                         lambda limit: int(np.count_nonzero(deviation > limit)), limits, settings)
+    printed = _printed(data, limits, settings)
     evidence = evidence_of(
-        data.residual_deg if data.order else data.x_deg, method=settings.risk.method,
+        data.x_deg if data.residual_deg is None else data.residual_deg,
+        method=settings.risk.method,
         n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
         span_s=data.span_s, offset_u_deg=settings.installation_offset_u_deg, order=data.order,
         mean_deg=moments.mean_deg if n else None)
     guarded = decide(evidence, limits, risk_at_the_end(settings))
     outcome, reason = (early.outcome, early.reason) if early else conclude(guarded, printed)
     found = diagnose(data.stamp_ns, data.x_deg, data.rs_deg, settings, guarded, limits,
-                     residual_deg=data.residual_deg if data.order else None)
+                     residual_deg=data.residual_deg)
     direction, length = circular_mean(data.x_deg) if n else (None, None)
     verdict = RunVerdict(
         run=number, source=source, start_ns=run.start_ns, end_ns=run.end_ns,
@@ -133,6 +132,13 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str,
         warnings=(*([str(early)] if early else ()),
                   *_warnings(data, limits, guarded, settings), *found.warnings))
     return RunResult(verdict, evidence, limits, printed)
+
+
+def _printed(data: Analysed, limits: Limits, settings: Settings) -> Printed:
+    deviation = data.deviations(settings.variant)
+    return as_printed(data.moments.n, data.moments.mean_deg if data.moments.n else None,
+                      data.variance_deg2,
+                      lambda limit: int(np.count_nonzero(deviation > limit)), limits, settings)
 
 
 def _warnings(data: Analysed, limits: Limits, guarded: Guarded,

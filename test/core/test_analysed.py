@@ -30,7 +30,8 @@ def test_the_variance_by_hand():
     """1, 2, 6: (4 + 1 + 9) / 2 = 7."""
     found = taken([1.0, 2.0, 6.0])
     assert found.variance_deg2 == pytest.approx(7.0) and found.coefficients_deg == ()
-    assert found.residual_deg == pytest.approx([-2.0, -1.0, 3.0])
+    assert found.deviations('B') == pytest.approx([2.0, 1.0, 3.0])
+    assert found.deviations('A') == pytest.approx([1.0, 2.0, 6.0])
 
 
 def test_a_line_costs_a_degree_of_freedom():
