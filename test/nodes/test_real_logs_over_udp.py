@@ -27,7 +27,11 @@ pytest.importorskip('rclpy')
 
 SPEED = 20.0
 NORMS = ['norms.sigma_max_deg:=0.2', 'norms.sigma_ref_max_deg:=0.1', 'norms.m_low:=0.9']
-LOGS = {'ts': 'nbp1406/NBP1406_gyr1-2014-08-01', 'rs': 'nbp1406/NBP1406_s330-2014-08-01'}
+SHIPS = {
+    'nbp': ({'ts': 'nbp1406/NBP1406_gyr1-2014-08-01', 'rs': 'nbp1406/NBP1406_s330-2014-08-01'},
+            '%Y-%m-%dT%H:%M:%S.%fZ', 3120),
+    'lmg': ({'ts': 'lmg1903/LMG1903_lgyr.d085', 'rs': 'lmg1903/LMG1903_lsep.d085'},
+            '%y+%j:%H:%M:%S.%f', 9991)}
 
 
 def checksum(text: bytes) -> bytes:
@@ -37,12 +41,12 @@ def checksum(text: bytes) -> bytes:
     return b'%02X' % total
 
 
-def datagrams(log: Path) -> list[tuple[float, bytes]]:
+def datagrams(log: Path, form: str) -> list[tuple[float, bytes]]:
     """Return the lines of a log as datagrams, with their times in seconds."""
     rows = []
     for number, line in enumerate(log.read_bytes().splitlines()):
         stamp, _, sentence = line.partition(b' ')
-        moment = datetime.strptime(stamp.decode(), '%Y-%m-%dT%H:%M:%S.%fZ')
+        moment = datetime.strptime(stamp.decode(), form)
         ms = round(moment.replace(tzinfo=timezone.utc).timestamp() * 1000)
         tag = b's:GY0001,n:%d,c:%d' % (number % 1000, ms)
         rows.append((ms / 1000, b'UdPbC\0\\' + tag + b'*' + checksum(tag) + b'\\' + sentence
@@ -106,8 +110,10 @@ def bound(port: int) -> bool:
 
 
 @pytest.mark.slow
-def test_logs_over_udp_give_the_verdict_of_their_import(shared_data, tmp_path, capsys):
-    ports = {role: free_port() for role in LOGS}
+@pytest.mark.parametrize('ship', SHIPS)
+def test_logs_over_udp_give_the_verdict_of_their_import(ship, shared_data, tmp_path, capsys):
+    logs, form, n = SHIPS[ship]
+    ports = {role: free_port() for role in logs}
     graph = Graph(tmp_path)
     try:
         graph.start('compliance', 'report_dir:=reports')
@@ -119,7 +125,7 @@ def test_logs_over_udp_give_the_verdict_of_their_import(shared_data, tmp_path, c
         wait_until(lambda: all(bound(port) for port in ports.values()), 60, 'drivers listen')
         # A live line has no audience to wait for: the graph must be up before the first datagram.
         wait_until(lambda: heard(graph), 60, 'headings have subscriptions')
-        send({role: datagrams(shared_data / log) for role, log in LOGS.items()}, ports)
+        send({role: datagrams(shared_data / log, form) for role, log in logs.items()}, ports)
         codes = graph.stop()
     finally:
         graph.kill()
@@ -127,14 +133,14 @@ def test_logs_over_udp_give_the_verdict_of_their_import(shared_data, tmp_path, c
     (report,) = (tmp_path / 'reports').glob('verdict_*.json')
     live = json.loads(report.read_text())
     imported = tmp_path / 'imported'
-    assert main(['import-nmea', '--ts', str(shared_data / LOGS['ts']), '--rs',
-                 str(shared_data / LOGS['rs']), '-o', str(imported)]) == 0
+    assert main(['import-nmea', '--ts', str(shared_data / logs['ts']), '--rs',
+                 str(shared_data / logs['rs']), '-o', str(imported)]) == 0
     norms = [word for p in NORMS for word in ('--set', p.replace(':=', '='))]
     for bag in (imported, tmp_path / 'bag'):
         capsys.readouterr()
         assert main(['analyze', str(bag), *norms, '--json', '-']) == 0
         offline = json.loads(capsys.readouterr().out)
-        assert offline['runs'][0]['n'] == 3120
+        assert sum(run['n'] for run in offline['runs']) == n
         assert list(differences(live, offline)) == []
 
 
