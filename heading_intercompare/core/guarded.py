@@ -22,7 +22,7 @@ from .bounds import (
 )
 from .criteria import Limits
 from .dyadic import Components, Dyadic
-from .noise import effective_size
+from .noise import correlation_times, CorrelationTimes
 from .outcome import Outcome
 from .settings import Risk
 
@@ -157,7 +157,8 @@ class Guarded:
 
 def evidence_of(x: ArrayLike | Dyadic, *, n_plus: int, n_plus_plus: int, span_s: float,
                 method: str = 'dyadic+acf', offset_u_deg: float = 0.0, order: int = 0,
-                mean_deg: float | None = None) -> Evidence:
+                mean_deg: float | None = None,
+                times: CorrelationTimes | None = None) -> Evidence:
     """
     Return what a run says.
 
@@ -178,6 +179,8 @@ def evidence_of(x: ArrayLike | Dyadic, *, n_plus: int, n_plus_plus: int, span_s:
         Order of the polynomial whose residuals `x` are; 0 for none.
     mean_deg : float, optional
         Mean difference; default that of `x`. Needed where `x` are residuals.
+    times : CorrelationTimes, optional
+        `correlation_times` of `x`, if known already.
 
     Raises
     ------
@@ -193,7 +196,9 @@ def evidence_of(x: ArrayLike | Dyadic, *, n_plus: int, n_plus_plus: int, span_s:
         x = np.asarray(x, dtype=np.float64).reshape(-1)
         blocks = Dyadic.of(x)
     components = blocks.components(order)
-    nu_acf = effective_size(x) if components and method == 'dyadic+acf' else None
+    nu_acf = None
+    if components and method == 'dyadic+acf':
+        nu_acf = (times or correlation_times(x)).effective_size
     return Evidence(blocks.n, components, nu_acf, blocks.mean if mean_deg is None else mean_deg,
                     offset_u_deg, span_s, n_plus, n_plus_plus)
 

@@ -17,6 +17,7 @@ from .early import conclude, EarlyVerdict, risk_at_the_end
 from .ergodicity import Homogeneity, homogeneity, RunFigures
 from .guarded import decide, Evidence, evidence_of, Guarded
 from .ledger import LedgerSegment
+from .noise import correlation_times
 from .outcome import Outcome
 from .printed import as_printed, Printed
 from .run_diagnostics import diagnose, with_runs
@@ -98,16 +99,17 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str,
     moments = data.moments
     n = moments.n
     printed = _printed(data, limits, settings)
+    series = data.x_deg if data.residual_deg is None else data.residual_deg
+    times = correlation_times(series)
     evidence = evidence_of(
-        data.x_deg if data.residual_deg is None else data.residual_deg,
-        method=settings.risk.method,
+        series, times=times, method=settings.risk.method,
         n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
         span_s=data.span_s, offset_u_deg=settings.installation_offset_u_deg, order=data.order,
         mean_deg=moments.mean_deg if n else None)
     guarded = decide(evidence, limits, risk_at_the_end(settings))
     outcome, reason = (early.outcome, early.reason) if early else conclude(guarded, printed)
     found = diagnose(data.stamp_ns, data.x_deg, data.rs_deg, settings, guarded, limits,
-                     residual_deg=data.residual_deg)
+                     residual_deg=data.residual_deg, times=times)
     direction, length = circular_mean(data.x_deg) if n else (None, None)
     verdict = RunVerdict(
         run=number, source=source, start_ns=run.start_ns, end_ns=run.end_ns,

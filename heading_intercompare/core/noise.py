@@ -103,6 +103,11 @@ class CorrelationTimes:
     tau_1: float
     tau_2: float
 
+    @property
+    def effective_size(self) -> float:
+        """Independent normal samples that would give an equally good variance, G.6."""
+        return self.n / max(self.tau_2, 1.0)
+
 
 def _windowed(x: ArrayLike, last: Callable[[int], int],
               closed: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
@@ -171,8 +176,7 @@ def effective_size(x: ArrayLike) -> float:
     Bayley & Hammersley 1946; G.6 of ``docs/risk.md``.
 
     """
-    times = correlation_times(x)
-    return times.n / max(times.tau_2, 1.0)
+    return correlation_times(x).effective_size
 
 
 def sokal_times(x: ArrayLike, limit: int = 5000) -> CorrelationTimes:
