@@ -9,7 +9,8 @@ import os
 
 import pytest
 
-OPTIONAL = ('rclpy', 'serial', 'hypothesis', 'rosbags', 'mcap_ros2', 'pybag')
+OPTIONAL = ('rclpy', 'serial', 'hypothesis', 'rosbags', 'mcap_ros2', 'pybag',
+            'isal')
 MISSING = [name for name in OPTIONAL if find_spec(name) is None]
 
 # The examples in the docstrings of nodes can only be collected with ROS.

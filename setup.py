@@ -42,6 +42,7 @@ setup(
     extras_require={
         'ros': ['ros-jazzy-rclpy', 'ros-jazzy-common-interfaces', 'ros-jazzy-rmw-fastrtps-cpp'],
         'serial': ['pyserial>=3.5'],
+        'fast': ['isal>=1.5'],
         'test': ['pytest>=7.4', 'hypothesis>=6', 'rosbags', 'mcap-ros2-support', 'pybag-sdk'],
         'dev': ['ruff', 'colcon-common-extensions'],
     },

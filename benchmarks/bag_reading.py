@@ -2,66 +2,161 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-How fast headings are read from a bag, next to other readers of the same bag in the same run.
+How fast headings are read from bags, next to other readers of the same bags in the same run.
 
-Promises: at least 40 times as fast as iterating over the messages with `mcap`, and, in bags
-compressed as we compress them, at most 3 times the time it takes to read and decompress the chunks
-and nothing else, not even the checksums. Exit code 1 if one is broken.
+Bags of every compression, with Imu and with QuaternionStamped: in large chunks as our simulator
+and `import-nmea` write them, in a chunk each half second and with pairs between the headings as
+our recorder does, by the `mcap` library as `ros2 bag record` has it, and by `rosbags`.
 
-    python benchmarks/bag_reading.py 1000000
-    python benchmarks/bag_reading.py 8640000 --compression lz4 --live
+Promises: at least 40 times as fast as iterating over the messages with `mcap`; at least 20 times
+as fast as `rosbags`, which has to deserialize to know a heading; where chunks are compressed as we
+compress them, or come from a recorder, at most 3 times the time it takes to read and decompress
+the chunks and nothing else, not even the checksums. Exit code 1 if one is broken. Install the
+extra `fast` first: without its checksums the third is not kept.
+
+    python benchmarks/bag_reading.py
+    python benchmarks/bag_reading.py --bags large --compression zstd --count 8640000
 """
 
 from __future__ import annotations
 
 import argparse
 from itertools import islice
+import os
 from pathlib import Path
+import shutil
 import struct
+import subprocess
 import sys
 import tempfile
 from time import perf_counter
-from typing import Callable, Iterable
-import zlib
+from typing import Callable, Iterable, Iterator
 
 import lz4.frame
 from mcap.reader import make_reader
-from mcap.records import Message
-from mcap.stream_reader import StreamReader
+from mcap.writer import CompressionType, Writer as McapWriter
 import numpy as np
 import zstandard
 
-from heading_intercompare.bags.heading_messages import encode_imu, IMU
+from heading_intercompare.bags.cdr import encode
+from heading_intercompare.bags.heading_messages import encode_imu, encode_pairs, IMU, PAIRS_TYPE
 from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.bags.schemas import shipped_schema
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.bags.writer import BagWriter, Rows
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.angles import quaternion_from_heading
+from heading_intercompare.core.records import Headings, Pairs
 
 TOPICS = ('/ts/heading', '/rs/heading')
+FRAMES = ('gyro_ts', 'rs')
+QUATERNION = 'geometry_msgs/msg/QuaternionStamped'
 RATE_HZ = 100
-LEAST_AGAINST_MCAP, MOST_AGAINST_CHUNKS = 40.0, 3.0
+MCAP_LEAST, ROSBAGS_LEAST, CHUNKS_MOST = 40.0, 20.0, 3.0
+#: Chunks of rosbag2 have so many bytes unless it is told otherwise.
+ROS2_CHUNK_BYTES = 786432
 
 
-def write(path: Path, count: int, settings: BagSettings, live: bool) -> float:
-    """Write `count` headings of two sensors; return how long it took, seconds."""
+def encode_quaternions(headings: Headings, frame_id: str) -> np.ndarray:
+    """Return headings as QuaternionStamped, one message a row."""
+    message = encode(QUATERNION, {'header': {'frame_id': frame_id}})
+    rows = np.tile(np.frombuffer(message, np.uint8), (len(headings), 1))
+    z, w = quaternion_from_heading(headings.heading_deg)
+    sec, nanosec = np.divmod(headings.stamp_ns, 10**9)
+    for at, column in ((4, sec.astype('<i4')), (8, nanosec.astype('<u4')),
+                       (len(message) - 16, z), (len(message) - 8, w)):
+        rows[:, at:at + column.itemsize] = np.ascontiguousarray(column).reshape(-1, 1).view('u1')
+    return rows
+
+
+def encoded(type_name: str, headings: Headings, frame_id: str) -> np.ndarray:
+    """Return headings as messages of a type, one a row."""
+    if type_name == IMU:
+        return encode_imu(headings, frame_id, sigma_deg=0.2)
+    return encode_quaternions(headings, frame_id)
+
+
+def recorded(count: int, step: int) -> Iterator[tuple[np.ndarray, list[Headings]]]:
+    """Yield numbers of and headings of both sensors, so many readings of each at a time."""
     rng = np.random.default_rng(1)
-    step = RATE_HZ if live else 60 * RATE_HZ
-    begin = perf_counter()
-    with BagWriter(path, settings) as bag:
+    for lo in range(0, count // 2, step):
+        number = np.arange(lo, min(lo + step, count // 2))
+        stamp_ns = 10**18 + number * (10**9 // RATE_HZ) + rng.integers(0, 10**5, len(number))
+        true_deg = 90.0 + 80.0 * np.sin(number / 2000.0)
+        yield number, [
+            Headings.of(stamp_ns + late_ns, true_deg + rng.normal(0.0, 0.2, len(number)))
+            for late_ns in (0, 3_000_000)]
+
+
+def write_ours(path: Path, count: int, type_name: str, compression: str, live: bool) -> None:
+    """Write a bag in large chunks; or live, as a recorder does."""
+    with BagWriter(path, BagSettings(compression=compression)) as bag:
         for topic in TOPICS:
-            bag.add_topic(topic, IMU)
-        for lo in range(0, count // 2, step):
-            number = np.arange(lo, min(lo + step, count // 2))
-            stamp_ns = 10**18 + number * (10**9 // RATE_HZ) + rng.integers(0, 10**5, len(number))
-            true_deg = 90.0 + 80.0 * np.sin(number / 2000.0)
-            bag.write_rows(
-                Rows(topic, encode_imu(Headings.of(
-                    stamp_ns + late_ns, true_deg + rng.normal(0.0, 0.2, len(number))), frame,
-                    sigma_deg=0.2), stamp_ns + late_ns, sequence=number)
-                for topic, frame, late_ns in zip(TOPICS, ('ts', 'rs'), (0, 3_000_000)))
+            bag.add_topic(topic, type_name)
+        if live:
+            bag.add_topic('/pairs', PAIRS_TYPE)
+        for number, both in recorded(count, RATE_HZ // 2 if live else 60 * RATE_HZ):
+            rows = [Rows(topic, encoded(type_name, headings, frame), headings.stamp_ns,
+                         sequence=number)
+                    for topic, frame, headings in zip(TOPICS, FRAMES, both)]
+            if live:
+                ts, rs = both
+                pairs = Pairs.of(ts.stamp_ns, ts.heading_deg, rs.heading_deg,
+                                 rs.stamp_ns - ts.stamp_ns, np.ones(len(ts)))
+                rows.append(Rows('/pairs', encode_pairs(pairs), ts.stamp_ns + 5_000_000,
+                                 sequence=number))
+            bag.write_rows(rows)
             if live:
                 bag.flush()
-    return perf_counter() - begin
+
+
+def singly(count: int, type_name: str) -> Iterator[tuple[int, int, int, bytes]]:
+    """Yield place of the topic, number, stamp and message, in the order of recording."""
+    for number, both in recorded(count, 60 * RATE_HZ):
+        rows = [encoded(type_name, headings, frame) for headings, frame in zip(both, FRAMES)]
+        for row, each in enumerate(number.tolist()):
+            for place, headings in enumerate(both):
+                yield place, each, int(headings.stamp_ns[row]), rows[place][row].tobytes()
+
+
+def write_mcap(path: Path, count: int, type_name: str, compression: str) -> None:
+    """Write a bag with the `mcap` library by the conventions of `ros2 bag record`."""
+    path.mkdir()
+    with open(path / 'bag_0.mcap', 'wb') as file:
+        bag = McapWriter(file, chunk_size=ROS2_CHUNK_BYTES,
+                         compression=CompressionType[compression.upper()])
+        bag.start('ros2')
+        schema = bag.register_schema(type_name, 'ros2msg', shipped_schema(type_name).text.encode())
+        channels = [bag.register_channel(topic, 'cdr', schema) for topic in TOPICS]
+        for place, number, stamp_ns, data in singly(count, type_name):
+            bag.add_message(channels[place], stamp_ns, data, stamp_ns, number)
+        bag.finish()
+
+
+def write_rosbags(path: Path, count: int, type_name: str, compression: str) -> None:
+    """Write a bag with `rosbags`, which only compresses with zstd."""
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+    from rosbags.typesys import get_typestore, Stores
+    store = get_typestore(Stores.ROS2_JAZZY)
+    bag = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)
+    if compression == 'zstd':
+        bag.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    with bag:
+        connections = [bag.add_connection(topic, type_name, typestore=store) for topic in TOPICS]
+        for place, _, stamp_ns, data in singly(count, type_name):
+            bag.write(connections[place], stamp_ns, data)
+
+
+WRITERS: dict[str, Callable[[Path, int, str, str], None]] = {
+    'large': lambda *args: write_ours(*args, live=False),
+    'live': lambda *args: write_ours(*args, live=True),
+    'mcap': write_mcap,
+    'rosbags': write_rosbags,
+}
+
+
+def file_of(path: Path) -> Path:
+    """Return the only file with messages of a bag."""
+    return next(path.glob('*.mcap'))
 
 
 def headings(path: Path) -> int:
@@ -70,10 +165,10 @@ def headings(path: Path) -> int:
                for part in chunk.values())
 
 
-def chunks(path: Path, checked: bool) -> int:
+def chunks(path: Path) -> int:
     """Read and decompress the chunks and nothing else; return their size."""
     head, fields, total = struct.Struct('<BQ'), struct.Struct('<QQQII'), 0
-    with open(next(path.glob('*.mcap')), 'rb') as file:
+    with open(file_of(path), 'rb') as file:
         file.seek(8)
         while len(opening := file.read(head.size)) == head.size:
             opcode, length = head.unpack(opening)
@@ -83,98 +178,125 @@ def chunks(path: Path, checked: bool) -> int:
                     break
                 continue
             content = memoryview(file.read(length))
-            _, _, size, crc, letters = fields.unpack_from(content)
+            size, letters = fields.unpack_from(content)[2::2]
             packed = content[fields.size + letters + 8:]
             kind = bytes(content[fields.size:fields.size + letters])
-            data = (zstandard.decompress(packed, size) if kind == b'zstd'
-                    else lz4.frame.decompress(packed) if kind == b'lz4' else packed)
-            if checked and zlib.crc32(data) != crc:
-                raise ValueError('checksum')
-            total += len(data)
+            total += len(zstandard.decompress(packed, size) if kind == b'zstd'
+                         else lz4.frame.decompress(packed) if kind == b'lz4' else packed)
     return total
 
 
-def iterated(messages: Iterable, most: int) -> Callable[[], int]:
-    """Return a function that takes up to `most` messages and counts them."""
-    return lambda: sum(1 for _ in islice(messages, most))
+def timed(work: Callable[[], int]) -> float:
+    """Return how long something takes, seconds."""
+    begin = perf_counter()
+    work()
+    return perf_counter() - begin
 
 
-def timed(work: Callable[[], int], repeats: int) -> tuple[float, int]:
-    """Return the shortest time, seconds, and the result."""
-    best = float('inf')
-    for _ in range(repeats):
-        begin = perf_counter()
-        result = work()
-        best = min(best, perf_counter() - begin)
-    return best, result
+def iterated(messages: Iterable, most: int) -> float:
+    """Return the time for each of the first messages, seconds."""
+    begin = perf_counter()
+    count = sum(1 for _ in islice(messages, most))
+    return (perf_counter() - begin) / count
 
 
-def peers(path: Path, most: int) -> dict[str, tuple[float, int]]:
-    """Return time and number of messages of other readers, those that are installed."""
-    found = {}
-    with open(next(path.glob('*.mcap')), 'rb') as file:
-        records = StreamReader(file).records
-        found['mcap, records undecoded'] = timed(iterated(
-            (r for r in records if isinstance(r, Message)), most), 1)
-        file.seek(0)
+def by_mcap(path: Path, most: int) -> float:
+    """Return the time a message of iterating in file order with `mcap`, undecoded."""
+    with open(file_of(path), 'rb') as file:
         reader = make_reader(file)
         reader.get_summary()
-        found['mcap, messages'] = timed(
-            iterated(reader.iter_messages(log_time_order=False), most), 1)
-    try:
-        from mcap_ros2.reader import read_ros2_messages
-        found['mcap_ros2, decoded'] = timed(
-            iterated(read_ros2_messages(str(next(path.glob('*.mcap')))), most), 1)
-    except ImportError:
-        print('mcap-ros2-support is not installed')
-    try:
-        from rosbags.highlevel import AnyReader
-        with AnyReader([path]) as bag:
-            found['rosbags, messages'] = timed(iterated(bag.messages(), most), 1)
-            found['rosbags, decoded'] = timed(iterated(
-                (bag.deserialize(data, c.msgtype) for c, _, data in bag.messages()), most), 1)
-    except ImportError:
-        print('rosbags is not installed')
-    return found
+        return iterated(reader.iter_messages(log_time_order=False), most)
+
+
+def by_rosbags(path: Path, most: int) -> tuple[float, float]:
+    """Return the time a message of iterating with `rosbags`: undecoded, deserialized."""
+    from rosbags.highlevel import AnyReader
+    with AnyReader([file_of(path)]) as bag:
+        kept = [c for c in bag.connections if c.topic in TOPICS]
+        return iterated(bag.messages(kept), most), iterated(
+            (bag.deserialize(data, c.msgtype) for c, _, data in bag.messages(kept)), most)
+
+
+def from_disk(path: Path, work: Callable[[Path], int]) -> float:
+    """Return how long something takes when the file is not in memory, seconds."""
+    with open(file_of(path), 'rb') as file:
+        os.fsync(file.fileno())
+        os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
+    return timed(lambda: work(path))
+
+
+def measure(path: Path, count: int, most: int) -> dict[str, float]:
+    """Return times in nanoseconds a heading, each the shortest of several, taken by turns."""
+    best = {'ours': float('inf'), 'chunks': float('inf')}
+    for _ in range(7 if count <= 2_000_000 else 3):
+        best['chunks'] = min(best['chunks'], timed(lambda: chunks(path)))
+        best['ours'] = min(best['ours'], timed(lambda: headings(path)))
+    found = {'ours': best['ours'] / count, 'chunks': best['chunks'] / count,
+             'mcap': by_mcap(path, most),
+             'ours, disk': from_disk(path, headings) / count,
+             'chunks, disk': from_disk(path, chunks) / count}
+    found['rosbags'], found['decoded'] = by_rosbags(path, most)
+    return {name: seconds * 1e9 for name, seconds in found.items()}
+
+
+def peak_mb(path: Path) -> float:
+    """Return the most memory that a process which reads the headings has, MB."""
+    code = ('import sys; from pathlib import Path; import bag_reading; '
+            'bag_reading.headings(Path(sys.argv[1])); '
+            'print(Path("/proc/self/status").read_text().partition("VmHWM:")[2].split()[0])')
+    folders = os.pathsep.join([str(Path(__file__).parent), os.environ.get('PYTHONPATH', '')])
+    kib = subprocess.run([sys.executable, '-c', code, str(path)], check=True, text=True,
+                         stdout=subprocess.PIPE, env={**os.environ, 'PYTHONPATH': folders}).stdout
+    return int(kib) / 1024
 
 
 def main() -> int:
-    """Print the times per heading and the ratios; return 1 if a promise is broken."""
+    """Print a row for each bag; return 1 if a promise is broken."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[1])
-    parser.add_argument('count', nargs='?', type=int, default=1_000_000, help='headings in all')
-    parser.add_argument('--compression', default='zstd', choices=('none', 'lz4', 'zstd'))
-    parser.add_argument('--live', action='store_true',
-                        help='chunks of one second, as a recorder writes them')
-    parser.add_argument('--peers', type=int, default=200_000, metavar='N',
+    parser.add_argument('--count', type=int, default=600_000, help='headings in all')
+    parser.add_argument('--bags', nargs='+', default=list(WRITERS), choices=list(WRITERS))
+    parser.add_argument('--types', nargs='+', default=[IMU, QUATERNION])
+    parser.add_argument('--compression', nargs='+', default=['zstd', 'lz4', 'none'])
+    parser.add_argument('--peers', type=int, default=50_000, metavar='N',
                         help='messages after which slow readers are stopped')
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, 'bag')
-        took_s = write(path, options.count, BagSettings(compression=options.compression),
-                       options.live)
-        size = next(path.glob('*.mcap')).stat().st_size
-        print(f'{options.count} headings, {size / options.count:.0f} bytes each on disk, written '
-              f'in {took_s:.2f} s')
-        ours_s, found = timed(lambda: headings(path), 3)
-        if found != options.count // 2 * 2:
-            raise ValueError(f'{found} headings read')
-        plain_s, _ = timed(lambda: chunks(path, False), 3)
-        checked_s, _ = timed(lambda: chunks(path, True), 3)
-        rows = {'heading_intercompare, headings': (ours_s, found),
-                'chunks read and decompressed': (plain_s, found),
-                'the same with checksums': (checked_s, found), **peers(path, options.peers)}
-    each = {name: seconds / count for name, (seconds, count) in rows.items()}
-    ours = each['heading_intercompare, headings']
-    for name, seconds in each.items():
-        print(f'{name:32s} {seconds * 1e9:10.0f} ns a heading   x {seconds / ours:8.2f}')
-    against_mcap = each['mcap, messages'] / ours
-    against_chunks = ours / each['chunks read and decompressed']
-    print(f'{against_mcap:.0f} times as fast as mcap (at least {LEAST_AGAINST_MCAP:.0f}), '
-          f'{against_chunks:.2f} times the chunks alone (at most {MOST_AGAINST_CHUNKS:.0f}), '
-          f'{ours_s:.2f} s in all')
-    kept = against_mcap >= LEAST_AGAINST_MCAP and (
-        against_chunks <= MOST_AGAINST_CHUNKS or options.compression != 'zstd')
-    return 0 if kept else 1
+    print('ours in ns a heading; how many times longer others take; how many times longer we take '
+          'than\nchunks alone, with the file in memory and from disk; the most memory')
+    print(f'{"bag":8s}{"type":20s}{"packed":8s}{"ours":>6s}{"mcap":>8s}{"rosbags":>9s}'
+          f'{"decoded":>9s}{"chunks":>8s}{"disk":>6s}{"peak MB":>9s}')
+    broken = []
+    for name in options.bags:
+        for type_name in options.types:
+            for compression in options.compression:
+                if (name, compression) in {('rosbags', 'lz4'), ('rosbags', 'zstd')}:
+                    continue
+                with tempfile.TemporaryDirectory() as folder:
+                    path = Path(folder, 'bag')
+                    count = options.count // 2 * 2
+                    if name in ('mcap', 'rosbags'):
+                        count = min(count, 200_000)
+                    WRITERS[name](path, count, type_name, compression)
+                    if headings(path) != count:
+                        raise ValueError('not all headings were read')
+                    found = measure(path, count, options.peers)
+                    memory = peak_mb(path)
+                    shutil.rmtree(path)
+                ours = found['ours']
+                times = {each: found[each] / ours for each in ('mcap', 'rosbags', 'decoded')}
+                share = ours / found['chunks']
+                print(f'{name:8s}{type_name.split("/")[-1]:20s}{compression:8s}{ours:6.0f}'
+                      + ''.join(f'{times[each]:{width}.1f}' for each, width in (
+                          ('mcap', 8), ('rosbags', 9), ('decoded', 9)))
+                      + f'{share:8.2f}{found["ours, disk"] / found["chunks, disk"]:6.2f}'
+                      f'{memory:9.0f}', flush=True)
+                if (times['mcap'] < MCAP_LEAST or times['decoded'] < ROSBAGS_LEAST or (
+                        share > CHUNKS_MOST and (compression == 'zstd' or name == 'live'))):
+                    broken.append(f'{name} {type_name} {compression}')
+    print(f'promises: mcap at least {MCAP_LEAST:.0f}, decoded at least {ROSBAGS_LEAST:.0f}, '
+          f'chunks at most {CHUNKS_MOST:.0f} (zstd or live)')
+    for each in broken:
+        print(f'broken for {each}')
+    return 1 if broken else 0
 
 
 if __name__ == '__main__':

@@ -34,7 +34,7 @@ ALLOWED = {
     'core': Allowed(set(), {'numpy', 'scipy'}),
     'drivers': Allowed({'core'}, {'numpy', 'serial'}),
     'ahrs': Allowed({'core'}, {'numpy', 'scipy'}),
-    'bags': Allowed({'core'}, {'numpy', 'mcap', 'lz4', 'zstandard'}),
+    'bags': Allowed({'core'}, {'numpy', 'mcap', 'lz4', 'zstandard', 'isal'}),
     'report': Allowed({'core'}, {'numpy'}),
     'nodes': Allowed({'core', 'drivers', 'ahrs', 'bags', 'report'}, {'rclpy'} | MESSAGES),
     'cli': Allowed({'core', 'drivers', 'ahrs', 'bags', 'report', 'nodes'}, {'numpy', 'yaml'}),

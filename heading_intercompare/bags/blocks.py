@@ -3,15 +3,16 @@
 """
 Where the messages are in a stretch of MCAP records.
 
-The message indexes that follow a chunk say it, for all messages at once; they are believed only
-if the messages they name fill the chunk without a gap. Otherwise the records are walked.
+Messages of one length lie at a constant stride. If they do not, the message indexes that follow a
+chunk say where they are; they are believed only if the messages they name fill the chunk without
+a gap. Otherwise the records are walked.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 import struct
-from typing import NamedTuple, Sequence
+from typing import Callable, NamedTuple
 
 from mcap.opcode import Opcode
 import numpy as np
@@ -20,7 +21,7 @@ from numpy.typing import DTypeLike
 from .errors import BagError
 
 __all__ = ['Block', 'HEAD', 'MESSAGE_HEAD', 'MESSAGE_HEADS', 'Record', 'block_of', 'gathered',
-           'joined', 'walk', 'whole']
+           'walk', 'whole']
 
 #: Opcode and length of a record.
 HEAD = struct.Struct('<BQ')
@@ -28,6 +29,8 @@ HEAD = struct.Struct('<BQ')
 MESSAGE_HEAD = struct.Struct('<BQHIQQ')
 
 _FIXED = MESSAGE_HEAD.size - HEAD.size
+#: Other records looked at before the first message.
+_DEFINITIONS = 64
 #: `MESSAGE_HEAD` for many.
 MESSAGE_HEADS = np.dtype([('opcode', 'u1'), ('length', '<i8'), ('channel', '<u2'),
                           ('sequence', '<u4'), ('log_time', '<i8'), ('publish_time', '<i8')])
@@ -43,7 +46,7 @@ class Record(NamedTuple):
 
 def _plain(dtype: np.dtype) -> np.dtype:
     """Return the type as bytes: numpy copies those at once, but structures field by field."""
-    return np.dtype(f'V{dtype.itemsize}') if dtype.names else dtype
+    return np.dtype(f'V{dtype.itemsize}') if dtype.names or dtype.shape else dtype
 
 
 def gathered(data: bytes, kind: DTypeLike, at: np.ndarray) -> np.ndarray:
@@ -55,7 +58,7 @@ def gathered(data: bytes, kind: DTypeLike, at: np.ndarray) -> np.ndarray:
     data : bytes
         Where the values are.
     kind : dtype
-        What they are, with its byte order.
+        What they are, with its byte order; several in a row if it has a shape.
     at : ndarray of int64, shape (n,)
         Where each of them starts; it must lie within the data.
 
@@ -63,13 +66,8 @@ def gathered(data: bytes, kind: DTypeLike, at: np.ndarray) -> np.ndarray:
     dtype = np.dtype(kind)
     plain = _plain(dtype)
     everywhere = np.ndarray(max(len(data) - dtype.itemsize + 1, 0), plain, data, 0, (1,))
-    return everywhere[at].view(dtype)
-
-
-def joined(arrays: Sequence[np.ndarray]) -> np.ndarray:
-    """Return arrays of one structured type in a row."""
-    dtype = arrays[0].dtype
-    return np.concatenate([array.view(_plain(dtype)) for array in arrays]).view(dtype)
+    found = everywhere[at]
+    return found.view(dtype.base).reshape(-1, *dtype.shape)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,6 +85,7 @@ class Block:
         First byte of each payload in `data`, and the byte behind its last; in file order.
     heads : ndarray, shape (n,)
         Fields channel, sequence, log_time, publish_time of each message; times in nanoseconds.
+        They may lie in `data`, far apart: copy a field that is used more than once.
     others : tuple of Record
         The records that are not messages.
 
@@ -132,9 +131,35 @@ def whole(data: bytes, opcodes: tuple[int, ...]) -> int:
     return at
 
 
-def _indexed(data: bytes, at: np.ndarray
-             ) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[Record]] | None:
-    """Return messages, heads, the bytes behind them, other records; None if some are missing."""
+#: Messages, their heads, the bytes behind them, other records.
+_Found = tuple[np.ndarray, np.ndarray, np.ndarray, list[Record]]
+
+
+def _regular(data: bytes) -> _Found | None:
+    """Return messages of one length, at most behind definitions; None if there is more."""
+    at, others = 0, []
+    opcode = length = 0
+    while at + MESSAGE_HEAD.size <= len(data) and len(others) < _DEFINITIONS:
+        opcode, length = HEAD.unpack_from(data, at)
+        if opcode == Opcode.MESSAGE:
+            break
+        others.append(Record(opcode, at + HEAD.size, length))
+        at += HEAD.size + length
+    stride = HEAD.size + length
+    if opcode != Opcode.MESSAGE or length < _FIXED or (len(data) - at) % stride:
+        return None
+    heads = np.ndarray((len(data) - at) // stride, MESSAGE_HEADS, data, at, (stride,))
+    # Opcode and length of all are those of the first: eight bytes and the ninth.
+    begun = np.ndarray(len(heads), '<u8', data, at, (stride,))
+    ninth = np.ndarray(len(heads), 'u1', data, at + 8, (stride,))
+    if (begun != begun[0]).any() or ninth.any():
+        return None
+    first = np.arange(at, len(data), stride)
+    return first, heads, first + stride, others
+
+
+def _indexed(data: bytes, at: np.ndarray) -> _Found | None:
+    """Return what the index names; None if something is missing."""
     at = np.sort(at, kind='stable')
     if not at.size or at[0] < 0 or at[-1] > len(data) - MESSAGE_HEAD.size:
         return None
@@ -157,7 +182,8 @@ def _indexed(data: bytes, at: np.ndarray
     return at, heads, behind, others
 
 
-def block_of(data: bytes, offset: int, index: np.ndarray | None = None) -> Block:
+def block_of(data: bytes, offset: int,
+             index: Callable[[], np.ndarray | None] = lambda: None) -> Block:
     """
     Return the messages in decompressed records.
 
@@ -167,8 +193,9 @@ def block_of(data: bytes, offset: int, index: np.ndarray | None = None) -> Block
         Whole records.
     offset : int
         Where they start in their file.
-    index : ndarray of int64, optional
-        Offsets of messages in `data`, in any order. Wrong ones do no harm but take time.
+    index : callable
+        Returns offsets of messages in `data`, int64 in any order, or None. It is called if they
+        are needed. Wrong ones do no harm but take time.
 
     Raises
     ------
@@ -177,7 +204,9 @@ def block_of(data: bytes, offset: int, index: np.ndarray | None = None) -> Block
 
     """
     try:
-        found = None if index is None else _indexed(data, index)
+        found = _regular(data)
+        if found is None and (offsets := index()) is not None:
+            found = _indexed(data, offsets)
         if found is None:
             messages, others = walk(data, 0, len(data))
             at = np.array(messages, np.int64)

@@ -9,21 +9,17 @@ numpy call, wherever the messages lie and however long their frame names are.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Sequence
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core import angles
 from heading_intercompare.core.records import Headings, Pairs
 
-from .blocks import gathered, joined
+from .blocks import gathered
 from .cdr import encode
 from .errors import BagError
 
-__all__ = ['HEADING_TYPES', 'IMU', 'PAIRS_TYPE', 'RawHeadings', 'decode_headings', 'encode_imu',
-           'encode_pairs', 'raw_headings']
+__all__ = ['HEADING_TYPES', 'IMU', 'PAIRS_TYPE', 'decode_headings', 'encode_imu', 'encode_pairs']
 
 IMU = 'sensor_msgs/msg/Imu'
 PAIRS_TYPE = 'geometry_msgs/msg/TwistStamped'
@@ -145,109 +141,21 @@ def encode_pairs(pairs: Pairs, frame_id: str = '') -> np.ndarray:
     return rows
 
 
-_HEADER = np.dtype([('order', 'u1', 4), ('sec', '<i4'), ('nanosec', '<u4'), ('length', '<u4')])
-_QUATERNION = np.dtype([(name, '<f8') for name in 'xyzw'])
-#: The quaternion of an Imu and the first covariance, which says whether there is one.
-_IMU_ORIENTATION = np.dtype([(name, '<f8') for name in ('x', 'y', 'z', 'w', 'covariance')])
+_HEADER = np.dtype([('order', '<u2'), ('options', '<u2'), ('sec', '<i4'), ('nanosec', '<u4'),
+                    ('length', '<u4')])
+#: The byte order in a header: 0, 0 for big-endian and 0, 1 for little-endian, read as `order`.
+_BIG, _LITTLE = 0x0000, 0x0100
+#: Of a quaternion x, y, z, w; of an Imu also the first covariance: whether there is one.
+_QUATERNION, _IMU_ORIENTATION = np.dtype(('<f8', 4)), np.dtype(('<f8', 5))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class RawHeadings:
-    """
-    What makes a heading of each of n messages of one type, as it is in the messages.
-
-    Attributes
-    ----------
-    header : ndarray, shape (n,)
-        Fields sec, nanosec.
-    orientation : ndarray, shape (n,)
-        Fields x, y, z, w; of an Imu also covariance.
-
-    """
-
-    header: np.ndarray
-    orientation: np.ndarray
-
-    def __getitem__(self, which: np.ndarray) -> 'RawHeadings':
-        return RawHeadings(self.header[which], self.orientation[which])
-
-    @classmethod
-    def concatenate(cls, parts: Sequence['RawHeadings']) -> 'RawHeadings':
-        """Return the messages of at least one part in a row."""
-        if len(parts) == 1:
-            return parts[0]
-        return cls(joined([p.header for p in parts]), joined([p.orientation for p in parts]))
-
-    def headings(self, convention: str) -> Headings:
-        """Return the headings under a convention of the world axes, 'enu' or 'ned'."""
-        q = self.orientation
-        heading_deg = angles.heading_from_quaternion(q['x'], q['y'], q['z'], q['w'], convention)
-        if 'covariance' in q.dtype.names:
-            heading_deg[q['covariance'] == _UNKNOWN] = np.nan
-        stamp_ns = self.header['sec'].astype(np.int64) * _SECOND_NS + self.header['nanosec']
-        return Headings(stamp_ns, heading_deg)
-
-
-def _check_size(type_name: str, start: np.ndarray, stop: np.ndarray, end: np.ndarray) -> None:
-    """Refuse messages that stop before the byte at which their fields end."""
-    short = end > stop
+def _check_size(type_name: str, start: np.ndarray, size: np.ndarray, least: ArrayLike) -> None:
+    """Refuse messages that are shorter than the bytes of their fields."""
+    short = size < least
     if short.any():
         first = int(np.argmax(short))
-        raise BagError(f'{type_name} message of {stop[first] - start[first]} bytes is too short',
+        raise BagError(f'{type_name} message of {size[first]} bytes is too short',
                        offset=int(start[first]))
-
-
-def raw_headings(type_name: str, data: bytes, start: np.ndarray, stop: np.ndarray) -> RawHeadings:
-    """
-    Return what makes the headings in a stretch of bytes that holds messages.
-
-    Parameters
-    ----------
-    type_name : str
-        A key of `HEADING_TYPES`.
-    data : bytes
-        Any bytes that hold the messages.
-    start, stop : ndarray of int64, shape (n,)
-        First byte of each message and the byte behind its last.
-
-    Raises
-    ------
-    BagError
-        If a message is too short for its type or does not start as CDR; the offset is that in
-        `data`.
-
-    """
-    _check_size(type_name, start, stop, start + _HEADER.itemsize)
-    header = gathered(data, _HEADER, start)
-    order = header['order'][:, 1]
-    big = order == 0
-    strange = (order > 1) | (header['order'][:, 0] != 0)
-    if strange.any():
-        raise BagError(f'{type_name} message does not start as CDR',
-                       offset=int(start[np.argmax(strange)]))
-    if not big.any():
-        return _raw(type_name, data, start, stop, header)
-    parts = [_raw(type_name, data, start[which], stop[which], header[which].view(
-        _HEADER.newbyteorder(sign))) for which, sign in ((~big, '<'), (big, '>'))]
-    whole = RawHeadings.concatenate([RawHeadings(p.header.astype(_HEADER), p.orientation.astype(
-        p.orientation.dtype.newbyteorder('<'))) for p in parts])
-    return whole[np.argsort(np.concatenate([np.flatnonzero(~big), np.flatnonzero(big)]))]
-
-
-def _raw(type_name: str, data: bytes, start: np.ndarray, stop: np.ndarray,
-         header: np.ndarray) -> RawHeadings:
-    """Return the same of messages of one byte order, that of their headers."""
-    order = header.dtype['length'].byteorder
-    order = '>' if order == '>' else '<'
-    end = header['length'].astype(np.int64) + (_HEADER.itemsize - 4)
-    if type_name == _ODOMETRY:
-        end = _aligned(end, 4) + 4
-        _check_size(type_name, start, stop, start + 4 + end)
-        end += gathered(data, f'{order}u4', start + end)
-    at = start + (_aligned(end, 8) + 4 + HEADING_TYPES[type_name])
-    kind = (_IMU_ORIENTATION if type_name == IMU else _QUATERNION).newbyteorder(order)
-    _check_size(type_name, start, stop, at + kind.itemsize)
-    return RawHeadings(header, gathered(data, kind, at))
 
 
 def decode_headings(type_name: str, convention: str, data: bytes, start: np.ndarray,
@@ -257,10 +165,14 @@ def decode_headings(type_name: str, convention: str, data: bytes, start: np.ndar
 
     Parameters
     ----------
-    type_name, data, start, stop
-        As for `raw_headings`.
+    type_name : str
+        A key of `HEADING_TYPES`.
     convention : {'enu', 'ned'}
         World axes of the orientations.
+    data : bytes
+        Any bytes that hold the messages.
+    start, stop : ndarray of int64, shape (n,)
+        First byte of each message and the byte behind its last.
 
     Returns
     -------
@@ -271,7 +183,47 @@ def decode_headings(type_name: str, convention: str, data: bytes, start: np.ndar
     Raises
     ------
     BagError
-        As `raw_headings`.
+        If a message is too short for its type or does not start as CDR; the offset is that in
+        `data`.
 
     """
-    return raw_headings(type_name, data, start, stop).headings(convention)
+    size = stop - start
+    _check_size(type_name, start, size, _HEADER.itemsize)
+    header = gathered(data, _HEADER, start)
+    little = header['order'] == _LITTLE
+    if little.all():
+        return _decoded(type_name, convention, data, start, size, header)
+    strange = ~little & (header['order'] != _BIG)
+    if strange.any():
+        raise BagError(f'{type_name} message does not start as CDR',
+                       offset=int(start[np.argmax(strange)]))
+    whole = Headings(np.empty(len(start), np.int64), np.empty(len(start)))
+    for which, sign in ((little, '<'), (~little, '>')):
+        part = _decoded(type_name, convention, data, start[which], size[which],
+                        header[which].view(_HEADER.newbyteorder(sign)))
+        whole.stamp_ns[which], whole.heading_deg[which] = part.stamp_ns, part.heading_deg
+    return whole
+
+
+def _decoded(type_name: str, convention: str, data: bytes, start: np.ndarray, size: np.ndarray,
+             header: np.ndarray) -> Headings:
+    """Return the same of messages of one byte order, that of their headers."""
+    sign = '>' if header.dtype['length'].byteorder == '>' else '<'
+    length = header['length'].astype(np.int64)
+    if length.size and (length == length[0]).all():
+        length = length[0]
+    end = length + (_HEADER.itemsize - 4)
+    if type_name == _ODOMETRY:
+        end = _aligned(end, 4) + 4
+        _check_size(type_name, start, size, end + 4)
+        end = end + gathered(data, f'{sign}u4', start + end)
+    at = _aligned(end, 8) + 4 + HEADING_TYPES[type_name]
+    kind = (_IMU_ORIENTATION if type_name == IMU else _QUATERNION).newbyteorder(sign)
+    _check_size(type_name, start, size, at + kind.itemsize)
+    x, y, z, w, *covariance = gathered(data, kind, start + at).T
+    heading_deg = angles.heading_from_quaternion(x, y, z, w, convention)
+    if covariance:
+        heading_deg[covariance[0] == _UNKNOWN] = np.nan
+    stamp_ns = header['sec'].astype(np.int64) * _SECOND_NS
+    stamp_ns += header['nanosec']
+    return Headings(stamp_ns, heading_deg)

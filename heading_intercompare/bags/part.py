@@ -30,9 +30,9 @@ from .stream import MAGIC, RecordStream
 __all__ = ['mcap_files', 'parsed', 'Part']
 
 _FOOTER = HEAD.size + 20
-_BUFFER_BYTES = 1048576
+_BUFFER_BYTES = 131072
 #: Blocks have at least this many bytes unless the file ends.
-_BLOCK_BYTES = 1048576
+_BLOCK_BYTES = 3145728
 
 _AnyRecord = TypeVar('_AnyRecord', bound=mcap.McapRecord)
 
@@ -235,6 +235,8 @@ class Part:
     def blocks(self, start_ns: int = 0, stop_ns: int = 2**64) -> Iterator[Block]:
         """
         Yield the messages in file order, leaving out chunks that lie outside [start, stop).
+
+        A block is valid until the next one is asked for.
 
         Raises
         ------

@@ -7,17 +7,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 import os
 from pathlib import Path
-from typing import Iterable, Iterator, Mapping, NamedTuple
+from typing import Iterable, Iterator, Mapping, NamedTuple, Sequence
 
 from mcap.records import Attachment as McapAttachment, Metadata as McapMetadata
 import numpy as np
 
 from heading_intercompare.core.records import Headings
 
+from .ahead import ahead
 from .bag_yaml import listed_parts, Qos
+from .blocks import Block
 from .errors import BagError
 from .fields import full_name
-from .heading_messages import HEADING_TYPES, raw_headings
+from .heading_messages import decode_headings, HEADING_TYPES
 from .part import mcap_files, Part
 from .schemas import layout_problem
 from .window import Window
@@ -65,6 +67,31 @@ class Attachment:
     media_type: str
     log_time_ns: int
     data: bytes
+
+
+def _places(part: Part, topics: Sequence[str], which: Iterable[int]) -> np.ndarray:
+    """Return for every channel the place of its topic among some of these, else -1."""
+    places = np.full(2**16, -1, np.int16)
+    for place in which:
+        for number, channel in part.channels.items():
+            if channel.topic == topics[place]:
+                places[number] = place
+    return places
+
+
+#: Which messages are of a kind, of which topic each is, and the headings.
+_Found = tuple[np.ndarray | slice, np.ndarray, Headings]
+
+
+def _found(block: Block, type_name: str, convention: str, place_of: np.ndarray) -> _Found:
+    """Return the headings in a block of the channels that have a place."""
+    place = place_of[block.heads['channel']]
+    which = slice(None)
+    if (place < 0).any():
+        which = np.flatnonzero(place >= 0)
+        place = place[which]
+    return which, place, decode_headings(type_name, convention, block.data, block.start[which],
+                                         block.stop[which])
 
 
 def _opened(path: Path) -> tuple[list[Part], list[str]]:
@@ -204,23 +231,28 @@ class BagReader:
                     raise BagError(f'topic {topic} ({kind}) cannot be read: {problem}', part.path)
 
     def _headings(self, conventions: Mapping[str, str]) -> Iterator[dict[str, Headings]]:
-        window = Window(conventions)
-        topics = {asked: self.resolve(asked) for asked in conventions}
+        wanted = {asked: (self.resolve(asked), convention)
+                  for asked, convention in conventions.items()}
+        once = list(dict.fromkeys(wanted.values()))
+        for minute in ahead(self._minutes(once)):
+            found = dict(zip(once, minute))
+            yield {asked: found[each] for asked, each in wanted.items()}
+
+    def _minutes(self, wanted: Sequence[tuple[str, str]]) -> Iterator[list[Headings]]:
+        """Yield the headings of topics by minutes; those alike, but for their name, as one."""
+        topics = [topic for topic, _ in wanted]
+        alike: dict[tuple[str, str], list[int]] = {}
+        for place, (topic, convention) in enumerate(wanted):
+            alike.setdefault((self.topics[topic].type_name, convention), []).append(place)
+        window = Window(len(topics))
         for part in self._parts:
-            ids = {asked: [n for n, channel in part.channels.items() if channel.topic == topic]
-                   for asked, topic in topics.items()}
+            places = {kind: _places(part, topics, which) for kind, which in alike.items()}
             for block in part.blocks():
-                channel, columns = block.heads['channel'].copy(), {}
-                for asked, topic in topics.items():
-                    which = np.flatnonzero(np.isin(channel, ids[asked]) if len(ids[asked]) != 1
-                                           else channel == ids[asked][0])
-                    try:
-                        raw = raw_headings(self.topics[topic].type_name, block.data,
-                                           block.start[which], block.stop[which])
-                    except BagError as error:
-                        raise error.at(part.path, block.offset) from None
-                    columns[asked] = which, raw
-                yield from window.add(block.heads['log_time'].copy(), columns)
+                try:
+                    found = [_found(block, *kind, place_of) for kind, place_of in places.items()]
+                except BagError as error:
+                    raise error.at(part.path, block.offset) from None
+                yield from window.add(block.heads['log_time'].copy(), found)
         yield from window.rest()
 
     def messages(self, topics: Iterable[str] | None = None, start_ns: int = 0,

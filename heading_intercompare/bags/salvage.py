@@ -21,9 +21,10 @@ import numpy as np
 import zstandard
 
 from .blocks import Block, block_of, HEAD, MESSAGE_HEAD, Record
+from .chunks import CHUNK_HEAD, unpacked
 from .errors import BagError
 from .part import parsed
-from .stream import CHUNK_HEAD, MAGIC, RecordStream, unpacked
+from .stream import MAGIC, RecordStream
 
 __all__ = ['Gap', 'Salvage', 'Sound']
 

@@ -4,55 +4,73 @@
 
 from __future__ import annotations
 
-from typing import Iterator, Mapping
+from typing import Iterator, Sequence
 
 import numpy as np
 
 from heading_intercompare.core.records import Headings
 
-from .heading_messages import RawHeadings
-
 __all__ = ['Window']
 
-_CHUNK_NS = 60_000_000_000
+_MINUTE_NS = 60_000_000_000
 
 
 class Window:
-    """Collects messages until they span a minute of log time, and makes headings of them."""
+    """
+    Collects messages until they span a minute of log time.
 
-    def __init__(self, conventions: Mapping[str, str]) -> None:
-        self._conventions = conventions
+    Parameters
+    ----------
+    count : int
+        Number of topics; a topic is known by its place among them.
+
+    """
+
+    def __init__(self, count: int) -> None:
+        self._count = count
         self._clear()
 
     def _clear(self) -> None:
-        self._parts: dict[str, list[RawHeadings]] = {name: [] for name in self._conventions}
+        self._parts: list[tuple[np.ndarray, Headings]] = []
         self._first, self._last = 2**63, -1
 
-    def add(self, log_time_ns: np.ndarray, columns: Mapping[str, tuple[np.ndarray, RawHeadings]]
-            ) -> Iterator[dict[str, Headings]]:
-        """Take a block: its log times, and by topic which messages and what; yield minutes."""
+    def add(self, log_time_ns: np.ndarray,
+            found: Sequence[tuple[np.ndarray | slice, np.ndarray, Headings]]
+            ) -> Iterator[list[Headings]]:
+        """
+        Take a block; yield minutes, each with all topics in their order.
+
+        Parameters
+        ----------
+        log_time_ns : ndarray of int64, shape (n,)
+            Of the messages of the block.
+        found : sequence
+            Some of them at a time, each topic always in the same place of the sequence: which
+            they are, of which topic each is, and its heading.
+
+        """
         if not len(log_time_ns):
             return
         first, last = int(log_time_ns.min()), int(log_time_ns.max())
-        if max(last, self._last) - min(first, self._first) > _CHUNK_NS:
+        if max(last, self._last) - min(first, self._first) > _MINUTE_NS:
             yield from self.rest()
-        if last - first <= _CHUNK_NS:
+        if last - first <= _MINUTE_NS:
             self._first, self._last = min(first, self._first), max(last, self._last)
-            for name, (_, raw) in columns.items():
-                self._parts[name].append(raw)
+            self._parts += [(place, headings) for _, place, headings in found]
             return
-        minutes = (log_time_ns - first) // _CHUNK_NS
+        minutes = (log_time_ns - first) // _MINUTE_NS
         for minute in np.unique(minutes):
-            yield self._headings({name: raw[minutes[which] == minute]
-                                  for name, (which, raw) in columns.items()})
+            rows = [minutes[which] == minute for which, _, _ in found]
+            yield self._by_topic([(place[row], headings[row])
+                                  for row, (_, place, headings) in zip(rows, found)])
 
-    def rest(self) -> Iterator[dict[str, Headings]]:
+    def rest(self) -> Iterator[list[Headings]]:
         """Yield what has been collected, unless it is nothing."""
-        if self._last >= 0:
-            yield self._headings({name: RawHeadings.concatenate(parts)
-                                  for name, parts in self._parts.items()})
+        if self._parts:
+            yield self._by_topic(self._parts)
         self._clear()
 
-    def _headings(self, raw: Mapping[str, RawHeadings]) -> dict[str, Headings]:
-        return {name: raw[name].headings(convention)
-                for name, convention in self._conventions.items()}
+    def _by_topic(self, parts: Sequence[tuple[np.ndarray, Headings]]) -> list[Headings]:
+        places = np.concatenate([place for place, _ in parts])
+        headings = Headings.concatenate([part for _, part in parts])
+        return [headings[np.flatnonzero(places == place)] for place in range(self._count)]

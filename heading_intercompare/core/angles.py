@@ -16,6 +16,18 @@ __all__ = ['circular_mean', 'heading_from_quaternion', 'quaternion_from_heading'
            'unwrap_deg', 'wrap180', 'wrap360']
 
 
+def _within(angle: np.ndarray, lowest: float, below: float) -> bool:
+    """Tell whether there are angles and all lie in a half-open range."""
+    return angle.size > 0 and bool(angle.min() >= lowest) and bool(angle.max() < below)
+
+
+def _remainder(angle: np.ndarray) -> np.ndarray:
+    """Return what whole turns leave, with the sign of the angle; nan if it is not finite."""
+    if _within(angle, -359.0, 360.0):
+        return angle
+    return np.fmod(np.where(np.isfinite(angle), angle, np.nan), 360.0)
+
+
 def wrap180(angle_deg: ArrayLike, center_deg: float = 0.0) -> np.ndarray:
     """
     Reduce angles to [center - 180, center + 180).
@@ -44,10 +56,9 @@ def wrap180(angle_deg: ArrayLike, center_deg: float = 0.0) -> np.ndarray:
 
     """
     angle = np.asarray(angle_deg, dtype=np.float64) - center_deg
-    finite = np.isfinite(angle)
-    if not finite.all():
-        angle = np.where(finite, angle, np.nan)
-    d = np.fmod(angle, 360.0)
+    if _within(angle, -180.0, 180.0):
+        return angle + center_deg
+    d = _remainder(angle)
     d = np.where(d >= 180.0, d - 360.0, d)
     d = np.where(d < -180.0, d + 360.0, d)
     return d + center_deg
@@ -74,10 +85,9 @@ def wrap360(angle_deg: ArrayLike) -> np.ndarray:
 
     """
     angle = np.asarray(angle_deg, dtype=np.float64)
-    finite = np.isfinite(angle)
-    if not finite.all():
-        angle = np.where(finite, angle, np.nan)
-    d = np.fmod(angle, 360.0)
+    if _within(angle, 0.0, 360.0):
+        return angle + 0.0
+    d = _remainder(angle)
     d = np.where(d < 0.0, d + 360.0, d)
     return np.where(d >= 360.0, 0.0, d) + 0.0
 
@@ -173,10 +183,17 @@ def heading_from_quaternion(x: ArrayLike, y: ArrayLike, z: ArrayLike, w: ArrayLi
     """
     x, y, z, w = (np.asarray(q, dtype=np.float64) for q in (x, y, z, w))
     with np.errstate(over='ignore', invalid='ignore'):
-        norm2 = x * x + y * y + z * z + w * w
-        good = np.isfinite(norm2) & (norm2 > 0.0)
-        yaw = np.arctan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
-    yaw_deg = np.degrees(np.where(good, yaw, np.nan))
+        z2, w2, wz = z * z, w * w, w * z
+        if x.any() or y.any():
+            x2, y2 = x * x, y * y
+            norm2 = x2 + y2 + z2 + w2
+            yaw = np.arctan2(2.0 * (wz + x * y), w2 + x2 - y2 - z2)
+        else:
+            norm2 = z2 + w2
+            yaw = np.arctan2(2.0 * wz, w2 - z2)
+    if not (norm2.size and norm2.min() > 0.0 and norm2.max() < np.inf):
+        yaw = np.where(np.isfinite(norm2) & (norm2 > 0.0), yaw, np.nan)
+    yaw_deg = np.degrees(yaw)
     if convention == 'enu':
         return wrap360(90.0 - yaw_deg)
     if convention == 'ned':

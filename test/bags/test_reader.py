@@ -17,8 +17,9 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.heading_messages import encode_imu, HEADING_TYPES, IMU
 from heading_intercompare.bags.reader import BagReader, TopicInfo
 from heading_intercompare.bags.schemas import shipped_schema
+from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.bags.writer import BagWriter, Rows
-from heading_intercompare.core.angles import quaternion_from_heading
+from heading_intercompare.core.angles import quaternion_from_heading, wrap180
 from heading_intercompare.core.records import Headings
 
 STRING = 'std_msgs/msg/String'
@@ -100,7 +101,7 @@ def test_messages_outside_chunks_are_read_across_the_ends_of_blocks(tmp_path, mo
 def test_chunks_with_and_without_index_are_read_alike(write_bag, tmp_path, monkeypatch):
     path = write_bag(chunk_bytes=5000)
     expected = read(path, BOTH)
-    monkeypatch.setattr('heading_intercompare.bags.stream._Group.add_index',
+    monkeypatch.setattr('heading_intercompare.bags.chunks.Gathering.add_index',
                         lambda self, content: None)
     assert read(path, BOTH) == expected
 
@@ -152,6 +153,36 @@ def test_convention_ned_reads_yaw_as_heading(write_bag, two_sensors):
 
 
 # Chunks
+
+
+def test_a_topic_asked_for_under_two_conventions_is_read_under_both(write_bag):
+    path = write_bag()
+    both = {'/ts/heading': 'enu', 'ts/heading': 'ned'}
+    enu, ned = read(path, both)['/ts/heading'], read(path, both)['ts/heading']
+    assert enu == read(path, {'/ts/heading': 'enu'})['/ts/heading']
+    assert ned == read(path, {'ts/heading': 'ned'})['ts/heading'] != enu
+
+
+def test_topics_of_several_types_and_frames_are_read_side_by_side(tmp_path, monkeypatch):
+    monkeypatch.setattr('heading_intercompare.bags.part._BLOCK_BYTES', 3000)
+    types = {'/a': IMU, '/b': IMU, '/c': 'geometry_msgs/msg/QuaternionStamped'}
+    frames = {'/a': 'a', '/b': 'a_much_longer_frame', '/c': ''}
+    heading_deg = np.linspace(0.0, 359.0, 300)
+    sent = {topic: [] for topic in types}
+    with BagWriter(tmp_path / 'bag', BagSettings(chunk_bytes=2000)) as bag:
+        for topic, type_name in types.items():
+            bag.add_topic(topic, type_name)
+        for number, each in enumerate(heading_deg):
+            topic = '/' + 'abcab'[number * number % 5]
+            message = orientation(types[topic], each, 5 * 10**9 + number)
+            message['header']['frame_id'] = frames[topic]
+            bag.write(topic, encode(types[topic], message), 10**18 + number, 10**18 + number, 0)
+            sent[topic].append(number)
+    found = read(tmp_path / 'bag', dict.fromkeys(types, 'enu'))
+    for topic, numbers in sent.items():
+        assert (found[topic].stamp_ns - 5 * 10**9).tolist() == numbers
+        error = wrap180(found[topic].heading_deg - heading_deg[numbers])
+        np.testing.assert_allclose(error, 0.0, atol=1e-9)
 
 
 @pytest.mark.parametrize('chunk_bytes', [2000, 1_000_000])

@@ -1,0 +1,30 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""An iterator that runs in a thread of its own, a little ahead of who uses it."""
+
+from __future__ import annotations
+
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+from typing import Iterator, TypeVar
+
+__all__ = ['ahead']
+
+#: Items that are ready, or in the making, while one is used.
+_AHEAD = 2
+
+_Item = TypeVar('_Item')
+
+
+def ahead(items: Iterator[_Item]) -> Iterator[_Item]:
+    """
+    Yield the items of an iterator, which is run in a second thread.
+
+    An error is raised behind the items that came before it.
+    """
+    end = object()
+    with ThreadPoolExecutor(1) as worker:
+        coming = deque(worker.submit(next, items, end) for _ in range(_AHEAD))
+        while (item := coming.popleft().result()) is not end:
+            coming.append(worker.submit(next, items, end))
+            yield item
