@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Iterable, Mapping, Sequence
+from typing import Any, Callable, Iterable, Mapping, Sequence
 
+from .columns import Keep
 from .criteria import Limits
 from .difference import difference
 from .early import EarlyVerdict, figures, look_at
@@ -35,6 +36,9 @@ class Compliance:
         Name of the input, stated with each run.
     table : sequence of (start_ns, stop_ns), optional
         Where the runs are; without it marks decide, else the first pair opens a run.
+    keeper : callable, optional
+        Returns for each run where its pages are kept (see `Column`), so that memory does not
+        grow while it lasts; without it they stay in memory.
 
     Raises
     ------
@@ -49,8 +53,10 @@ class Compliance:
     """
 
     def __init__(self, settings: Settings, *, source: str = '',
-                 table: Sequence[tuple[int, int]] | None = None) -> None:
+                 table: Sequence[tuple[int, int]] | None = None,
+                 keeper: Callable[[], Keep | None] = lambda: None) -> None:
         self.settings = settings
+        self._keeper = keeper
         self.newest_ns: int | None = None
         self._limits = Limits.of(settings.norms, settings.model)
         self._source = source
@@ -69,7 +75,8 @@ class Compliance:
         for piece in self._cutter.update(pairs.stamp_ns):
             if piece.key != self._run_key:
                 self._end_run()
-                self._run = RunSeries(piece.cut_ns, self.settings, self._look)
+                self._run = RunSeries(piece.cut_ns, self.settings, self._look,
+                                      self._keeper())
                 self._run_key = piece.key
             self._run.update(pairs[piece.lo:piece.hi])
         self._rolling.update(difference(pairs, self.settings.installation_offset_deg,

@@ -8,12 +8,13 @@ from typing import Callable
 
 import numpy as np
 
+from .columns import Column, Keep, Tails
 from .difference import difference
 from .dyadic import Dyadic
 from .records import Differences, Pairs
 from .sequential import Look, Looks
 from .settings import Settings
-from .statistics import Column, count_outside, Moments
+from .statistics import count_outside, Moments
 
 __all__ = ['RunSeries']
 
@@ -31,6 +32,8 @@ class RunSeries:
     on_look : callable, optional
         ``on_look(run, look)`` is called when a look is due, with the run holding just the
         differences that belong to it.
+    keep : Keep, optional
+        Where full pages of the columns go; see `Column`.
 
     Attributes
     ----------
@@ -44,19 +47,22 @@ class RunSeries:
     Notes
     -----
     Final figures are computed from the columns at the end, so they do not depend on the chunks
-    in which the pairs came. 24 bytes a pair: 104 MB for 12 h at 100 Hz.
+    in which the pairs came. 24 bytes a pair, 104 MB for 12 h at 100 Hz, unless they are kept
+    elsewhere; then memory is that of a page of each column, and of the tails of the others.
 
     """
 
     def __init__(self, cut_ns: int, settings: Settings,
-                 on_look: Callable[['RunSeries', Look], None] | None = None) -> None:
+                 on_look: Callable[['RunSeries', Look], None] | None = None,
+                 keep: Keep | None = None) -> None:
         self.cut_ns = cut_ns
         self.start_ns: int | None = None
         self.end_ns: int | None = None
         self.n_input = self.n_invalid = self.n_stabilization = 0
-        self.stamp_ns = Column(np.int64)
-        self.x_deg = Column(np.float64)
-        self.rs_deg = Column(np.float64)
+        self._tails = Tails()
+        self.stamp_ns = Column(np.int64, keep)
+        self.x_deg = Column(np.float64, keep, self._tails.take)
+        self.rs_deg = Column(np.float64, keep)
         self._offset_deg = settings.installation_offset_deg
         self._center_deg = settings.wrap_center_deg
         rule = settings.runs.stabilization_s
@@ -102,8 +108,8 @@ class RunSeries:
     def _due(self, stamp_ns: np.ndarray) -> list[tuple[int, Look]]:
         if self._looks is None:
             return []
-        first = self.stamp_ns.values if len(self.stamp_ns) else stamp_ns
-        return self._looks.cuts(int(first[0]), stamp_ns)
+        first = self.stamp_ns.first if len(self.stamp_ns) else stamp_ns[0]
+        return self._looks.cuts(int(first), stamp_ns)
 
     def _append(self, x: Differences, pairs: Pairs) -> None:
         if not len(x):
@@ -127,15 +133,15 @@ class RunSeries:
 
     def count_outside(self, center_deg: float, limit_deg: float) -> int:
         """Return how many analysed differences deviate from the centre by more."""
-        return count_outside(self.x_deg.values, center_deg, limit_deg)
+        return (self._tails.count_outside(self.x_deg, center_deg, limit_deg)
+                + count_outside(self.x_deg.newest, center_deg, limit_deg))
 
     @property
     def span_s(self) -> float:
         """Time from the first to the last analysed difference, seconds."""
         if not len(self):
             return 0.0
-        stamps = self.stamp_ns.values
-        return (int(stamps[-1]) - int(stamps[0])) / 1e9
+        return (int(self.stamp_ns.last) - int(self.stamp_ns.first)) / 1e9
 
     @property
     def mean_lag_s(self) -> float | None:

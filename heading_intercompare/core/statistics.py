@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-__all__ = ['Column', 'count_outside', 'Moments']
+__all__ = ['count_outside', 'Moments']
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,38 +95,3 @@ class Moments:
 def count_outside(x_deg: np.ndarray, center_deg: float, limit_deg: float) -> int:
     """Return how many values are more than the limit from the centre, strictly; GK (*), (**)."""
     return int(np.count_nonzero(np.abs(x_deg - center_deg) > limit_deg))
-
-
-class Column:
-    """
-    A column that grows by chunks and is read as one array; 8 bytes a value, at most 16.
-
-    Notes
-    -----
-    Capacity doubles, so n values cost O(n) copies in all.
-
-    """
-
-    def __init__(self, dtype: type) -> None:
-        self._values = np.empty(1024, dtype)
-        self._n = 0
-
-    def __len__(self) -> int:
-        return self._n
-
-    def append(self, chunk: np.ndarray) -> None:
-        """Add a chunk behind the values."""
-        need = self._n + len(chunk)
-        if need > len(self._values):
-            grown = np.empty(max(need, 2 * len(self._values)), self._values.dtype)
-            grown[:self._n] = self._values[:self._n]
-            self._values = grown
-        self._values[self._n:need] = chunk
-        self._n = need
-
-    @property
-    def values(self) -> np.ndarray:
-        """The values so far, shape (n,): a view, valid until the next append."""
-        view = self._values[:self._n]
-        view.flags.writeable = False
-        return view

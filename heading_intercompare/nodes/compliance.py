@@ -11,6 +11,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from heading_intercompare.bags.spool import Spool
 from heading_intercompare.core.intercomparison import Compliance as PureCompliance
 from heading_intercompare.core.settings import Settings
 
@@ -39,8 +40,9 @@ class Compliance(Node):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('compliance', **OVERRIDES, **kwargs)
         self._settings, taking, self._own = declare(self, Settings, Taking, ComplianceNode)
-        self._compliance = PureCompliance(self._settings, source='live')
         self._health = Health(self)
+        self._compliance = PureCompliance(self._settings, source='live',
+                                          keeper=lambda: Spool(self._stays).keep)
         self._reporting = Reporting(self, self._compliance, self._own, self._health)
         self._pairs = Intake(self, 'pairs', PAIRS_TYPES, qos.PAIRS, self._health,
                              stale_s=taking.stale_s)
@@ -80,6 +82,9 @@ class Compliance(Node):
         self._reporting.look(self._pairs.last_sequence)
         if self._end_s is not None and not self.ended:
             self._finish_if_complete()
+
+    def _stays(self, why: str) -> None:
+        self._health.note('run', WARN, f'the run in progress stays in memory: {why}', latch=True)
 
     def _beat(self) -> None:
         newest_ns = self._compliance.newest_ns or 0

@@ -11,7 +11,7 @@ import pytest
 from heading_intercompare.core.dyadic import Dyadic
 from heading_intercompare.core.records import Differences
 from heading_intercompare.core.rolling import Rolling
-from heading_intercompare.core.statistics import Column, count_outside, Moments
+from heading_intercompare.core.statistics import count_outside, Moments
 
 S = 1_000_000_000
 values = st.lists(st.floats(-180.0, 180.0, allow_subnormal=False), max_size=30)
@@ -46,16 +46,6 @@ def test_few_values_have_no_variance_rather_than_nan(n, variance):
 
 def test_exceeding_is_strict():
     assert count_outside(np.array([1.0, -1.0, 1.0000001]), 0.0, 1.0) == 1
-
-
-def test_a_column_grows_without_changing(rng):
-    column, parts = Column(np.float64), []
-    for n in (0, 1, 1000, 5000, 3):
-        parts.append(rng.standard_normal(n))
-        column.append(parts[-1])
-    assert np.array_equal(column.values, np.concatenate(parts))
-    with pytest.raises(ValueError):
-        column.values[0] = 1.0
 
 
 def differences(rng, n, rate_hz=10.0):

@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Columns that grow for hours: in pages, which whoever watches live may keep out of memory."""
+
+from __future__ import annotations
+
+from typing import Callable
+
+import numpy as np
+
+__all__ = ['Column', 'Keep', 'Page', 'Tails']
+
+#: Gives a page again, shape (n,), not to be written to.
+Page = Callable[[], np.ndarray]
+#: Takes a full page, shape (n,), and returns what gives it again.
+Keep = Callable[[np.ndarray], Page]
+
+_PAGE = 65536
+#: Of each page so many of the smallest values stay at hand, and of the largest.
+_TAIL = _PAGE // 64
+
+
+class Column:
+    """
+    A column that grows by chunks.
+
+    Parameters
+    ----------
+    dtype : type
+        Of the values.
+    keep : Keep, optional
+        Where full pages go. Without it there are no pages and all values stay in memory, 8 bytes
+        each, at most 16; capacity doubles, so n values cost O(n) copies in all.
+    on_page : callable, optional
+        Is given each full page.
+
+    Attributes
+    ----------
+    first, last : scalar or None
+        The oldest and the newest value; None while it is empty.
+
+    """
+
+    def __init__(self, dtype: type, keep: Keep | None = None,
+                 on_page: Callable[[np.ndarray], None] = lambda page: None) -> None:
+        self._keep = keep
+        self._on_page = on_page
+        self._pages: list[Page] = []
+        self._open = np.empty(1024 if keep is None else _PAGE, dtype)
+        self._n_open = 0
+        self.first: np.generic | None = None
+        self.last: np.generic | None = None
+
+    def __len__(self) -> int:
+        return len(self._pages) * _PAGE + self._n_open
+
+    def append(self, chunk: np.ndarray) -> None:
+        """Add a chunk behind the values."""
+        if not len(chunk):
+            return
+        if self.first is None:
+            self.first = chunk[0]
+        self.last = chunk[-1]
+        if self._keep is None:
+            self._reserve(len(chunk))
+        lo = 0
+        while lo < len(chunk):
+            some = chunk[lo:lo + len(self._open) - self._n_open]
+            self._open[self._n_open:self._n_open + len(some)] = some
+            self._n_open += len(some)
+            lo += len(some)
+            if self._keep is not None and self._n_open == _PAGE:
+                self._turn(self._keep)
+
+    def _reserve(self, size: int) -> None:
+        """Make room for more values."""
+        need = self._n_open + size
+        if need > len(self._open):
+            grown = np.empty(max(need, 2 * len(self._open)), self._open.dtype)
+            grown[:self._n_open] = self.newest
+            self._open = grown
+
+    def _turn(self, keep: Keep) -> None:
+        """Put the full page away and begin the next."""
+        page, self._open, self._n_open = self._open, np.empty(_PAGE, self._open.dtype), 0
+        self._on_page(page)
+        self._pages.append(keep(page))
+
+    @property
+    def newest(self) -> np.ndarray:
+        """The values that are on no full page: a view, valid until the next append."""
+        view = self._open[:self._n_open]
+        view.flags.writeable = False
+        return view
+
+    def page(self, number: int) -> np.ndarray:
+        """Return a full page, shape (65536,), from number 0; it is not to be written to."""
+        return self._pages[number]()
+
+    @property
+    def values(self) -> np.ndarray:
+        """The values so far, shape (n,), not to be written to and valid until the next append."""
+        if not self._pages:
+            return self.newest
+        whole = np.empty(len(self), self._open.dtype)
+        for number, page in enumerate(self._pages):
+            whole[number * _PAGE:(number + 1) * _PAGE] = page()
+        whole[len(self._pages) * _PAGE:] = self.newest
+        whole.flags.writeable = False
+        return whole
+
+
+class Tails:
+    """
+    The smallest and largest values of the pages of a column, to count those beyond a limit.
+
+    Notes
+    -----
+    16 kB a page of 512 kB. Where a limit lies further inside than the tails reach the whole page
+    is looked at, so a count is always exact.
+
+    """
+
+    def __init__(self) -> None:
+        self._tails: list[np.ndarray] = []
+
+    def take(self, page: np.ndarray) -> None:
+        """Take the next full page."""
+        parted = np.partition(page, (_TAIL, len(page) - _TAIL - 1))
+        self._tails.append(np.concatenate([parted[:_TAIL + 1], parted[-_TAIL - 1:]]))
+
+    def count_outside(self, column: Column, center: float, limit: float) -> int:
+        """Return how many values of the pages of the column are more than the limit away."""
+        n = 0
+        for number, tails in enumerate(self._tails):
+            outside = np.abs(tails - center) > limit
+            # The innermost of both tails: all values between them are no further away.
+            if outside[_TAIL] or outside[_TAIL + 1]:
+                outside = np.abs(column.page(number) - center) > limit
+            n += int(np.count_nonzero(outside))
+        return n
