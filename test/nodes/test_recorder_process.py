@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The recorder as a process of its own, at a thousand headings a second of each sensor."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.bags.recovery import recover
+
+from .launch_files import Node
+from .test_graph_processes import DOMAIN, Processes
+
+TOPICS = ('/ts/heading', '/rs/heading')
+RATE_HZ = 1000
+
+SENDER = """
+import sys, time
+import numpy as np, rclpy
+from sensor_msgs.msg import Imu
+from heading_intercompare.bags.heading_messages import encode_imu
+from heading_intercompare.core.records import Headings
+from heading_intercompare.nodes import qos
+
+count, rate_hz, *topics = int(sys.argv[1]), int(sys.argv[2]), *sys.argv[3:]
+rclpy.init()
+node = rclpy.create_node('sender')
+publishers = [node.create_publisher(Imu, topic, qos.HEADINGS_OUT) for topic in topics]
+stamp_ns = 10 ** 18 + np.arange(count) * (10 ** 9 // rate_hz)
+messages = [row.tobytes() for row in encode_imu(Headings.of(stamp_ns, np.full(count, 90.0)), 'x')]
+while min(p.get_subscription_count() for p in publishers) < 1:
+    time.sleep(0.01)
+began_s, sent = time.monotonic(), 0
+while sent < count:
+    due = min(count, int((time.monotonic() - began_s) * rate_hz) + 1)
+    for message in messages[sent:due]:
+        for publisher in publishers:
+            publisher.publish(message)
+    sent = due
+    time.sleep(0.0005)
+print('sent', flush=True)
+sys.stdin.read()
+"""
+
+
+@pytest.fixture
+def recording(tmp_path):
+    """Return the processes of a recorder, and the folder of its bag."""
+    processes = Processes(tmp_path)
+    processes.start(Node('heading_intercompare', 'recorder', 'recorder', '/',
+                         [{'output': str(tmp_path / 'bag')}], 'screen'))
+    yield processes, tmp_path / 'bag'
+    processes.reap()
+
+
+def sender(count: int) -> subprocess.Popen:
+    """Start to send to both topics; the process stays until its input is closed."""
+    return subprocess.Popen(
+        [sys.executable, '-c', SENDER, str(count), str(RATE_HZ), *TOPICS],
+        env={**os.environ, 'ROS_DOMAIN_ID': str(DOMAIN),
+             'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'},
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+
+
+def stamps(bag) -> dict[str, np.ndarray]:
+    """Return the stamps of all headings by topic."""
+    parts = list(BagReader(bag).headings(dict.fromkeys(TOPICS, 'enu')))
+    return {topic: np.concatenate([part[topic].stamp_ns for part in parts]) for topic in TOPICS}
+
+
+def test_a_thousand_a_second_of_each_sensor_are_recorded_and_losses_counted(recording):
+    processes, bag = recording
+    count = 3000
+    with sender(count) as sending:
+        assert sending.stdout.readline() == b'sent\n'
+        # Best effort may lose under load; what it loses it says.
+        processes.signal(signal.SIGINT)
+        sending.stdin.close()
+        processes.wait('recorder', timeout_s=15.0)
+    reader = BagReader(bag)
+    assert reader.incomplete is None
+    said, found = reader.metadata()['recording'], stamps(bag)
+    for topic in TOPICS:
+        kept, lost = len(found[topic]), int(said[f'lost_on_the_way.{topic}'])
+        assert int(said[f'received.{topic}']) == kept
+        assert int(said[f'not_written.{topic}']) == 0
+        assert kept + lost == count
+        assert kept > count / 2
+
+
+def test_a_recorder_killed_under_way_loses_at_most_a_second(recording, tmp_path):
+    processes, bag = recording
+    with sender(20_000) as sending:
+        deadline_s = time.monotonic() + 30.0
+        while sum(each.stat().st_size for each in bag.glob('*.mcap')) < 100_000:
+            assert time.monotonic() < deadline_s
+            assert sending.poll() is None
+            time.sleep(0.005)
+        processes.signal(signal.SIGKILL)
+        killed_ns = time.time_ns()
+        sending.kill()
+    reader = BagReader(bag)
+    assert 'was not closed' in reader.incomplete
+    assert killed_ns - reader.end_ns < 1_000_000_000
+    kept = stamps(bag)
+    for topic in TOPICS:
+        assert (np.diff(kept[topic]) > 0).all()
+    assert recover(bag, tmp_path / 'new').messages == sum(map(len, kept.values()))
