@@ -3,7 +3,8 @@
 """
 The rolling window: exact over panes of a 64th of its length.
 
-A closed pane is a value (moments and sorted differences); the window adds them up on request.
+A closed pane is a value; the window adds up what is asked of its panes. What nobody asks for, as
+in an analysis of a recording, is not computed.
 Nothing is ever subtracted, so no rounding builds up however long the watch.
 """
 
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -23,19 +25,24 @@ __all__ = ['Rolling']
 _PANES = 64
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Pane:
     key: int
     start_ns: int
-    moments: Moments
     x_deg: np.ndarray
-    x_sorted_deg: np.ndarray
 
     @classmethod
     def of(cls, key: int, chunks: list[Differences]) -> '_Pane':
         joined = Differences.concatenate(chunks)
-        return cls(key, int(joined.stamp_ns[0]), Moments.of(joined.x_deg),
-                   joined.x_deg, np.sort(joined.x_deg))
+        return cls(key, int(joined.stamp_ns[0]), joined.x_deg)
+
+    @cached_property
+    def moments(self) -> Moments:
+        return Moments.of(self.x_deg)
+
+    @cached_property
+    def x_sorted_deg(self) -> np.ndarray:
+        return np.sort(self.x_deg)
 
 
 class Rolling:
