@@ -59,10 +59,20 @@ class Window:
             self._parts += [(place, headings) for _, place, headings in found]
             return
         minutes = (log_time_ns - first) // _MINUTE_NS
-        for minute in np.unique(minutes):
-            rows = [minutes[which] == minute for which, _, _ in found]
-            yield self._by_topic([(place[row], headings[row])
-                                  for row, (_, place, headings) in zip(rows, found)])
+        found = [(minutes[which], place, headings) for which, place, headings in found]
+        if (minutes[1:] >= minutes[:-1]).all():
+            present = minutes[np.append(True, minutes[1:] != minutes[:-1])]
+            for minute in present:
+                rows = [slice(*np.searchsorted(of, (minute, minute + 1))) for of, _, _ in found]
+                yield self._rows_of(found, rows)
+        else:
+            for minute in np.unique(minutes):
+                yield self._rows_of(found, [of == minute for of, _, _ in found])
+
+    def _rows_of(self, found: Sequence[tuple[np.ndarray, np.ndarray, Headings]],
+                 rows: Sequence[np.ndarray | slice]) -> list[Headings]:
+        return self._by_topic([(place[row], headings[row])
+                               for row, (_, place, headings) in zip(rows, found)])
 
     def rest(self) -> Iterator[list[Headings]]:
         """Yield what has been collected, unless it is nothing."""
