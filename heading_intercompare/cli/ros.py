@@ -4,14 +4,17 @@
 
 from __future__ import annotations
 
-from functools import partial
 from importlib import import_module
-from typing import Any
+from typing import Any, Callable, Mapping
 
 __all__ = ['program_node']
 
+_WATCH_S = 0.1
 
-def program_node(module: str, node: str, config: str | None, **parameters: Any) -> int:
+
+def program_node(module: str, node: str, config: str | None, *,
+                 remap: Mapping[str, str] | None = None,
+                 watch: Callable[[Any], None] | None = None, **parameters: Any) -> int:
     """
     Run a node until its work is over or Ctrl-C.
 
@@ -21,7 +24,12 @@ def program_node(module: str, node: str, config: str | None, **parameters: Any) 
         Module in ``nodes`` and class in it.
     config : str or None
         ROS parameter file.
-    parameters : object
+    remap : mapping of str to str, optional
+        Topics that go out under other names; the node takes them as `remapped` and refuses those
+        that it does not publish.
+    watch : callable, optional
+        Called with the node, ten times a second.
+    **parameters : object
         Of the node; None is not given.
 
     Returns
@@ -32,8 +40,20 @@ def program_node(module: str, node: str, config: str | None, **parameters: Any) 
     """
     from heading_intercompare.nodes.parameters import overrides
     from heading_intercompare.nodes.process import run
+    from heading_intercompare.nodes.timing import every
 
-    make = getattr(import_module(f'heading_intercompare.nodes.{module}'), node)
-    files = ['--ros-args', '--params-file', config] if config else []
-    return run('heading-intercompare', partial(make, parameter_overrides=overrides(parameters)),
-               files)
+    kind = getattr(import_module(f'heading_intercompare.nodes.{module}'), node)
+    given: dict[str, Any] = {'parameter_overrides': overrides(parameters)}
+    if remap:
+        given['remapped'] = list(remap)
+
+    def make(**kwargs: Any) -> Any:
+        made = kind(**given, **kwargs)
+        if watch is not None:
+            every(made, _WATCH_S, lambda: watch(made))
+        return made
+
+    arguments = ['--params-file', config] if config else []
+    for old, new in (remap or {}).items():
+        arguments += ['-r', f'{old}:={new}']
+    return run('heading-intercompare', make, ['--ros-args', *arguments] if arguments else [])

@@ -4,23 +4,25 @@
 
 from __future__ import annotations
 
-import math
+from functools import partial
 import time
-from typing import Any, Iterator, Sequence
+from typing import Any, Callable, Collection, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
+from std_srvs.srv import Trigger
 
-from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.reader import BagMessage, BagReader
+from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.bags.replay import Replay
 from heading_intercompare.core.settings import Settings, SettingsError
 
 from . import qos
 from .health import Health
 from .messages import HEADING_TYPES
-from .parameters import declare, OVERRIDES, resolved
+from .parameters import declare, OVERRIDES
 from .process import run
+from .remapping import published_names
 from .sending import all_acknowledged, Allowance, Audience
 from .settings import ReplayerNode, Sending
 from .stamps import clock_message
@@ -34,46 +36,68 @@ _MARKER = 'compliance/marker'
 # Synchronizer and compliance; who replays without them waits for this long.
 _MARK_READERS = 2
 _MARK_WAIT_S = 5.0
+_PAUSED_BY = {'pause': True, 'resume': False, 'toggle_paused': None}
 
 
 class Replayer(Node):
     """Publish the headings of a bag as they were recorded, after its marks; its end is the end."""
 
-    def __init__(self, **kwargs: Any) -> None:
+    def __init__(self, *, remapped: Collection[str] = (),
+                 clock_ns: Callable[[], int] = time.monotonic_ns, **kwargs: Any) -> None:
         super().__init__('replayer', **OVERRIDES, **kwargs)
-        settings, sending, self._own = declare(self, Settings, Sending, ReplayerNode)
-        if self._own.bag is None:
+        settings, sending, own = declare(self, Settings, Sending, ReplayerNode)
+        if own.bag is None:
             raise SettingsError('bag is required: an .mcap file or a rosbag2 folder')
-        self.done = self.ended = False
+        self.done = self.ended = self._begun = False
         self._health = Health(self)
-        self._reader = BagReader(self._own.bag)
-        self._marker = self.create_publisher(DiagnosticArray, _MARKER, qos.MARKER)
+        self._reader = BagReader(own.bag)
+        topics = [settings.ts_topic, settings.rs_topic, _MARKER]
+        names = published_names(self, topics + ['/clock'] * own.clock, remapped)
+        # Nothing is read yet, but what is no heading is refused.
+        self._reader.headings(dict.fromkeys(topics[:2], 'enu'))
         self._headings = {}
-        for topic in (settings.ts_topic, settings.rs_topic):
-            resolved(self, topic)
-            name = self._reader.resolve(topic)
-            type_name = self._reader.topics[name].type_name
-            if type_name not in HEADING_TYPES:
-                raise BagError(f'topic {name} is {type_name}; a heading is '
-                               f'{", ".join(HEADING_TYPES)}', self._own.bag)
-            self._headings[name] = self.create_publisher(
-                HEADING_TYPES[type_name], topic, qos.HEADINGS_OUT,
-                event_callbacks=self._health.of_publisher(topic))
-        self._clock_publisher = (self.create_publisher(Clock, '/clock', qos.CLOCK)
-                                 if self._own.clock else None)
+        for topic, name in zip(topics[:2], names):
+            in_bag = self._reader.resolve(topic)
+            self._headings[in_bag] = self.create_publisher(
+                HEADING_TYPES[self._reader.topics[in_bag].type_name], topic, qos.HEADINGS_OUT,
+                event_callbacks=self._health.of_publisher(name))
+        self._replay = Replay(
+            self._reader, [*self._headings], rate=own.rate, start_s=own.start_s,
+            duration_s=own.duration_s, loop=own.loop, paused=own.start_paused, clock_ns=clock_ns)
+        self._marker = self.create_publisher(DiagnosticArray, _MARKER, qos.MARKER)
+        self._time = self.create_publisher(Clock, '/clock', qos.CLOCK) if own.clock else None
         self._audience = Audience(self, [*self._headings.values()], sending.subscribers,
                                   self._health)
         self._allowance = Allowance(sending.max_rate_hz)
-        self._origin_ns = (self._reader.start_ns or 0) + round(self._own.start_s * 1e9)
-        self._shown_ns = self._origin_ns
-        self._messages: Iterator[BagMessage] | None = None
-        self._next: BagMessage | None = None
-        self._began_s = 0.0
         self.published = self._marks = 0
         self._heard_s: float | None = None
         self._publish_marks()
+        for name, wanted in _PAUSED_BY.items():
+            self.create_service(Trigger, f'~/{name}', partial(self._serve, wanted))
+        if self._replay.over:
+            self.get_logger().warning(f'nothing to replay: {self._replay.part} has no heading')
         self._health.before_beat(self._note)
         every(self, _TICK_S, self._tick)
+
+    @property
+    def state(self) -> str:
+        """What it does, and where in the bag it is, in words."""
+        words = ('paused' if self._replay.paused else
+                 'replaying' if self._begun else 'waiting for subscriptions')
+        return f'{words} at {self._replay.place}'
+
+    def pause(self, wanted: bool | None = None) -> str:
+        """Pause or go on, None: the other of the two; return what that did, in words."""
+        words = self._replay.pause(wanted)
+        self._note()
+        self._health.publish()
+        return words
+
+    def _serve(self, wanted: bool | None, _: Trigger.Request, response: Any) -> Any:
+        response.success = not self._replay.over
+        response.message = self.pause(wanted) if response.success else 'the replay is over'
+        self.get_logger().info(response.message)
+        return response
 
     def _publish_marks(self) -> None:
         """Publish all marks before any heading: they work by stamp, and late ones would not."""
@@ -90,41 +114,30 @@ class Replayer(Node):
         return (not self._marks or self._marker.get_subscription_count() >= _MARK_READERS
                 or time.monotonic() > self._heard_s + _MARK_WAIT_S)
 
-    def _begin(self) -> None:
-        all_acknowledged([self._marker])
-        stop_ns = (2 ** 63 if self._own.duration_s is None
-                   else self._origin_ns + round(self._own.duration_s * 1e9))
-        self._messages = self._reader.messages(self._headings, self._origin_ns, stop_ns)
-        self._next = next(self._messages, None)
-        self._began_s = time.monotonic()
-
     def _tick(self) -> None:
-        if self.done or self.ended or (self._messages is None and not self._ready()):
+        if self.done or self.ended:
             return
-        if self._messages is None:
-            self._begin()
-        now_ns = math.inf
-        if self._own.rate > 0.0:
-            elapsed_s = (time.monotonic() - self._began_s) * self._own.rate
-            now_ns = self._shown_ns = self._origin_ns + round(elapsed_s * 1e9)
-        while self._next and self._next.log_time_ns <= now_ns and self._allowance.left():
-            self._headings[self._next.topic].publish(self._next.data)
+        if not self._begun and self._ready():
+            all_acknowledged([self._marker])
+            self._begun = True
+            self._replay.begin()
+        until_s = time.monotonic() + _TICK_S
+        while (self._begun and time.monotonic() < until_s and self._allowance.left()
+               and (message := self._replay.take()) is not None):
+            self._headings[message.topic].publish(message.data)
             self._allowance.spend(1)
             self.published += 1
-            if now_ns == math.inf:
-                self._shown_ns = self._next.log_time_ns
-            self._next = next(self._messages, None)
-        if self._clock_publisher:
-            self._clock_publisher.publish(clock_message(self._shown_ns))
-        if self._next is None:
+        if self._time:
+            self._time.publish(clock_message(self._replay.shown_ns))
+        if self._replay.over:
             all_acknowledged(self._headings.values())
-            self._messages = None
-            self.done = not self._own.loop
+            self.done = True
 
     def _note(self) -> None:
-        self._health.note('bag', WARN if self._reader.incomplete else OK,
-                          self._reader.incomplete or f'replaying {self._own.bag}',
-                          published=self.published)
+        words = '; '.join(filter(None, [self.state, self._reader.incomplete]))
+        self._health.note('bag', WARN if self._reader.incomplete else OK, words,
+                          path=self._reader.path, published=self.published,
+                          paused=self._replay.paused, position_s=self._replay.place_s)
 
     def end(self) -> None:
         """Stop."""

@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Keys of the terminal, one by one, without waiting."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+import os
+import select
+import sys
+import termios
+from typing import IO
+
+__all__ = ['Keyboard']
+
+_MODES, _CHARACTERS = 3, 6
+
+
+class Keyboard:
+    """
+    The keys that are pressed while entered; none where there is no terminal.
+
+    Keys come at once and are not shown; Ctrl-C and Ctrl-Z do what they always do. On leaving,
+    however that happens, the terminal is as it was.
+
+    Parameters
+    ----------
+    stream : file, optional
+        Where the keys come from; standard input by default.
+
+    Attributes
+    ----------
+    on : bool
+        There is a terminal.
+
+    """
+
+    def __init__(self, stream: IO[str] | None = None) -> None:
+        stream = sys.stdin if stream is None else stream
+        self.on = stream is not None and not stream.closed and stream.isatty()
+        self._fd = stream.fileno() if self.on else -1
+        self._before: list | None = None
+
+    def __enter__(self) -> 'Keyboard':
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._before is not None and self._ours():
+            with suppress(termios.error):  # It is gone.
+                termios.tcsetattr(self._fd, termios.TCSANOW, self._before)
+
+    def keys(self) -> str:
+        """Return the keys pressed since the last call."""
+        keys = b''
+        if self.on and self._ours():
+            try:
+                self._set_modes()
+                while select.select([self._fd], [], [], 0.0)[0]:
+                    piece = os.read(self._fd, 64)
+                    self.on = bool(piece)
+                    if not piece:
+                        break
+                    keys += piece
+            except (OSError, termios.error):
+                self.on = False
+        return keys.decode('ascii', 'ignore')
+
+    def _ours(self) -> bool:
+        """Tell whether it may be touched; a process in the background would be stopped for it."""
+        try:
+            return os.tcgetpgrp(self._fd) == os.getpgrp()
+        except OSError:  # It is not the terminal that controls this process.
+            return True
+
+    def _set_modes(self) -> None:
+        """Have keys at once; again after a shell, on Ctrl-Z, has set its own modes."""
+        modes = termios.tcgetattr(self._fd)
+        if modes[_MODES] & termios.ICANON:
+            self._before = self._before or termios.tcgetattr(self._fd)
+            modes[_MODES] &= ~(termios.ICANON | termios.ECHO)
+            modes[_CHARACTERS][termios.VMIN], modes[_CHARACTERS][termios.VTIME] = 1, 0
+            termios.tcsetattr(self._fd, termios.TCSANOW, modes)

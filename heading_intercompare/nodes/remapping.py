@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Under which names topics go out when they are remapped."""
+
+from __future__ import annotations
+
+from typing import Collection, Sequence
+
+from rclpy.node import Node
+
+from heading_intercompare.core.settings import SettingsError
+
+from .parameters import resolved
+
+__all__ = ['published_names']
+
+# Every node publishes them, in types of their own.
+_TAKEN = ('/diagnostics', '/parameter_events', '/rosout')
+
+
+def published_names(node: Node, topics: Sequence[str],
+                    remapped: Collection[str] = ()) -> list[str]:
+    """
+    Return the full names under which topics go out, after remapping.
+
+    Parameters
+    ----------
+    node : Node
+        Who publishes.
+    topics : sequence of str
+        Names before remapping.
+    remapped : collection of str
+        Topics that somebody wants to have another name.
+
+    Raises
+    ------
+    SettingsError
+        If a name is no topic name, if two topics would go out under one name, or if one that is
+        to have another name is none of the topics or comes twice.
+
+    """
+    names = [resolved(node, topic) for topic in topics]
+    taken = {name: name for name in _TAKEN}
+    for topic, name in zip(topics, names):
+        if name in taken:
+            raise SettingsError(f'topic {topic!r} would be published as {name}, which is already '
+                                f'the name of {taken[name]!r}')
+        taken[name] = topic
+    wanted = [node.resolve_topic_name(topic, only_expand=True) for topic in remapped]
+    known = [node.resolve_topic_name(topic, only_expand=True) for topic in topics]
+    for topic, name in zip(remapped, wanted):
+        if name not in known:
+            raise SettingsError(f'remap {topic!r}: is not replayed; replayed are '
+                                f'{", ".join(topics)}')
+        if wanted.count(name) > 1:
+            raise SettingsError(f'remap {topic!r}: is given {wanted.count(name)} times')
+    return names
