@@ -77,7 +77,7 @@ SECTIONS = (
     Section('compliance', (ComplianceNode, Taking), 'The node that judges.', {},
             {'report_dir': 'reports'}),
     Section('recorder', (RecorderNode, BagSettings, Taking), 'The recorder.', {},
-            {'output': 'trial_1'}),
+            {'output': 'trial_1', 'note': 'MV Example, trial 1', 'parameter_file': 'mine.yaml'}),
     Section('replayer', (ReplayerNode, Sending), 'The replayer of bags.', {},
             {'bag': 'trial_1', 'duration_s': 600.0}),
     Section('sensor_simulator', (SimulatorNode, Sending),

@@ -43,7 +43,8 @@ def nodes(context):
                   {'report_dir': report_dir} if report_dir else {},
                   on_exit=Shutdown(reason='the compliance node has ended'))]
     if record == 'true':
-        made.append(node('recorder', 'recorder', config, {'output': output} if output else {},
+        made.append(node('recorder', 'recorder', config,
+                         {'parameter_file': config, **({'output': output} if output else {})},
                          on_exit=Shutdown(reason='the recorder has ended')))
     return made
 

@@ -5,17 +5,20 @@
 from __future__ import annotations
 
 import argparse
+import time
 
 import numpy as np
 
 from heading_intercompare.bags.heading_messages import encode_imu
+from heading_intercompare.bags.provenance import Notes, origin, RECORD
 from heading_intercompare.bags.writer import BagWriter, Rows
 from heading_intercompare.cli.analyze import add_settings_arguments
 from heading_intercompare.cli.config import load_config, settings_for
+from heading_intercompare.cli.inputs import sha256
+from heading_intercompare.cli.note import add_note_argument, noted
 from heading_intercompare.cli.progress import Progress
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import from_mapping
-from heading_intercompare.core.version import VERSION
 from heading_intercompare.drivers.logs import LogReader
 from heading_intercompare.drivers.settings import DriverSettings, SENTENCES
 
@@ -38,14 +41,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='form of the stamps of the lines (default: recognised)')
     parser.add_argument('-o', '--output', metavar='BAG', required=True,
                         help='the rosbag2 directory to write')
+    add_note_argument(parser)
     add_settings_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Read both logs, write the bag, print what was taken and what was not."""
     settings = settings_for(load_config(arguments.config), arguments.set)
+    notes = noted(arguments)
     topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic}
-    read, counts = {}, {}
+    read, counts, sources = {}, {}, {}
     for role in topics:
         path = getattr(arguments, role)
         driver = from_mapping(DriverSettings, {
@@ -58,12 +63,15 @@ def run(arguments: argparse.Namespace) -> int:
                 chunks.append(chunk)
                 progress.show(f'{reader.position / reader.size:.0%}')
         read[role], counts[role] = Headings.concatenate(chunks), reader.counts
+        sources[role] = {
+            'path': path, 'sha256': sha256(path), 'bytes': reader.size,
+            'sentence': reader.sentence, 'time': arguments.time,
+            'stamp_format': arguments.stamp_format, 'headings': len(read[role]),
+            **{f'not_taken.{reason}': n for reason, n in reader.counts.items()}}
     if not any(len(h) for h in read.values()):
         raise ValueError(f'{arguments.ts}, {arguments.rs}: no heading in either log '
                          f'({_counts_text(counts["ts"])}; {_counts_text(counts["rs"])})')
-    _write(arguments.output, read, topics, settings.to_mapping(), {
-        role: {'path': getattr(arguments, role), 'time': arguments.time, **counts[role]}
-        for role in topics})
+    _write(arguments.output, read, topics, origin(settings.to_mapping(), sources), notes)
     for role in topics:
         print(f'{role.upper()} {getattr(arguments, role)}: {len(read[role])} headings on '
               f'{topics[role]}; not taken: {_counts_text(counts[role])}')
@@ -76,7 +84,7 @@ def _counts_text(counts: dict[str, int]) -> str:
 
 
 def _write(path: str, read: dict[str, Headings], topics: dict[str, str],
-           settings: dict[str, object], sources: dict[str, dict[str, object]]) -> None:
+           said: dict[str, object], notes: str) -> None:
     """Write both streams merged by stamp, each in the order of its log."""
     # A bag is ordered by log time: the largest stamp so far keeps a stream in its order even
     # where its stamps step back.
@@ -85,9 +93,8 @@ def _write(path: str, read: dict[str, Headings], topics: dict[str, str],
     with BagWriter(path) as bag:
         for topic in topics.values():
             bag.add_topic(topic, 'sensor_msgs/msg/Imu')
-        bag.metadata('heading_intercompare', {
-            'version': VERSION, **{f'settings.{k}': v for k, v in settings.items()},
-            **{f'source.{role}.{k}': v for role, s in sources.items() for k, v in s.items()}})
+        bag.metadata(RECORD, said)
+        Notes(bag.metadata).add(notes, time.time_ns())
         for begin, end in zip(edges[:-1], edges[1:]):
             batches = []
             for role, log in logs.items():

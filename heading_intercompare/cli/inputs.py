@@ -12,6 +12,7 @@ from typing import Any, Callable, Iterator, Sequence
 
 from heading_intercompare.bags.cdr import decode
 from heading_intercompare.bags.pairs_csv import read_pairs_csv
+from heading_intercompare.bags.provenance import notes_in
 from heading_intercompare.bags.reader import BagReader
 from heading_intercompare.core.analysis import aligned
 from heading_intercompare.core.intercomparison import Compliance, Intercomparison
@@ -21,15 +22,15 @@ from heading_intercompare.core.pairing import rising
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 
-__all__ = ['analyze_input', 'describe', 'read_run_table', 'RunTable']
+__all__ = ['analyze_input', 'describe', 'read_run_table', 'RunTable', 'sha256']
 
 RunTable = Sequence[tuple[int, int, str]]
 MARKER_TOPIC = 'compliance/marker'
 
 
 def analyze_input(path: str, settings: Settings, table: RunTable | None,
-                  takers: Sequence[Callable[[Pairs], None]],
-                  progress: Callable[[str], None]) -> tuple[list[RunResult], list[str]]:
+                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
+                  *, name: str | None = None) -> tuple[list[RunResult], list[str]]:
     """
     Judge the runs of one input.
 
@@ -44,6 +45,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         Each is given the pairs, chunk by chunk.
     progress : callable
         Told what has been done.
+    name : str, optional
+        What results and notes call it, and the table of runs; `path` by default.
 
     Returns
     -------
@@ -59,18 +62,20 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         If it is not what it should be.
 
     """
+    name = path if name is None else name
     runs = None if table is None else [
         (start, stop) for start, stop, source in table
-        if source in ('', path, Path(path).name)]
+        if source in ('', name, Path(name).name)]
     if Path(path).suffix == '.csv':
-        return _analyze_csv(path, settings, runs, takers, progress), []
-    return _analyze_bag(path, settings, runs, takers, progress)
+        return _analyze_csv(path, name, settings, runs, takers, progress), []
+    return _analyze_bag(path, name, settings, runs, takers, progress)
 
 
-def _analyze_csv(path: str, settings: Settings, runs: Sequence[tuple[int, int]] | None,
+def _analyze_csv(path: str, name: str, settings: Settings,
+                 runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]],
                  progress: Callable[[str], None]) -> list[RunResult]:
-    compliance = Compliance(settings, source=path, table=runs)
+    compliance = Compliance(settings, source=name, table=runs)
     ledger = Ledger()
     n, newest_ns = 0, None
     for pairs in read_pairs_csv(path):
@@ -95,10 +100,11 @@ def _analyze_csv(path: str, settings: Settings, runs: Sequence[tuple[int, int]] 
     return compliance.results(ledger)
 
 
-def _analyze_bag(path: str, settings: Settings, runs: Sequence[tuple[int, int]] | None,
+def _analyze_bag(path: str, name: str, settings: Settings,
+                 runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]],
                  progress: Callable[[str], None]) -> tuple[list[RunResult], list[str]]:
-    comparison = Intercomparison(settings, source=path, table=runs)
+    comparison = Intercomparison(settings, source=name, table=runs)
     reader = BagReader(path)
     ts, rs = settings.ts_topic, settings.rs_topic
     conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
@@ -119,11 +125,11 @@ def _analyze_bag(path: str, settings: Settings, runs: Sequence[tuple[int, int]] 
     pairs = comparison.finish()
     for take in takers:
         take(pairs)
-    notes = [f'{path}: {why}' for why in (reader.incomplete, reader.recovered) if why]
+    notes = [f'{name}: {why}' for why in (reader.incomplete, reader.recovered) if why]
     results = comparison.results()
     if kept:
         results = aligned(*(Headings.concatenate(kept[topic]) for topic in (ts, rs)), results,
-                          settings, source=path)
+                          settings, source=name)
     return results, notes
 
 
@@ -139,18 +145,24 @@ def _marks(reader: BagReader) -> Iterator[tuple[str, int]]:
 
 
 def describe(path: str, settings: Settings) -> dict[str, Any]:
-    """Return the entry of an input in the verdict: path, SHA-256, topics."""
+    """Return the entry of an input in the verdict: path, SHA-256, topics, operator's notes."""
+    is_bag = Path(path).suffix != '.csv'
+    notes = notes_in(BagReader(path)) if is_bag else []
+    return {'path': path, 'sha256': sha256(path),
+            'ts_topic': settings.ts_topic if is_bag else None,
+            'rs_topic': settings.rs_topic if is_bag else None,
+            **({'notes': [note._asdict() for note in notes]} if notes else {})}
+
+
+def sha256(path: str) -> str:
+    """Return the SHA-256 of a file, or of the .mcap files of a folder in order of their names."""
     place = Path(path)
-    parts = sorted(place.glob('*.mcap')) if place.is_dir() else [place]
     digest = hashlib.sha256()
-    for part in parts:
+    for part in sorted(place.glob('*.mcap')) if place.is_dir() else [place]:
         with part.open('rb') as file:
             while block := file.read(1 << 20):
                 digest.update(block)
-    is_bag = place.suffix != '.csv'
-    return {'path': path, 'sha256': digest.hexdigest(),
-            'ts_topic': settings.ts_topic if is_bag else None,
-            'rs_topic': settings.rs_topic if is_bag else None}
+    return digest.hexdigest()
 
 
 def read_run_table(path: str) -> list[tuple[int, int, str]]:

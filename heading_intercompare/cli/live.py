@@ -13,6 +13,7 @@ from heading_intercompare.cli.analyze import (
     conclude,
 )
 from heading_intercompare.cli.config import load_config, settings_for
+from heading_intercompare.cli.note import add_note_argument, noted
 from heading_intercompare.cli.progress import Progress
 from heading_intercompare.core.criteria import Limits
 from heading_intercompare.core.settings import SettingsError
@@ -27,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_settings_arguments(parser)
     parser.add_argument('-o', '--output', metavar='BAG',
                         help='the bag to record (default: heading_<UTC> here)')
+    add_note_argument(parser)
     add_verdict_arguments(parser)
 
 
@@ -45,7 +47,10 @@ def run(arguments: argparse.Namespace) -> int:
                                 'source: udp://239.192.0.3:60003')
     drivers['ts_driver'].setdefault('topic', settings.ts_topic)
     drivers['rs_driver'].setdefault('topic', settings.rs_topic)
-    output = (arguments.output or config.sections.get('recorder', {}).get('output')
+    recorder = {**config.sections.get('recorder', {}), 'parameter_file': arguments.config}
+    if notes := noted(arguments):
+        recorder['note'] = notes
+    output = (arguments.output or recorder.get('output')
               or f'heading_{datetime.now(timezone.utc):%Y%m%dT%H%M%SZ}')
 
     from heading_intercompare.nodes.graph import intercompare, Source
@@ -56,6 +61,6 @@ def run(arguments: argparse.Namespace) -> int:
             [Source(NmeaDriver, name, driver) for name, driver in drivers.items()],
             {k: v for k, v in settings.to_mapping().items() if v is not None},
             output=output, report_dir=config.sections.get('compliance', {}).get('report_dir'),
-            own=config.sections,
+            own={**config.sections, 'recorder': recorder},
             progress=lambda n: progress.show(f'{n:,} pairs'))
     return conclude(report, arguments)

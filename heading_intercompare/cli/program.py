@@ -28,6 +28,8 @@ COMMANDS = {
     'simulate': ('simulate', 'a trial of simulated sensors to a bag, at full speed',
                  'simulate --scenario sea_trial_12h -o trial_bag'),
     'record': ('record', 'topics to a bag', 'record -o trial_bag'),
+    'note': ('note', 'a note of the operator into the bag that is being recorded',
+             "note 'course change to 270'"),
     'report': ('report', 'the protocol of recorded runs, with plots',
                'report trial_bag -o protocol.html --config heading_intercompare.yaml'),
     'norms': ('norms', 'list the norm presets with their sources', 'norms'),

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 
+from heading_intercompare.cli.note import add_note_argument, noted
 from heading_intercompare.cli.ros import program_node
 
 __all__ = ['add_arguments', 'run']
@@ -16,8 +17,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('-o', '--output', metavar='BAG', help='the rosbag2 directory to write '
                         '(default: heading_<UTC> here)')
     parser.add_argument('--config', metavar='F', help='ROS parameter file with the settings')
+    add_note_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Record until Ctrl-C."""
-    return program_node('recorder', 'Recorder', arguments.config, output=arguments.output)
+    return program_node('recorder', 'Recorder', arguments.config, output=arguments.output,
+                        note=noted(arguments) or None, parameter_file=arguments.config)

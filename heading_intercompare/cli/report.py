@@ -18,9 +18,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('-o', '--output', dest='report', metavar='F.html', required=True,
                         help='the protocol')
     analyze.add_settings_arguments(parser)
-    parser.set_defaults(ts=None, rs=None, runs=None, csv=None, json=None, check=False)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Judge the input as `analyze` does, and write the protocol."""
-    return analyze.run(arguments)
+    parser = argparse.ArgumentParser()
+    analyze.add_arguments(parser)
+    others = parser.parse_args([*arguments.inputs])
+    return analyze.run(argparse.Namespace(**{**vars(others), **vars(arguments)}))

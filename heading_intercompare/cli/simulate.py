@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 from collections import Counter
 import json
+import time
 from typing import Iterator, Sequence
 
 import numpy as np
@@ -19,19 +20,17 @@ from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation
 from heading_intercompare.bags.bag_yaml import Qos
 from heading_intercompare.bags.cdr import encode
 from heading_intercompare.bags.heading_messages import encode_imu, IMU
+from heading_intercompare.bags.provenance import Notes, origin, RECORD, TRUTH_TOPIC
 from heading_intercompare.bags.writer import BagWriter, Rows
 from heading_intercompare.cli.analyze import add_settings_arguments
 from heading_intercompare.cli.config import load_config, settings_for
+from heading_intercompare.cli.note import add_note_argument, noted
 from heading_intercompare.cli.progress import Progress
 from heading_intercompare.cli.scenarios import read_scenario, ScenarioFile
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import SettingsError
-from heading_intercompare.core.version import VERSION
 
-__all__ = ['add_arguments', 'run', 'TRUTH']
-
-TRUTH = 'truth/heading'
-"""Topic of the true heading, which only a simulator knows."""
+__all__ = ['add_arguments', 'run']
 
 DIAGNOSTICS = '/diagnostics'
 DIAGNOSTIC_ARRAY = 'diagnostic_msgs/msg/DiagnosticArray'
@@ -47,6 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='the rosbag2 directory to write')
     parser.add_argument('--seed', metavar='N', type=int,
                         help='seed of the random numbers (default: that of the scenario)')
+    add_note_argument(parser)
     add_settings_arguments(parser)
 
 
@@ -55,13 +55,13 @@ def run(arguments: argparse.Namespace) -> int:
     settings = settings_for(load_config(arguments.config), arguments.set)
     source = read_scenario(arguments.scenario, arguments.seed)
     scenario = source.scenario
-    topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic, 'truth': TRUTH}
+    topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic, 'truth': TRUTH_TOPIC}
     if len({topic.lstrip('/') for topic in topics.values()}) < len(topics):
         raise SettingsError(f'ts_topic = {settings.ts_topic!r}, rs_topic = '
-                            f'{settings.rs_topic!r}: must differ, also from {TRUTH!r}')
+                            f'{settings.rs_topic!r}: must differ, also from {TRUTH_TOPIC!r}')
     counts: Counter[str] = Counter()
     with Progress(arguments.output, arguments.quiet) as progress, _begun(
-            arguments.output, source, topics, settings.to_mapping()) as bag:
+            arguments.output, source, topics, settings.to_mapping(), noted(arguments)) as bag:
         simulation = Simulation(scenario)
         for chunk in simulation.chunks():
             _write(bag, chunk, topics, scenario, simulation.start_ns, counts)
@@ -72,21 +72,21 @@ def run(arguments: argparse.Namespace) -> int:
     for role in ('ts', 'rs'):
         print(f'{role.upper()} {counts[role]} headings on {topics[role]}, of them '
               f'{counts[f"{role}.invalid"]} called invalid')
-    print(f'true heading {counts["truth"]} times on {TRUTH}; {counts["statuses"]} statuses of '
-          f'gimballed sensors on {DIAGNOSTICS}')
+    print(f'true heading {counts["truth"]} times on {TRUTH_TOPIC}; {counts["statuses"]} statuses '
+          f'of gimballed sensors on {DIAGNOSTICS}')
     print(f'bag: {arguments.output}')
     return 0
 
 
 def _begun(path: str, source: ScenarioFile, topics: dict[str, str],
-           settings: dict[str, object]) -> BagWriter:
+           settings: dict[str, object], notes: str) -> BagWriter:
     """Return a bag with its topics, and with all that the trial can be made again from."""
     bag = BagWriter(path)
     for topic in topics.values():
         bag.add_topic(topic, IMU)
     bag.add_topic(DIAGNOSTICS, DIAGNOSTIC_ARRAY, Qos(depth=10))
-    bag.metadata('heading_intercompare', {
-        'version': VERSION, **{f'settings.{name}': value for name, value in settings.items()}})
+    bag.metadata(RECORD, origin(settings))
+    Notes(bag.metadata).add(notes, time.time_ns())
     bag.metadata('scenario', {
         'file': source.name, **source.scenario.to_mapping()})
     bag.attachment(source.name, 'application/yaml', source.data)

@@ -66,6 +66,12 @@ class LogReader:
         """Everything that gave no heading so far, by reason; `NmeaDecoder.counts`."""
         return self._decoder.counts
 
+    @property
+    def sentence(self) -> str | None:
+        """Talker and kind of what is taken ('HEHDT'); None before it is known, and of a csv."""
+        name = getattr(self._decoder, 'chosen', None)
+        return None if name is None else str(name)
+
     def __iter__(self) -> Iterator[Headings]:
         """Yield the chunks, in the order of the log."""
         with open(self._path, 'rb') as file:

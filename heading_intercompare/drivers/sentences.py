@@ -31,6 +31,10 @@ class Name(NamedTuple):
     kind: str
     talker: str
 
+    def __str__(self) -> str:
+        """Return what the sentence begins with: talker, then kind."""
+        return f'{self.talker}{self.kind}'
+
 
 _TALKED = ('THS', 'HDT', 'HDG')
 _PROPRIETARY = {b'PSXN,23,': Name('PSXN,23', ''), b'PUHAW,UVH,': Name('PUHAW,UVH', '')}

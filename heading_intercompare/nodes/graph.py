@@ -119,6 +119,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
             nodes.append(make(context=context, cli_args=['--ros-args', '-r', f'__node:={name}'],
                               parameter_overrides=overrides({**settings, **parameters})))
             executor.add_node(nodes[-1])
+        if output is not None:
+            nodes[1].state_sources({source.name: source.settings for source in sources})
         compliance, *others = nodes[:-len(sources)]
         running = nodes[-len(sources):]
         _in_step(running)

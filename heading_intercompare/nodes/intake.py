@@ -41,6 +41,8 @@ class Intake:
         Take bytes instead of messages.
     sole : bool
         More than one publisher is an error.
+    needed : bool
+        To have no publisher is a warning.
 
     Attributes
     ----------
@@ -65,9 +67,10 @@ class Intake:
 
     def __init__(self, node: Node, topic: str, types: Mapping[str, type], qos: QoSProfile,
                  health: Health, *, stale_s: float | None = None, raw: bool = False,
-                 sole: bool = True) -> None:
+                 sole: bool = True, needed: bool = True) -> None:
         self._node, self._topic, self._types, self._qos = node, topic, types, qos
         self._health, self._stale_s, self._raw, self._sole = health, stale_s, raw, sole
+        self._needed = needed
         self.full_name = resolved(node, topic)
         self._subscription: Subscription | None = None
         self._group = Unwatched()
@@ -131,7 +134,7 @@ class Intake:
         wrong, age_s = self.look(), now_s - self._newest_s
         level, words = (ERROR, wrong) if wrong else (OK, 'receiving')
         if not wrong and not self.publishers:
-            level, words = WARN, f'no publisher on {self._topic}'
+            level, words = WARN if self._needed else OK, f'no publisher on {self._topic}'
         elif not wrong and self._stale_s is not None and age_s > self._stale_s:
             level, words = WARN, f'silent for more than {self._stale_s:g} s'
         elif not wrong and self.lost:

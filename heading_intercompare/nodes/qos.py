@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-__all__ = ['CLOCK', 'HEADINGS_IN', 'HEADINGS_OUT', 'LEDGER', 'MARKER', 'PAIRS', 'REPORT',
+__all__ = ['CLOCK', 'HEADINGS_IN', 'HEADINGS_OUT', 'LEDGER', 'MARKER', 'NOTE', 'PAIRS', 'REPORT',
            'STATUS', 'VERDICT']
 
 
@@ -22,6 +22,8 @@ PAIRS = QoSProfile(depth=1000)
 LEDGER = QoSProfile(depth=10)
 STATUS = QoSProfile(depth=10)
 MARKER = _kept(100)
+# Every reliable publisher will do, `ros2 topic pub` among them.
+NOTE = QoSProfile(depth=10)
 VERDICT = _kept(10)
 REPORT = _kept(10)
 # As rosbag2 publishes it; a reliable subscription would get nothing.

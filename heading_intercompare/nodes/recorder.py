@@ -5,42 +5,28 @@
 from __future__ import annotations
 
 from datetime import datetime, timezone
+from pathlib import Path
 import time
-from typing import Any, Sequence
+from typing import Any, Mapping, Sequence
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.serialization import deserialize_message
-from std_msgs.msg import String
 
-from heading_intercompare.bags.bag_yaml import Qos
+from heading_intercompare.bags.provenance import NOTE_TOPIC, Notes, origin, RECORD, REPORT_TOPIC
 from heading_intercompare.bags.recording import Recording
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.core.version import VERSION
 
-from . import qos
 from .health import Health
-from .intake import Intake
-from .messages import HEADING_TYPES, PAIRS_TYPES
 from .parameters import declare, OVERRIDES
 from .process import run
+from .recorded import intakes, report_files, text_of
 from .settings import RecorderNode, Taking
-from .status_messages import ERROR, OK, run_table, WARN
+from .status_messages import ERROR, OK, WARN
 from .timing import every
 
 __all__ = ['main', 'Recorder']
 
-_STATUS = {'diagnostic_msgs/msg/DiagnosticArray': DiagnosticArray}
-_REPORT = 'compliance/report'
 _QUIET_S = 0.3
-
-
-def _offered(profile: QoSProfile) -> Qos:
-    """Return what a player of the bag is to offer."""
-    kept = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
-    return Qos(depth=profile.depth, durability='transient_local' if kept else 'volatile')
 
 
 class Recorder(Node):
@@ -55,23 +41,17 @@ class Recorder(Node):
         self.ended = False
         self._health = Health(self)
         self.path = self._own.output or f'heading_{datetime.now(timezone.utc):%Y%m%dT%H%M%SZ}'
+        file = self._own.parameter_file
+        copy = None if file is None else Path(file).read_bytes()
+        self._topics = intakes(self, self._settings, self._health)
         self._bag = Recording(self.path, bag_settings)
-        self._bag.metadata('heading_intercompare', {
-            'version': VERSION, **{f'settings.{name}': value for name, value
-                                   in self._settings.to_mapping().items()}})
-        self._intakes = {}
-        for topic, types, taken, offered in (
-                (self._settings.ts_topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT),
-                (self._settings.rs_topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT),
-                ('pairs', PAIRS_TYPES, qos.PAIRS, qos.PAIRS),
-                ('pairs/ledger', _STATUS, qos.LEDGER, qos.LEDGER),
-                ('compliance/marker', _STATUS, qos.MARKER, qos.MARKER),
-                ('compliance/verdict', _STATUS, qos.VERDICT, qos.VERDICT),
-                (_REPORT, {'std_msgs/msg/String': String}, qos.REPORT, qos.REPORT)):
-            self._intakes[topic] = _offered(offered), Intake(
-                self, topic, types, taken, self._health, raw=True, sole=False)
+        self.state_sources({})
+        if copy is not None:
+            self._bag.attachment(Path(file).name, 'application/yaml', copy)
+        self._notes = Notes(self._bag.metadata)
+        self._notes.add(self._own.note or '', time.time_ns())
         self._state = ''
-        self._report: bytes | None = None
+        self._report = ''
         self._quiet_s = self._end_s = 0.0
         self._ending = False
         self._health.before_beat(self._note)
@@ -82,15 +62,23 @@ class Recorder(Node):
         """Number of messages that were handed to the bag."""
         return self._bag.written
 
+    def state_sources(self, sources: Mapping[str, Mapping[str, Any]]) -> None:
+        """Write where the headings come from: settings by the name of their node."""
+        self._bag.metadata(RECORD, origin(self._settings.to_mapping(), sources))
+
     def _drain(self) -> None:
         if self.ended:
             return
         rows = []
-        for topic, (offered, intake) in self._intakes.items():
+        for topic, (offered, intake, _) in self._topics.items():
             taken = intake.take()
             if taken:
                 self._bag.add_topic(intake.full_name, intake.type_name, offered)
-                self._report = taken[-1][0] if topic == _REPORT else self._report
+                if topic == REPORT_TOPIC:
+                    self._report = text_of(taken[-1][0])
+            for data, info in taken if topic == NOTE_TOPIC else ():
+                for note in self._notes.add(text_of(data), info['received_timestamp']):
+                    self.get_logger().info(f'note: {note.text}')
             rows += [(info['received_timestamp'], intake.full_name, data, info)
                      for data, info in taken]
         rows.sort(key=lambda row: row[0])
@@ -120,14 +108,13 @@ class Recorder(Node):
 
     def _close_if_quiet(self) -> None:
         now_s = time.monotonic()
-        if any(self.count_publishers(i.full_name) for _, i in self._intakes.values()):
+        if any(self.count_publishers(intake.full_name)
+               for _, intake, expected in self._topics.values() if expected):
             self._quiet_s = now_s + _QUIET_S
         if now_s < min(self._quiet_s, self._end_s):
             return
-        if self._report is not None:
-            report = deserialize_message(self._report, String).data
-            self._bag.attachment('report.json', 'application/json', report.encode())
-            self._bag.attachment('runs.csv', 'text/csv', run_table(report).encode())
+        for file in report_files(self._report) if self._report else ():
+            self._bag.attachment(*file)
         self._bag.metadata('recording', self._losses())
         self._bag.close()
         self._note()
@@ -136,10 +123,12 @@ class Recorder(Node):
     def _losses(self) -> dict[str, int]:
         """Return what was received and what was lost, by topic and where."""
         bag, found = self._bag, {'faults': self._bag.faults, 'absent': self._bag.absent}
-        for _, intake in self._intakes.values():
+        for _, intake, expected in self._topics.values():
             name = intake.full_name
-            found |= {f'received.{name}': intake.received, f'lost_on_the_way.{name}': intake.lost,
-                      f'not_written.{name}': bag.lost.get(name, 0)}
+            if expected or intake.received:
+                found |= {f'received.{name}': intake.received,
+                          f'lost_on_the_way.{name}': intake.lost,
+                          f'not_written.{name}': bag.lost.get(name, 0)}
         return found
 
 

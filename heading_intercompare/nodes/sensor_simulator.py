@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The node `sensor_simulator`: headings of a simulated TS and RS."""
+"""The node `sensor_simulator`: headings of a simulated TS and RS, and the true heading."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from heading_intercompare.ahrs.modes import AhrsStatus
 from heading_intercompare.ahrs.plans import EVENTS
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation, Trial
+from heading_intercompare.bags.provenance import TRUTH_TOPIC
 from heading_intercompare.core.settings import Settings
 
 from . import qos
@@ -40,7 +41,7 @@ _LEVELS = {'ok': OK, 'warn': WARN, 'error': ERROR}
 
 
 class SensorSimulator(Node):
-    """Publish a simulated trial, begun once both topics are heard; its end ends the node."""
+    """Publish a trial, its truth first, once both sensors are heard; its end ends the node."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('sensor_simulator', **OVERRIDES, **kwargs)
@@ -48,7 +49,7 @@ class SensorSimulator(Node):
             self, Settings, Scenario, Sending, SimulatorNode)
         self.done = self.ended = False
         self._health = Health(self)
-        topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic}
+        topics = {'truth': TRUTH_TOPIC, 'ts': settings.ts_topic, 'rs': settings.rs_topic}
         for topic in topics.values():
             resolved(self, topic)
         self._frames = {role: topic.strip('/').replace('/', '_') for role, topic in topics.items()}
@@ -56,7 +57,7 @@ class SensorSimulator(Node):
             role: self.create_publisher(Imu, topic, qos.HEADINGS_OUT,
                                         event_callbacks=self._health.of_publisher(topic))
             for role, topic in topics.items()}
-        self._audience = Audience(self, [*self._publishers_of.values()], sending.subscribers,
+        self._audience = Audience(self, [*self._publishers_of.values()][1:], sending.subscribers,
                                   self._health)
         self._allowance = Allowance(sending.max_rate_hz)
         self._trial: Trial | None = None
@@ -95,7 +96,9 @@ class SensorSimulator(Node):
             self.done = True
 
     def _publish(self, chunk: SimulatedChunk) -> None:
-        """Publish the readings of both sensors, each stream in its order, and their state."""
+        """Publish the truth, the readings of both sensors in their order, and their state."""
+        for message in heading_messages(chunk.truth, self._frames['truth']):
+            self._publishers_of['truth'].publish(message)
         for role, readings, statuses in (('ts', chunk.ts_readings, chunk.ts_statuses),
                                          ('rs', chunk.rs_readings, chunk.rs_statuses)):
             messages = heading_messages(readings.headings, self._frames[role],

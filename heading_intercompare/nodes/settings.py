@@ -87,6 +87,12 @@ class RecorderNode(Checked):
 
     output: str | None = setting(
         None, 'bag to write, a folder that does not exist; none: heading_<UTC> here')
+    note: str | None = setting(
+        None, "operator's notes kept in the bag, one a line; one that begins with a time such as "
+        '2026-03-01T09:00:00Z is of that time')
+    parameter_file: str | None = setting(
+        None, 'file of which a copy is kept in the bag; the commands record and live, and the '
+        'launch file, give the parameter file')
     end_wait_s: float = setting(
         6.0, 'at the end: how long the last verdict is waited for while nodes go on [s]', 0.0, 8.0)
 
@@ -102,3 +108,5 @@ class ReplayerNode(Checked):
     duration_s: float | None = setting(None, 'length of the part replayed [s]; none: all', 0.0)
     loop: bool = setting(False, 'begin again at the end')
     clock: bool = setting(False, 'publish the time of the recording on /clock')
+    start_paused: bool = setting(
+        False, 'stand at the start until ~/resume or ~/toggle_paused is called')

@@ -101,8 +101,7 @@ def render(verdict: Mapped, sketches: Sequence[SeriesSketch] = ()) -> str:
     findings = _findings(verdict)
     parts += [('Figures', _figures(verdict, sketches)),
               *([('Further findings', findings)] if findings else []),
-              ('Events, exclusions and reasons', facts(
-                  [('events during the trial', ''), ('data left out, and why', '')])),
+              ('Events, exclusions and reasons', _events(verdict)),
               ('Settings', _settings(verdict['settings'])), ('Signatures', _signatures())]
     numbered = joined(element('section', element('h2', f'{k}. {title}'), body)
                       for k, (title, body) in enumerate(parts, 1))
@@ -246,6 +245,14 @@ def _figures(verdict: Mapped, sketches: Sequence[SeriesSketch]) -> Markup:
         parts += [_paragraph(said), *drawn] if drawn else [
             _paragraph(f'{source}No difference to draw.')]
     return joined(parts) or _paragraph('None: the protocol was made from the verdict alone.')
+
+
+def _events(verdict: Mapped) -> Markup:
+    """Return the operator's notes, and room for what they do not say."""
+    notes = [[f'{utc(note["stamp_ns"])} UTC', note['text'], given['path']]
+             for given in verdict['inputs'] for note in given.get('notes', ())]
+    room = facts([('events during the trial', ''), ('data left out, and why', '')])
+    return joined([table(['time', "operator's note", 'input'], notes), room] if notes else [room])
 
 
 def _settings(settings: Mapped) -> Markup:

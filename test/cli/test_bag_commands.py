@@ -1,10 +1,19 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The commands `info` and `recover`."""
+"""The commands `info`, `recover` and `replay`."""
 
 from __future__ import annotations
 
+import fcntl
 import json
+import os
+import pty
+import re
+import select
+import subprocess
+import sys
+import termios
+import time
 
 import numpy as np
 import pytest
@@ -12,6 +21,7 @@ import pytest
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.bags.cdr import encode
 from heading_intercompare.bags.heading_messages import encode_imu
+from heading_intercompare.bags.provenance import Notes
 from heading_intercompare.bags.reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.bags.writer import BagWriter, Rows
@@ -62,6 +72,97 @@ def test_info_says_what_a_bag_holds(bag, capsys):
     assert ['ts.path:', 'gyro.log'] in rows and ['operator_note:', 'calm', 'sea'] in rows
     assert '\nVERDICT: ' in text and 'run 1' in text
     assert ['run,start,stop'] in rows and ['1,2,3'] in rows
+
+
+def test_info_shows_notes_sources_and_losses(tmp_path, capsys):
+    with BagWriter(tmp_path / 'bag') as writer:
+        Notes(writer.metadata).add('calm sea\n2014-05-13T16:54:00Z course change', T0 + 7 * S)
+        writer.metadata('recording', {
+            'faults': 1, 'received./ts/heading': 12, 'lost_on_the_way./ts/heading': 3,
+            'not_written./ts/heading': 0, 'received./rs/heading': 0})
+        writer.metadata('scenario', {'seed': 7, 'legs': '0 45 12\n180 90 12\n', 'fixed': '',
+                                     'errors': None})
+    text = printed(capsys, 'info', tmp_path / 'bag')
+    assert ("\noperator's notes:\n  2014-05-13 16:53:27.000 UTC  calm sea\n"
+            '  2014-05-13 16:54:00.000 UTC  course change\n') in text
+    assert ('\nscenario:\n  seed: 7\n  legs:\n    0 45 12\n    180 90 12\n') in text + '\n'
+    rows = [line.split() for line in text.splitlines()]
+    assert ['faults:', '1'] in rows and ['/ts/heading', '12', '3', '0'] in rows
+    assert ['/rs/heading', '0', '-', '-'] in rows
+    assert 'fixed' not in text and 'errors' not in text and 'note.1' not in text
+
+
+def test_info_check_reads_all_of_it(bag, capsys):
+    text = printed(capsys, 'info', '--check', bag)
+    rows = [line.split() for line in text.splitlines()]
+    assert ['topic', 'type', 'messages', 'rate', '[1/s]', 'missing'] in rows
+    assert ['/ts/heading', 'sensor_msgs/msg/Imu', '1200', '10.00', '-'] in rows
+    assert 'check: 2,401 messages in ' in text and text.endswith('  every checksum is right\n')
+    assert 'check:' not in printed(capsys, 'info', bag)
+
+
+def test_info_check_shows_gaps_in_the_numbers(tmp_path, capsys):
+    with BagWriter(tmp_path / 'bag') as writer:
+        for topic, numbers in (('/a', [1, 2, 5]), ('/b', [4, 5, 1])):
+            writer.add_topic(topic, 'std_msgs/msg/String')
+            for number in numbers:
+                writer.write(topic, encode('std_msgs/msg/String', {'data': 'x'}), T0 + number,
+                             None, number)
+    rows = [line.split('  ') for line in printed(
+        capsys, 'info', '--check', tmp_path / 'bag').splitlines()]
+    missing = {row[0]: row[-1] for row in rows}
+    assert (missing['/a'], missing['/b']) == ('2', '0 (numbers begin again: 1)')
+
+
+def test_info_check_of_a_damaged_bag_ends_with_2_and_says_where(bag, capsys):
+    file = bag / 'trial_0.mcap'
+    content = bytearray(file.read_bytes())
+    content[len(content) // 4] ^= 0x10
+    file.write_bytes(content)
+    assert main(['info', '--check', str(bag)]) == 2
+    out, err = capsys.readouterr()
+    assert '/ts/heading' in out and '  wrong: trial_0.mcap: chunk damaged: ' in out
+    assert 'checksum is right' not in out and '`recover` writes what is sound' in out
+    assert err.count('\n') == 1 and f'{bag}: trial_0.mcap: chunk damaged' in err
+    printed(capsys, 'info', bag)
+
+
+def test_info_check_of_a_cut_bag_ends_with_2(bag, capsys):
+    file = bag / 'trial_0.mcap'
+    file.write_bytes(file.read_bytes()[:-3000])
+    assert main(['info', '--check', str(bag)]) == 2
+    assert 'trial_0.mcap was not closed' in capsys.readouterr().err
+
+
+def test_info_extracts_what_is_attached_and_overwrites_nothing(bag, tmp_path, capsys):
+    folder = tmp_path / 'some' / 'where'
+    text = printed(capsys, 'info', bag, '--extract', folder)
+    assert f'written: {folder / "runs.csv"}\n' in text
+    assert (folder / 'runs.csv').read_bytes() == b'run,start,stop\n1,2,3\n'
+    assert json.loads((folder / 'report.json').read_text())['schema']
+    assert main(['info', str(bag), '--extract', str(folder)]) == 2
+    assert 'report.json: File exists' in capsys.readouterr().err
+
+
+def test_what_is_attached_stays_in_the_folder_it_is_extracted_to(tmp_path, capsys):
+    with BagWriter(tmp_path / 'bag') as writer:
+        writer.attachment('../../up.txt', 'text/plain', b'up')
+        writer.attachment('..', 'text/plain', b'dots')
+        writer.attachment('/', 'text/plain', b'root')
+    printed(capsys, 'info', tmp_path / 'bag', '--extract', tmp_path / 'to')
+    assert {f.name: f.read_bytes() for f in (tmp_path / 'to').iterdir()} == {
+        'up.txt': b'up', 'attachment_2': b'dots', 'attachment_3': b'root'}
+
+
+def test_info_shows_the_last_report_where_none_came_to_be_attached(bag, tmp_path, capsys):
+    report = next(a.data for a in BagReader(bag).attachments() if a.name == 'report.json')
+    with BagWriter(tmp_path / 'killed') as writer:
+        writer.add_topic('/compliance/report', 'std_msgs/msg/String')
+        for i, text in enumerate(['{}', report.decode()]):
+            writer.write('/compliance/report', encode('std_msgs/msg/String', {'data': text}),
+                         T0 + i * S)
+    text = printed(capsys, 'info', tmp_path / 'killed')
+    assert 'last report on compliance/report, 2014-05-13 16:53:21.000 UTC\nVERDICT: ' in text
 
 
 def test_info_of_an_unfinished_bag_says_so(bag, capsys):
@@ -120,3 +221,136 @@ def test_recover_of_what_is_not_readable_is_one_line(tmp_path, capsys, content):
 def test_recover_of_what_is_not_there_is_one_line(tmp_path, capsys):
     assert main(['recover', str(tmp_path / 'nowhere'), '-o', str(tmp_path / 'new')]) == 2
     assert 'nowhere: No such file' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('rules, words', [
+    (['ts/heading'], "'ts/heading' must be OLD:=NEW, two names of topics"),
+    (['ts/heading:='], "'ts/heading:=' must be OLD:=NEW"),
+    ([':=gyro'], "':=gyro' must be OLD:=NEW"),
+    (['ts/heading:=1st'], "'ts/heading:=1st' must be OLD:=NEW"),
+    (['ts/heading:=a:=b'], "'ts/heading:=a:=b' must be OLD:=NEW"),
+    (['ts heading:=gyro'], "'ts heading:=gyro' must be OLD:=NEW"),
+    (['ts/heading:=gyro//x'], "'ts/heading:=gyro//x' must be OLD:=NEW"),
+    (['ts/heading:=a', 'ts/heading:=b'], 'ts/heading is already remapped to a')])
+def test_a_malformed_remapping_is_one_line(rules, words, capsys):
+    assert main(['replay', 'bag', '--remap', *rules]) == 2
+    out, err = capsys.readouterr()
+    assert out == '' and err.count('\n') == 1 and words in err
+
+
+def test_rules_in_front_of_the_bag_are_not_taken_for_it(capsys):
+    assert main(['replay', '--remap', 'ts/heading:=gyro', 'trial']) == 2
+    assert "'trial' must be OLD:=NEW" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('options, words', [
+    (['--remap', 'pairs:=x'], "remap 'pairs': is not replayed; replayed are ts/heading, "
+     'rs/heading, compliance/marker'),
+    (['-m', 'ts/heading:=x', '--remap', 'rs/heading:=x'], "topic 'rs/heading' would be published "
+     "as /x, which is already the name of 'ts/heading'"),
+    (['-m', '/ts/heading:=/x', 'ts/heading:=y'], "remap '/ts/heading': is given 2 times"),
+    (['--start', '-1'], 'start_s = -1.0: must be a number of at least 0'),
+    (['--start', '120'], 'start_s = 120.0: '), (['--start', 'nan'], 'start_s = nan: '),
+    (['--duration', '-0.5'], 'duration_s = -0.5: must be a number of at least 0 or none'),
+    (['--rate', '-2'], 'rate = -2.0: must be a number of at least 0')])
+def test_a_replay_that_cannot_be_is_one_line(options, words, bag, capfd):
+    pytest.importorskip('rclpy')
+    assert main(['replay', str(bag), *options]) == 2
+    out, err = capfd.readouterr()
+    assert out == '' and err.count('\n') == 1
+    assert err.startswith('heading-intercompare: error: ') and words in err
+
+
+def test_a_replay_of_a_part_without_headings_says_so_and_ends(bag, capfd):
+    pytest.importorskip('rclpy')
+    assert main(['replay', str(bag), '--start', '7.01', '--duration', '0.05']) == 0
+    out, err = capfd.readouterr()
+    assert out == '' and err.count('\n') == 1
+    assert f'nothing to replay: {bag} from 7.01 s to before 7.06 s has no heading' in err
+
+
+class Person:
+    """Somebody at a terminal, in which a command runs."""
+
+    def __init__(self, *arguments, **environment):
+        self.side, program = pty.openpty()
+        self.program = program
+        self.before = termios.tcgetattr(program)
+        self.seen = ''
+        self.process = subprocess.Popen(
+            [sys.executable, '-m', 'heading_intercompare', *arguments], stdin=program,
+            stdout=program, stderr=program, start_new_session=True,
+            env={**os.environ, **environment},
+            preexec_fn=lambda: fcntl.ioctl(program, termios.TIOCSCTTY, 0))
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        os.close(self.side)
+        os.close(self.program)
+
+    def read(self):
+        """Take in what is on the screen."""
+        if select.select([self.side], [], [], 0.05)[0]:
+            self.seen += os.read(self.side, 65536).decode()
+
+    def presses(self, keys):
+        """Press keys; what was seen before is forgotten."""
+        self.seen = ''
+        os.write(self.side, keys)
+
+    def sees(self, words):
+        """Wait for a text, a pattern."""
+        deadline_s = time.monotonic() + 20.0
+        while not (found := re.search(words, self.seen)):
+            assert time.monotonic() < deadline_s, self.seen
+            self.read()
+        return found
+
+    def ends(self):
+        """Wait for the end; return the exit code."""
+        deadline_s = time.monotonic() + 20.0
+        while self.process.poll() is None:
+            assert time.monotonic() < deadline_s, self.seen
+            self.read()
+        while select.select([self.side], [], [], 0.0)[0]:
+            self.read()
+        return self.process.returncode
+
+
+@pytest.fixture
+def alone(tmp_path):
+    """Return the options of a replay that waits for nobody."""
+    pytest.importorskip('rclpy')
+    file = tmp_path / 'alone.yaml'
+    file.write_text('replayer: {ros__parameters: {subscribers: 0}}\n')
+    return ['--config', str(file)]
+
+
+def test_the_space_bar_pauses_and_ctrl_c_leaves_the_terminal_as_it_was(bag, alone):
+    with Person('replay', str(bag), *alone, '--start-paused') as person:
+        person.sees(r'trial: paused at 0\.000 s of 119\.900 s; space: pause, resume')
+        person.presses(b' ')
+        person.sees(r'replaying at [0-9.]+ s of 119\.900 s')
+        person.presses(b'x ')
+        place = person.sees(r'paused at ([0-9.]+) s')[1]
+        assert 0.0 < float(place) < 119.9
+        person.presses(b'  ')
+        person.sees(f'paused at {place} s')
+        assert termios.tcgetattr(person.program) != person.before
+        assert 'replaying' not in person.seen
+        person.presses(b'\x03')
+        assert person.ends() == 0
+        assert 'Traceback' not in person.seen and '\n' not in person.seen.replace('^C', '')
+        assert termios.tcgetattr(person.program) == person.before
+
+
+def test_at_its_end_and_after_an_error_the_terminal_is_as_it_was(bag, alone):
+    for options, code in ((['--rate', '0'], 0), (['--remap', 'x:=y'], 2)):
+        with Person('replay', str(bag), *alone, *options) as person:
+            assert person.ends() == code
+            assert termios.tcgetattr(person.program) == person.before

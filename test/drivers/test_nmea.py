@@ -75,6 +75,7 @@ def test_learning_holds_what_it_hears_and_loses_nothing():
     assert len(decoder.feed(b'', 12 * S - 1)) == 0
     headings = decoder.feed(sentence('HETHS,12.5,A'), 12 * S)
     assert decoder.chosen == ('THS', 'HE')
+    assert str(decoder.chosen) == 'HETHS'
     assert headings == Headings.of([10 * S, 11 * S, 12 * S], [10.5, 11.5, 12.5])
     assert decoder.counts == {'not_heading': 1, 'other_sentence.HDT': 2}
     assert len(decoder.feed(sentence('HEHDT,13.0,T'), 13 * S)) == 0

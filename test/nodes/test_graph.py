@@ -10,10 +10,14 @@ import os
 
 import pytest
 
+from heading_intercompare.ahrs.settings import Scenario
+from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.bags.reader import BagReader
 from heading_intercompare.core.intercomparison import Intercomparison
+from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.nodes.graph import intercompare, Source
+from heading_intercompare.nodes.messages import heading_messages, headings_from
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.replayer import Replayer
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
@@ -86,6 +90,20 @@ def test_the_bag_holds_all_that_was_published_and_the_report(trial):
     assert reader.incomplete is None
     attached = {a.name: a.data for a in reader.attachments()}
     assert json.loads(attached['report.json']) == live
+
+
+def test_the_bag_of_a_simulation_holds_its_settings_and_the_whole_truth(trial):
+    reader = BagReader(trial[1])
+    said = reader.metadata()['heading_intercompare']
+    assert said['source.sensor_simulator.seed'] == '5'
+    assert said['source.sensor_simulator.legs'] == '0 350 12; 40 20 12'
+    simulation = Simulation(Scenario.from_mapping(
+        {name: value for name, value in TRIAL.items() if name not in ('stamps', 'speed')}))
+    truth = Headings.concatenate([chunk.truth for chunk in simulation.chunks()])
+    found = Headings.concatenate([chunk['truth/heading'] for chunk in reader.headings(
+        {'truth/heading': 'enu'})])
+    assert len(found) > 1000
+    assert found == headings_from(heading_messages(truth, ''), 'enu')
 
 
 def log(path, n, first_s, heading_deg):

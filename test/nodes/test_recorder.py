@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import time
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import QuaternionStamped
@@ -15,6 +16,7 @@ from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.provenance import notes_in
 from heading_intercompare.bags.reader import BagReader
 from heading_intercompare.bags.writer import BagWriter
 from heading_intercompare.core.records import Headings
@@ -22,7 +24,7 @@ from heading_intercompare.core.version import VERSION
 from heading_intercompare.nodes import qos
 from heading_intercompare.nodes.messages import heading_messages, headings_from
 from heading_intercompare.nodes.recorder import Recorder
-from heading_intercompare.nodes.status_messages import ERROR, marker_message
+from heading_intercompare.nodes.status_messages import ERROR, marker_message, OK, WARN
 
 REPORT = json.dumps({'runs': [{'start_ns': 5, 'end_ns': 9}]})
 
@@ -90,6 +92,94 @@ def test_what_comes_of_the_comparison_is_written_too(ros, tmp_path):
         '/compliance/report': 1}
     attached = {a.name: a.data.decode() for a in bag.attachments()}
     assert attached == {'report.json': REPORT, 'runs.csv': 'start,stop\n5,10\n'}
+
+
+def test_a_report_that_is_none_does_not_keep_the_bag_from_being_closed(ros, tmp_path):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    report = ros.plain.create_publisher(String, 'compliance/report', qos.REPORT)
+    report.publish(String(data='none'))
+    ros.spin_until(lambda: node.written == 1)
+    bag = finish(ros, node, report)
+    assert bag.incomplete is None
+    assert {a.name: a.data for a in bag.attachments()} == {'report.json': b'none'}
+
+
+def test_notes_given_at_the_start_and_while_recording_are_in_the_bag(ros, tmp_path):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'),
+                    note='MV Example\n2014-08-01T00:05:00Z left port')
+    before_ns = time.time_ns()
+    notes = ros.plain.create_publisher(String, 'operator/note', qos.NOTE)
+    ros.spin_until(lambda: notes.get_subscription_count() == 1)
+    notes.publish(String(data='course change'))
+    ros.spin_until(lambda: node.written == 1)
+    # Its publisher goes on, and is not waited for.
+    began_s = time.monotonic()
+    bag = finish(ros, node)
+    assert time.monotonic() - began_s < 3.0
+    early, ship, turn = notes_in(bag)
+    assert early == (1406851500 * 10 ** 9, 'left port')
+    assert ship.text == 'MV Example' and ship.stamp_ns < before_ns
+    message, = bag.messages(['operator/note'])
+    assert turn == (message.log_time_ns, 'course change') and turn.stamp_ns >= before_ns
+
+
+def test_a_note_that_is_no_text_is_recorded_and_does_no_harm(ros, tmp_path):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    notes = ros.plain.create_publisher(String, 'operator/note', qos.NOTE)
+    ros.spin_until(lambda: notes.get_subscription_count() == 1)
+    data = serialize_message(String(data='wind XX'))
+    notes.publish(data.replace(b'XX', b'\xff\xfe'))
+    ros.spin_until(lambda: node.written == 1)
+    note, = notes_in(finish(ros, node, notes))
+    assert note.text == 'wind \ufffd\ufffd'
+
+
+def test_the_true_heading_is_recorded_and_nothing_is_wrong_without_it(ros, tmp_path):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    ros.spin_until(lambda: any('operator/note' in s.name for m in states for s in m.status))
+    levels = {s.name.partition(': ')[2]: s.level for m in states for s in m.status}
+    assert levels['operator/note'] == levels['truth/heading'] == OK
+    assert levels['ts/heading'] == WARN
+    truth = sensor_of(ros, 'truth/heading')
+    truth.publish(some_headings(1)[0])
+    ros.spin_until(lambda: node.written == 1)
+    bag = finish(ros, node, truth)
+    assert bag.topics['/truth/heading'].count == 1
+    losses = bag.metadata()['recording']
+    assert losses['received./truth/heading'] == '1'
+    assert 'received./operator/note' not in losses
+
+
+def test_a_sensor_on_the_topic_of_the_truth_is_recorded_once(ros, tmp_path):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'), rs_topic='/truth/heading')
+    sensor = sensor_of(ros, 'truth/heading')
+    sensor.publish(some_headings(1)[0])
+    ros.spin_until(lambda: node.written == 1)
+    assert finish(ros, node, sensor).topics['/truth/heading'].count == 1
+
+
+def test_a_copy_of_the_parameter_file_is_kept(ros, tmp_path):
+    (tmp_path / 'mine.yaml').write_text('# MV Example, gyro 4711\n')
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'),
+                    parameter_file=str(tmp_path / 'mine.yaml'))
+    kept, = finish(ros, node).attachments()
+    assert (kept.name, kept.data) == ('mine.yaml', b'# MV Example, gyro 4711\n')
+
+
+def test_a_parameter_file_that_is_not_there_is_a_mistake_and_leaves_no_bag(ros, tmp_path):
+    with pytest.raises(FileNotFoundError, match='nowhere.yaml'):
+        ros.ours(Recorder, output=str(tmp_path / 'bag'),
+                 parameter_file=str(tmp_path / 'nowhere.yaml'))
+    assert not (tmp_path / 'bag').exists()
+
+
+def test_sources_are_stated_in_the_bag(ros, tmp_path):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    node.state_sources({'ts_driver': {'source': 'udp://:10110', 'talker': None}})
+    stated = finish(ros, node).metadata()['heading_intercompare']
+    assert stated['source.ts_driver.source'] == 'udp://:10110'
+    assert stated['version'] == VERSION and 'source.ts_driver.talker' not in stated
 
 
 def test_settings_and_version_are_in_the_bag(ros, tmp_path):

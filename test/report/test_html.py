@@ -146,6 +146,17 @@ def test_an_input_that_could_not_be_read_is_named_with_its_fault(made):
     assert 'Not read: b.mcap: empty &lt;file&gt;' in html.render(verdict)
 
 
+def test_the_operators_notes_are_among_the_events(made):
+    verdict, _ = made(1)
+    verdict['inputs'] = [{'path': 'b.mcap', 'sha256': '1', 'ts_topic': 'a', 'rs_topic': 'b',
+                          'notes': [{'stamp_ns': 1406851500 * 10 ** 9, 'text': 'turn <hard>'}]}]
+    page = html.render(verdict)
+    events = page[page.index('Events, exclusions'):]
+    assert '2014-08-01 00:05:00.000 UTC' in events and 'turn &lt;hard&gt;' in events
+    assert 'events during the trial' in events
+    assert "operator's note" not in html.render(made(1)[0]).replace('&#x27;', "'")
+
+
 def test_the_graphs_are_xml_with_title_units_and_limits(made):
     verdict, sketches = made(1)
     figures = re.findall(r'<figure>(.*?)</figure>', html.render(verdict, sketches), re.DOTALL)

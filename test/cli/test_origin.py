@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the commands write into a bag of its origin: version, norms, sources, seed, notes."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+
+import pytest
+
+from heading_intercompare.bags.provenance import notes_in
+from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.cli import main
+from heading_intercompare.core.version import VERSION
+
+S = 1_000_000_000
+NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1']
+NOTES = ['--note', 'MV Example', '--note', '2014-08-01T00:00:02Z course change']
+
+
+def assert_noted(bag, before_ns):
+    """Both notes are there: one of its own time, one of the time at which the bag was made."""
+    event, ship = notes_in(BagReader(bag))
+    assert event == (1406851202 * S, 'course change')
+    assert ship.text == 'MV Example' and before_ns <= ship.stamp_ns <= time.time_ns()
+
+
+@pytest.fixture
+def logs(tmp_path):
+    """Return two logs of five sentences, one of them without a heading."""
+    paths = []
+    for name, talker in (('ts.log', 'HE'), ('rs.log', 'IN')):
+        lines = []
+        for i in range(5):
+            body = f'{talker}HDT,{100 + i}.0,T' if i != 3 else f'{talker}HDT,,T'
+            checksum = 0
+            for character in body.encode():
+                checksum ^= character
+            lines.append(f'2014-08-01T00:00:0{i}.000000Z ${body}*{checksum:02X}\n')
+        paths.append(tmp_path / name)
+        paths[-1].write_text(''.join(lines))
+    return paths
+
+
+def test_an_import_names_its_logs_with_their_sha256_and_what_was_not_taken(logs, tmp_path, capsys):
+    before_ns = time.time_ns()
+    assert main(['import-nmea', '--ts', str(logs[0]), '--rs', str(logs[1]), '-o',
+                 str(tmp_path / 'bag'), *NORMS, *NOTES]) == 0
+    said = BagReader(tmp_path / 'bag').metadata()['heading_intercompare']
+    assert said['version'] == VERSION and said['settings.norms.sigma_max_deg'] == '0.3'
+    for role, log, sentence in zip(('ts', 'rs'), logs, ('HEHDT', 'INHDT')):
+        mine = {key: said[f'source.{role}.{key}'] for key in (
+            'path', 'sha256', 'bytes', 'sentence', 'time', 'stamp_format', 'headings')}
+        assert mine == {
+            'path': str(log), 'sha256': hashlib.sha256(log.read_bytes()).hexdigest(),
+            'bytes': str(log.stat().st_size), 'sentence': sentence, 'time': 'receipt',
+            'stamp_format': 'auto', 'headings': '4'}
+    assert [key for key in said if key.startswith('source.ts.not_taken.')] != []
+    assert_noted(tmp_path / 'bag', before_ns)
+    capsys.readouterr()
+    assert main(['info', str(tmp_path / 'bag')]) == 0
+    text = capsys.readouterr().out
+    assert '  ts.sentence: HEHDT\n' in text and 'UTC  course change\n' in text
+
+
+def test_a_simulation_names_scenario_and_seed_and_holds_the_truth(tmp_path, capsys):
+    (tmp_path / 'trial.yaml').write_text('duration_s: 20\nseed: 4\nlegs: 0 350 12; 9 20 12\n')
+    before_ns = time.time_ns()
+    assert main(['simulate', '--scenario', str(tmp_path / 'trial.yaml'), '-o',
+                 str(tmp_path / 'bag'), '--seed', '5', *NORMS, *NOTES]) == 0
+    reader = BagReader(tmp_path / 'bag')
+    said = reader.metadata()
+    assert said['heading_intercompare']['version'] == VERSION
+    assert said['heading_intercompare']['settings.norms.sigma_ref_max_deg'] == '0.1'
+    assert (said['scenario']['file'], said['scenario']['seed']) == ('trial.yaml', '5')
+    assert reader.attachments()[0].name == 'trial.yaml'
+    assert reader.topics['/truth/heading'].count == reader.topics['/ts/heading'].count > 0
+    assert_noted(tmp_path / 'bag', before_ns)
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize('command', [
+    ['import-nmea', '--ts', 'x', '--rs', 'y', '-o', 'z'], ['record'],
+    ['simulate', '--scenario', 'demo', '-o', 'z'], ['note']])
+def test_an_empty_note_is_refused_before_anything_is_done(command, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main([*command, *([] if command == ['note'] else ['--note']), ' ']) == 2
+    err = capsys.readouterr().err
+    assert 'must not be empty' in err and err.count('\n') == 1
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What `analyze` and `report` write beside the verdict: ensembles, pairs, the protocol."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+from heading_intercompare import Headings
+from heading_intercompare.bags.heading_messages import encode_imu
+from heading_intercompare.bags.provenance import Notes
+from heading_intercompare.bags.writer import BagWriter, Rows
+from heading_intercompare.cli import main
+
+S = 1_000_000_000
+T0 = 1_406_851_200 * S
+NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1']
+
+
+@pytest.fixture(scope='module')
+def bag(tmp_path_factory):
+    """Return a bag of 10 minutes at 10 Hz with 2 minutes of silence; TS 0.1° sd, 0.2° off."""
+    path = tmp_path_factory.mktemp('bag') / 'trial'
+    rng = np.random.default_rng(2)
+    stamps = T0 + np.arange(6000) * (S // 10)
+    stamps[4000:] += 120 * S
+    heading = np.mod(355.0 + 0.005 * np.arange(6000), 360.0)
+    with BagWriter(path) as writer:
+        Notes(writer.metadata).add('2014-08-01T00:03:00Z course <change>', T0)
+        for topic, error, offset in (('ts/heading', 0.1, 0.2), ('rs/heading', 0.0, 0.0)):
+            writer.add_topic(topic, 'sensor_msgs/msg/Imu')
+            readings = Headings.of(stamps, heading + offset + error * rng.standard_normal(6000))
+            writer.write_rows([Rows(topic, encode_imu(readings, 'x'), stamps)])
+    return path
+
+
+def rows(path):
+    """Return the rows of a csv, of numbers."""
+    with open(path, newline='') as file:
+        return [{name: float(text) for name, text in row.items()} for row in csv.DictReader(file)]
+
+
+def refused(capsys, *arguments):
+    """Return the one line that a wrong command line gives."""
+    assert main([str(a) for a in arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == '' and err.count('\n') == 1
+    return err
+
+
+def test_ensembles_are_written_and_are_those_of_the_pairs(bag, tmp_path, capsys):
+    """400 s, 120 s of silence, 200 s: 4 and 2 ensembles of 120 s."""
+    ensembles, pairs, again = (tmp_path / name for name in ('e.csv', 'p.csv', 'again.csv'))
+    assert main(['analyze', str(bag), *NORMS, '--ensembles', str(ensembles), '--csv',
+                 str(pairs)]) == 0
+    found, pairs_found = rows(ensembles), rows(pairs)
+    assert [row['num'] for row in found] == [1200, 1200, 1200, 400, 1200, 800]
+    at = 0
+    for row in found:
+        mine = pairs_found[at:at + int(row['num'])]
+        at += len(mine)
+        x = [pair['difference_deg'] for pair in mine]
+        assert row['mean_dh'] == pytest.approx(np.mean(x), abs=6e-5)
+        assert row['std_dh'] == pytest.approx(np.std(x, ddof=1), abs=6e-5)
+        assert row['last_hdg'] == pytest.approx(mine[-1]['ts_deg'], abs=6e-5)
+        day = (mine[-1]['stamp_ns'] - T0) / (86400 * S) + 212
+        assert row['dday'] == pytest.approx(day, abs=2e-7)
+        assert row['badflag'] == 0
+    assert found[0]['mean_hdg'] == pytest.approx(358.2, abs=0.02)
+    assert main(['analyze', str(pairs), *NORMS, '--ensembles', str(again)]) == 0
+    assert again.read_text() == ensembles.read_text()
+    capsys.readouterr()
+
+
+def test_the_length_of_an_ensemble_can_be_set_and_the_norms_set_the_flag(bag, tmp_path, capsys):
+    """√(0.05² + 0.05²) = 0.07, less than the standard deviation of 0.1."""
+    path = tmp_path / 'e.csv'
+    assert main(['analyze', str(bag), '--ensembles', str(path), '--ensemble-s', '300', '--set',
+                 'norms.sigma_max_deg=0.05', '--set', 'norms.sigma_ref_max_deg=0.05']) == 0
+    assert [(row['num'], row['badflag']) for row in rows(path)] == [
+        (3000, 1), (1000, 1), (2000, 1)]
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize('arguments, words', [
+    (['{bag}', '{bag}', '--ensembles', '{to}'], 'takes the pairs of one INPUT, 2 are given'),
+    (['{bag}', '--ensembles', '{to}', '--ensemble-s', '0'], 'must be from 1 to 86400'),
+    (['{bag}', '--ensembles', '{to}', '--ensemble-s', 'nan'], 'must be from 1 to 86400'),
+    (['{bag}', '--ensembles', '{to}', '--ensemble-s', 'long'], "invalid float value: 'long'"),
+    (['{bag}', '--ensembles', 'nowhere/x.csv'], 'nowhere/x.csv: No such file'),
+    (['{bag}', '--ensembles', '{to}', '--csv', '{to}'], 'that is the file of --csv'),
+    (['{bag}', '--json', '{to}', '--report', '{to}.html', '--ensembles', '{to}.html'],
+     'that is the file of --ensembles')])
+def test_a_mistake_about_the_files_is_one_line(bag, tmp_path, capsys, arguments, words):
+    given = [a.format(bag=bag, to=tmp_path / 'e.csv') for a in arguments]
+    assert words in refused(capsys, 'analyze', *given, *NORMS)
+
+
+@pytest.mark.parametrize('option', ['--csv', '--ensembles', '--json'])
+def test_an_input_is_never_overwritten(bag, tmp_path, capsys, option):
+    path = tmp_path / 'pairs.csv'
+    path.write_text('stamp_ns,ts_deg,rs_deg\n1,2,3\n')
+    assert 'that is an INPUT' in refused(capsys, 'analyze', path, *NORMS, option, path)
+    assert path.read_text() == 'stamp_ns,ts_deg,rs_deg\n1,2,3\n'
+
+
+def test_report_writes_the_protocol_with_the_notes(bag, tmp_path, capsys):
+    path = tmp_path / 'protocol.html'
+    assert main(['report', str(bag), '-o', str(path), *NORMS]) == 0
+    assert capsys.readouterr().out.startswith('VERDICT: ')
+    page = path.read_text()
+    assert '2014-08-01 00:03:00.000 UTC' in page and 'course &lt;change&gt;' in page
+
+
+def test_the_json_holds_the_notes_and_a_sha256_that_anybody_can_check(bag, tmp_path, capsys):
+    for number in (10, 2):
+        (bag / f'trial_{number}.mcap').write_bytes((bag / 'trial_0.mcap').read_bytes())
+    try:
+        assert main(['analyze', str(bag), *NORMS, '--json', '-']) == 0
+        entry, = json.loads(capsys.readouterr().out)['inputs']
+        done = subprocess.run(['sh', '-c', 'export LC_ALL=C; cat "$0"/*.mcap | sha256sum', bag],
+                              capture_output=True, text=True, check=True)
+    finally:
+        for number in (10, 2):
+            (bag / f'trial_{number}.mcap').unlink()
+    assert entry['sha256'] == done.stdout.split()[0]
+    assert entry['notes'] == [{'stamp_ns': T0 + 180 * S, 'text': 'course <change>'}]
+    assert main(['analyze', str(bag), *NORMS, '--csv', str(tmp_path / 'p.csv')]) == 0
+    capsys.readouterr()
+    assert main(['analyze', str(tmp_path / 'p.csv'), *NORMS, '--json', '-']) == 0
+    assert 'notes' not in json.loads(capsys.readouterr().out)['inputs'][0]
