@@ -131,6 +131,7 @@ class Pairer:
         self._max_gap_ns = round(rule.max_gap_s * 1e9)
         self._tolerance_ns = round(rule.tolerance_s * 1e9)
         self._max_wait_s = rule.max_wait_s
+        self._max_wait_ns = round(rule.max_wait_s * 1e9)
         self._run_gap_ns = round(settings.runs.gap_s * 1e9)
         self._ts = _Stream('ts', round(settings.alignment.skew_s * 1e9), self.ledger)
         self._rs = _Stream('rs', 0, self.ledger)
@@ -148,7 +149,9 @@ class Pairer:
             New readings, in the order in which they came; n >= 0 of each.
         now_s : float, optional
             A steady clock, seconds. With it a reading waits for its partner for
-            `pairing.max_wait_s` and is then counted as unpaired or unused. Without it, none does.
+            `pairing.max_wait_s`, by this clock and by the stamps of what comes meanwhile, and is
+            then counted as unpaired or unused. While nothing comes, as in a replay that is
+            paused, it waits on. Without a clock, none is given up.
 
         Returns
         -------
@@ -237,14 +240,17 @@ class Pairer:
         return pairs
 
     def _expire(self, before_s: float) -> None:
-        """Give up the readings that came before a time of the steady clock."""
-        late = int(np.count_nonzero(self._ts.came_s < before_s))
+        """Give up readings that came before a time of the steady clock, and are old by stamp."""
+        before_ns = max(self._ts.last_ns, self._rs.last_ns) - self._max_wait_ns
+        late = int(np.count_nonzero((self._ts.came_s < before_s)
+                                    & (self._ts.stamp_ns <= before_ns)))
         if late:
             stamps, _ = self._ts.release(late)
             self._last_settled_ns = int(stamps[-1])
             self.ledger.add('ts_unpaired', stamps)
         rs = self._rs
-        late = np.flatnonzero((rs.came_s < before_s) & (rs.stamp_ns > self._ts.last_ns))
+        late = np.flatnonzero((rs.came_s < before_s) & (rs.stamp_ns > self._ts.last_ns)
+                              & (rs.stamp_ns <= before_ns))
         if late.size:
             # All up to the last one go: a bracket must never reach over a dropped reading.
             self._release_rs(int(late[-1]) + 1)

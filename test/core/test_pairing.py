@@ -191,10 +191,30 @@ def test_live_a_reading_waits_no_longer_than_allowed():
     pairer = Pairer(rules(max_wait_s=5.0))
     pairer.update(ts=headings((2 * S, 1.0)), rs=headings((S, 1.0)), now_s=100.0)
     assert pairer.ledger.total.counts['ts_pending'] == 1
+    pairer.update(ts=headings((7 * S, 1.0)), now_s=104.9)
+    assert pairer.ledger.total.counts['ts_pending'] == 2
     pairer.update(now_s=105.1)
     assert pairer.ledger.total.counts['ts_unpaired'] == 1
     assert len(pairer.update(rs=headings((3 * S, 1.0)), now_s=105.2)) == 0
     assert pairer.ledger.balance() == {'ts': 0, 'rs': 0}
+
+
+@pytest.mark.parametrize('chunk', [1, 3])
+@pytest.mark.parametrize('pause_s', [0.0, 0.3, 30.0])
+def test_a_pause_of_both_sensors_costs_no_pair(chunk, pause_s):
+    ts = headings(*((k * S // 10, 1.0) for k in range(10, 300)))
+    rs = headings(*((k * S, 2.0) for k in range(1, 30)))
+    whole, _ = pair(ts, rs, rules(max_wait_s=5.0))
+    pairer, found, now_s = Pairer(rules(max_wait_s=5.0)), [], 0.0
+    for lo in range(0, 290, 10 * chunk):
+        # A paused replay, or one so slow that the RS is silent for longer than the wait.
+        now_s += pause_s
+        found.append(pairer.update(ts=ts[lo:lo + 10 * chunk], now_s=now_s))
+        now_s += pause_s
+        found.append(pairer.update(rs=rs[lo // 10:lo // 10 + chunk], now_s=now_s))
+    found.append(pairer.flush())
+    assert Pairs.concatenate(found) == whole
+    assert len(whole) == 281
 
 
 def test_live_no_bracket_reaches_over_a_dropped_reading():
