@@ -4,7 +4,8 @@
 Compare two sensors again from a bag: replayer, synchronizer, compliance.
 
     ros2 launch heading_intercompare replay.launch.py bag:=BAG config:=FILE
-        [rate:=20.0] [start:=0.0] [clock:=true] [report_dir:=DIR]
+        [rate:=20.0] [start:=0.0] [duration:=60.0] [start_paused:=true] [clock:=true]
+        [report_dir:=DIR]
 
 All end when the bag does.
 """
@@ -24,11 +25,12 @@ def node(name, config, own, reason):
 
 def nodes(context):
     """Return the nodes; in whatever order they start, no heading is lost."""
-    bag, config, rate, start, clock, report_dir = (
-        LaunchConfiguration(name).perform(context)
-        for name in ('bag', 'config', 'rate', 'start', 'clock', 'report_dir'))
+    bag, config, rate, start, duration, start_paused, clock, report_dir = (
+        LaunchConfiguration(name).perform(context) for name in (
+            'bag', 'config', 'rate', 'start', 'duration', 'start_paused', 'clock', 'report_dir'))
     replayed = {'bag': bag, 'rate': float(rate), 'start_s': float(start),
-                'clock': clock == 'true', 'subscribers': 1}
+                'start_paused': start_paused == 'true', 'clock': clock == 'true',
+                'subscribers': 1, **({'duration_s': float(duration)} if duration else {})}
     return [node('replayer', config, replayed, 'the bag has been replayed'),
             node('synchronizer', config, {'subscribers': 1}, 'the synchronizer has ended'),
             node('compliance', config, {'report_dir': report_dir} if report_dir else {},
@@ -44,6 +46,10 @@ def generate_launch_description():
                               'recording; 0.0: as fast as possible'),
         DeclareLaunchArgument('start', default_value='0.0',
                               description='seconds left out at the start'),
+        DeclareLaunchArgument('duration', default_value='',
+                              description='seconds to replay; empty: to the end'),
+        DeclareLaunchArgument('start_paused', default_value='false', choices=['true', 'false'],
+                              description='wait for the service /replayer/resume'),
         DeclareLaunchArgument('clock', default_value='false', choices=['true', 'false'],
                               description='publish /clock'),
         DeclareLaunchArgument('report_dir', default_value='', description='folder for the '

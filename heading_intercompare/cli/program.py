@@ -37,7 +37,8 @@ COMMANDS = {
              'info trial_bag'),
     'recover': ('recover', 'everything readable of a cut or damaged bag to a new one',
                 'recover trial_bag -o recovered_bag'),
-    'replay': ('replay', 'a bag to topics', 'replay trial_bag --rate 20'),
+    'replay': ('replay', 'a bag to topics, under their names or others',
+               'replay trial_bag --rate 20 --remap ts/heading:=gyro/heading'),
 }
 
 

@@ -36,12 +36,12 @@ class Progress:
         self.clear()
 
     def show(self, text: str) -> None:
-        """Write the state, at most ten times a second."""
+        """Write the state, at most ten times a second; who writes next, writes over it."""
         if not self._on or time.monotonic() < self._next:
             return
         self._next = time.monotonic() + 0.1
         line = f'{self._label}: {text}'[:100]
-        sys.stderr.write('\r' + line.ljust(self._width))
+        sys.stderr.write(line.ljust(self._width) + '\r')
         sys.stderr.flush()
         self._width = len(line)
 

@@ -79,6 +79,14 @@ def test_all_end_when_the_bag_does(config):
     assert all(isinstance(node.on_exit, Shutdown) for node in made.values())
 
 
+def test_a_part_of_a_bag_is_replayed_when_it_is_asked_for(config):
+    whole = own(by_name(FILES[1], config=config, bag='b')['replayer'])
+    assert 'duration_s' not in whole and whole['start_paused'] is False
+    part = own(by_name(FILES[1], config=config, bag='b', start='2', duration='7.5',
+                       start_paused='true')['replayer'])
+    assert (part['start_s'], part['duration_s'], part['start_paused']) == (2.0, 7.5, True)
+
+
 @pytest.mark.parametrize('name', FILES)
 def test_every_argument_is_described(name):
     declared = [a for a in description(name) if isinstance(a, Argument)]
