@@ -43,6 +43,7 @@ setup(
         'ros': ['ros-jazzy-rclpy', 'ros-jazzy-common-interfaces', 'ros-jazzy-rmw-fastrtps-cpp'],
         'serial': ['pyserial>=3.5'],
         'fast': ['isal>=1.5'],
+        'dask': ['distributed>=2024.2', 'threadpoolctl>=3'],
         'test': ['pytest>=7.4', 'hypothesis>=6', 'rosbags', 'mcap-ros2-support', 'pybag-sdk'],
         'dev': ['ruff', 'colcon-common-extensions'],
     },

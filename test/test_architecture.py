@@ -37,7 +37,8 @@ ALLOWED = {
     'bags': Allowed({'core'}, {'numpy', 'mcap', 'lz4', 'zstandard', 'isal'}),
     'report': Allowed({'core'}, {'numpy'}),
     'nodes': Allowed({'core', 'drivers', 'ahrs', 'bags', 'report'}, {'rclpy'} | MESSAGES),
-    'cli': Allowed({'core', 'drivers', 'ahrs', 'bags', 'report', 'nodes'}, {'numpy', 'yaml'}),
+    'cli': Allowed({'core', 'drivers', 'ahrs', 'bags', 'report', 'nodes'},
+                   {'numpy', 'yaml', 'distributed', 'threadpoolctl'}),
     '__main__': Allowed({'cli'}, set()),
 }
 

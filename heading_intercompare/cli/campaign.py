@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Many inputs judged at once, one process a core; a bad one does not stop the others."""
+"""Many inputs judged at once, here or on a cluster; a bad one does not stop the others."""
 
 from __future__ import annotations
 
 from argparse import ArgumentTypeError
-from concurrent.futures import as_completed, Future, ProcessPoolExecutor
+from concurrent.futures import as_completed, Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,18 +14,16 @@ from multiprocessing import get_context
 import os
 from pathlib import Path
 import signal
-from typing import Any, Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, Callable, ContextManager, Iterable, Iterator, Mapping, Protocol, Sequence
 
-from heading_intercompare.bags.errors import BagError
-from heading_intercompare.cli.inputs import analyze_input, describe, RunTable
+from heading_intercompare.cli.inputs import RunTable
+from heading_intercompare.cli.job import Job, Judged
 from heading_intercompare.cli.progress import Progress
-from heading_intercompare.core.judge import RunResult
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.report import SeriesSketch
 
-__all__ = ['capped', 'cores', 'judge_inputs', 'Judged', 'positive']
+__all__ = ['capped', 'cores', 'judge_inputs', 'positive', 'Workers']
 
 #: Together smaller inputs are judged here: to start processes would take longer.
 _WORTH_BYTES = 100_000_000
@@ -36,73 +34,39 @@ _ONE_THREAD = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
 _DIED = 'the process that judged it died (out of memory?)'
 
 
-@dataclass(frozen=True, slots=True)
-class Judged:
-    """
-    What came of one input.
+class Workers(Protocol):
+    """Who judges several inputs at once: processes of this machine, or a cluster."""
 
-    Attributes
-    ----------
-    path : str
-        As it was given.
-    results : list of RunResult
-        Its runs.
-    notes : list of str
-        What the user should know of it.
-    description : dict
-        Its entry in the verdict; with `error` if it could not be read.
-    sketch : SeriesSketch or None
-        For the graphs of a report, if asked for.
+    def open(self) -> ContextManager[Executor]:
+        """Have them ready; at the end of the context nobody works any more."""
 
-    """
+    def task(self, job: Job, path: str) -> Callable[[], Judged]:
+        """Return what one of them has to do with an input."""
 
-    path: str
-    results: list[RunResult]
-    notes: list[str]
-    description: dict[str, Any]
-    sketch: SeriesSketch | None
+    def completed(self, futures: Iterable[Future]) -> Iterator[Future]:
+        """Yield what has been submitted, each when it is done."""
 
-    @property
-    def error(self) -> str | None:
-        """Why it could not be read."""
-        return self.description.get('error')
+    def result(self, job: Job, path: str, future: Future) -> Judged:
+        """Return what came of an input, after the context; also if the worker died of it."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Job:
-    """What is the same for all inputs; goes to the other processes."""
+class _Processes:
+    """So many processes of this machine."""
 
-    settings: Settings
-    table: RunTable | None
-    sketched: bool
+    jobs: int
 
-    def judge(self, path: str, takers: Iterable[Callable[[Pairs], None]] = (),
-              progress: Callable[[str], None] = lambda text: None) -> Judged:
-        """Judge one input; OSError and BagError if it cannot be read."""
-        takers = list(takers)
-        sketch = SeriesSketch(path) if self.sketched else None
-        if sketch is not None:
-            takers.append(partial(sketch.update, settings=self.settings))
-        results, notes = analyze_input(path, self.settings, self.table, takers, progress)
-        return Judged(path, results, notes, describe(path, self.settings), sketch)
+    def open(self) -> ContextManager[Executor]:
+        return _pool(self.jobs)
 
-    def survive(self, path: str) -> Judged:
-        """Judge one input among others; one that cannot be read says why."""
-        try:
-            return self.judge(path)
-        except OSError as error:
-            return self.unread(path, error.strerror or str(error))
-        except BagError as error:
-            return self.unread(path, str(error).removeprefix(f'{path}: '))
+    def task(self, job: Job, path: str) -> Callable[[], Judged]:
+        return partial(job.survive, path)
 
-    def unread(self, path: str, why: str) -> Judged:
-        """Return what there is to say of an input that could not be read."""
-        why = ' '.join(why.split())
-        bag = Path(path).suffix != '.csv'
-        return Judged(path, [], [f'{path}: not judged: {why}'],
-                      {'path': path, 'sha256': None,
-                       'ts_topic': self.settings.ts_topic if bag else None,
-                       'rs_topic': self.settings.rs_topic if bag else None, 'error': why}, None)
+    def completed(self, futures: Iterable[Future]) -> Iterator[Future]:
+        return as_completed(futures)
+
+    def result(self, job: Job, path: str, future: Future) -> Judged:
+        return _result(job, path, future)
 
 
 def positive(text: str) -> int:
@@ -120,7 +84,8 @@ def cores() -> int:
 
 def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | None, *,
                  takers: Iterable[Callable[[Pairs], None]] = (), sketched: bool = False,
-                 jobs: int | None = None, quiet: bool = False) -> list[Judged]:
+                 jobs: int | None = None, dask: str | None = None,
+                 quiet: bool = False) -> list[Judged]:
     """
     Judge inputs, several at once.
 
@@ -132,42 +97,59 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     table : sequence of (start_ns, stop_ns, source), optional
         Runs; those with a source are for the input of that name only.
     takers : iterable of callable
-        Each is given the pairs, chunk by chunk; for one input only.
+        Each is given the pairs, chunk by chunk; for one input only, and not on a cluster.
     sketched : bool
         Collect what the graphs of a report need.
     jobs : int, optional
         Processes; one for each core by default. Where the inputs are small none is started.
+    dask : str, optional
+        Judge on the workers of this Dask scheduler: its address, or its file. It takes the inputs
+        by their absolute paths, however small or few they are.
     quiet : bool
         Show no progress.
 
     Returns
     -------
     list of Judged
-        In the order of the paths, the same whatever `jobs` is.
+        In the order of the paths, the same whatever `jobs` and `dask` are.
 
     Raises
     ------
     OSError, BagError
         If there is one input, and it cannot be read.
     ValueError
-        If none of several can be read.
+        If none of several can be read, or the cluster cannot be used.
 
     """
-    job = _Job(settings, table, sketched)
-    if len(paths) == 1:
+    job = Job(settings, table, sketched)
+    if len(paths) == 1 and dask is None:
         with Progress(paths[0], quiet) as progress:
             return [job.judge(paths[0], takers, progress.show)]
-    worth = sum(map(_size, paths)) >= _WORTH_BYTES
     with Progress(f'{len(paths)} inputs', quiet) as progress:
-        judged = _parallel(job, paths, min(len(paths), jobs or cores()), progress) if worth else (
-            _serial(job, paths, progress))
+        if dask is not None:
+            judged = _parallel(job, paths, _cluster(dask), progress)
+        elif sum(map(_size, paths)) >= _WORTH_BYTES:
+            workers = _Processes(min(len(paths), jobs or cores()))
+            judged = _parallel(job, paths, workers, progress)
+        else:
+            judged = _serial(job, paths, progress)
     if all(each.error for each in judged):
-        raise ValueError(f'none of the {len(paths)} inputs can be read: '
-                         f'{judged[0].path}: {judged[0].error}')
+        several = f'none of the {len(paths)} inputs can be read: ' if len(paths) > 1 else ''
+        raise ValueError(f'{several}{judged[0].path}: {judged[0].error}')
     return judged
 
 
-def _serial(job: _Job, paths: Sequence[str], progress: Progress) -> list[Judged]:
+def _cluster(address: str) -> Workers:
+    """Return the workers of a Dask cluster, whose library need not be installed."""
+    try:
+        from heading_intercompare.cli.cluster import Cluster
+    except ModuleNotFoundError as error:
+        raise ValueError(f'--dask {address}: no module {error.name}: install '
+                         'heading_intercompare[dask]') from error
+    return Cluster(address)
+
+
+def _serial(job: Job, paths: Sequence[str], progress: Progress) -> list[Judged]:
     judged = []
     for done, path in enumerate(paths):
         progress.show(f'{done} done, {path}')
@@ -190,18 +172,20 @@ def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
             del os.environ[name]
 
 
-def _parallel(job: _Job, paths: Sequence[str], jobs: int, progress: Progress) -> list[Judged]:
+def _parallel(job: Job, paths: Sequence[str], workers: Workers,
+              progress: Progress) -> list[Judged]:
     """Judge in other processes, the largest inputs first, so that none is left to the end."""
     order = sorted(range(len(paths)), key=lambda at: -_size(paths[at]))
-    with _pool(jobs) as pool:
-        futures = {pool.submit(job.survive, paths[at]): at for at in order}
-        for done, future in enumerate(as_completed(futures), 1):
+    progress.show('0 done')
+    with workers.open() as pool:
+        futures = {pool.submit(workers.task(job, paths[at])): at for at in order}
+        for done, future in enumerate(workers.completed(futures), 1):
             progress.show(f'{done} done, {paths[futures[future]]}')
-    found = {at: _result(job, paths[at], future) for future, at in futures.items()}
+    found = {at: workers.result(job, paths[at], future) for future, at in futures.items()}
     return [found[at] for at in range(len(paths))]
 
 
-def _result(job: _Job, path: str, future: Future) -> Judged:
+def _result(job: Job, path: str, future: Future) -> Judged:
     """Return what a process said; if one died, which takes its fellows along, try this alone."""
     try:
         return future.result()

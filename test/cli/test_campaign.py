@@ -8,6 +8,7 @@ from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 import json
 import os
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -108,6 +109,28 @@ def test_where_no_input_can_be_read_nothing_is_judged(tmp_path, capsys):
 def test_a_wrong_number_of_processes_is_refused(capsys, jobs):
     assert main(['analyze', 'a', 'b', *NORMS, '--jobs', jobs]) == 2
     assert 'is not a whole number above 0' in capsys.readouterr().err
+
+
+def test_without_the_library_of_dask_one_line_says_what_to_install(bags, capsys, monkeypatch):
+    monkeypatch.delitem(sys.modules, 'heading_intercompare.cli.cluster', raising=False)
+    monkeypatch.setitem(sys.modules, 'distributed', None)
+    capsys.readouterr()
+    assert main(['analyze', *bags, *NORMS, '--dask', 'tcp://127.0.0.1:8786']) == 2
+    out, err = capsys.readouterr()
+    assert out == '' and err.count('\n') == 1
+    assert 'no module distributed: install heading_intercompare[dask]' in err
+
+
+@pytest.mark.parametrize('option', ['--csv', '--ensembles', '--jobs'])
+def test_what_a_cluster_does_not_do_is_refused_before_a_file_is_touched(
+        bags, tmp_path, capsys, option):
+    given = '2' if option == '--jobs' else str(tmp_path / 'new')
+    capsys.readouterr()
+    assert main(['analyze', bags[0], *NORMS, option, given, '--dask', 'tcp://127.0.0.1:1']) == 2
+    out, err = capsys.readouterr()
+    assert out == '' and err.count('\n') == 1
+    assert f'{option} {given}: ' in err and '--dask' in err
+    assert not (tmp_path / 'new').exists()
 
 
 def test_a_process_that_dies_is_no_end_of_the_others():
