@@ -10,21 +10,24 @@ the disk is full, is taken back, and what was to be written is kept for the next
 from __future__ import annotations
 
 from contextlib import suppress
+from itertools import count
 import os
-from typing import BinaryIO, Callable, Mapping
+from typing import BinaryIO, Callable, Mapping, Sequence
 import zlib
 
 import lz4.frame
 from mcap import records as mcap
-from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 import numpy as np
 import zstandard
 
 from .blocks import HEAD, MESSAGE_HEAD, walk
+from .chunk_runs import Chunk
+from .rows import Records
 from .stream import MAGIC
+from .summary import built, chunk_index, ending, ENTRY_BYTES, message_index
 
-__all__ = ['ChunkWriter']
+__all__ = ['ChunkWriter', 'COMPRESSIONS']
 
 #: Fast, and on these messages hardly larger than higher levels.
 _ZSTD_LEVEL = 1
@@ -39,11 +42,15 @@ _COMPRESS: dict[str, tuple[str, Callable[[bytes], bytes]]] = {
     'zstd': ('zstd', lambda data: zstandard.ZstdCompressor(level=_ZSTD_LEVEL).compress(data)),
 }
 
+#: Compressions by their name in the settings, as MCAP has them.
+COMPRESSIONS = {name: written for name, (written, _) in _COMPRESS.items()}
 
-def _built(record: mcap.McapRecord) -> bytes:
-    builder = RecordBuilder()
-    record.write(builder)
-    return builder.end()
+
+def _free(used: Mapping[int, object], wanted: int | None) -> int:
+    """Return a number that is not in use, the one wanted if that can be."""
+    if wanted is not None and wanted not in used:
+        return wanted
+    return next(number for number in count(1) if number not in used)
 
 
 class ChunkWriter:
@@ -68,15 +75,19 @@ class ChunkWriter:
         self._compression, self._compress = _COMPRESS[compression]
         self._chunk_bytes = chunk_bytes
         self._end = 0
-        self._schemas: list[mcap.Schema] = []
-        self._channels: list[mcap.Channel] = []
-        self._chunk_indexes: list[mcap.ChunkIndex] = []
+        self._schemas: dict[int, mcap.Schema] = {}
+        self._channels: dict[int, mcap.Channel] = {}
+        #: The records of both, in the order in which they came.
+        self._defined: dict[bytes, None] = {}
+        self._chunk_indexes: list[bytes] = []
+        #: Chunks since the last that defines all topics.
+        self._undefined = 0
         self._extra_indexes: list[mcap.AttachmentIndex | mcap.MetadataIndex] = []
         self.counts: dict[int, int] = {}
         self.start_ns: int | None = None
         self.end_ns: int | None = None
         self._begin_chunk()
-        self._append(MAGIC + _built(mcap.Header('ros2', library)))
+        self._append(MAGIC + built(mcap.Header('ros2', library)))
 
     @property
     def pending(self) -> bool:
@@ -91,30 +102,49 @@ class ChunkWriter:
         self._first, self._last = 2**64, 0
         #: By channel, the entries of its message index: log time and offset.
         self._index: dict[int, bytearray] = {}
-        if self._chunk_indexes and len(self._chunk_indexes) % _DEFINED_EVERY == 0:
+        self._held: set[bytes] = set()
+        if self._undefined >= _DEFINED_EVERY - 1:
             self._redefine()
 
     def _redefine(self) -> None:
-        for definition in (*self._schemas, *self._channels):
-            self._add(_built(definition))
+        for definition in self._defined:
+            if definition not in self._held:
+                self._hold(definition)
+
+    def _hold(self, definition: bytes) -> None:
+        self._held.add(definition)
+        self._add(definition)
 
     def _add(self, piece: bytes) -> None:
         self._pieces.append(piece)
         self._size += len(piece)
 
+    def _define(self, record: mcap.Schema | mcap.Channel) -> None:
+        definition = built(record)
+        self._defined[definition] = None
+        self._hold(definition)
+
     def add_channel(self, topic: str, type_name: str, schema_text: str,
-                    metadata: Mapping[str, str], encoding: str = 'ros2msg') -> int:
-        """Return the number of a new channel; its definition opens the next chunk."""
-        schema = next((s for s in self._schemas if s.name == type_name), None)
+                    metadata: Mapping[str, str], encoding: str = 'ros2msg',
+                    numbers: tuple[int | None, int | None] = (None, None)) -> int:
+        """
+        Return the number of a new channel; its definition opens the next chunk.
+
+        `numbers` are those that the channel and its schema get if they are not in use.
+        """
+        data = schema_text.encode()
+        schema = next((s for s in self._schemas.values()
+                       if (s.name, s.encoding, s.data) == (type_name, encoding, data)), None)
         if schema is None:
-            schema = mcap.Schema(id=len(self._schemas) + 1, name=type_name, encoding=encoding,
-                                 data=schema_text.encode())
-            self._schemas.append(schema)
-            self._add(_built(schema))
-        channel = mcap.Channel(id=len(self._channels) + 1, topic=topic, message_encoding='cdr',
-                          metadata=dict(metadata), schema_id=schema.id)
-        self._channels.append(channel)
-        self._add(_built(channel))
+            schema = mcap.Schema(id=_free(self._schemas, numbers[1]), name=type_name,
+                                 encoding=encoding, data=data)
+            self._schemas[schema.id] = schema
+            self._define(schema)
+        channel = mcap.Channel(id=_free(self._channels, numbers[0]), topic=topic,
+                               message_encoding='cdr', metadata=dict(metadata),
+                               schema_id=schema.id)
+        self._channels[channel.id] = channel
+        self._define(channel)
         return channel.id
 
     def add(self, channel: int, data: bytes, log_time_ns: int, publish_time_ns: int,
@@ -150,17 +180,72 @@ class ChunkWriter:
             room = self._chunk_bytes - self._size
             hi = int(np.searchsorted(ends, starts[lo] + max(room, 0))) + 1
             hi = min(max(hi, lo + 1), len(records))
-            log = log_time_ns[lo:hi]
-            entries = np.stack((log, starts[lo:hi] - starts[lo] + self._size), axis=1)
-            for number in np.unique(channel[lo:hi]).tolist():
-                mine = entries[channel[lo:hi] == number].astype('<i8').tobytes()
-                self._index.setdefault(number, bytearray()).extend(mine)
-            self._first = min(self._first, int(log.min()))
-            self._last = max(self._last, int(log.max()))
+            self._index_all(channel[lo:hi], log_time_ns[lo:hi], starts[lo:hi] - starts[lo])
             self._add(b''.join(records[lo:hi]))
             if self._size >= self._chunk_bytes:
                 self.end_chunk()
             lo = hi
+
+    def _index_all(self, channel: np.ndarray, log: np.ndarray, at: np.ndarray) -> None:
+        """Index messages that will be so far behind the end of what is in memory."""
+        entries = np.stack((log, at + self._size), axis=1)
+        for number in np.unique(channel).tolist():
+            mine = entries[channel == number].astype('<i8').tobytes()
+            self._index.setdefault(number, bytearray()).extend(mine)
+        self._first = min(self._first, int(log.min()))
+        self._last = max(self._last, int(log.max()))
+
+    def fill(self, records: Records, lo: int) -> int:
+        """Take records from a place on until a chunk has ended; return how far."""
+        ends = records.ends
+        begin = int(ends[lo - 1]) if lo else 0
+        hi = int(np.searchsorted(ends, begin + max(self._chunk_bytes - self._size, 0))) + 1
+        hi = min(hi, len(records))
+        starts = np.concatenate(([0], ends[lo:hi - 1] - begin))
+        self._index_all(records.channel[lo:hi], records.log_time_ns[lo:hi], starts)
+        self._add(records.piece(lo, hi))
+        if self._size >= self._chunk_bytes:
+            self.end_chunk()
+        return hi
+
+    # Chunks as they are
+
+    @property
+    def defined(self) -> frozenset[bytes]:
+        """The records of all definitions."""
+        return frozenset(self._defined)
+
+    @property
+    def due(self) -> frozenset[bytes]:
+        """The definitions that the next chunk has to hold."""
+        return frozenset(self._held)
+
+    @property
+    def until_due(self) -> int:
+        """Chunks without definitions that may come before some that define all topics."""
+        return max(_DEFINED_EVERY - 1 - self._undefined, 1)
+
+    def append(self, data: bytes | bytearray | memoryview, chunks: Sequence[Chunk]) -> None:
+        """
+        Write chunks as they are, with their message indexes; what is in memory goes before them.
+
+        Parameters
+        ----------
+        data : bytes-like
+            The chunks and indexes, one behind the other.
+        chunks : sequence of Chunk
+            What is in them: channels and definitions of this file. The first has to hold those
+            that are `due`.
+
+        """
+        self.end_chunk()
+        shift = self._end - chunks[0].start
+        self._append(data)
+        for chunk in chunks:
+            self._list(chunk.start + shift, chunk.end + shift, chunk.counts, chunk.first_ns,
+                       chunk.last_ns, chunk.compression, chunk.packed, chunk.size,
+                       chunk.definitions)
+        self._begin_chunk()
 
     def take_pending(self) -> list[tuple[int, bytes, int, int, int]]:
         """Take the messages out of memory, each as `add` takes it; definitions stay."""
@@ -201,40 +286,40 @@ class ChunkWriter:
             return
         data = b''.join(self._pieces)
         packed = self._compress(data)
-        chunk = _built(mcap.Chunk(compression=self._compression, data=packed,
-                             message_start_time=self._first, message_end_time=self._last,
-                             uncompressed_crc=zlib.crc32(data), uncompressed_size=len(data)))
-        indexes, offsets = [], {}
-        behind = self._end + len(chunk)
-        for channel, entries in self._index.items():
-            offsets[channel] = behind
-            indexes.append(HEAD.pack(Opcode.MESSAGE_INDEX, 6 + len(entries))
-                           + channel.to_bytes(2, 'little') + len(entries).to_bytes(4, 'little')
-                           + entries)
-            behind += len(indexes[-1])
-        index = mcap.ChunkIndex(chunk_length=len(chunk), chunk_start_offset=self._end,
-                           compression=self._compression, compressed_size=len(packed),
-                           message_end_time=self._last, message_index_length=behind - self._end
-                           - len(chunk), message_index_offsets=offsets,
-                           message_start_time=self._first, uncompressed_size=len(data))
-        self._append(b''.join((chunk, *indexes)))
-        self._chunk_indexes.append(index)
-        for channel, entries in self._index.items():
-            self.counts[channel] = self.counts.get(channel, 0) + len(entries) // 16
-        self.start_ns = min(self._first, self._first if self.start_ns is None else self.start_ns)
-        self.end_ns = max(self._last, self._last if self.end_ns is None else self.end_ns)
+        chunk = built(mcap.Chunk(compression=self._compression, data=packed,
+                                 message_start_time=self._first, message_end_time=self._last,
+                                 uncompressed_crc=zlib.crc32(data), uncompressed_size=len(data)))
+        start = self._end
+        self._append(b''.join((chunk, *(message_index(channel, entries)
+                                        for channel, entries in self._index.items()))))
+        counts = [(channel, len(entries) // ENTRY_BYTES)
+                  for channel, entries in self._index.items()]
+        self._list(start, start + len(chunk), counts, self._first, self._last, self._compression,
+                   len(packed), len(data), self._held)
         self._begin_chunk()
+
+    def _list(self, start: int, end: int, counts: Sequence[tuple[int, int]], first_ns: int,
+              last_ns: int, compression: str, packed: int, size: int,
+              definitions: set[bytes] | frozenset[bytes]) -> None:
+        """Take a chunk that is written into the indexes and statistics."""
+        self._chunk_indexes.append(
+            chunk_index(start, end, counts, first_ns, last_ns, compression, packed, size))
+        for channel, number in counts:
+            self.counts[channel] = self.counts.get(channel, 0) + number
+        self.start_ns = first_ns if self.start_ns is None else min(first_ns, self.start_ns)
+        self.end_ns = last_ns if self.end_ns is None else max(last_ns, self.end_ns)
+        self._undefined = 0 if self._defined.keys() <= definitions else self._undefined + 1
 
     def add_metadata(self, name: str, mapping: Mapping[str, str]) -> None:
         """Write a metadata record."""
-        record = _built(mcap.Metadata(name=name, metadata=dict(mapping)))
+        record = built(mcap.Metadata(name=name, metadata=dict(mapping)))
         index = mcap.MetadataIndex(offset=self._end, length=len(record), name=name)
         self._append(record)
         self._extra_indexes.append(index)
 
     def add_attachment(self, name: str, media_type: str, data: bytes, time_ns: int) -> None:
         """Write an attachment."""
-        record = _built(mcap.Attachment(create_time=time_ns, log_time=time_ns, name=name,
+        record = built(mcap.Attachment(create_time=time_ns, log_time=time_ns, name=name,
                                    media_type=media_type, data=data))
         index = mcap.AttachmentIndex(offset=self._end, length=len(record), create_time=time_ns,
                                 log_time=time_ns, data_size=len(data), name=name,
@@ -249,28 +334,7 @@ class ChunkWriter:
     def finish(self) -> None:
         """Write the summary and the end of the file."""
         self.end_chunk()
-        attachments = [x for x in self._extra_indexes if isinstance(x, mcap.AttachmentIndex)]
-        metadata = [x for x in self._extra_indexes if isinstance(x, mcap.MetadataIndex)]
-        statistics = mcap.Statistics(
-            attachment_count=len(attachments), channel_count=len(self._channels),
-            channel_message_counts=self.counts, chunk_count=len(self._chunk_indexes),
-            message_count=sum(self.counts.values()), message_end_time=self.end_ns or 0,
-            message_start_time=self.start_ns or 0, metadata_count=len(metadata),
-            schema_count=len(self._schemas))
-        end = _built(mcap.DataEnd(0))
-        start = self._end + len(end)
-        groups = {Opcode.SCHEMA: self._schemas, Opcode.CHANNEL: self._channels,
-                  Opcode.STATISTICS: [statistics], Opcode.CHUNK_INDEX: self._chunk_indexes,
-                  Opcode.ATTACHMENT_INDEX: attachments, Opcode.METADATA_INDEX: metadata}
-        summary, offsets = bytearray(), bytearray()
-        for opcode, records in groups.items():
-            if records:
-                group = b''.join(map(_built, records))
-                offsets += _built(mcap.SummaryOffset(group_opcode=opcode, group_length=len(group),
-                                                group_start=start + len(summary)))
-                summary += group
-        offset_start = start + len(summary)
-        summary += offsets
-        footer = _built(mcap.Footer(start, offset_start, 0))
-        crc = zlib.crc32(summary + footer[:-4])
-        self._append(end + summary + footer[:-4] + crc.to_bytes(4, 'little') + MAGIC)
+        self._append(ending(self._end, tuple(self._schemas.values()),
+                            tuple(self._channels.values()), self._chunk_indexes,
+                            self._extra_indexes, self.counts,
+                            (self.start_ns or 0, self.end_ns or 0)))

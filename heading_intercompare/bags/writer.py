@@ -25,6 +25,9 @@ from .syncing import Syncing
 
 __all__ = ['BagWriter', 'Rows']
 
+#: Of a channel and its schema.
+_Numbers = tuple[int | None, int | None]
+
 
 def _topic_name(topic: str) -> str:
     return topic if topic.startswith('/') else f'/{topic}'
@@ -85,7 +88,7 @@ class BagWriter:
         self.path = Path(path)
         self._settings = settings or BagSettings()
         self._software = software
-        self._rows: dict[str, tuple[int, TopicRow, Schema]] = {}
+        self._rows: dict[str, tuple[int, TopicRow, Schema, _Numbers]] = {}
         self._records: dict[str, dict[str, str]] = {}
         self._last_flush_s: float | None = None
         self._syncing = Syncing(self._settings.fsync_interval_s)
@@ -112,8 +115,8 @@ class BagWriter:
         try:
             chunks = ChunkWriter(file, self._settings.compression, self._settings.chunk_bytes,
                                  self._software)
-            for _, row, schema in self._rows.values():
-                self._define(chunks, row, schema)
+            for _, *definition in self._rows.values():
+                self._define(chunks, *definition)
             for name, mapping in self._records.items():
                 chunks.add_metadata(name, mapping)
         except OSError:
@@ -127,10 +130,10 @@ class BagWriter:
         return self.path / f'{self._stem}_{number}.mcap'
 
     @staticmethod
-    def _define(chunks: ChunkWriter, row: TopicRow, schema: Schema) -> int:
+    def _define(chunks: ChunkWriter, row: TopicRow, schema: Schema, numbers: _Numbers) -> int:
         return chunks.add_channel(row.name, row.type_name, schema.text, {
             'offered_qos_profiles': row.qos.to_yaml(), 'topic_type_hash': schema.type_hash},
-            schema.encoding)
+            schema.encoding, numbers)
 
     def __enter__(self) -> 'BagWriter':
         return self
@@ -143,8 +146,13 @@ class BagWriter:
         """Names of the topics added."""
         return tuple(self._rows)
 
+    @property
+    def chunks(self) -> ChunkWriter:
+        """The file being written, for whole chunks; call `split_if_due` after each."""
+        return self._chunks
+
     def add_topic(self, topic: str, type_name: str, qos: Qos | None = None, *,
-                  schema: Schema | None = None) -> None:
+                  schema: Schema | None = None, numbers: _Numbers = (None, None)) -> int:
         """
         Make a topic known; before its first message.
 
@@ -158,6 +166,13 @@ class BagWriter:
             What its publisher offers, and a player offers again; `Qos()` without it.
         schema : Schema, optional
             Its definition; looked up without it.
+        numbers : tuple of int or None
+            Those that its channel and schema get in the file if nothing else has them.
+
+        Returns
+        -------
+        int
+            The number of its channel.
 
         Raises
         ------
@@ -170,11 +185,13 @@ class BagWriter:
             if self._rows[name][1].type_name != type_name:
                 raise BagError(f'topic {name} is {self._rows[name][1].type_name} already, it '
                                f'cannot be {type_name} too', self.path)
-            return
+            return self._rows[name][0]
         schema, qos = schema or schema_of(type_name), qos or Qos()
         row = TopicRow(name, type_name, schema.type_hash, qos)
-        self._rows[name] = self._define(self._chunks, row, schema), row, schema
+        number = self._define(self._chunks, row, schema, numbers)
+        self._rows[name] = number, row, schema, numbers
         self._describe_later()
+        return number
 
     def _channel(self, topic: str) -> int:
         name = _topic_name(topic)
@@ -206,7 +223,7 @@ class BagWriter:
         self._chunks.add(self._channel(topic), data, log_time_ns, publish_time_ns,
                          sequence % 2**32)
         if not self._chunks.pending:
-            self._split_if_due()
+            self.split_if_due()
 
     def write_rows(self, batches: Iterable[Rows]) -> None:
         """Take many messages of several topics, merged in the order of their log times."""
@@ -226,7 +243,7 @@ class BagWriter:
         order = np.argsort(log, kind='stable')
         self._chunks.add_records([records[i] for i in order.tolist()],
                                  np.concatenate(channels)[order], log[order])
-        self._split_if_due()
+        self.split_if_due()
 
     def metadata(self, name: str, mapping: Mapping[str, object]) -> None:
         """Write a metadata record, into later files of the bag too; values become text."""
@@ -260,14 +277,14 @@ class BagWriter:
         self._last_flush_s = now_s
         self._chunks.end_chunk()
         self._syncing.begin_if_due(self._file.fileno(), now_s)
-        self._split_if_due()
+        self.split_if_due()
         if self.problem is not None:
             self._describe_later()
         return True
 
     def take_pending(self) -> list[tuple[str, bytes, int, int, int]]:
         """Take the messages out of memory that could not be written; as `write` takes them."""
-        names = {number: name for name, (number, _, _) in self._rows.items()}
+        names = {number: name for name, (number, *_) in self._rows.items()}
         return [(names[number], *rest) for number, *rest in self._chunks.take_pending()]
 
     def check(self) -> None:
@@ -312,7 +329,7 @@ class BagWriter:
         self._describe_record()
         self._describe_later()
 
-    def _split_if_due(self) -> None:
+    def split_if_due(self) -> None:
         """Go on in a new file when the settings say so; a failure is a `problem`, no error."""
         settings, chunks = self._settings, self._chunks
         if chunks.start_ns is None:
@@ -327,7 +344,7 @@ class BagWriter:
     def _part(self) -> PartInfo:
         """Return what there is to say of the file being written."""
         rows = []
-        for channel, row, _ in self._rows.values():
+        for channel, row, *_ in self._rows.values():
             rows.append(replace(row, count=self._chunks.counts.get(channel, 0)))
         return PartInfo(self._place(self._number).name, self._chunks.start_ns, self._chunks.end_ns,
                         sum(self._chunks.counts.values()), rows)

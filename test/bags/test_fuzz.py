@@ -8,27 +8,38 @@ Set `HEADING_INTERCOMPARE_FUZZ` to the number of examples to look longer than CI
 
 from __future__ import annotations
 
+from collections import Counter
 from functools import lru_cache
 import os
 from pathlib import Path
 import resource
 import shutil
+import struct
 import tempfile
 import time
+import tracemalloc
+from typing import Callable, Iterator
 
+import lz4.frame
+from mcap.opcode import Opcode
+from mcap.records import Chunk
 from mcap.writer import CompressionType, IndexType, Writer
 import numpy as np
 import pytest
+import zstandard
 
 from heading_intercompare.bags.cdr import encode
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.reader import BagReader
 from heading_intercompare.bags.recovery import recover
+from heading_intercompare.bags.salvage import Salvage, Sound
 from heading_intercompare.bags.schemas import shipped_schema
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.bags.writer import BagWriter, Rows
 from heading_intercompare.core.records import Headings
+
+from .mcap_bytes import assert_exact, record, sent
 
 hypothesis = pytest.importorskip('hypothesis')
 st = hypothesis.strategies
@@ -77,6 +88,26 @@ def originals() -> tuple[bytes, ...]:
             by_mcap(compression=CompressionType.NONE, use_chunking=False),
             by_mcap(compression=CompressionType.ZSTD, enable_crcs=False),
             by_mcap(compression=CompressionType.LZ4, index_types=IndexType.NONE))
+
+
+#: Those of them with chunks that have checksums.
+PROTECTED = (0, 1, 2, 5)
+
+
+@lru_cache(maxsize=None)
+def messages(which: int) -> Counter:
+    """Return the messages of an original without their topics, which are found elsewhere."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, 'x.mcap')
+        path.write_bytes(originals()[which])
+        return Counter(message[1:] for message in sent(path))
+
+
+def unproved(path: Path) -> int:
+    """Return how many messages there are of a chunk in which the file ends."""
+    with open(path, 'rb') as file:
+        return sum(len(item.block.start) for item in Salvage(file).scan()
+                   if isinstance(item, Sound) and item.fault)
 
 
 SHARE = st.floats(0.0, 1.0, exclude_max=True)
@@ -131,18 +162,19 @@ def read_all(path: Path) -> int:
     return count
 
 
-def recovered(path: Path, target: Path) -> int:
+def recovered(path: Path, target: Path) -> list:
     """Recover a file; check that the result is whole and what it is said to be."""
     try:
         total = recover(path, target)
     except BagError as error:
         assert 'nothing in it is readable' in str(error) and '\n' not in str(error)
-        return 0
-    reader = BagReader(target)
-    assert reader.incomplete is None
-    assert sum(1 for _ in reader.messages()) == total.messages == sum(total.counts.values())
+        return []
+    assert BagReader(target).incomplete is None
+    assert_exact(target)
+    found = sent(target)
+    assert len(found) == total.messages == sum(total.counts.values())
     assert 0 <= total.bytes_lost <= total.bytes and total.messages_lost >= 0
-    return total.messages
+    return found
 
 
 def megabytes() -> float:
@@ -160,8 +192,15 @@ def examine(which: int, damages: list[tuple[str, float, int]]) -> None:
         path.write_bytes(damaged(originals()[which], damages))
         began_s = time.monotonic()
         read_all(path)
-        recovered(path, folder / 'new')
+        found = recovered(path, folder / 'new')
         assert time.monotonic() - began_s < 5.0
+        if which in PROTECTED:
+            # Of a chunk in which the file ends nobody can tell whether its checksum is right.
+            proved = found[:len(found) - unproved(path)]
+            kept = Counter(message[1:] for message in proved)
+            assert kept.keys() <= messages(which).keys(), 'a message was changed'
+            if all(kind != 'repeat' for kind, _, _ in damages):
+                assert kept <= messages(which), 'a message came twice'
     finally:
         shutil.rmtree(folder)
 
@@ -177,4 +216,110 @@ def test_damaged_bags_never_end_in_anything_but_one_clear_error():
 @pytest.mark.parametrize('which', range(6))
 def test_the_originals_are_whole(which, tmp_path):
     (tmp_path / 'x.mcap').write_bytes(originals()[which])
-    assert read_all(tmp_path / 'x.mcap') == recovered(tmp_path / 'x.mcap', tmp_path / 'new') > 50
+    found = recovered(tmp_path / 'x.mcap', tmp_path / 'new')
+    assert read_all(tmp_path / 'x.mcap') == len(found) > 50
+    assert found == sent(tmp_path / 'x.mcap')
+
+
+def records_in(data: bytes) -> Iterator[tuple[int, int]]:
+    """Yield the first byte of each record of a whole file, and the one behind it."""
+    at = 8
+    while at < len(data) - 8:
+        end = at + 9 + int.from_bytes(data[at + 1:at + 9], 'little')
+        yield at, end
+        at = end
+
+
+def places(data: bytes) -> list[int]:
+    """Return bytes in the head, the middle and at the end of each record of a whole file."""
+    found = {0, 4, len(data) - 8, len(data) - 1}
+    for at, end in records_in(data):
+        found |= {at + 4, (at + 9 + end) // 2, end - 1}
+    return sorted(found)
+
+
+def unfinished(which: int) -> bytes:
+    """Return an original up to the end of its data."""
+    data = originals()[which]
+    return data[:next(at for at, _ in records_in(data) if data[at] == Opcode.DATA_END)]
+
+
+def damaged_once(which: int, folder: Path, change: Callable[[bytes, int], bytes]) -> list[int]:
+    """Recover an original changed at each of its `places`; return how many messages are left."""
+    data = originals()[which]
+    (folder / 'x.mcap').write_bytes(data)
+    whole, left = Counter(sent(folder / 'x.mcap')), []
+    for at in places(data):
+        (folder / 'x.mcap').write_bytes(change(data, at))
+        found = Counter(recovered(folder / 'x.mcap', folder / 'new'))
+        assert which == 3 or found <= whole, at
+        left.append(sum(found.values()))
+        shutil.rmtree(folder / 'new', ignore_errors=True)
+    return left
+
+
+@pytest.mark.parametrize('which', [2, 3])
+def test_cut_in_any_part_of_any_record_all_messages_before_are_recovered(which, tmp_path):
+    left = damaged_once(which, tmp_path, lambda data, at: data[:at])
+    assert left == sorted(left) and left[0] == 0 and left[-1] == sum(messages(which).values())
+
+
+@pytest.mark.parametrize('which', [0, 3, 5])
+def test_flipped_in_any_part_of_any_record_few_messages_are_lost(which, tmp_path):
+    """One chunk, or the bare messages around; nothing comes under another topic."""
+    left = damaged_once(which, tmp_path,
+                        lambda data, at: data[:at] + bytes([data[at] ^ 0x20]) + data[at + 1:])
+    total = sum(messages(which).values())
+    assert min(left) > 0.6 * total and np.mean(left) > 0.85 * total
+
+
+def zeros_of_gigabytes(compression: str) -> bytes:
+    """Return a chunk of hardly any bytes that claims, and with zstd has, almost 2 GB of zeros."""
+    size = 2**31 - 1
+    if compression == 'zstd':
+        # A frame of blocks that repeat one byte; the first three say how often, 128 kB at most.
+        blocks, rest = divmod(size, 2**17)
+        packed = (b'\x28\xb5\x2f\xfd\x80\x38' + size.to_bytes(4, 'little')
+                  + ((2**17 << 3) + 2).to_bytes(3, 'little').ljust(4, b'\0') * blocks
+                  + ((rest << 3) + 3).to_bytes(3, 'little') + b'\0')
+        assert zstandard.frame_content_size(packed) == size
+    elif compression == 'unsized':
+        compression = 'zstd'
+        packed = zstandard.ZstdCompressor(write_content_size=False).compress(bytes(10**7))
+        assert zstandard.frame_content_size(packed) == -1
+    else:
+        packed = lz4.frame.compress(bytes(2**24))
+    return record(Chunk(compression=compression, data=packed, message_start_time=0,
+                        message_end_time=0, uncompressed_crc=0, uncompressed_size=size))
+
+
+@pytest.mark.parametrize('place', ['middle', 'cut'])
+@pytest.mark.parametrize('compression', ['zstd', 'unsized', 'lz4'])
+def test_a_chunk_that_claims_gigabytes_takes_no_memory(compression, place, tmp_path):
+    """Behind the others of a file without an end; cut, the file ends within it."""
+    piece = zeros_of_gigabytes(compression)
+    path = tmp_path / 'x.mcap'
+    path.write_bytes(unfinished(2) + (piece if place == 'middle' else piece[:-4]))
+    recover(path, tmp_path / 'warm')
+    tracemalloc.start()
+    try:
+        total = recover(path, tmp_path / 'new')
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert total.messages == sum(messages(2).values())
+    assert total.chunks_lost == 1 and peak < 100e6
+
+
+def test_heads_of_chunks_within_heads_of_chunks_do_not_take_forever(tmp_path):
+    """Each claims all that is behind it, and all would have to be read for each."""
+    room = 61 * 20_000
+    heads = b''.join(
+        b'\x06' + struct.pack('<QQQQIIQ', room - i - 9, 1, 2, room - i - 49, 1, 0, room - i - 49)
+        + b'\x03' + bytes(11) for i in range(0, room, 61))
+    path = tmp_path / 'x.mcap'
+    path.write_bytes(unfinished(2) + heads + unfinished(2))
+    began_s = time.monotonic()
+    total = recover(path, tmp_path / 'new')
+    assert time.monotonic() - began_s < 5.0
+    assert total.messages == 2 * sum(messages(2).values())

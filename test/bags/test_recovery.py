@@ -7,8 +7,8 @@ from __future__ import annotations
 from pathlib import Path
 import shutil
 
-from mcap.records import Chunk
-from mcap.stream_reader import StreamReader
+from mcap.records import Channel, Chunk, Schema
+from mcap.stream_reader import breakup_chunk, StreamReader
 from mcap.writer import Writer
 import pytest
 
@@ -19,7 +19,24 @@ from heading_intercompare.bags.heading_messages import IMU
 from heading_intercompare.bags.reader import BagReader
 from heading_intercompare.bags.recovery import recover
 from heading_intercompare.bags.salvage import Salvage
+from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.bags.writer import BagWriter
+
+from .mcap_bytes import (
+    assert_exact,
+    channel,
+    chunk,
+    entries_of,
+    HEADER,
+    indexed,
+    MAGIC,
+    message,
+    message_index,
+    schema,
+    Sent,
+    sent,
+    write,
+)
 
 STRING = 'std_msgs/msg/String'
 
@@ -31,8 +48,8 @@ def message_file(bag: Path) -> Path:
 def chunk_places(path: Path) -> list[tuple[int, int, int]]:
     """Return where each chunk of a whole file starts and ends, and how many messages it has."""
     with open(path, 'rb') as file:
-        return [(item.record.start - 9, item.end, len(item.block.start))
-                for item in Salvage(file).scan() if item.record.opcode == 6]
+        return [(chunk.start, chunk.end, sum(count for _, count in chunk.counts))
+                for item in Salvage(file).scan() if item.run for chunk in item.run.chunks]
 
 
 def all_messages(path: Path) -> list:
@@ -253,3 +270,331 @@ def test_definitions_are_repeated_in_long_files(write_bag):
                   if isinstance(r, Chunk)]
     assert len(chunks) > 70
     assert [b'/rs/heading' in c.data for c in chunks].count(True) >= 1 + len(chunks) // 32
+
+
+def test_sound_chunks_go_over_byte_by_byte_with_their_indexes(write_bag, tmp_path):
+    path = write_bag(chunk_bytes=20_000)
+    rows = chunk_places(message_file(path))
+    start, end, _ = rows[7]
+    spoil(message_file(path), (start + end) // 2)
+    before = message_file(path).read_bytes()
+    recover(path, tmp_path / 'new')
+    after = (tmp_path / 'new' / 'new_0.mcap').read_bytes()
+    places = [chunk for i, chunk in enumerate(rows) if i != 7]
+    found = chunk_places(tmp_path / 'new' / 'new_0.mcap')
+    assert [after[lo:hi] for lo, hi, _ in found] == [before[lo:hi] for lo, hi, _ in places]
+    behind = [lo for lo, _, _ in rows[1:]]
+    assert all(before[hi:behind[i]] in after for i, (_, hi, _) in enumerate(rows[:-1]) if i != 7)
+    assert_exact(tmp_path / 'new')
+
+
+TWO = schema(1), channel(1, '/a'), channel(2, '/b')
+
+
+def ten(numbers: tuple[int, ...] = (1, 2), begin: int = 1000, step: int = 10) -> list[bytes]:
+    """Return ten messages of channels by turns."""
+    return [message(numbers[i % len(numbers)], begin + step * i, text(str(begin + i)), sequence=i)
+            for i in range(10)]
+
+
+def text(words: str) -> bytes:
+    return encode(STRING, {'data': words})
+
+
+def as_sent(topics: tuple[str, ...] = ('/a', '/b'), begin: int = 1000, step: int = 10) -> list:
+    """Return what `ten` has sent."""
+    return [Sent(topics[i % len(topics)], begin + step * i, begin + step * i, i,
+                 text(str(begin + i))) for i in range(10)]
+
+
+def recovered(path: Path, settings: BagSettings | None = None) -> list:
+    """Return the messages of a bag that is recovered; it is looked at with other eyes too."""
+    target = path.with_suffix('.new')
+    total = recover(path, target, settings)
+    assert_exact(target)
+    found = sent(target)
+    assert len(found) == total.messages == sum(total.counts.values())
+    try:
+        import rosbags.highlevel as rosbags
+    except ImportError:
+        return found
+    with rosbags.AnyReader([target]) as bag:
+        theirs = sorted((c.topic, stamp, data) for c, stamp, data in bag.messages())
+    assert theirs == sorted((m.topic, m.log_time_ns, m.data) for m in found)
+    return found
+
+
+def file_of(path: Path) -> bytes:
+    """Return the only file of what was recovered of another."""
+    return next(path.with_suffix('.new').glob('*.mcap')).read_bytes()
+
+
+def test_definitions_twice_in_a_chunk_do_no_harm(tmp_path):
+    piece = indexed(*TWO, *ten(), *TWO, *ten(begin=2000))
+    path = write(tmp_path / 'x.mcap', piece)
+    assert recovered(path) == as_sent() + as_sent(begin=2000)
+    assert piece in file_of(path)
+
+
+def test_what_is_written_anew_is_compressed_as_most_chunks_are(tmp_path):
+    path = write(tmp_path / 'x.mcap', indexed(schema(7), *TWO, *ten(), compression='zstd'), *(
+        indexed(*ten(begin=1000 * i), compression='lz4') for i in (2, 3, 4)))
+    assert recovered(path) == [m for i in range(1, 5) for m in as_sent(begin=1000 * i)]
+    with open(next(path.with_suffix('.new').glob('*.mcap')), 'rb') as file:
+        assert {r.compression for r in StreamReader(file, emit_chunks=True).records
+                if isinstance(r, Chunk)} == {'lz4'}
+
+
+@pytest.mark.parametrize('again', [channel(1, '/c'), channel(1, '/c') + channel(2, '/d'),
+                                   schema(1, 'a/msg/A', b'int32 x\n')])
+@pytest.mark.parametrize('place', ['own', 'first', 'middle'])
+def test_a_number_that_gets_another_meaning_has_it_from_there_on(tmp_path, again, place):
+    """In a chunk of its own, before the messages of a chunk, between them."""
+    pieces = {'own': [indexed(*ten(begin=2000)), indexed(again), indexed(*ten(begin=3000))],
+              'first': [indexed(*ten(begin=2000)), indexed(again, *ten(begin=3000))],
+              'middle': [indexed(*ten(begin=2000), again, *ten(begin=3000))]}[place]
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), *pieces, indexed(*ten(begin=4000)))
+    if again[0] == 3:
+        later = '/a_a', '/b_a'
+    else:
+        later = '/c', '/d' if b'/d' in again else '/b'
+    assert recovered(path) == [*as_sent(), *as_sent(begin=2000), *as_sent(later, 3000),
+                               *as_sent(later, 4000)]
+
+
+def test_a_number_that_a_definition_without_checksum_contradicts_keeps_its_meaning(tmp_path):
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), channel(1, '/c'),
+                 indexed(channel(2, '/d'), *ten(begin=2000), crc=0))
+    assert recovered(path) == as_sent() + as_sent(begin=2000)
+
+
+@pytest.mark.parametrize('pieces', [
+    [indexed(*ten(), *TWO), indexed(*ten(begin=2000))],
+    [indexed(*ten()), indexed(*ten(begin=2000), *TWO)],
+    [indexed(*ten()), indexed(*ten(begin=2000)), *TWO]])
+def test_definitions_behind_the_messages_come_before_them(tmp_path, pieces):
+    path = write(tmp_path / 'x.mcap', *pieces)
+    assert recovered(path) == as_sent() + as_sent(begin=2000)
+
+
+@pytest.mark.parametrize('lost', [False, True])
+def test_a_file_appended_to_another_has_its_own_definitions(tmp_path, lost):
+    """Even if they are lost: nobody knows what its messages are then."""
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), MAGIC, HEADER,
+                 b'' if lost else indexed(schema(1), channel(1, '/b'), channel(2, '/a')),
+                 indexed(*ten(begin=2000)))
+    assert recovered(path) == as_sent() + ([] if lost else as_sent(('/b', '/a'), 2000))
+
+
+@pytest.mark.parametrize('compression', ['', 'lz4', 'zstd'])
+def test_a_chunk_without_checksum_gets_one(tmp_path, compression):
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten(), crc=0, compression=compression),
+                 indexed(*ten(begin=2000), crc=0, compression=compression))
+    assert recovered(path) == as_sent() + as_sent(begin=2000)
+    assert indexed(*TWO, *ten(), compression=compression) in file_of(path)
+
+
+def wrong_indexes() -> dict[str, list[bytes]]:
+    rows = entries_of(b''.join(ten()))
+    shifted = {n: [(log, at + 1) for log, at in entries] for n, entries in rows.items()}
+    late = {n: [(log + 1, at) for log, at in entries] for n, entries in rows.items()}
+    return {
+        'missing': [], 'of one channel only': [message_index(1, rows[1])],
+        'incomplete': [message_index(1, rows[1][:-1]), message_index(2, rows[2])],
+        'shifted': [message_index(*row) for row in shifted.items()],
+        'late': [message_index(*row) for row in late.items()],
+        'of other channels': [message_index(1, rows[2]), message_index(2, rows[1])],
+        'huge places': [message_index(n, [(log, 2**63 + 5) for log, _ in entries])
+                        for n, entries in rows.items()],
+        'one too many': [message_index(1, [*rows[1], rows[1][0]]), message_index(2, rows[2])],
+        'in two pieces': [message_index(1, rows[1][:2]), message_index(1, rows[1][2:]),
+                          message_index(2, rows[2])],
+        'not of whole entries': [message_index(1, rows[1])[:-3], message_index(2, rows[2])],
+        'cut': [message_index(1, rows[1]), message_index(2, rows[2])[:-20]]}
+
+
+@pytest.mark.parametrize('why', wrong_indexes())
+@pytest.mark.parametrize('compression', ['', 'zstd'])
+def test_wrong_message_indexes_are_mended(tmp_path, why, compression):
+    definitions = indexed(*TWO, *ten(begin=500), compression=compression)
+    path = write(tmp_path / 'x.mcap', definitions, chunk(*ten(), compression=compression),
+                 *wrong_indexes()[why], indexed(*ten(begin=2000), compression=compression))
+    assert recovered(path) == as_sent(begin=500) + as_sent() + as_sent(begin=2000)
+    assert chunk(*ten(), compression=compression) in file_of(path)
+
+
+def test_right_message_indexes_in_any_order_and_empty_ones_are_kept(tmp_path):
+    rows = entries_of(b''.join(ten()))
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten(begin=500)), chunk(*ten()),
+                 message_index(2, rows[2][::-1]), message_index(1, rows[1]), message_index(7, []))
+    assert recovered(path) == as_sent(begin=500) + as_sent()
+
+
+@pytest.mark.parametrize('settings, expected', [
+    (None, ['', 'lz4', 'zstd', 'zstd']), (BagSettings(compression='lz4'), ['lz4'] * 3),
+    (BagSettings(compression='none'), [''] * 2), (BagSettings(compression='zstd'), ['zstd'] * 3)])
+def test_chunks_stay_compressed_as_they_are_unless_it_is_asked_for(tmp_path, settings, expected):
+    kinds = ('', 'lz4', 'zstd', 'zstd')
+    path = write(tmp_path / 'x.mcap', *(
+        indexed(*TWO, *ten(begin=1000 * i), compression=kind) for i, kind in enumerate(kinds, 1)))
+    assert recovered(path, settings) == [m for i in range(1, 5) for m in as_sent(begin=1000 * i)]
+    with open(next(path.with_suffix('.new').glob('*.mcap')), 'rb') as file:
+        found = [r.compression for r in StreamReader(file, emit_chunks=True).records
+                 if isinstance(r, Chunk)]
+    assert found == expected
+
+
+@pytest.mark.parametrize('times', [None, (0, 2**62), (1005, 1006), (2000, 2001)])
+def test_log_times_in_any_order_and_wrong_ones_in_the_head(tmp_path, times):
+    messages = ten(step=-10)
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten(begin=5000)),
+                 indexed(*messages, times=times), indexed(*ten(begin=3000)))
+    assert recovered(path) == as_sent(begin=5000) + as_sent(step=-10) + as_sent(begin=3000)
+    assert indexed(*messages) in file_of(path)
+
+
+@pytest.mark.parametrize('strange', [
+    channel(9, '/x', encoding='json'), channel(9, '/x', schema_id=5), channel(9, '/x', 0), b''])
+def test_messages_of_channels_that_are_not_defined_are_counted(tmp_path, strange):
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, strange, *ten()),
+                 indexed(*ten((1, 9, 2, 9), begin=2000)), indexed(*ten(begin=3000)))
+    assert recovered(path) == [*as_sent(), *as_sent(('/a', '', '/b', ''), 2000)[::2],
+                               *as_sent(begin=3000)]
+    total = recover(path, tmp_path / 'again')
+    assert total.messages_lost == 5 and '5 messages of topics that are not defined' in str(
+        total.notes)
+
+
+def test_records_that_do_not_belong_in_a_chunk_are_left_out(tmp_path):
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), indexed(
+        *ten(begin=2000), b'\x0c' + bytes([8]) + bytes(15), b'\x90' + bytes(8)))
+    assert recovered(path) == as_sent() + as_sent(begin=2000)
+
+
+def test_times_that_cannot_be(tmp_path):
+    """A log time after 2262 cannot be kept; a publish time becomes the log time."""
+    path = write(tmp_path / 'x.mcap', indexed(
+        *TWO, *ten(), message(1, 2**63, b'', 5), message(1, 7, b'', 2**63 + 1)), indexed(
+        message(2, 2**64 - 1, b'')))
+    assert recovered(path) == [*as_sent(), Sent('/a', 7, 7, 0, b'')]
+    total = recover(path, tmp_path / 'again')
+    assert total.messages_lost == 2 and 'x.mcap: 2 messages with log times that cannot be' in (
+        total.notes)
+
+
+def test_messages_between_chunks_are_kept_in_their_place(tmp_path):
+    path = write(tmp_path / 'x.mcap', *TWO, *ten(), indexed(*ten(begin=2000)), *ten(begin=3000),
+                 indexed(*TWO, *ten(begin=4000)), *ten(begin=5000))
+    assert recovered(path) == [m for i in range(1, 6) for m in as_sent(begin=1000 * i)]
+
+
+@pytest.mark.parametrize('whole', [True, False])
+def test_what_is_left_of_a_chunk_without_its_head_is_left_out(tmp_path, whole):
+    """It looks like messages outside chunks, but a checksum that nobody knows belongs to it."""
+    torn = indexed(*TWO, *ten(), compression='')
+    path = write(tmp_path / 'x.mcap', torn if whole else torn[10:],
+                 indexed(*TWO, *ten(begin=2000), compression=''))
+    assert recovered(path) == (as_sent() if whole else []) + as_sent(begin=2000)
+    total = recover(path, tmp_path / 'again')
+    assert ('messages without their chunk' in str(total.notes)) is not whole
+
+
+def test_without_any_chunk_the_messages_behind_damage_are_kept(tmp_path):
+    path = write(tmp_path / 'x.mcap', *TWO, *ten(), bytes(50), *ten(begin=2000))
+    assert recovered(path) == as_sent()[:-1] + as_sent(begin=2000)
+
+
+@pytest.mark.parametrize('cut', [1, 5, 9, 20, 30])
+def test_messages_outside_chunks_are_kept_up_to_the_one_in_which_the_file_ends(tmp_path, cut):
+    path = write(tmp_path / 'x.mcap', *TWO, *ten(), message(1, 5, text('cut'))[:cut])
+    assert recovered(path) == as_sent()
+
+
+def test_files_whose_numbers_differ_are_joined(tmp_path):
+    (tmp_path / 'bag').mkdir()
+    write(tmp_path / 'bag' / 'bag_0.mcap', indexed(*TWO, *ten()), indexed(*ten(begin=2000)))
+    write(tmp_path / 'bag' / 'bag_1.mcap',
+          indexed(schema(4), channel(1, '/c', 4), channel(3, '/a', 4), *ten((3, 1), 3000)),
+          indexed(*ten((3, 1), 4000)))
+    assert recovered(tmp_path / 'bag') == [*as_sent(), *as_sent(begin=2000),
+                                           *as_sent(('/a', '/c'), 3000),
+                                           *as_sent(('/a', '/c'), 4000)]
+
+
+@pytest.mark.parametrize('numbers', [(0, 1), (65535, 300)])
+def test_any_channel_numbers_and_names_without_slash_will_do(tmp_path, numbers):
+    path = write(tmp_path / 'x.mcap', indexed(
+        schema(65535), channel(numbers[0], 'a', 65535), channel(numbers[1], '/b', 65535),
+        *ten(numbers)), indexed(*ten(numbers, 2000)))
+    assert recovered(path) == as_sent() + as_sent(begin=2000)
+
+
+def test_one_name_with_and_without_slash_and_of_two_types_becomes_two_topics(tmp_path):
+    path = write(tmp_path / 'x.mcap', indexed(
+        schema(1), schema(2, 'b/msg/B', b'int32 x\n'), channel(1, 'a', 1), channel(2, '/a', 2),
+        *ten()))
+    assert recovered(path) == as_sent(('/a', '/a_b'))
+
+
+def test_two_schemas_of_one_name_stay_two(tmp_path):
+    path = write(tmp_path / 'x.mcap', indexed(
+        schema(1), schema(2, text=b'string data # of 2024\n'), channel(1, '/a', 1),
+        channel(2, '/b', 2), *ten()))
+    assert recovered(path) == as_sent()
+    with open(next(path.with_suffix('.new').glob('*.mcap')), 'rb') as file:
+        found = [r for r in StreamReader(file).records if isinstance(r, Schema)]
+    assert {s.id: s.data for s in found} == {1: b'string data\n',
+                                             2: b'string data # of 2024\n'}
+
+
+def test_definitions_are_repeated_where_the_source_has_them_once(tmp_path):
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten(begin=0)),
+                 *(indexed(*ten(begin=100 * i)) for i in range(1, 100)))
+    assert recovered(path) == [m for i in range(100) for m in as_sent(begin=100 * i)]
+    with open(next(path.with_suffix('.new').glob('*.mcap')), 'rb') as file:
+        holds = [any(isinstance(r, Channel) for r in breakup_chunk(c)) for c in StreamReader(
+            file, emit_chunks=True).records if isinstance(c, Chunk)]
+    assert len(holds) == 100 and [i for i, each in enumerate(holds) if each] == [0, 32, 64, 96]
+
+
+@pytest.mark.parametrize('split', [{'split_bytes': 10_000}, {'split_duration_s': 30.0}])
+def test_the_new_bag_is_split_as_the_settings_say(write_bag, tmp_path, split):
+    path = write_bag(chunk_bytes=5_000)
+    before = sent(path)
+    recover(path, tmp_path / 'new', BagSettings(**split))
+    assert_exact(tmp_path / 'new')
+    assert sent(tmp_path / 'new') == before
+    files = sorted((tmp_path / 'new').glob('*.mcap'))
+    assert len(files) > 3
+    for each in files[:-1]:
+        if 'split_bytes' in split:
+            assert 10_000 <= each.stat().st_size < 22_000
+        else:
+            alone = BagReader(each)
+            assert 30.0 <= (alone.end_ns - alone.start_ns) / 1e9 < 32.0
+
+
+def test_recovering_what_was_recovered_changes_no_message_and_no_chunk(write_bag, tmp_path):
+    path = write_bag(chunk_bytes=20_000)
+    cut(message_file(path), message_file(path).stat().st_size * 2 // 3)
+    recover(path, tmp_path / 'one')
+    recover(tmp_path / 'one', tmp_path / 'two')
+    one, two = ((tmp_path / n / f'{n}_0.mcap') for n in ('one', 'two'))
+    assert sent(tmp_path / 'one') == sent(tmp_path / 'two')
+    assert [(e - s, n) for s, e, n in chunk_places(one)] == [
+        (e - s, n) for s, e, n in chunk_places(two)]
+
+
+@pytest.mark.parametrize('left', [0.5, 0.99])
+@pytest.mark.parametrize('compression', ['none', 'zstd'])
+def test_a_file_that_changes_while_it_is_read_is_one_clear_error(write_bag, tmp_path, left,
+                                                                 compression):
+    path = write_bag(compression='none', chunk_bytes=100_000)
+    size = message_file(path).stat().st_size
+
+    def shorten(done: str) -> None:
+        if 'copied' in done:
+            cut(message_file(path), int(left * size))
+    with pytest.raises(BagError, match='trial_0.mcap: has changed while it was read'):
+        recover(path, tmp_path / 'new', BagSettings(compression=compression), shorten)
+    assert sent(tmp_path / 'new') == sent(path)[:len(sent(tmp_path / 'new'))]

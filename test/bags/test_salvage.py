@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from io import BytesIO
 
-from mcap.opcode import Opcode
 from mcap.writer import CompressionType, Writer
 import numpy as np
 import pytest
@@ -60,8 +59,8 @@ def messages(found: list) -> dict[int, bytes]:
 
 def chunks(data: bytes) -> list[tuple[int, int, int]]:
     """Return where the chunks of a whole file start and end, and their numbers of messages."""
-    return [(item.record.start - HEAD.size, item.end, len(item.block.start))
-            for item in scanned(data) if item.record.opcode == Opcode.CHUNK]
+    return [(chunk.start, chunk.end, sum(count for _, count in chunk.counts))
+            for item in scanned(data) if item.run for chunk in item.run.chunks]
 
 
 @pytest.mark.parametrize('compression', ['none', 'lz4', 'zstd'])

@@ -8,13 +8,11 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
 
 from heading_intercompare.bags.reader import BagReader
-from heading_intercompare.bags.recovery import recover
 
 from .launch_files import Node
 from .test_graph_processes import DOMAIN, Processes
@@ -36,7 +34,10 @@ node = rclpy.create_node('sender')
 publishers = [node.create_publisher(Imu, topic, qos.HEADINGS_OUT) for topic in topics]
 stamp_ns = 10 ** 18 + np.arange(count) * (10 ** 9 // rate_hz)
 messages = [row.tobytes() for row in encode_imu(Headings.of(stamp_ns, np.full(count, 90.0)), 'x')]
+until_s = time.monotonic() + 30.0
 while min(p.get_subscription_count() for p in publishers) < 1:
+    if time.monotonic() > until_s:
+        raise SystemExit('nobody listens')
     time.sleep(0.01)
 began_s, sent = time.monotonic(), 0
 while sent < count:
@@ -94,23 +95,3 @@ def test_a_thousand_a_second_of_each_sensor_are_recorded_and_losses_counted(reco
         assert int(said[f'not_written.{topic}']) == 0
         assert kept + lost == count
         assert kept > count / 2
-
-
-def test_a_recorder_killed_under_way_loses_at_most_a_second(recording, tmp_path):
-    processes, bag = recording
-    with sender(20_000) as sending:
-        deadline_s = time.monotonic() + 30.0
-        while sum(each.stat().st_size for each in bag.glob('*.mcap')) < 100_000:
-            assert time.monotonic() < deadline_s
-            assert sending.poll() is None
-            time.sleep(0.005)
-        processes.signal(signal.SIGKILL)
-        killed_ns = time.time_ns()
-        sending.kill()
-    reader = BagReader(bag)
-    assert 'was not closed' in reader.incomplete
-    assert killed_ns - reader.end_ns < 1_000_000_000
-    kept = stamps(bag)
-    for topic in TOPICS:
-        assert (np.diff(kept[topic]) > 0).all()
-    assert recover(bag, tmp_path / 'new').messages == sum(map(len, kept.values()))

@@ -1,0 +1,194 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+How fast `recover` copies cut bags, next to reading their chunks and to the `mcap` library.
+
+Bags of Imu in which the file ends within a chunk: in large chunks as our simulator writes them,
+in a chunk each half second as our recorder does, and by the `mcap` library as `ros2 bag record`
+has it. They are recovered as they are, and with everything compressed anew. Measured in the same
+run, the shortest of several by turns: reading, decompressing and checksumming all chunks once;
+copying the file to the same disk; and copying the first messages one by one with `mcap`, the only
+other library in Python that reads and writes such files.
+
+Promises, where chunks are passed on as they are: at most 3 times reading, decompressing and
+checksumming the chunks if they are compressed with zstd; at most 3 times that and copying the file
+whatever they are compressed with; at least 10 times as fast as `mcap`. Exit code 1 if one is
+broken. Install the extra `fast` first.
+
+    python benchmarks/recover.py
+    python benchmarks/recover.py --bags large --compression zstd --count 8640000
+"""
+
+from __future__ import annotations
+
+import argparse
+from itertools import islice
+import os
+from pathlib import Path
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+from time import perf_counter
+from typing import NamedTuple
+
+from bag_reading import file_of, IMU, timed, WRITERS
+import lz4.frame
+from mcap.reader import NonSeekingReader
+from mcap.writer import Writer as McapWriter
+import zstandard
+
+from heading_intercompare.bags.checksum import crc32
+from heading_intercompare.bags.recovery import recover
+from heading_intercompare.bags.settings import BagSettings
+
+BAGS = ('large', 'live', 'mcap')
+CHUNKS_MOST, COPY_MOST, MCAP_LEAST = 3.0, 3.0, 10.0
+#: The `mcap` library takes too long to write more.
+MCAP_MOST = 400_000
+#: What is left of each file.
+SHARE = 0.99
+
+
+def chunks(path: Path) -> int:
+    """Read, decompress and checksum the whole chunks; return how many there are."""
+    head, fields, count = struct.Struct('<BQ'), struct.Struct('<QQQII'), 0
+    with open(file_of(path), 'rb') as file:
+        file.seek(8)
+        while len(opening := file.read(head.size)) == head.size:
+            opcode, length = head.unpack(opening)
+            if opcode != 6:
+                file.seek(length, 1)
+                continue
+            content = memoryview(file.read(length))
+            if len(content) < length:
+                break
+            _, _, size, crc, letters = fields.unpack_from(content)
+            packed = content[fields.size + letters + 8:]
+            kind = bytes(content[fields.size:fields.size + letters])
+            data = (zstandard.decompress(packed, size) if kind == b'zstd'
+                    else lz4.frame.decompress(packed) if kind == b'lz4' else packed)
+            if crc32(data) != crc:
+                raise ValueError('a chunk is damaged')
+            count += 1
+    return count
+
+
+def recovered(path: Path, target: Path, settings: BagSettings | None) -> int:
+    """Recover a bag into a folder that is removed before; return the number of messages."""
+    shutil.rmtree(target, ignore_errors=True)
+    return recover(path, target, settings).messages
+
+
+def copied(path: Path, target: Path) -> int:
+    """Copy the file to the disk; return its size."""
+    shutil.copyfile(file_of(path), target)
+    with open(target, 'rb') as file:
+        os.fsync(file.fileno())
+    return target.stat().st_size
+
+
+def by_mcap(path: Path, target: Path, most: int) -> float:
+    """Return the time a message of copying the first messages with `mcap`, seconds."""
+    with open(file_of(path), 'rb') as source, open(target, 'wb') as file:
+        writer, numbers = McapWriter(file), {}
+        writer.start('ros2')
+        begin, count = perf_counter(), 0
+        for schema, channel, message in islice(
+                NonSeekingReader(source, validate_crcs=True).iter_messages(log_time_order=False),
+                most):
+            if channel.id not in numbers:
+                number = writer.register_schema(schema.name, schema.encoding, schema.data)
+                numbers[channel.id] = writer.register_channel(
+                    channel.topic, channel.message_encoding, number, channel.metadata)
+            writer.add_message(numbers[channel.id], message.log_time, message.data,
+                               message.publish_time, message.sequence)
+            count += 1
+        writer.finish()
+        return (perf_counter() - begin) / count
+
+
+def peak_mb(path: Path, target: Path) -> float:
+    """Return the most memory that a process which recovers a bag has, MB."""
+    shutil.rmtree(target, ignore_errors=True)
+    code = ('import sys; from heading_intercompare.bags.recovery import recover; '
+            'recover(sys.argv[1], sys.argv[2]); '
+            'print(open("/proc/self/status").read().partition("VmHWM:")[2].split()[0])')
+    done = subprocess.run([sys.executable, '-c', code, str(path), str(target)], check=True,
+                          text=True, stdout=subprocess.PIPE)
+    return int(done.stdout) / 1024
+
+
+class Measured(NamedTuple):
+    """What was measured of a bag: times in seconds, memory in MB, bytes of its file."""
+
+    messages: int
+    size: int
+    ours: float
+    chunks: float
+    copy: float
+    anew: float
+    mcap: float
+    memory: float
+
+    @property
+    def ratios(self) -> tuple[float, float, float]:
+        """How many times longer than chunks, than chunks and a copy we take; `mcap` than we."""
+        return (self.ours / self.chunks, self.ours / (self.chunks + self.copy),
+                self.mcap * self.messages / self.ours)
+
+
+def measure(folder: Path, name: str, packed: str, count: int, most: int) -> Measured:
+    """Write a bag of some kind, cut it and recover it."""
+    path, target = folder / 'bag', folder / 'new'
+    WRITERS[name](path, min(count, MCAP_MOST) if name == 'mcap' else count, IMU, packed)
+    size = int(SHARE * file_of(path).stat().st_size)
+    os.truncate(file_of(path), size)
+    messages = recovered(path, target, None)
+    works = (lambda: recovered(path, target, None), lambda: chunks(path),
+             lambda: copied(path, folder / 'copy.mcap'))
+    times = [min(taken) for taken in zip(*([timed(work) for work in works]
+                                           for _ in range(5 if messages < 2_000_000 else 3)))]
+    other = BagSettings(compression='lz4' if packed == 'zstd' else 'zstd')
+    return Measured(messages, size, *times, timed(lambda: recovered(path, target, other)),
+                    by_mcap(path, folder / 'peer.mcap', most), peak_mb(path, target))
+
+
+def main() -> int:
+    """Print a row for each bag; return 1 if a promise is broken."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[1])
+    parser.add_argument('--count', type=int, default=1_200_000, help='headings in all')
+    parser.add_argument('--bags', nargs='+', default=list(BAGS), choices=list(BAGS))
+    parser.add_argument('--compression', nargs='+', default=['zstd', 'lz4', 'none'])
+    parser.add_argument('--peer', type=int, default=50_000, metavar='N',
+                        help='messages after which copying with mcap is stopped')
+    parser.add_argument('--folder', help='where the bags are written; else that of tempfile')
+    options = parser.parse_args()
+    print('seconds of recovering, of reading all chunks, of copying the file, of recovering with '
+          'all\ncompressed anew; how many times longer we take than chunks, than chunks and a '
+          'copy, and mcap\nthan we; the most memory')
+    print(f'{"bag":7s}{"packed":7s}{"messages":>9s}{"MB":>6s}{"recover":>9s}{"chunks":>8s}'
+          f'{"copy":>7s}{"anew":>7s}{"/chunks":>9s}{"/both":>7s}{"mcap":>7s}{"peak MB":>9s}')
+    broken = []
+    for name in options.bags:
+        for packed in options.compression:
+            with tempfile.TemporaryDirectory(dir=options.folder) as folder:
+                found = measure(Path(folder), name, packed, options.count // 2 * 2, options.peer)
+            of_chunks, of_both, of_mcap = found.ratios
+            print(f'{name:7s}{packed:7s}{found.messages:9d}{found.size / 1e6:6.0f}'
+                  f'{found.ours:9.2f}{found.chunks:8.2f}{found.copy:7.2f}{found.anew:7.2f}'
+                  f'{of_chunks:9.2f}{of_both:7.2f}{of_mcap:7.1f}{found.memory:9.0f}', flush=True)
+            if (of_mcap < MCAP_LEAST or of_both > COPY_MOST
+                    or (packed == 'zstd' and of_chunks > CHUNKS_MOST)):
+                broken.append(f'{name} {packed}')
+    print(f'promises: /chunks at most {CHUNKS_MOST:.0f} (zstd), /both at most {COPY_MOST:.0f}, '
+          f'mcap at least {MCAP_LEAST:.0f}')
+    for each in broken:
+        print(f'broken for {each}')
+    return 1 if broken else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
