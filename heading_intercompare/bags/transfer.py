@@ -197,8 +197,7 @@ class _Copying:
         if key not in self._same:
             self._same[key] = chunk.definitions <= self._bag.chunks.defined and all(
                 self._numbers.get((epoch, number)) == number for number, _ in chunk.counts)
-        return self._same[key] and chunk.plain and not (
-            chunk.definitions and self._found.definitions.within(chunk.start))
+        return self._same[key] and chunk.plain
 
     def _gather(self, chunk: Chunk, epoch: int) -> None:
         torn = self._found.definitions.within(chunk.start)

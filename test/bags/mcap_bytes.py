@@ -82,11 +82,12 @@ def chunk(*records: bytes, compression: str = 'zstd', crc: int | None = None,
           times: tuple[int, int] | None = None, size: int | None = None) -> bytes:
     """Return a chunk without indexes; its checksum, times and size are right unless given."""
     data = b''.join(records)
-    logs = [log for entries in entries_of(data).values() for log, _ in entries]
-    first, last = times or (min(logs, default=0), max(logs, default=0))
+    if times is None:
+        logs = [log for entries in entries_of(data).values() for log, _ in entries]
+        times = min(logs, default=0), max(logs, default=0)
     return record(mcap.Chunk(
-        compression=compression, data=PACK[compression](data), message_start_time=first,
-        message_end_time=last, uncompressed_crc=zlib.crc32(data) if crc is None else crc,
+        compression=compression, data=PACK[compression](data), message_start_time=times[0],
+        message_end_time=times[1], uncompressed_crc=zlib.crc32(data) if crc is None else crc,
         uncompressed_size=len(data) if size is None else size))
 
 

@@ -313,7 +313,7 @@ def test_a_chunk_that_claims_gigabytes_takes_no_memory(compression, place, tmp_p
 
 def test_heads_of_chunks_within_heads_of_chunks_do_not_take_forever(tmp_path):
     """Each claims all that is behind it, and all would have to be read for each."""
-    room = 61 * 20_000
+    room = 61 * 60_000
     heads = b''.join(
         b'\x06' + struct.pack('<QQQQIIQ', room - i - 9, 1, 2, room - i - 49, 1, 0, room - i - 49)
         + b'\x03' + bytes(11) for i in range(0, room, 61))

@@ -362,6 +362,14 @@ def test_a_number_that_gets_another_meaning_has_it_from_there_on(tmp_path, again
                                *as_sent(later, 4000)]
 
 
+def test_a_number_can_get_its_first_meaning_back(tmp_path):
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()),
+                 indexed(channel(1, '/c'), *ten(begin=2000)),
+                 indexed(channel(1, '/a'), *ten(begin=3000)), indexed(*ten(begin=4000)))
+    assert recovered(path) == [*as_sent(), *as_sent(('/c', '/b'), 2000), *as_sent(begin=3000),
+                               *as_sent(begin=4000)]
+
+
 def test_a_number_that_a_definition_without_checksum_contradicts_keeps_its_meaning(tmp_path):
     path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), channel(1, '/c'),
                  indexed(channel(2, '/d'), *ten(begin=2000), crc=0))
@@ -465,6 +473,30 @@ def test_messages_of_channels_that_are_not_defined_are_counted(tmp_path, strange
         total.notes)
 
 
+def test_of_a_chunk_with_wrong_records_the_first_are_kept_and_the_others_counted(tmp_path):
+    """Without a checksum; how many messages it had is known from the indexes behind it."""
+    records = b''.join(ten())
+    at = entries_of(records)[1][3][1]
+    wrong = records[:at + 8] + b'\x7f' + records[at + 9:]
+    behind = b''.join(message_index(*row) for row in entries_of(records).items())
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten(begin=500)),
+                 chunk(wrong, crc=0, times=(1000, 1090)) + behind)
+    assert recovered(path) == as_sent(begin=500) + as_sent()[:6]
+    total = recover(path, tmp_path / 'again')
+    assert (total.messages_lost, total.chunks_lost) == (4, 1)
+
+
+def test_records_do_not_reach_from_one_chunk_into_the_next(tmp_path):
+    """Joined they would be in order; each for itself they are not."""
+    records = b''.join(ten(begin=2000))
+    at = entries_of(records)[1][2][1] + 20
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()),
+                 chunk(records[:at], crc=0, times=(2000, 2090)),
+                 chunk(records[at:], crc=0, times=(2000, 2090)), indexed(*ten(begin=3000)))
+    assert recovered(path) == as_sent() + as_sent(begin=2000)[:4] + as_sent(begin=3000)
+    assert recover(path, tmp_path / 'again').chunks_lost == 2
+
+
 def test_records_that_do_not_belong_in_a_chunk_are_left_out(tmp_path):
     path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), indexed(
         *ten(begin=2000), b'\x0c' + bytes([8]) + bytes(15), b'\x90' + bytes(8)))
@@ -510,12 +542,16 @@ def test_messages_outside_chunks_are_kept_up_to_the_one_in_which_the_file_ends(t
     assert recovered(path) == as_sent()
 
 
-def test_files_whose_numbers_differ_are_joined(tmp_path):
+@pytest.mark.parametrize('first', [(1, 2), (300, 258)])
+@pytest.mark.parametrize('second', [(3, 1), (1000, 300)])
+def test_files_whose_numbers_differ_are_joined(tmp_path, first, second):
     (tmp_path / 'bag').mkdir()
-    write(tmp_path / 'bag' / 'bag_0.mcap', indexed(*TWO, *ten()), indexed(*ten(begin=2000)))
-    write(tmp_path / 'bag' / 'bag_1.mcap',
-          indexed(schema(4), channel(1, '/c', 4), channel(3, '/a', 4), *ten((3, 1), 3000)),
-          indexed(*ten((3, 1), 4000)))
+    write(tmp_path / 'bag' / 'bag_0.mcap',
+          indexed(schema(1), channel(first[0], '/a'), channel(first[1], '/b'), *ten(first)),
+          indexed(*ten(first, 2000)))
+    write(tmp_path / 'bag' / 'bag_1.mcap', indexed(
+        schema(4), channel(second[1], '/c', 4), channel(second[0], '/a', 4), *ten(second, 3000)),
+        indexed(*ten(second, 4000)))
     assert recovered(tmp_path / 'bag') == [*as_sent(), *as_sent(begin=2000),
                                            *as_sent(('/a', '/c'), 3000),
                                            *as_sent(('/a', '/c'), 4000)]
