@@ -75,7 +75,7 @@ class BagWriter:
     >>> from heading_intercompare.bags.cdr import encode
     >>> folder = tempfile.TemporaryDirectory()
     >>> with BagWriter(folder.name + '/trial') as bag:
-    ...     bag.add_topic('/remark', 'std_msgs/msg/String')
+    ...     _ = bag.add_topic('/remark', 'std_msgs/msg/String')
     ...     bag.write('/remark', encode('std_msgs/msg/String', {'data': 'all fast'}), 10**18)
     >>> sorted(file.name for file in bag.path.iterdir())
     ['metadata.yaml', 'trial_0.mcap']
