@@ -480,8 +480,8 @@ def test_of_a_chunk_with_wrong_records_the_first_are_kept_and_the_others_counted
     wrong = records[:at + 8] + b'\x7f' + records[at + 9:]
     behind = b''.join(message_index(*row) for row in entries_of(records).items())
     path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten(begin=500)),
-                 chunk(wrong, crc=0, times=(1000, 1090)) + behind)
-    assert recovered(path) == as_sent(begin=500) + as_sent()[:6]
+                 chunk(wrong, crc=0, times=(1000, 1090)) + behind, indexed(*ten(begin=2000)))
+    assert recovered(path) == as_sent(begin=500) + as_sent()[:6] + as_sent(begin=2000)
     total = recover(path, tmp_path / 'again')
     assert (total.messages_lost, total.chunks_lost) == (4, 1)
 
@@ -570,6 +570,7 @@ def test_one_name_with_and_without_slash_and_of_two_types_becomes_two_topics(tmp
         schema(1), schema(2, 'b/msg/B', b'int32 x\n'), channel(1, 'a', 1), channel(2, '/a', 2),
         *ten()))
     assert recovered(path) == as_sent(('/a', '/a_b'))
+    assert 'x.mcap: /a is also b/msg/B: kept as /a_b' in recover(path, tmp_path / 'again').notes
 
 
 def test_two_schemas_of_one_name_stay_two(tmp_path):
