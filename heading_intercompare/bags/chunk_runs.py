@@ -25,8 +25,8 @@ from .summary import ENTRY_BYTES, INDEX_HEAD
 
 __all__ = ['Chunk', 'ChunkRun', 'ChunkRuns', 'counted', 'Counts', 'records_of']
 
-#: Small chunks are looked at together until their records are so long.
-_RUN_BYTES = 2**20
+#: Small chunks are looked at together until their records are so long, or they are so many.
+_RUN_BYTES, _RUN_CHUNKS = 2**20, 256
 #: Records of a chunk that claims more are decompressed by pieces.
 _LARGE = 2**26
 _INDEX_LEAST = 6
@@ -164,7 +164,7 @@ class ChunkRuns:
         parts: list[_Part] = []
         size = 0
         end = self._size if end is None else end
-        while size < _RUN_BYTES and at < end:
+        while size < _RUN_BYTES and len(parts) < _RUN_CHUNKS and at < end:
             part = self._part(at, _RUN_BYTES - size if parts else CHUNK_BYTES)
             if part is None:
                 break

@@ -46,7 +46,8 @@ _TELLING = (*_CHECKED, Opcode.HEADER, Opcode.METADATA, Opcode.MESSAGE_INDEX, Opc
             Opcode.DATA_END, Opcode.FOOTER)
 #: No record of `_SMALL` is believed that claims to be larger.
 _SMALL_BYTES = 2**26
-_WINDOW_BYTES = 2**22
+#: Records are looked for in so many bytes first, then in more at once.
+_FIRST_BYTES, _WINDOW_BYTES = 2**12, 2**22
 #: Read at once where little is asked for.
 _AHEAD_BYTES = 2**18
 #: Messages outside chunks are taken by this many bytes.
@@ -333,9 +334,10 @@ class Salvage:
 
     def _search(self, at: int, end: int, opcodes: tuple[int, ...]) -> int:
         """Return where between two bytes one of these records proves itself; `end` if nowhere."""
-        barred = 0
+        barred, window_bytes = 0, _FIRST_BYTES
         while at < end:
-            step = min(_WINDOW_BYTES, end - at)
+            step = min(window_bytes, end - at)
+            window_bytes = min(4 * window_bytes, _WINDOW_BYTES)
             self._file.seek(at)
             window = self._file.read(step + HEAD.size - 1)
             for place in candidates(window, self.size - at, opcodes).tolist():
