@@ -323,3 +323,14 @@ def test_heads_of_chunks_within_heads_of_chunks_do_not_take_forever(tmp_path):
     total = recover(path, tmp_path / 'new')
     assert time.monotonic() - began_s < 30.0
     assert total.messages == 2 * sum(messages(2).values())
+
+
+def test_many_small_gaps_do_not_take_forever(tmp_path):
+    """Behind each the next record is near, and only what is near is searched."""
+    piece = b'\0\x0f' + struct.pack('<QI', 4, 0)
+    path = tmp_path / 'x.mcap'
+    path.write_bytes(unfinished(2) + 3000 * piece + bytes(10**7))
+    began_s = time.monotonic()
+    total = recover(path, tmp_path / 'new')
+    assert time.monotonic() - began_s < 30.0
+    assert total.messages == sum(messages(2).values()) and len(total.notes) == 100
