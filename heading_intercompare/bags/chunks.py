@@ -11,7 +11,7 @@ import lz4.frame
 import numpy as np
 import zstandard
 
-from .blocks import Block, block_of
+from .blocks import Block, block_of, HEAD
 from .checksum import crc32
 from .errors import BagError
 
@@ -167,7 +167,7 @@ class Gathering:
                 raise BagError('chunk damaged: it ends early')
         _check(head, into)
         if not self:
-            self._offset = at
+            self._offset = at - HEAD.size
         self._usable = self._usable and not self._awaited
         self._awaited = True
         self._base, self.size, self.end = self.size, self.size + head.size, at + length

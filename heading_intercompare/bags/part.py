@@ -9,12 +9,13 @@ to where it breaks off; from then on it is as if it ended there.
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from io import BytesIO
 import os
 from pathlib import Path
 import re
 import struct
-from typing import Iterator, TypeVar
+from typing import Iterator, NamedTuple, TypeVar
 import zlib
 
 from mcap import records as mcap
@@ -27,14 +28,23 @@ from .blocks import Block, HEAD, Record, walk
 from .errors import BagError
 from .stream import MAGIC, RecordStream
 
-__all__ = ['mcap_files', 'parsed', 'Part']
+__all__ = ['mcap_files', 'parsed', 'Part', 'Stretch']
 
 _FOOTER = HEAD.size + 20
 _BUFFER_BYTES = 131072
-#: Blocks have at least this many bytes unless the file ends.
+#: Blocks have at least this many bytes unless the file ends, stretches so many blocks.
 _BLOCK_BYTES = 3145728
+_STRETCH_BLOCKS = 4
 
 _AnyRecord = TypeVar('_AnyRecord', bound=mcap.McapRecord)
+
+
+class Stretch(NamedTuple):
+    """Bytes of a file between which whole records are, and their size when decompressed."""
+
+    begin: int
+    end: int
+    size: int
 
 
 def _naturally(path: Path) -> list:
@@ -130,6 +140,8 @@ class Part:
         #: Between these bytes are the records, at those the metadata and attachments.
         self._begin = self._end = len(MAGIC)
         self._extras: list[int] = []
+        #: Where chunks begin, and their sizes when decompressed.
+        self._chunks: list[tuple[int, int]] = []
 
     def _read_summary(self, stream: RecordStream) -> bool:
         """Take the contents from the end of the file; False if it is not all there."""
@@ -164,6 +176,9 @@ class Part:
                 self._extras.append(parsed(mcap.MetadataIndex, content).offset)
             elif record.opcode == Opcode.ATTACHMENT_INDEX:
                 self._extras.append(parsed(mcap.AttachmentIndex, content).offset)
+            elif record.opcode == Opcode.CHUNK_INDEX:
+                self._chunks.append((int.from_bytes(content[16:24], 'little'),
+                                     int.from_bytes(content[-8:], 'little')))
             else:
                 self._take_definition(record.opcode, content)
         if statistics is None:
@@ -220,6 +235,7 @@ class Part:
                                'are all there')
 
     def _take_block(self, block: Block) -> None:
+        self._chunks.append((block.offset, len(block.data)))
         for record in block.others:
             content = bytes(block.data[record.start:record.start + record.length])
             self._take_definition(record.opcode, content)
@@ -231,6 +247,25 @@ class Part:
         first, last = int(log.min()), int(log.max())
         self.start_ns = first if self.start_ns is None else min(self.start_ns, first)
         self.end_ns = last if self.end_ns is None else max(self.end_ns, last)
+
+    def stretches(self) -> list[Stretch]:
+        """
+        Return the bytes of all messages divided into stretches that can be read by themselves.
+
+        A stretch has a few blocks; more if it is not known where it could be divided. If the index
+        of the file is wrong, a stretch may begin or end within a record.
+        """
+        cuts, size = [(self._begin, 0)], 0
+        for begin, length in sorted(self._chunks):
+            if size >= _STRETCH_BLOCKS * _BLOCK_BYTES and cuts[-1][0] < begin < self._end:
+                cuts.append((begin, size))
+                size = 0
+            size += length
+        if not self._chunks:
+            size = self._end - self._begin
+        ends = [begin for begin, _ in cuts[1:]] + [self._end]
+        sizes = [size for _, size in cuts[1:]] + [size]
+        return [Stretch(begin, end, size) for (begin, _), end, size in zip(cuts, ends, sizes)]
 
     def blocks(self, start_ns: int = 0, stop_ns: int = 2**64) -> Iterator[Block]:
         """
@@ -245,24 +280,44 @@ class Part:
 
         """
         count = 0
+        with self.opened() as stream:
+            for block in self.blocks_of(stream, self._begin, None, start_ns, stop_ns):
+                count += len(block.start)
+                yield block
+        if start_ns <= 0 and stop_ns >= 2**64:
+            self.check_count(count)
+
+    @contextmanager
+    def opened(self) -> Iterator[RecordStream]:
+        """Have the file open."""
         with open(self.path, 'rb', _BUFFER_BYTES) as file:
-            try:
-                for piece, _ in RecordStream(file).pieces(self._begin, self._end, _BLOCK_BYTES,
-                                                          start_ns, stop_ns):
-                    if isinstance(piece, Block):
-                        count += len(piece.start)
-                        yield piece
-            except BagError as error:
-                raise error.at(self.path, error.offset) from None
+            yield RecordStream(file)
+
+    def blocks_of(self, stream: RecordStream, begin: int, end: int | None = None,
+                  start_ns: int = 0, stop_ns: int = 2**64) -> Iterator[Block]:
+        """
+        Yield the messages of the opened file between two bytes or up to the end, in file order.
+
+        A block is valid until the next one is asked for. BagError as of `blocks`.
+        """
+        try:
+            end = self._end if end is None else end
+            for piece, _ in stream.pieces(begin, end, _BLOCK_BYTES, start_ns, stop_ns):
+                if isinstance(piece, Block):
+                    yield piece
+        except BagError as error:
+            raise error.at(self.path, error.offset) from None
+
+    def check_count(self, count: int) -> None:
+        """Raise BagError if it is not so many messages that the file has by its index."""
         expected = sum(self.counts.values())
-        if count != expected and start_ns <= 0 and stop_ns >= 2**64:
+        if count != expected:
             raise BagError(f'damaged: {count} messages where its index says {expected}',
                            self.path)
 
     def extras(self) -> Iterator[mcap.Metadata | mcap.Attachment]:
         """Yield metadata and attachments in file order; BagError if one is damaged."""
-        with open(self.path, 'rb', _BUFFER_BYTES) as file:
-            stream = RecordStream(file)
+        with self.opened() as stream:
             for at in sorted(self._extras):
                 try:
                     record = stream.record(at)

@@ -4,22 +4,24 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import dataclass
+from itertools import groupby
 import os
 from pathlib import Path
 from typing import Iterable, Iterator, Mapping, NamedTuple, Sequence
 
 from mcap.records import Attachment as McapAttachment, Metadata as McapMetadata
-import numpy as np
 
 from heading_intercompare.core.records import Headings
 
 from .ahead import ahead
 from .bag_yaml import listed_parts, Qos
-from .blocks import Block
+from .decoding import Decoded, Decoder, Kind
 from .errors import BagError
 from .fields import full_name
-from .heading_messages import decode_headings, HEADING_TYPES
+from .heading_messages import HEADING_TYPES
+from .helpers import decoded, Task
 from .part import mcap_files, Part
 from .schemas import layout_problem
 from .window import Window
@@ -67,31 +69,6 @@ class Attachment:
     media_type: str
     log_time_ns: int
     data: bytes
-
-
-def _places(part: Part, topics: Sequence[str], which: Iterable[int]) -> np.ndarray:
-    """Return for every channel the place of its topic among some of these, else -1."""
-    places = np.full(2**16, -1, np.int16)
-    for place in which:
-        for number, channel in part.channels.items():
-            if channel.topic == topics[place]:
-                places[number] = place
-    return places
-
-
-#: Which messages are of a kind, of which topic each is, and the headings.
-_Found = tuple[np.ndarray | slice, np.ndarray, Headings]
-
-
-def _found(block: Block, type_name: str, convention: str, place_of: np.ndarray) -> _Found:
-    """Return the headings in a block of the channels that have a place."""
-    place = place_of[block.heads['channel']]
-    which = slice(None)
-    if (place < 0).any():
-        which = np.flatnonzero(place >= 0)
-        place = place[which]
-    return which, place, decode_headings(type_name, convention, block.data, block.start[which],
-                                         block.stop[which])
 
 
 def _opened(path: Path) -> tuple[list[Part], list[str]]:
@@ -184,7 +161,8 @@ class BagReader:
         cut = f' ({self.incomplete})' if self.incomplete else ''
         raise BagError(f'has no topic {topic!r}; it has {present or "no topics"}{cut}', self.path)
 
-    def headings(self, conventions: Mapping[str, str]) -> Iterator[dict[str, Headings]]:
+    def headings(self, conventions: Mapping[str, str],
+                 helpers: int = 0) -> Iterator[dict[str, Headings]]:
         """
         Return an iterator over the headings of some topics.
 
@@ -192,6 +170,10 @@ class BagReader:
         ----------
         conventions : mapping of str to {'enu', 'ned'}
             World axes of the orientations, by topic.
+        helpers : int
+            Processes that decode beside this one, for large bags; what comes is the same. None
+            are started where a process should not be copied: while other threads run, in a worker
+            of `multiprocessing`, on other systems than Linux.
 
         Returns
         -------
@@ -211,7 +193,7 @@ class BagReader:
             if convention not in ('enu', 'ned'):
                 raise BagError(f"convention of topic {topic} = {convention!r}: use 'enu' or "
                                "'ned'", self.path)
-        return self._headings(conventions)
+        return self._headings(conventions, helpers)
 
     def _check_heading(self, asked: str, topic: str) -> None:
         kind = self.topics[topic].type_name
@@ -230,30 +212,51 @@ class BagReader:
                 if problem:
                     raise BagError(f'topic {topic} ({kind}) cannot be read: {problem}', part.path)
 
-    def _headings(self, conventions: Mapping[str, str]) -> Iterator[dict[str, Headings]]:
+    def _headings(self, conventions: Mapping[str, str],
+                  helpers: int) -> Iterator[dict[str, Headings]]:
         wanted = {asked: (self.resolve(asked), convention)
                   for asked, convention in conventions.items()}
         once = list(dict.fromkeys(wanted.values()))
-        for minute in ahead(self._minutes(once)):
+        minutes = self._minutes(once, helpers)
+        # A thread that is ahead serves those who have no helper.
+        for minute in minutes if helpers else ahead(minutes):
             found = dict(zip(once, minute))
             yield {asked: found[each] for asked, each in wanted.items()}
 
-    def _minutes(self, wanted: Sequence[tuple[str, str]]) -> Iterator[list[Headings]]:
+    def _minutes(self, wanted: Sequence[tuple[str, str]],
+                 helpers: int) -> Iterator[list[Headings]]:
         """Yield the headings of topics by minutes; those alike, but for their name, as one."""
-        topics = [topic for topic, _ in wanted]
-        alike: dict[tuple[str, str], list[int]] = {}
+        places: dict[tuple[str, str], dict[str, int]] = {}
         for place, (topic, convention) in enumerate(wanted):
-            alike.setdefault((self.topics[topic].type_name, convention), []).append(place)
-        window = Window(len(topics))
-        for part in self._parts:
-            places = {kind: _places(part, topics, which) for kind, which in alike.items()}
-            for block in part.blocks():
-                try:
-                    found = [_found(block, *kind, place_of) for kind, place_of in places.items()]
-                except BagError as error:
-                    raise error.at(part.path, block.offset) from None
-                yield from window.add(block.heads['log_time'].copy(), found)
+            places.setdefault((self.topics[topic].type_name, convention), {})[topic] = place
+        window = Window(len(wanted))
+        for block in self._decoded([Kind(*alike, of) for alike, of in places.items()], helpers):
+            yield from window.add(block.found)
         yield from window.rest()
+
+    def _decoded(self, kinds: Sequence[Kind], helpers: int) -> Iterator[Decoded]:
+        """Yield the files block by block."""
+        tasks = [Task(number, stretch) for number, part in enumerate(self._parts)
+                 for stretch in part.stretches()]
+        with Decoder(self._parts, kinds) as decoder, closing(
+                decoded(decoder, tasks, helpers)) as results:
+            of_parts = groupby(zip(tasks, results), lambda found: found[0].number)
+            for number, stretches in of_parts:
+                yield from self._whole(decoder, number, stretches)
+
+    def _whole(self, decoder: Decoder, number: int,
+               stretches: Iterable[tuple[Task, list[Decoded] | None]]) -> Iterator[Decoded]:
+        """Yield the blocks of a file; BagError where it is damaged."""
+        count = 0
+        for (_, stretch), blocks in stretches:
+            # Damaged, large, or not where the index says: from there on block by block.
+            alone = blocks is None
+            for block in decoder.blocks(number, stretch.begin) if alone else blocks:
+                count += block.count
+                yield block
+            if alone:
+                break
+        self._parts[number].check_count(count)
 
     def messages(self, topics: Iterable[str] | None = None, start_ns: int = 0,
                  stop_ns: int = 2**64) -> Iterator[BagMessage]:

@@ -35,10 +35,11 @@ class RecordStream:
 
     def __init__(self, file: BinaryIO) -> None:
         self._file = file
+        self._chunks = Gathering()
         self.size = file.seek(0, os.SEEK_END)
 
-    def record(self, at: int) -> Record:
-        """Return the record at a byte and leave the file behind its head."""
+    def record(self, at: int, end: int | None = None) -> Record:
+        """Return the record at a byte, which ends by another; leave the file behind its head."""
         self._file.seek(at)
         head = self._file.read(HEAD.size)
         if len(head) < HEAD.size:
@@ -46,7 +47,7 @@ class RecordStream:
         opcode, length = HEAD.unpack(head)
         if not opcode:
             raise BagError('no record begins', offset=at)
-        if at + HEAD.size + length > self.size:
+        if at + HEAD.size + length > (self.size if end is None else end):
             raise BagError('a record ends early', offset=at)
         return Record(opcode, at + HEAD.size, length)
 
@@ -68,12 +69,12 @@ class RecordStream:
         """
         Yield blocks and other records, each with the byte behind it, up to the end of the data.
 
-        A block is valid until the next piece is asked for.
+        A block is valid until the next piece is asked for, here or of another call.
 
         Parameters
         ----------
         at, end : int
-            Bytes of the file between which the records are.
+            Bytes of the file between which the records are; one begins at either.
         least : int
             Chunks are joined to a block until they have this many bytes, for speed.
         start_ns, stop_ns : int
@@ -85,10 +86,11 @@ class RecordStream:
             At the first record that cannot be read, after all that is before it.
 
         """
-        chunks, wanted = Gathering(), False
+        chunks, wanted = self._chunks, False
+        chunks.clear()
         while at < end:
             try:
-                record = self.record(at)
+                record = self.record(at, end)
             except BagError:
                 if chunks:
                     yield chunks.block(), chunks.end

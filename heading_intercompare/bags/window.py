@@ -10,9 +10,16 @@ import numpy as np
 
 from heading_intercompare.core.records import Headings
 
+from .decoding import Found
+
 __all__ = ['Window']
 
 _MINUTE_NS = 60_000_000_000
+
+
+def _changes(values: np.ndarray) -> np.ndarray:
+    """Return the first value and each that differs from the one before."""
+    return values[np.append(True, values[1:] != values[:-1])]
 
 
 class Window:
@@ -34,45 +41,26 @@ class Window:
         self._parts: list[tuple[np.ndarray, Headings]] = []
         self._first, self._last = 2**63, -1
 
-    def add(self, log_time_ns: np.ndarray,
-            found: Sequence[tuple[np.ndarray | slice, np.ndarray, Headings]]
-            ) -> Iterator[list[Headings]]:
-        """
-        Take a block; yield minutes, each with all topics in their order.
-
-        Parameters
-        ----------
-        log_time_ns : ndarray of int64, shape (n,)
-            Of the messages of the block.
-        found : sequence
-            Some of them at a time, each topic always in the same place of the sequence: which
-            they are, of which topic each is, and its heading.
-
-        """
-        if not len(log_time_ns):
+    def add(self, found: Sequence[Found]) -> Iterator[list[Headings]]:
+        """Take the headings of a block by kind; yield minutes, each with all topics in order."""
+        found = [each for each in found if len(each.place)]
+        if not found:
             return
-        first, last = int(log_time_ns.min()), int(log_time_ns.max())
+        first = min(int(each.log_time_ns.min()) for each in found)
+        last = max(int(each.log_time_ns.max()) for each in found)
         if max(last, self._last) - min(first, self._first) > _MINUTE_NS:
             yield from self.rest()
         if last - first <= _MINUTE_NS:
             self._first, self._last = min(first, self._first), max(last, self._last)
-            self._parts += [(place, headings) for _, place, headings in found]
+            self._parts += [(each.place, each.headings) for each in found]
             return
-        minutes = (log_time_ns - first) // _MINUTE_NS
-        found = [(minutes[which], place, headings) for which, place, headings in found]
-        if (minutes[1:] >= minutes[:-1]).all():
-            present = minutes[np.append(True, minutes[1:] != minutes[:-1])]
-            for minute in present:
-                rows = [slice(*np.searchsorted(of, (minute, minute + 1))) for of, _, _ in found]
-                yield self._rows_of(found, rows)
-        else:
-            for minute in np.unique(minutes):
-                yield self._rows_of(found, [of == minute for of, _, _ in found])
-
-    def _rows_of(self, found: Sequence[tuple[np.ndarray, np.ndarray, Headings]],
-                 rows: Sequence[np.ndarray | slice]) -> list[Headings]:
-        return self._by_topic([(place[row], headings[row])
-                               for row, (_, place, headings) in zip(rows, found)])
+        minutes = [(each.log_time_ns - first) // _MINUTE_NS for each in found]
+        rising = all((of[1:] >= of[:-1]).all() for of in minutes)
+        for minute in np.unique(np.concatenate([_changes(of) for of in minutes])):
+            yield self._by_topic([
+                (each.place[rows], each.headings[rows]) for each, rows in (
+                    (each, slice(*np.searchsorted(of, (minute, minute + 1))) if rising
+                     else of == minute) for each, of in zip(found, minutes))])
 
     def rest(self) -> Iterator[list[Headings]]:
         """Yield what has been collected, unless it is nothing."""

@@ -56,7 +56,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--ensemble-s', metavar='S', type=float, default=120.0,
                         help='length of an ensemble in seconds (default: 120)')
     parser.add_argument('--jobs', metavar='N', type=positive,
-                        help='processes for several large INPUTs (default: one for each core)')
+                        help='processes for several large INPUTs, or to read one (default: one '
+                        'for each core)')
     parser.add_argument('--dask', metavar='ADDRESS', help='judge the INPUTs on the workers of a '
                         'Dask scheduler, which see the same paths: tcp://HOST:8786, or its .json '
                         'file')

@@ -23,10 +23,12 @@ from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 
-__all__ = ['capped', 'cores', 'judge_inputs', 'positive', 'Workers']
+__all__ = ['capped', 'cores', 'judge_inputs', 'MOST_READERS', 'positive', 'Workers']
 
 #: Together smaller inputs are judged here: to start processes would take longer.
 _WORTH_BYTES = 100_000_000
+#: More processes would wait for the one that judges what they read.
+MOST_READERS = 4
 #: Sums of a linear algebra library with several threads depend on their number in the last bits;
 #: and where all cores are busy its threads only wait for each other.
 _ONE_THREAD = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
@@ -101,7 +103,8 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     sketched : bool
         Collect what the graphs of a report need.
     jobs : int, optional
-        Processes; one for each core by default. Where the inputs are small none is started.
+        Processes; one for each core by default. Where the inputs are small none is started. A
+        large bag alone is decoded by several, but judged by one.
     dask : str, optional
         Judge on the workers of this Dask scheduler: its address, or its file. It takes the inputs
         by their absolute paths, however small or few they are.
@@ -124,7 +127,8 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     job = Job(settings, table, sketched)
     if len(paths) == 1 and dask is None:
         with Progress(paths[0], quiet) as progress:
-            return [job.judge(paths[0], takers, progress.show)]
+            helpers = min(jobs or cores(), MOST_READERS) - 1
+            return [job.judge(paths[0], takers, progress.show, helpers=helpers)]
     with Progress(f'{len(paths)} inputs', quiet) as progress:
         if dask is not None:
             judged = _parallel(job, paths, _cluster(dask), progress)

@@ -11,7 +11,7 @@ from pathlib import Path
 import shutil
 from typing import Any
 
-from heading_intercompare.cli.inputs import analyze_input, describe
+from heading_intercompare.cli.inputs import analyze_input
 from heading_intercompare.cli.progress import Progress
 from heading_intercompare.cli.sameness import differences
 from heading_intercompare.cli.scenarios import read_scenario
@@ -72,9 +72,9 @@ def run(arguments: argparse.Namespace) -> int:
     settings = Settings.from_mapping(_SETTINGS)
     with Progress(bag, arguments.quiet) as progress:
         sketch = SeriesSketch(bag)
-        results, _ = analyze_input(bag, settings, None,
-                                   [partial(sketch.update, settings=settings)], progress.show)
-    offline = join(results, settings, [describe(bag, settings)]).to_dict()
+        results, _, described = analyze_input(
+            bag, settings, None, [partial(sketch.update, settings=settings)], progress.show)
+    offline = join(results, settings, [described]).to_dict()
     for name in ('offline.json', 'report.html'):
         write(offline, out / name, [sketch])
     print(verdict_text(offline))

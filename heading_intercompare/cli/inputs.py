@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Future, ThreadPoolExecutor
 import csv
 from datetime import datetime, timezone
 import hashlib
@@ -22,7 +23,7 @@ from heading_intercompare.core.pairing import rising
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 
-__all__ = ['analyze_input', 'describe', 'read_run_table', 'RunTable', 'sha256']
+__all__ = ['analyze_input', 'read_run_table', 'RunTable', 'sha256']
 
 RunTable = Sequence[tuple[int, int, str]]
 MARKER_TOPIC = 'compliance/marker'
@@ -30,7 +31,8 @@ MARKER_TOPIC = 'compliance/marker'
 
 def analyze_input(path: str, settings: Settings, table: RunTable | None,
                   takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
-                  *, name: str | None = None) -> tuple[list[RunResult], list[str]]:
+                  *, name: str | None = None,
+                  helpers: int = 0) -> tuple[list[RunResult], list[str], dict[str, Any]]:
     """
     Judge the runs of one input.
 
@@ -47,12 +49,16 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         Told what has been done.
     name : str, optional
         What results and notes call it, and the table of runs; `path` by default.
+    helpers : int
+        Processes that decode a bag beside this one.
 
     Returns
     -------
     results : list of RunResult
     notes : list of str
         What the user should know of the input: unfinished bag, no run.
+    described : dict
+        Its entry in the verdict: name, SHA-256, topics, operator's notes.
 
     Raises
     ------
@@ -66,15 +72,24 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
     runs = None if table is None else [
         (start, stop) for start, stop, source in table
         if source in ('', name, Path(name).name)]
-    if Path(path).suffix == '.csv':
-        return _analyze_csv(path, name, settings, runs, takers, progress), []
-    return _analyze_bag(path, name, settings, runs, takers, progress)
+    with ThreadPoolExecutor(1) as beside:
+        digest: list[Future[str]] = []
+
+        def all_read() -> None:
+            # Not earlier: helpers are started by a process that has one thread.
+            digest.append(beside.submit(sha256, path))
+        if Path(path).suffix == '.csv':
+            results, notes = _analyze_csv(path, name, settings, runs, takers, progress, all_read)
+        else:
+            results, notes = _analyze_bag(path, name, settings, runs, takers, progress, all_read,
+                                          helpers)
+        return results, notes, _described(path, name, settings, digest[0].result())
 
 
 def _analyze_csv(path: str, name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
-                 takers: Sequence[Callable[[Pairs], None]],
-                 progress: Callable[[str], None]) -> list[RunResult]:
+                 takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
+                 all_read: Callable[[], None]) -> tuple[list[RunResult], list[str]]:
     compliance = Compliance(settings, source=name, table=runs)
     ledger = Ledger()
     n, newest_ns = 0, None
@@ -94,16 +109,18 @@ def _analyze_csv(path: str, name: str, settings: Settings,
         for take in takers:
             take(pairs)
         progress(f'{n:,} pairs')
+    all_read()
     compliance.finish()
     for cut_ns in compliance.cuts:
         ledger.cut(cut_ns)
-    return compliance.results(ledger)
+    return compliance.results(ledger), []
 
 
 def _analyze_bag(path: str, name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
-                 takers: Sequence[Callable[[Pairs], None]],
-                 progress: Callable[[str], None]) -> tuple[list[RunResult], list[str]]:
+                 takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
+                 all_read: Callable[[], None],
+                 helpers: int) -> tuple[list[RunResult], list[str]]:
     comparison = Intercomparison(settings, source=name, table=runs)
     reader = BagReader(path)
     ts, rs = settings.ts_topic, settings.rs_topic
@@ -114,7 +131,7 @@ def _analyze_bag(path: str, name: str, settings: Settings,
     # To align a run takes all readings once more; else they are forgotten chunk by chunk.
     kept = {ts: [], rs: []} if settings.alignment.skew == 'apply' else {}
     n = 0
-    for chunk in reader.headings(conventions):
+    for chunk in reader.headings(conventions, helpers):
         for topic, chunks in kept.items():
             chunks.append(chunk[topic])
         pairs = comparison.update(ts=chunk[ts], rs=chunk[rs])
@@ -122,6 +139,7 @@ def _analyze_bag(path: str, name: str, settings: Settings,
         for take in takers:
             take(pairs)
         progress(f'{n:,} headings')
+    all_read()
     pairs = comparison.finish()
     for take in takers:
         take(pairs)
@@ -144,11 +162,10 @@ def _marks(reader: BagReader) -> Iterator[tuple[str, int]]:
             yield status['message'], stamp_ns
 
 
-def describe(path: str, settings: Settings) -> dict[str, Any]:
-    """Return the entry of an input in the verdict: path, SHA-256, topics, operator's notes."""
+def _described(path: str, name: str, settings: Settings, digest: str) -> dict[str, Any]:
     is_bag = Path(path).suffix != '.csv'
     notes = notes_in(BagReader(path)) if is_bag else []
-    return {'path': path, 'sha256': sha256(path),
+    return {'path': name, 'sha256': digest,
             'ts_topic': settings.ts_topic if is_bag else None,
             'rs_topic': settings.rs_topic if is_bag else None,
             **({'notes': [note._asdict() for note in notes]} if notes else {})}

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Callable, Iterable
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.cli.inputs import analyze_input, describe, RunTable
+from heading_intercompare.cli.inputs import analyze_input, RunTable
 from heading_intercompare.core.judge import RunResult
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
@@ -72,20 +72,20 @@ class Job:
 
     def judge(self, path: str, takers: Iterable[Callable[[Pairs], None]] = (),
               progress: Callable[[str], None] = lambda text: None, *,
-              place: str | None = None) -> Judged:
+              place: str | None = None, helpers: int = 0) -> Judged:
         """
         Judge one input; OSError and BagError if it cannot be read.
 
-        `place` is where to find it, if the path means something else here.
+        `place` is where to find it, if the path means something else here; `helpers` the number
+        of processes that decode beside this one.
         """
         takers = list(takers)
         place = place or path
         sketch = SeriesSketch(path) if self.sketched else None
         if sketch is not None:
             takers.append(partial(sketch.update, settings=self.settings))
-        results, notes = analyze_input(place, self.settings, self.table, takers, progress,
-                                       name=path)
-        described = {**describe(place, self.settings), 'path': path}
+        results, notes, described = analyze_input(place, self.settings, self.table, takers,
+                                                  progress, name=path, helpers=helpers)
         return Judged(path, results, notes, described, sketch)
 
     def survive(self, path: str, place: str | None = None) -> Judged:

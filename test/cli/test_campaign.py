@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare import Headings, Settings
+from heading_intercompare.bags import helpers
 from heading_intercompare.bags.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.bags.writer import BagWriter, Rows
@@ -67,6 +68,22 @@ def test_several_processes_judge_as_one_does(bags, capsys, monkeypatch):
     assert [run['source'] for run in parallel['runs']] == bags
     assert [given['path'] for given in parallel['inputs']] == bags
     assert parallel['outcome'] == 'compliant'
+
+
+def test_one_large_bag_is_decoded_by_several_processes_with_the_same_verdict(
+        bags, capsys, monkeypatch):
+    monkeypatch.setattr('heading_intercompare.bags.part._BLOCK_BYTES', 10_000)
+    monkeypatch.setattr(helpers, '_FEWEST', 6)
+    monkeypatch.setattr(helpers, 'active_count', lambda: 1)
+    monkeypatch.setattr(campaign, 'cores', lambda: 8)
+    begun = []
+    monkeypatch.setattr(helpers, '_Helper', lambda *args, begin=helpers._Helper: (
+        begun.append(args), begin(*args))[1])
+    alone, _ = judged(capsys, bags[0], '--jobs', '1')
+    assert not begun
+    together, said = judged(capsys, bags[0])
+    assert together == alone and said == ''
+    assert len(begun) == (3 if sys.platform == 'linux' else 0)
 
 
 @pytest.mark.parametrize('worth', [0, 10**9])
