@@ -51,7 +51,8 @@ class UsageError(ValueError):
     """The command line is wrong."""
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(argv: Sequence[str]) -> argparse.ArgumentParser:
+    """Return a parser; of the commands those that are not meant have no arguments."""
     parser = _Parser(prog=PROGRAM, description='Decide whether a heading sensor meets its '
                      'accuracy norm, by comparison with a reference sensor.')
     parser.add_argument('--version', action='version', version=f'{PROGRAM} {VERSION}')
@@ -61,7 +62,8 @@ def _parser() -> argparse.ArgumentParser:
             name, help=summary, description=summary[0].upper() + summary[1:] + '.',
             epilog=f'example: {PROGRAM} {example}')
         command.add_argument('--quiet', action='store_true', help='no progress, results only')
-        import_module(f'heading_intercompare.cli.{module}').add_arguments(command)
+        if name in argv:
+            import_module(f'heading_intercompare.cli.{module}').add_arguments(command)
     return parser
 
 
@@ -82,7 +84,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     """
     try:
-        parser = _parser()
+        argv = sys.argv[1:] if argv is None else argv
+        parser = _parser(argv)
         arguments = parser.parse_args(argv)
         if arguments.command is None:
             parser.print_help()

@@ -5,7 +5,10 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -165,3 +168,12 @@ def test_version_and_help_and_norms(capsys):
         main(['analyze', '--help'])
     assert 'example: heading-intercompare analyze' in capsys.readouterr().out
     assert main(['norms']) == 0 and 'imo_msc116' in capsys.readouterr().out
+
+
+def test_a_command_does_not_wait_for_what_another_needs():
+    code = ('import sys; from heading_intercompare.cli import main; main(["norms"]); '
+            'print([m for m in sys.modules if m.startswith("heading_intercompare.ahrs")])')
+    done = subprocess.run([sys.executable, '-c', code], stdout=subprocess.PIPE, text=True,
+                          check=True, timeout=120,
+                          env={**os.environ, 'PYTHONPATH': os.pathsep.join(sys.path)})
+    assert done.stdout.splitlines()[-1] == '[]'
