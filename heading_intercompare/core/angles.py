@@ -16,6 +16,10 @@ __all__ = ['circular_mean', 'heading_from_quaternion', 'quaternion_from_heading'
            'unwrap_deg', 'wrap180', 'wrap360']
 
 
+#: Angles whose functions are taken at once: what comes between stays in the cache.
+_PIECE = 32768
+
+
 def _within(angle: np.ndarray, lowest: float, below: float) -> bool:
     """Tell whether there are angles and all lie in a half-open range."""
     return angle.size > 0 and bool(angle.min() >= lowest) and bool(angle.max() < below)
@@ -142,10 +146,15 @@ def circular_mean(angle_deg: ArrayLike) -> tuple[float, float]:
     (0.0, 0.984808)
 
     """
-    angle = np.radians(np.asarray(angle_deg, dtype=np.float64))
+    angle = np.asarray(angle_deg, dtype=np.float64)
     if angle.size == 0:
         return float('nan'), float('nan')
-    c, s = float(np.cos(angle).mean()), float(np.sin(angle).mean())
+    c = s = 0.0
+    for lo in range(0, angle.size, _PIECE):
+        piece = np.radians(angle[lo:lo + _PIECE])
+        c += float(np.cos(piece).sum())
+        s += float(np.sin(piece).sum())
+    c, s = c / angle.size, s / angle.size
     length = min(1.0, float(np.hypot(c, s)))
     if length == 0.0:
         return float('nan'), 0.0

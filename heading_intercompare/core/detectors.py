@@ -191,13 +191,14 @@ def frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
     stamps = np.asarray(stamp_ns)
     if stamps.size < 2:
         return Frozen(0.0)
-    steps = np.abs(np.diff(np.asarray(heading_deg, dtype=np.float64)))
-    changed = (steps > _EQUAL_DEG) & (np.abs(steps - 360.0) > _EQUAL_DEG)
-    first = np.concatenate(([0], np.flatnonzero(changed) + 1))
-    last = np.concatenate((first[1:], [stamps.size])) - 1
+    steps = np.diff(np.asarray(heading_deg, dtype=np.float64))
+    np.abs(steps, out=steps)
+    repeats = np.flatnonzero((steps <= _EQUAL_DEG) | (steps >= 360.0 - _EQUAL_DEG))
+    begins = np.diff(repeats, prepend=-2) > 1
+    first, last = repeats[begins], repeats[np.append(begins[1:], True)[:begins.size]] + 1
     lasted = (stamps[last] - stamps[first]) / 1e9
-    longest = float(lasted.max())
-    long = np.flatnonzero((lasted >= least_s) & (last > first))
+    longest = float(lasted.max(initial=0.0))
+    long = np.flatnonzero(lasted >= least_s)
     if not long.size:
         return Frozen(longest)
     other = np.asarray(other_deg, dtype=np.float64)

@@ -97,8 +97,9 @@ def largest_empty_arc(heading_deg: ArrayLike) -> float | None:
 
 def _basis(heading_deg: np.ndarray) -> np.ndarray:
     psi = np.radians(heading_deg)
-    return np.stack((np.ones_like(psi), np.sin(psi), np.cos(psi), np.sin(2.0 * psi),
-                     np.cos(2.0 * psi)), axis=-1)
+    sine, cosine = np.sin(psi), np.cos(psi)
+    return np.stack((np.ones_like(psi), sine, cosine, 2.0 * sine * cosine,
+                     (cosine - sine) * (cosine + sine)), axis=-1)
 
 
 def _pieces(n: int, size: int) -> Iterator[slice]:

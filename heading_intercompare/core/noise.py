@@ -15,6 +15,7 @@ __all__ = ['allan_deviation', 'AllanDeviation', 'autocorrelation', 'CorrelationT
            'correlation_times', 'effective_size', 'geyer_time', 'sokal_times']
 
 _SEGMENT = 1 << 17
+_PIECE = 1 << 15
 _FIRST_LAGS = 4096
 _GROWTH = 8
 
@@ -257,6 +258,20 @@ class AllanDeviation:
     terms: np.ndarray
 
 
+def _square_steps(sums: np.ndarray, lag: int) -> float:
+    """Return the sum of squares of second differences; in pieces that stay in the cache."""
+    total, count = 0.0, sums.size - 2 * lag
+    for lo in range(0, count, _PIECE):
+        hi = min(lo + _PIECE, count)
+        middle = sums[lo + lag:hi + lag]
+        step = sums[lo + 2 * lag:hi + 2 * lag] - middle
+        step -= middle
+        step += sums[lo:hi]
+        step *= step
+        total += float(step.sum())
+    return total
+
+
 def allan_deviation(x: ArrayLike, rate_hz: float, tau_s: ArrayLike | None = None, *,
                     m: ArrayLike | None = None, overlapping: bool = True) -> AllanDeviation:
     """
@@ -302,10 +317,7 @@ def allan_deviation(x: ArrayLike, rate_hz: float, tau_s: ArrayLike | None = None
     sums = np.concatenate(([0.0], np.cumsum(x)))
     deviation, terms = np.empty(m.size), np.empty(m.size, dtype=np.int64)
     for at, span in enumerate(m.tolist()):
-        if overlapping:
-            steps = sums[2 * span:] - 2.0 * sums[span:-span] + sums[:-2 * span]
-        else:
-            steps = np.diff(sums[::span], n=2)
-        deviation[at] = np.sqrt(0.5 * np.mean(steps * steps)) / span
-        terms[at] = steps.size
+        lag, within = (span, sums) if overlapping else (1, sums[::span])
+        terms[at] = within.size - 2 * lag
+        deviation[at] = np.sqrt(0.5 * _square_steps(within, lag) / terms[at]) / span
     return AllanDeviation(m, m / rate_hz, deviation, terms)
