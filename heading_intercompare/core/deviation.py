@@ -21,7 +21,9 @@ WORST_CONDITION = 1e4
 """Largest condition number at which coefficients are given: headings all round give 2."""
 
 _TERMS = 5
-_PIECE = 1 << 16
+#: So many at once stay in the cache, and products of them in one thread: with several, one
+#: would wait for the other on a machine that is busy.
+_PIECE = 1 << 13
 _LEAST_SAMPLES = 64
 
 
@@ -96,17 +98,19 @@ def largest_empty_arc(heading_deg: ArrayLike) -> float | None:
 
 
 def _basis(heading_deg: np.ndarray) -> np.ndarray:
+    """Return the terms, a row each."""
     psi = np.radians(heading_deg)
-    sine, cosine = np.sin(psi), np.cos(psi)
-    return np.stack((np.ones_like(psi), sine, cosine, 2.0 * sine * cosine,
-                     (cosine - sine) * (cosine + sine)), axis=-1)
+    terms = np.empty((_TERMS, psi.size))
+    terms[0] = 1.0
+    sine, cosine = np.sin(psi, out=terms[1]), np.cos(psi, out=terms[2])
+    terms[3] = 2.0 * sine * cosine
+    terms[4] = (cosine - sine) * (cosine + sine)
+    return terms
 
 
-def _pieces(n: int, size: int) -> Iterator[slice]:
-    """Yield slices of whole blocks; the last may hold an incomplete one."""
-    step = max(1, _PIECE // size) * size
-    for lo in range(0, n, step):
-        yield slice(lo, min(n, lo + step))
+def _pieces(n: int) -> Iterator[slice]:
+    for lo in range(0, n, _PIECE):
+        yield slice(lo, min(n, lo + _PIECE))
 
 
 def deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
@@ -143,31 +147,35 @@ def deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
     size = block_size(n, 16)
     first = float(x[0])
     gram, right = np.zeros((_TERMS, _TERMS)), np.zeros(_TERMS)
-    for part in _pieces(n, size):
+    for part in _pieces(n):
         basis = _basis(psi[part])
-        gram += basis.T @ basis
-        right += basis.T @ (x[part] - first)
+        gram += basis @ basis.T
+        right += basis @ (x[part] - first)
     condition = float(np.linalg.cond(gram / n))
     if not condition <= WORST_CONDITION:
         return HeadingDependence(n, 'headings_too_narrow', arc,
                                  condition if math.isfinite(condition) else None)
     beta = np.linalg.solve(gram, right)
     sums, rss = [], 0.0
-    for part in _pieces(n, size):
+    # Both are powers of two: a block has whole pieces, or a piece whole blocks.
+    unit = min(size, _PIECE)
+    for part in _pieces(n):
         basis = _basis(psi[part])
-        residual = x[part] - first - basis @ beta
+        residual = x[part] - first - beta @ basis
         rss += float(residual @ residual)
-        whole = residual.size // size
-        basis *= residual[:, np.newaxis]
-        sums.append(basis[:whole * size].reshape(whole, size, _TERMS).sum(axis=1))
-    means = np.concatenate(sums) / size
+        whole = residual.size // unit
+        basis *= residual
+        sums.append(basis[:, :whole * unit].reshape(_TERMS, whole, unit).sum(axis=2))
+    units = np.concatenate(sums, axis=1)
+    whole = units.shape[1] // (size // unit)
+    means = units[:, :whole * (size // unit)].reshape(_TERMS, whole, -1).sum(axis=2).T / size
     dof = means.shape[0] - _TERMS
     inverse = np.linalg.inv(gram)
     scatter = np.cov(means, rowvar=False) * ((means.shape[0] - 1) / dof)
     covariance = inverse @ (n * size * scatter) @ inverse
     covariance = 0.5 * (covariance + covariance.T)
     f, p = _joint(beta[1:], covariance[1:, 1:], dof)
-    around = _basis(np.arange(0.0, 360.0, 0.5))[:, 1:] @ beta[1:]
+    around = beta[1:] @ _basis(np.arange(0.0, 360.0, 0.5))[1:]
     beta[0] += first
     return HeadingDependence(
         n, '', arc, condition, tuple(beta.tolist()),

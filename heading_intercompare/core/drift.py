@@ -20,7 +20,8 @@ __all__ = ['bic_of', 'blocked', 'HIGHEST_ORDER', 'Order', 'Polynomial', 'remove_
 HIGHEST_ORDER = 3
 """Largest order of a polynomial that may be removed."""
 
-_PIECE = 1 << 16
+#: Products of so many stay in one thread, as in `deviation`.
+_PIECE = 1 << 13
 _LEAST_BLOCKS = 64
 
 

@@ -18,7 +18,7 @@ from .resolution import Resolution, resolution
 __all__ = ['anderson_darling', 'AndersonDarling', 'moving_average_residual', 'Normality',
            'normality', 'Shape', 'shape', 'symmetric_difference', 'thinned']
 
-_PIECE = 1 << 18
+_PIECE = 1 << 15
 _LEAST = 8
 _MOST = 1 << 20
 _STRETCH = 1 << 16
