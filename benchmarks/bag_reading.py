@@ -12,10 +12,10 @@ Ours is measured as `analyze` reads, by a process on each core, and in one proce
 
 Promises: at least 40 times as fast as iterating over the messages with `mcap`; at least 20 times
 as fast as `rosbags`, which has to deserialize to know a heading; and at most 3 times the time it
-takes to read and decompress the chunks and nothing else, not even the checksums, except of
-QuaternionStamped that are not compressed: messages of 95 bytes are in memory sooner than numpy can
-be called for them. Exit code 1 if a promise is broken. Two cores are needed, and the extra `fast`:
-without its checksums the third is not kept.
+takes to read and decompress the chunks and nothing else, not even the checksums. The last is of
+files in memory; of QuaternionStamped that are not compressed it is of files on disk, for a message
+of 95 bytes is copied in memory before numpy can be called for it. Exit code 1 if a promise is
+broken. Two cores are needed, bags of hours, and the extra `fast` with its checksums.
 
     python benchmarks/bag_reading.py
     python benchmarks/bag_reading.py --bags large --compression zstd --count 2000000
@@ -57,7 +57,7 @@ QUATERNION = 'geometry_msgs/msg/QuaternionStamped'
 RATE_HZ = 100
 #: The writers of others take minutes for more.
 MOST_WRITTEN = 2_000_000
-UNPROMISED = QUATERNION, 'none'
+LIGHTEST = QUATERNION, 'none'
 MCAP_LEAST, ROSBAGS_LEAST, CHUNKS_MOST = 40.0, 20.0, 3.0
 HELPERS = min(cores(), MOST_READERS) - 1
 #: Chunks of rosbag2 have so many bytes unless it is told otherwise.
@@ -210,11 +210,12 @@ def iterated(messages: Iterable, most: int) -> float:
 
 
 def by_mcap(path: Path, most: int) -> float:
-    """Return the time a message of iterating in file order with `mcap`, undecoded."""
+    """Return the time a heading of iterating with `mcap`, undecoded, in its order of log times."""
     with open(file_of(path), 'rb') as file:
         reader = make_reader(file)
         reader.get_summary()
-        return iterated(reader.iter_messages(log_time_order=False), most)
+        # In file order it would take all messages into memory first.
+        return iterated(reader.iter_messages(TOPICS), most)
 
 
 def by_rosbags(path: Path, most: int) -> tuple[float, float]:
@@ -270,7 +271,7 @@ def main() -> int:
     parser.add_argument('--bags', nargs='+', default=list(WRITERS), choices=list(WRITERS))
     parser.add_argument('--types', nargs='+', default=[IMU, QUATERNION])
     parser.add_argument('--compression', nargs='+', default=['zstd', 'lz4', 'none'])
-    parser.add_argument('--peers', type=int, default=50_000, metavar='N',
+    parser.add_argument('--peers', type=int, default=100_000, metavar='N',
                         help='messages after which slow readers are stopped')
     options = parser.parse_args()
     print('ours and alone in ns a heading; how many times longer others take; how many times '
@@ -298,17 +299,18 @@ def main() -> int:
                 ours = found['ours']
                 times = {each: found[each] / ours for each in ('mcap', 'rosbags', 'decoded')}
                 share = ours / found['chunks']
+                on_disk = found['ours, disk'] / found['chunks, disk']
                 print(f'{name:8s}{type_name.split("/")[-1]:20s}{compression:8s}{ours:6.0f}'
                       f'{found["alone"]:7.0f}'
                       + ''.join(f'{times[each]:{width}.1f}' for each, width in (
                           ('mcap', 8), ('rosbags', 9), ('decoded', 9)))
-                      + f'{share:8.2f}{found["ours, disk"] / found["chunks, disk"]:6.2f}'
-                      f'{memory:9.0f}', flush=True)
-                if (times['mcap'] < MCAP_LEAST or times['decoded'] < ROSBAGS_LEAST or (
-                        share > CHUNKS_MOST and (type_name, compression) != UNPROMISED)):
+                      + f'{share:8.2f}{on_disk:6.2f}{memory:9.0f}', flush=True)
+                held = on_disk if (type_name, compression) == LIGHTEST else share
+                if (times['mcap'] < MCAP_LEAST or times['decoded'] < ROSBAGS_LEAST
+                        or held > CHUNKS_MOST):
                     broken.append(f'{name} {type_name} {compression}')
     print(f'promises: mcap at least {MCAP_LEAST:.0f}, decoded at least {ROSBAGS_LEAST:.0f}, '
-          f'chunks at most {CHUNKS_MOST:.0f} (not QuaternionStamped uncompressed)')
+          f'chunks at most {CHUNKS_MOST:.0f} (QuaternionStamped uncompressed: disk)')
     for each in broken:
         print(f'broken for {each}')
     return 1 if broken else 0

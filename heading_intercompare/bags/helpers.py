@@ -171,7 +171,11 @@ class _Crew:
     def __init__(self, decoder: Decoder, count: int, stack: ExitStack) -> None:
         self._helpers: list[_Helper] = []
         for _ in range(count):
-            helper = _Helper(decoder, [each.connection for each in self._helpers])
+            try:
+                helper = _Helper(decoder, [each.connection for each in self._helpers])
+            except OSError:
+                # No more processes or memory: it is done with those there are.
+                break
             stack.callback(helper.close)
             self._helpers.append(helper)
         self.done: dict[int, list[Decoded] | None] = {}
@@ -226,7 +230,7 @@ def decoded(decoder: Decoder, tasks: Sequence[Task],
     Parameters
     ----------
     decoder : Decoder
-        Who reads here; helpers have copies of it.
+        Who reads here, and has not begun; helpers have copies of it.
     tasks : sequence of Task
         The stretches.
     helpers : int

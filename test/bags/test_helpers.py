@@ -154,6 +154,16 @@ def test_work_of_helpers_that_die_is_done_here(write_bag, after, monkeypatch):
     assert len(done) >= tasks(path) - 2 * after
 
 
+def test_where_no_process_can_be_started_it_is_read_alone(write_bag, monkeypatch):
+    path = write_bag(chunk_bytes=5000)
+    expected = minutes(path, 0)
+
+    def refused(*args):
+        raise BlockingIOError(11, 'Resource temporarily unavailable')
+    monkeypatch.setattr(helpers, '_Helper', refused)
+    assert minutes(path, 2) == expected
+
+
 def test_helpers_end_with_the_iteration(write_bag):
     iterator = BagReader(write_bag(chunk_bytes=5000)).headings(BOTH, 2)
     next(iterator)
