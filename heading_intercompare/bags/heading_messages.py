@@ -61,7 +61,8 @@ def _put_reals(rows: np.ndarray, at: int, values: ArrayLike) -> None:
 
 
 def _aligned(position, size: int):
-    return position + -position % size
+    """Return the next place that a power of two divides."""
+    return (position + (size - 1)) & -size
 
 
 def encode_imu(headings: Headings, frame_id: str, *, sigma_deg: ArrayLike = 0.0,

@@ -27,7 +27,7 @@ from heading_intercompare.core.records import Headings
 from .decoding import Decoded, Decoder, Found
 from .part import Stretch
 
-__all__ = ['decoded', 'Task']
+__all__ = ['decoded', 'possible', 'Task']
 
 #: Stretches that a helper has or has done and not handed over, and the memory for each.
 _SLOTS = 4
@@ -35,7 +35,7 @@ _SLOT_BYTES = 2**23
 #: Stretches that are done here before it is their turn, for each helper, rather than wait.
 _AHEAD = 3
 #: Less work takes no longer than to copy a process.
-_FEWEST = 32
+_FEWEST = 12
 
 _COLUMNS = ('<i8', '<i2', '<i8', '<f8')
 #: Of each block the number of messages, and of headings of each kind.
@@ -216,10 +216,9 @@ class _Crew:
                 self.done[turn] = blocks
 
 
-def _count(wanted: int, tasks: Sequence[Task]) -> int:
-    """Return how many helpers there can be: none beside threads or in a process of a pool."""
-    alone = active_count() == 1 and not current_process().daemon
-    return wanted if sys.platform == 'linux' and alone and len(tasks) >= _FEWEST else 0
+def possible() -> bool:
+    """Tell whether this process may be copied: on Linux, if no other thread runs, in no pool."""
+    return sys.platform == 'linux' and active_count() == 1 and not current_process().daemon
 
 
 def decoded(decoder: Decoder, tasks: Sequence[Task],
@@ -234,13 +233,12 @@ def decoded(decoder: Decoder, tasks: Sequence[Task],
     tasks : sequence of Task
         The stretches.
     helpers : int
-        Processes that decode beside this one, if there is enough to do. They end with the
-        iteration. There are none where a process should not be copied: while other threads run,
-        in a worker of `multiprocessing`, on other systems than Linux.
+        Processes that decode beside this one, if there is enough to do; 0 if not `possible`. They
+        end with the iteration.
 
     """
     with ExitStack() as stack:
-        crew = _Crew(decoder, _count(helpers, tasks), stack)
+        crew = _Crew(decoder, helpers if len(tasks) >= _FEWEST else 0, stack)
         coming = 0
         for turn in range(len(tasks)):
             while True:

@@ -21,7 +21,7 @@ from .decoding import Decoded, Decoder, Kind
 from .errors import BagError
 from .fields import full_name
 from .heading_messages import HEADING_TYPES
-from .helpers import decoded, Task
+from .helpers import decoded, possible, Task
 from .part import mcap_files, Part
 from .schemas import layout_problem
 from .window import Window
@@ -217,6 +217,7 @@ class BagReader:
         wanted = {asked: (self.resolve(asked), convention)
                   for asked, convention in conventions.items()}
         once = list(dict.fromkeys(wanted.values()))
+        helpers = helpers if possible() else 0
         minutes = self._minutes(once, helpers)
         # A thread that is ahead serves those who have no helper.
         for minute in minutes if helpers else ahead(minutes):

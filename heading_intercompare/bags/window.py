@@ -17,9 +17,20 @@ __all__ = ['Window']
 _MINUTE_NS = 60_000_000_000
 
 
-def _changes(values: np.ndarray) -> np.ndarray:
-    """Return the first value and each that differs from the one before."""
-    return values[np.append(True, values[1:] != values[:-1])]
+def _minutes(times_ns: Sequence[np.ndarray],
+             first_ns: int) -> Iterator[list[slice] | list[np.ndarray]]:
+    """Yield the rows of each kind in each minute, counted from the first time, that has any."""
+    if not all((of[1:] >= of[:-1]).all() for of in times_ns):
+        minutes = [(of - first_ns) // _MINUTE_NS for of in times_ns]
+        for minute in np.unique(np.concatenate([np.unique(of) for of in minutes])):
+            yield [of == minute for of in minutes]
+        return
+    done = [0] * len(times_ns)
+    while left := [int(of[lo]) for of, lo in zip(times_ns, done) if lo < len(of)]:
+        end = min(left) + _MINUTE_NS - (min(left) - first_ns) % _MINUTE_NS
+        until = [int(np.searchsorted(of, end)) for of in times_ns]
+        yield [slice(lo, hi) for lo, hi in zip(done, until)]
+        done = until
 
 
 class Window:
@@ -54,13 +65,9 @@ class Window:
             self._first, self._last = min(first, self._first), max(last, self._last)
             self._parts += [(each.place, each.headings) for each in found]
             return
-        minutes = [(each.log_time_ns - first) // _MINUTE_NS for each in found]
-        rising = all((of[1:] >= of[:-1]).all() for of in minutes)
-        for minute in np.unique(np.concatenate([_changes(of) for of in minutes])):
-            yield self._by_topic([
-                (each.place[rows], each.headings[rows]) for each, rows in (
-                    (each, slice(*np.searchsorted(of, (minute, minute + 1))) if rising
-                     else of == minute) for each, of in zip(found, minutes))])
+        for rows in _minutes([each.log_time_ns for each in found], first):
+            yield self._by_topic([(each.place[which], each.headings[which])
+                                  for each, which in zip(found, rows)])
 
     def rest(self) -> Iterator[list[Headings]]:
         """Yield what has been collected, unless it is nothing."""
