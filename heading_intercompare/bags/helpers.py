@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection, wait
 import signal
 import sys
 from threading import active_count
-from typing import Iterator, NamedTuple, Sequence
+from typing import Container, Iterator, NamedTuple, Sequence
 from warnings import catch_warnings, simplefilter
 
 import numpy as np
@@ -31,7 +31,7 @@ __all__ = ['decoded', 'possible', 'Task']
 
 #: Stretches that a helper has or has done and not handed over, and the memory for each.
 _SLOTS = 4
-_SLOT_BYTES = 2**23
+_SLOT_BYTES = 22 * 2**20
 #: Stretches that are done here before it is their turn, for each helper, rather than wait.
 _AHEAD = 3
 #: Less work takes no longer than to copy a process.
@@ -221,8 +221,8 @@ def possible() -> bool:
     return sys.platform == 'linux' and active_count() == 1 and not current_process().daemon
 
 
-def decoded(decoder: Decoder, tasks: Sequence[Task],
-            helpers: int = 0) -> Iterator[list[Decoded] | None]:
+def decoded(decoder: Decoder, tasks: Sequence[Task], helpers: int = 0,
+            unwanted: Container[int] = ()) -> Iterator[list[Decoded] | None]:
     """
     Yield stretches in their order, each as `Decoder.stretch` returns it.
 
@@ -235,12 +235,18 @@ def decoded(decoder: Decoder, tasks: Sequence[Task],
     helpers : int
         Processes that decode beside this one, if there is enough to do; 0 if not `possible`. They
         end with the iteration.
+    unwanted : container of int
+        Numbers of files of which no more is wanted, None instead; it may grow meanwhile.
 
     """
     with ExitStack() as stack:
         crew = _Crew(decoder, helpers if len(tasks) >= _FEWEST else 0, stack)
         coming = 0
         for turn in range(len(tasks)):
+            if tasks[turn].number in unwanted:
+                yield None
+                continue
+            coming = max(coming, turn)
             while True:
                 while coming < len(tasks) and crew.ask(coming, tasks[coming]):
                     coming += 1

@@ -239,23 +239,27 @@ class BagReader:
         """Yield the files block by block."""
         tasks = [Task(number, stretch) for number, part in enumerate(self._parts)
                  for stretch in part.stretches()]
+        by_blocks: set[int] = set()
         with Decoder(self._parts, kinds) as decoder, closing(
-                decoded(decoder, tasks, helpers)) as results:
+                decoded(decoder, tasks, helpers, by_blocks)) as results:
             of_parts = groupby(zip(tasks, results), lambda found: found[0].number)
             for number, stretches in of_parts:
-                yield from self._whole(decoder, number, stretches)
+                yield from self._whole(decoder, number, stretches, by_blocks)
 
     def _whole(self, decoder: Decoder, number: int,
-               stretches: Iterable[tuple[Task, list[Decoded] | None]]) -> Iterator[Decoded]:
+               stretches: Iterable[tuple[Task, list[Decoded] | None]],
+               by_blocks: set[int]) -> Iterator[Decoded]:
         """Yield the blocks of a file; BagError where it is damaged."""
         count = 0
         for (_, stretch), blocks in stretches:
-            # Damaged, large, or not where the index says: from there on block by block.
-            alone = blocks is None
-            for block in decoder.blocks(number, stretch.begin) if alone else blocks:
+            if blocks is None:
+                # Damaged, large, or not where the index says: from there on block by block.
+                by_blocks.add(number)
+                blocks = decoder.blocks(number, stretch.begin)
+            for block in blocks:
                 count += block.count
                 yield block
-            if alone:
+            if number in by_blocks:
                 break
         self._parts[number].check_count(count)
 

@@ -112,8 +112,8 @@ def test_damage_is_found_where_it_is(write_bag):
     assert minutes(path, 2) == alone
 
 
-def test_an_index_that_names_wrong_places_costs_nothing(write_bag, monkeypatch):
-    path = write_bag(chunk_bytes=5000)
+def test_an_index_that_names_wrong_places_costs_nothing(write_bag, here, monkeypatch):
+    path = write_bag(chunk_bytes=5000, split_bytes=20_000)
     expected = minutes(path, 0)
     divide = BagReader.__init__
 
@@ -122,6 +122,10 @@ def test_an_index_that_names_wrong_places_costs_nothing(write_bag, monkeypatch):
         for part in self._parts:
             part._chunks = [(begin + 7, size) for begin, size in part._chunks]
     monkeypatch.setattr(BagReader, '__init__', astray)
+    here.clear()
+    assert joined(minutes(path, 0)) == joined(expected)
+    # The first stretch of each file shows it.
+    assert len(here) == len(list(path.glob('*.mcap'))) > 1
     assert minutes(path, 0) == minutes(path, 2)
     assert joined(minutes(path, 2)) == joined(expected)
 
