@@ -17,19 +17,33 @@ __all__ = ['Window']
 _MINUTE_NS = 60_000_000_000
 
 
-def _minutes(times_ns: Sequence[np.ndarray],
-             first_ns: int) -> Iterator[list[slice] | list[np.ndarray]]:
+def _rising(found: Found) -> tuple[np.ndarray, np.ndarray | None]:
+    """
+    Return log times that do not go back, and of which rows they are, None if all as they come.
+
+    Each topic stays in file order: where the clock of the recorder went back, its readings count
+    as of the time before.
+    """
+    times_ns = found.log_time_ns
+    if (times_ns[1:] >= times_ns[:-1]).all():
+        return times_ns, None
+    latest_ns = times_ns.copy()
+    for place in np.unique(found.place):
+        mine = np.flatnonzero(found.place == place)
+        latest_ns[mine] = np.maximum.accumulate(times_ns[mine])
+    rows = np.argsort(latest_ns, kind='stable')
+    return latest_ns[rows], rows
+
+
+def _minutes(found: Sequence[Found], first_ns: int) -> Iterator[list[slice | np.ndarray]]:
     """Yield the rows of each kind in each minute, counted from the first time, that has any."""
-    if not all((of[1:] >= of[:-1]).all() for of in times_ns):
-        minutes = [(of - first_ns) // _MINUTE_NS for of in times_ns]
-        for minute in np.unique(np.concatenate([np.unique(of) for of in minutes])):
-            yield [of == minute for of in minutes]
-        return
-    done = [0] * len(times_ns)
+    times_ns, rows = zip(*map(_rising, found))
+    done = [0] * len(found)
     while left := [int(of[lo]) for of, lo in zip(times_ns, done) if lo < len(of)]:
         end = min(left) + _MINUTE_NS - (min(left) - first_ns) % _MINUTE_NS
         until = [int(np.searchsorted(of, end)) for of in times_ns]
-        yield [slice(lo, hi) for lo, hi in zip(done, until)]
+        yield [slice(lo, hi) if of is None else of[lo:hi]
+               for of, lo, hi in zip(rows, done, until)]
         done = until
 
 
@@ -65,7 +79,7 @@ class Window:
             self._first, self._last = min(first, self._first), max(last, self._last)
             self._parts += [(each.place, each.headings) for each in found]
             return
-        for rows in _minutes([each.log_time_ns for each in found], first):
+        for rows in _minutes(found, first):
             yield self._by_topic([(each.place[which], each.headings[which])
                                   for each, which in zip(found, rows)])
 

@@ -370,6 +370,20 @@ def split_bag(tmp_path, count: int):
     return folder
 
 
+def test_headings_stay_in_file_order_where_the_clock_of_the_recorder_goes_back(tmp_path):
+    stamps = 10**18 + np.arange(6000) * 10**8
+    log = stamps - np.where(np.arange(6000) >= 3000, 150 * 10**9, 0)
+    both = {topic: Headings.of(stamps, np.arange(6000) / 20.0) for topic in BOTH}
+    with BagWriter(tmp_path / 'back') as bag:
+        for topic in BOTH:
+            bag.add_topic(topic, IMU)
+        for lo in range(0, 6000, 10):
+            bag.write_rows([Rows(topic, encode_imu(headings[lo:lo + 10], 'x'), log[lo:lo + 10])
+                            for topic, headings in both.items()])
+    for headings in read(tmp_path / 'back', BOTH).values():
+        assert headings.stamp_ns.tolist() == stamps.tolist()
+
+
 def test_files_of_a_directory_are_read_in_natural_order(tmp_path):
     reader = BagReader(split_bag(tmp_path, 12))
     assert reader.incomplete is None

@@ -37,12 +37,21 @@ def taken(count: int, *blocks) -> list[list[list[int]]]:
 @pytest.mark.parametrize('rising', [True, False])
 def test_a_block_is_divided_at_minutes_from_its_first_log_time(rng, rising):
     log = 7 * S + rng.integers(0, 10 * MINUTE, 500)
-    log[0] = 7 * S
+    log[:2] = 7 * S
     log = np.sort(log) if rising else log
     place = rng.integers(0, 2, 500)
-    expected = [[[i for i in range(500) if (log[i] - 7 * S) // MINUTE == minute and
-                  place[i] == topic] for topic in (0, 1)] for minute in range(10)]
+    topics = [np.flatnonzero(place == topic) for topic in (0, 1)]
+    # What comes behind a later log time counts as of that, or it would lose its place.
+    minutes = [(np.maximum.accumulate(log[mine]) - 7 * S) // MINUTE for mine in topics]
+    expected = [[mine[of == minute].tolist() for mine, of in zip(topics, minutes)]
+                for minute in np.unique(np.concatenate(minutes))]
     assert taken(2, [found(log, place)]) == expected
+
+
+def test_topics_one_behind_the_other_are_divided_at_the_same_times():
+    log = [*np.arange(0, 180, 10) * S, *np.arange(5, 185, 10) * S]
+    assert taken(2, [found(log, [0] * 18 + [1] * 18)]) == [
+        [list(range(6 * i, 6 * i + 6)), list(range(18 + 6 * i, 24 + 6 * i))] for i in range(3)]
 
 
 def test_kinds_are_divided_at_the_same_times():
@@ -57,9 +66,9 @@ def test_small_blocks_are_joined_until_they_span_a_minute():
         [[0, 1, 0]], [[0]]]
 
 
-@pytest.mark.parametrize('log', [[0, 1, 2**62, 2**62 + 1], [2**62, 2**62 + 1, 0, 1],
-                                 [-2**62, 5, 2**62]])
-def test_log_times_far_apart_take_no_time(log):
+@pytest.mark.parametrize('log, count', [([0, 1, 2**62, 2**62 + 1], 2), ([-2**62, 5, 2**62], 3),
+                                        ([2**62, 2**62 + 1, 0, 1], 1)])
+def test_log_times_far_apart_take_no_time(log, count):
     minutes = taken(1, [found(log)])
-    assert sorted(i for minute in minutes for i in minute[0]) == list(range(len(log)))
-    assert len(minutes) == (3 if len(log) == 3 else 2)
+    assert [i for minute in minutes for i in minute[0]] == list(range(len(log)))
+    assert len(minutes) == count
