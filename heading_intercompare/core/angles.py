@@ -129,7 +129,7 @@ def circular_mean(angle_deg: ArrayLike) -> tuple[float, float]:
 
     Parameters
     ----------
-    angle_deg : array_like, shape (n,)
+    angle_deg : array_like, shape (n,) or scalar
         Angles, degrees, finite.
 
     Returns
@@ -146,7 +146,7 @@ def circular_mean(angle_deg: ArrayLike) -> tuple[float, float]:
     (0.0, 0.984808)
 
     """
-    angle = np.asarray(angle_deg, dtype=np.float64)
+    angle = np.ravel(np.asarray(angle_deg, dtype=np.float64))
     if angle.size == 0:
         return float('nan'), float('nan')
     c = s = 0.0

@@ -49,6 +49,7 @@ def test_unwrap_goes_on_through_north():
 
 def test_circular_mean_of_nothing_and_of_opposites_is_not_a_number():
     assert np.isnan(circular_mean([])).all()
+    assert circular_mean(90.0) == (90.0, 1.0)
     assert circular_mean([0.0, 180.0])[1] == pytest.approx(0.0, abs=1e-15)
 
 
