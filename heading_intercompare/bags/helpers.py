@@ -10,9 +10,9 @@ come back without being sent. Whatever becomes of it, its work can be done here.
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from mmap import mmap
-from multiprocessing import current_process, get_context
+from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection, wait
 import signal
 import sys
@@ -36,6 +36,8 @@ _SLOT_BYTES = 22 * 2**20
 _AHEAD = 3
 #: Less work takes no longer than to copy a process.
 _FEWEST = 12
+#: No more is decoded at once by all processes than this many bytes of records.
+_MOST_BYTES = 2**27
 
 _COLUMNS = ('<i8', '<i2', '<i8', '<f8')
 #: Of each block the number of messages, and of headings of each kind.
@@ -96,6 +98,9 @@ def _work(decoder: Decoder, memory: mmap, connection: Connection,
           inherited: Sequence[Connection]) -> None:
     """Decode what is asked for until nobody asks any more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # What this process does at SIGTERM would keep a helper alive that shall end.
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     # While these are open here, the end of the other process would not be noticed.
     for each in inherited:
         each.close()
@@ -127,7 +132,12 @@ class _Helper:
         with catch_warnings():
             # Of threads of linear algebra, which a helper does not use.
             simplefilter('ignore', DeprecationWarning)
-            self._process.start()
+            # Ctrl-C while it is copied would be lost here, and an error there.
+            blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+            try:
+                self._process.start()
+            finally:
+                signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
         theirs.close()
 
     @property
@@ -161,7 +171,9 @@ class _Helper:
         self.connection.close()
         self._process.kill()
         self._process.join()
-        self._process.close()
+        # Where SIGCHLD is ignored it is not known that it has ended.
+        with suppress(ValueError):
+            self._process.close()
         self._memory.close()
 
 
@@ -218,7 +230,7 @@ class _Crew:
 
 def possible() -> bool:
     """Tell whether this process may be copied: on Linux, if no other thread runs, in no pool."""
-    return sys.platform == 'linux' and active_count() == 1 and not current_process().daemon
+    return sys.platform == 'linux' and active_count() == 1 and parent_process() is None
 
 
 def decoded(decoder: Decoder, tasks: Sequence[Task], helpers: int = 0,
@@ -233,14 +245,16 @@ def decoded(decoder: Decoder, tasks: Sequence[Task], helpers: int = 0,
     tasks : sequence of Task
         The stretches.
     helpers : int
-        Processes that decode beside this one, if there is enough to do; 0 if not `possible`. They
-        end with the iteration.
+        Processes that decode beside this one, if there is enough to do and not too much at once;
+        0 if not `possible`. They end with the iteration.
     unwanted : container of int
         Numbers of files of which no more is wanted, None instead; it may grow meanwhile.
 
     """
     with ExitStack() as stack:
-        crew = _Crew(decoder, helpers if len(tasks) >= _FEWEST else 0, stack)
+        largest = max((task.stretch.size for task in tasks), default=0)
+        helpers = min(helpers, _MOST_BYTES // max(largest, 1) - 1) if len(tasks) >= _FEWEST else 0
+        crew = _Crew(decoder, helpers, stack)
         coming = 0
         for turn in range(len(tasks)):
             if tasks[turn].number in unwanted:

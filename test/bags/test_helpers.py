@@ -193,23 +193,37 @@ def test_beside_threads_and_for_small_bags_there_are_none(write_bag, monkeypatch
     assert tasks(path) < helpers._FEWEST and minutes(path, 2)[0]
 
 
-def test_no_helper_outlives_its_parent(write_bag, tmp_path):
-    script = tmp_path / 'script.py'
-    script.write_text(f"""
+@pytest.mark.parametrize('times, count', [(1, 0), (2, 1), (3.5, 2), (9, 3)])
+def test_large_stretches_are_decoded_by_fewer(write_bag, monkeypatch, times, count):
+    path = write_bag(chunk_bytes=5000)
+    largest = max(each.size for part in BagReader(path)._parts for each in part.stretches())
+    monkeypatch.setattr(helpers, '_MOST_BYTES', int(times * largest))
+    iterator = BagReader(path).headings(BOTH, 3)
+    next(iterator)
+    assert len(multiprocessing.active_children()) == count
+    iterator.close()
+
+
+def script(path, first: str, last: str = '') -> subprocess.CompletedProcess:
+    """Run a program that begins to read a bag with two helpers, prints their ids and goes on."""
+    root = str(Path(helpers.__file__).parents[2])
+    return subprocess.run([sys.executable, '-c', f"""
 import multiprocessing, os, signal
 from heading_intercompare.bags import helpers, part
 from heading_intercompare.bags.reader import BagReader
 part._BLOCK_BYTES = 8000
 helpers._FEWEST = 6
-iterator = BagReader({str(write_bag(chunk_bytes=5000))!r}).headings({BOTH!r}, 2)
+{first}
+iterator = BagReader({str(path)!r}).headings({BOTH!r}, 2)
 next(iterator)
 print(*(child.pid for child in multiprocessing.active_children()), flush=True)
-os.kill(os.getpid(), signal.SIGKILL)
-""")
-    root = str(Path(helpers.__file__).parents[2])
-    done = subprocess.run([sys.executable, script], stdout=subprocess.PIPE, text=True, timeout=120,
-                          stderr=subprocess.PIPE, env={**os.environ, 'PYTHONPATH': os.pathsep.join(
-                              [root, os.environ.get('PYTHONPATH', '')])})
+{last}
+"""], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=120, env={
+        **os.environ, 'PYTHONPATH': os.pathsep.join([root, os.environ.get('PYTHONPATH', '')])})
+
+
+def test_no_helper_outlives_its_parent(write_bag):
+    done = script(write_bag(chunk_bytes=5000), '', 'os.kill(os.getpid(), signal.SIGKILL)')
     assert done.returncode == -signal.SIGKILL and not done.stderr
     children = done.stdout.split()
     assert len(children) == 2
@@ -217,6 +231,15 @@ os.kill(os.getpid(), signal.SIGKILL)
     while (alive := [pid for pid in children if _runs(pid)]) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert not alive
+
+
+@pytest.mark.parametrize('first', ['signal.signal(signal.SIGTERM, lambda *_: print("ended"))',
+                                   'signal.signal(signal.SIGCHLD, signal.SIG_IGN)'])
+@pytest.mark.parametrize('last', ['', 'print(sum(1 for _ in iterator) > 0)'])
+def test_a_program_ends_whatever_it_does_at_signals(write_bag, first, last):
+    done = script(write_bag(chunk_bytes=5000), first, last)
+    assert (done.returncode, done.stderr) == (0, '')
+    assert done.stdout.splitlines()[1:] == (['True'] if last else [])
 
 
 def _runs(pid: str) -> bool:
