@@ -118,7 +118,8 @@ class Ensembling:
         """Take pairs, whose stamps increase; return the ensembles that are complete now."""
         starts = self._starts(pairs.stamp_ns)
         if not len(starts):
-            self._open.append(pairs)
+            if len(pairs):
+                self._open.append(pairs)
             return _of(Pairs.empty(), starts, 0.0)
         first, last = int(starts[0]), int(starts[-1])
         done = Pairs.concatenate([*self._open, pairs[:last]])

@@ -83,7 +83,7 @@ def test_ensembles_are_the_same_to_the_bit_however_the_pairs_come(rng):
     pairs = some_pairs(rng)
     expected = all_of(pairs, 20.0, 60.0)
     for chunks in (2, 10, 300):
-        cuts = np.sort(rng.integers(0, len(pairs) + 1, chunks)).tolist()
+        cuts = [0, *np.sort(rng.integers(0, len(pairs) + 1, chunks)).tolist()]
         np.testing.assert_array_equal(all_of(pairs, 20.0, 60.0, cuts), expected)
     one_by_one = all_of(pairs[:500], 20.0, 60.0, range(1, 500))
     np.testing.assert_array_equal(one_by_one, all_of(pairs[:500], 20.0, 60.0))
