@@ -6,20 +6,17 @@ from __future__ import annotations
 
 import argparse
 from contextlib import ExitStack
-import math
 from pathlib import Path
 import sys
-from typing import Any, Iterator, Mapping
+from typing import Any, Mapping
 
-from heading_intercompare.bags.ensembles_csv import EnsemblesCsvWriter
-from heading_intercompare.bags.pairs_csv import PairsCsvWriter
 from heading_intercompare.cli.campaign import capped, judge_inputs, positive
 from heading_intercompare.cli.config import load_config, settings_for
-from heading_intercompare.cli.inputs import read_run_table
+from heading_intercompare.cli.outputs import check_outputs, naming, tables
+from heading_intercompare.cli.run_table import assigned, read_run_table
 from heading_intercompare.cli.table import verdict_text
 from heading_intercompare.core.criteria import Limits
 from heading_intercompare.core.intercomparison import join
-from heading_intercompare.core.settings import Settings
 from heading_intercompare.report import json, write, WRITERS
 
 __all__ = ['add_arguments', 'add_settings_arguments', 'add_verdict_arguments', 'conclude', 'run']
@@ -70,56 +67,44 @@ def run(arguments: argparse.Namespace) -> int:
     settings = settings_for(load_config(arguments.config), arguments.set,
                             ts_topic=arguments.ts, rs_topic=arguments.rs)
     Limits.of(settings.norms, settings.model)
-    table = read_run_table(arguments.runs) if arguments.runs else None
-    _check_outputs(arguments)
-    if arguments.report and Path(arguments.report).suffix not in WRITERS:
-        raise ValueError(f'--report {arguments.report}: must end with {" or ".join(WRITERS)}')
+    _check_options(arguments)
+    check_outputs(arguments)
+    table, elsewhere = None, []
+    if arguments.runs:
+        table, elsewhere = assigned(read_run_table(arguments.runs), arguments.inputs)
     with ExitStack() as files:
-        takers = [files.enter_context(file).write for file in _tables(arguments, settings)]
+        takers = [files.enter_context(file).write for file in tables(arguments, settings)]
         judged = judge_inputs(arguments.inputs, settings, table, takers=takers,
                               sketched=bool(arguments.report), jobs=arguments.jobs,
                               dask=arguments.dask, quiet=arguments.quiet)
     results = [result for each in judged for result in each.results]
     verdict = join(results, settings, [each.description for each in judged]).to_dict()
     verdict = capped(verdict, judged)
-    if arguments.report:
-        write(verdict, arguments.report, [each.sketch for each in judged if each.sketch])
-    for note in (note for each in judged for note in each.notes):
+    notes = [note for each in judged for note in each.notes]
+    notes += [f'{arguments.runs}: source {source} is none of the INPUTs' for source in elsewhere]
+    for note in notes:
         print(f'note: {note}', file=sys.stderr)
-    return conclude(verdict, arguments)
+    code = conclude(verdict, arguments)
+    if arguments.report:
+        with naming(arguments.report):
+            write(verdict, arguments.report, [each.sketch for each in judged if each.sketch])
+    return code
 
 
-def _check_outputs(arguments: argparse.Namespace) -> None:
-    """Refuse tables of several inputs or of a cluster, and to write one file over another."""
+def _check_options(arguments: argparse.Namespace) -> None:
+    """Refuse options that do not go together."""
     if arguments.dask is not None and arguments.jobs is not None:
         raise ValueError(f'--jobs {arguments.jobs}: with --dask the scheduler decides; '
                          'leave one of them out')
-    taken = {Path(path).resolve(): 'an INPUT' for path in arguments.inputs}
-    for option in ('csv', 'ensembles', 'report', 'json'):
+    if arguments.report and Path(arguments.report).suffix not in WRITERS:
+        raise ValueError(f'--report {arguments.report}: must end with {" or ".join(WRITERS)}')
+    for option in ('csv', 'ensembles'):
         path = getattr(arguments, option)
-        if path is None or path == '-':
-            continue
-        if option in ('csv', 'ensembles') and len(arguments.inputs) > 1:
+        if path is not None and len(arguments.inputs) > 1:
             raise ValueError(f'--{option} {path}: takes the pairs of one INPUT, '
                              f'{len(arguments.inputs)} are given')
-        if option in ('csv', 'ensembles') and arguments.dask is not None:
+        if path is not None and arguments.dask is not None:
             raise ValueError(f'--{option} {path}: pairs stay on the workers; leave out --dask')
-        other = taken.setdefault(Path(path).resolve(), f'the file of --{option}')
-        if other != f'the file of --{option}':
-            raise ValueError(f'--{option} {path}: that is {other}; name another file')
-
-
-def _tables(arguments: argparse.Namespace,
-            settings: Settings) -> Iterator[PairsCsvWriter | EnsemblesCsvWriter]:
-    """Yield the open tables, each of which takes the pairs."""
-    center_deg = settings.wrap_center_deg
-    if arguments.csv:
-        yield PairsCsvWriter(arguments.csv, wrap_center_deg=center_deg)
-    if arguments.ensembles:
-        limit_deg2 = Limits.of(settings.norms, settings.model).limit_deg2
-        yield EnsemblesCsvWriter(
-            arguments.ensembles, arguments.ensemble_s, gap_s=settings.runs.gap_s,
-            std_limit_deg=math.sqrt(limit_deg2), wrap_center_deg=center_deg)
 
 
 def conclude(verdict: Mapping[str, Any], arguments: argparse.Namespace) -> int:
@@ -139,5 +124,6 @@ def conclude(verdict: Mapping[str, Any], arguments: argparse.Namespace) -> int:
     else:
         print(verdict_text(verdict))
         if arguments.json:
-            json.write(verdict, arguments.json)
+            with naming(arguments.json):
+                json.write(verdict, arguments.json)
     return _CHECK_CODES[verdict['outcome']] if arguments.check else 0

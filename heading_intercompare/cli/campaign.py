@@ -16,9 +16,9 @@ from pathlib import Path
 import signal
 from typing import Any, Callable, ContextManager, Iterable, Iterator, Mapping, Protocol, Sequence
 
-from heading_intercompare.cli.inputs import RunTable
 from heading_intercompare.cli.job import Job, Judged
 from heading_intercompare.cli.progress import Progress
+from heading_intercompare.cli.run_table import RunTable
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
@@ -103,8 +103,8 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     sketched : bool
         Collect what the graphs of a report need.
     jobs : int, optional
-        Processes; one for each core by default. Where the inputs are small none is started. A
-        large bag alone is decoded by several, but judged by one.
+        Processes; by default one for each core, or none where the inputs are small. A large bag
+        alone is decoded by several, but judged by one.
     dask : str, optional
         Judge on the workers of this Dask scheduler: its address, or its file. It takes the inputs
         by their absolute paths, however small or few they are.
@@ -114,7 +114,8 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     Returns
     -------
     list of Judged
-        In the order of the paths, the same whatever `jobs` and `dask` are.
+        In the order of the paths, the same whatever `jobs` and `dask` are. What has the data of an
+        earlier one is not judged again: its description says in `same_as` which that is.
 
     Raises
     ------
@@ -132,7 +133,7 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     with Progress(f'{len(paths)} inputs', quiet) as progress:
         if dask is not None:
             judged = _parallel(job, paths, _cluster(dask), progress)
-        elif sum(map(_size, paths)) >= _WORTH_BYTES:
+        elif (jobs or 0) > 1 or jobs is None and sum(map(_size, paths)) >= _WORTH_BYTES:
             workers = _Processes(min(len(paths), jobs or cores()))
             judged = _parallel(job, paths, workers, progress)
         else:
@@ -140,7 +141,23 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     if all(each.error for each in judged):
         several = f'none of the {len(paths)} inputs can be read: ' if len(paths) > 1 else ''
         raise ValueError(f'{several}{judged[0].path}: {judged[0].error}')
-    return judged
+    return _once(judged)
+
+
+def _once(judged: Sequence[Judged]) -> list[Judged]:
+    """Return the same without the runs of inputs that have the data of an earlier one."""
+    first: dict[str | None, Judged] = {}
+    found = []
+    for each in judged:
+        digest = each.description['sha256']
+        if digest is None or first.setdefault(digest, each) is each:
+            found.append(each)
+            continue
+        same = first[digest].path
+        found.append(Judged(
+            each.path, [], [f'{each.path}: not judged again: it has the data of {same}'],
+            {**each.description, 'same_as': same}, None))
+    return found
 
 
 def _cluster(address: str) -> Workers:
@@ -214,7 +231,7 @@ def _size(path: str) -> int:
 
 def capped(verdict: Mapping[str, Any], judged: Sequence[Judged]) -> dict[str, Any]:
     """
-    Return a verdict that does not claim compliance for inputs that could not be read.
+    Return a verdict that does not claim compliance for inputs that could not be judged.
 
     Parameters
     ----------
@@ -224,7 +241,7 @@ def capped(verdict: Mapping[str, Any], judged: Sequence[Judged]) -> dict[str, An
         All of them.
 
     """
-    if not any(each.error for each in judged):
+    if not any(each.error or each.no_run for each in judged):
         return dict(verdict)
     least = {key: worst([Outcome(verdict[key]), Outcome.INDETERMINATE]).value
              for key in ('outcome', 'paper_outcome')}

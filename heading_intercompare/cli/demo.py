@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 from functools import partial
+import math
 from pathlib import Path
 import shutil
 from typing import Any
@@ -24,12 +25,15 @@ __all__ = ['add_arguments', 'run']
 
 _SETTINGS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
 _MADE = ('bag', 'live', 'replayed', 'offline.json', 'report.html')
+#: What is in a folder is only removed if this is there too.
+_MARK = '.heading_intercompare_demo'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('--out', metavar='DIR', default='demo_out',
-                        help='folder for the bag and the verdicts (default: demo_out)')
+                        help='folder for the bag and the verdicts, in place of what an earlier '
+                        'demo left in it (default: demo_out)')
     parser.add_argument('--speed', type=float, metavar='X', default=50.0,
                         help='speed of the simulation, times real time (default: 50)')
     parser.add_argument('--duration', type=float, metavar='S',
@@ -45,12 +49,10 @@ def run(arguments: argparse.Namespace) -> int:
     scenario = read_scenario('demo').scenario
     if arguments.duration is not None:
         scenario = replace(scenario, duration_s=arguments.duration)
-    if not arguments.speed > 0.0:
-        raise ValueError(f'--speed {arguments.speed}: must be greater than 0')
+    if not 0.0 < arguments.speed < math.inf:
+        raise ValueError(f'--speed {arguments.speed}: must be greater than 0, and finite')
     out = Path(arguments.out)
-    out.mkdir(parents=True, exist_ok=True)
-    for name in _MADE:
-        _remove(out / name)
+    _clear(out)
     bag = str(out / 'bag')
     say = print if not arguments.quiet else lambda *_: None
 
@@ -95,8 +97,16 @@ def _compare(verdicts: dict[str, dict[str, Any]]) -> int:
     return 0
 
 
-def _remove(path: Path) -> None:
-    if path.is_dir():
-        shutil.rmtree(path)
-    else:
-        path.unlink(missing_ok=True)
+def _clear(out: Path) -> None:
+    """Make the folder, or remove what an earlier demo left in it."""
+    out.mkdir(parents=True, exist_ok=True)
+    foreign = [name for name in _MADE if (out / name).exists() and not (out / _MARK).exists()]
+    if foreign:
+        raise ValueError(f'--out {out}: {foreign[0]} is there and was not made by a demo; '
+                         'remove it or name another folder')
+    (out / _MARK).touch()
+    for name in _MADE:
+        if (out / name).is_dir():
+            shutil.rmtree(out / name)
+        else:
+            (out / name).unlink(missing_ok=True)

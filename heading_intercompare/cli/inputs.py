@@ -4,9 +4,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from concurrent.futures import Future, ThreadPoolExecutor
-import csv
-from datetime import datetime, timezone
 import hashlib
 from pathlib import Path
 from typing import Any, Callable, Iterator, Sequence
@@ -15,6 +14,7 @@ from heading_intercompare.bags.cdr import decode
 from heading_intercompare.bags.pairs_csv import read_pairs_csv
 from heading_intercompare.bags.provenance import notes_in
 from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.cli.run_table import RunTable
 from heading_intercompare.core.analysis import aligned
 from heading_intercompare.core.intercomparison import Compliance, Intercomparison
 from heading_intercompare.core.judge import RunResult
@@ -23,9 +23,8 @@ from heading_intercompare.core.pairing import rising
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 
-__all__ = ['analyze_input', 'read_run_table', 'RunTable', 'sha256']
+__all__ = ['analyze_input', 'sha256']
 
-RunTable = Sequence[tuple[int, int, str]]
 MARKER_TOPIC = 'compliance/marker'
 
 
@@ -42,13 +41,13 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         ``.mcap`` file, rosbag2 directory or ``.csv`` of pairs.
     settings : Settings
     table : sequence of (start_ns, stop_ns, source), optional
-        Runs; those with a source are for the input of that name only.
+        Runs; those with a source are for the input of that name only, see `assigned`.
     takers : sequence of callable
         Each is given the pairs, chunk by chunk.
     progress : callable
         Told what has been done.
     name : str, optional
-        What results and notes call it, and the table of runs; `path` by default.
+        What results, notes and the table of runs call it; `path` by default.
     helpers : int
         Processes that decode a bag beside this one.
 
@@ -58,7 +57,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
     notes : list of str
         What the user should know of the input: unfinished bag, no run.
     described : dict
-        Its entry in the verdict: name, SHA-256, topics, operator's notes.
+        Its entry in the verdict: name, SHA-256, topics, operator's notes; of an input without runs
+        also `no_run`, which says why there is none and what became of the readings.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
     name = path if name is None else name
     runs = None if table is None else [
         (start, stop) for start, stop, source in table
-        if source in ('', name, Path(name).name)]
+        if source in ('', name)]
     with ThreadPoolExecutor(1) as beside:
         digest: list[Future[str]] = []
 
@@ -79,17 +79,22 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
             # Not earlier: helpers are started by a process that has one thread.
             digest.append(beside.submit(sha256, path))
         if Path(path).suffix == '.csv':
-            results, notes = _analyze_csv(path, name, settings, runs, takers, progress, all_read)
+            results, notes, ledger = _analyze_csv(path, name, settings, runs, takers, progress,
+                                                  all_read)
         else:
-            results, notes = _analyze_bag(path, name, settings, runs, takers, progress, all_read,
-                                          helpers)
-        return results, notes, _described(path, name, settings, digest[0].result())
+            results, notes, ledger = _analyze_bag(path, name, settings, runs, takers, progress,
+                                                  all_read, helpers)
+        described = _described(path, name, settings, digest[0].result())
+    if not results:
+        described['no_run'] = _no_run(ledger, settings, runs)
+        notes.append(f'{name}: no run: {described["no_run"]}')
+    return results, notes, described
 
 
 def _analyze_csv(path: str, name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
-                 all_read: Callable[[], None]) -> tuple[list[RunResult], list[str]]:
+                 all_read: Callable[[], None]) -> tuple[list[RunResult], list[str], Ledger]:
     compliance = Compliance(settings, source=name, table=runs)
     ledger = Ledger()
     n, newest_ns = 0, None
@@ -113,14 +118,14 @@ def _analyze_csv(path: str, name: str, settings: Settings,
     compliance.finish()
     for cut_ns in compliance.cuts:
         ledger.cut(cut_ns)
-    return compliance.results(ledger), []
+    return compliance.results(ledger), [], ledger
 
 
 def _analyze_bag(path: str, name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                  all_read: Callable[[], None],
-                 helpers: int) -> tuple[list[RunResult], list[str]]:
+                 helpers: int) -> tuple[list[RunResult], list[str], Ledger]:
     comparison = Intercomparison(settings, source=name, table=runs)
     reader = BagReader(path)
     ts, rs = settings.ts_topic, settings.rs_topic
@@ -148,7 +153,24 @@ def _analyze_bag(path: str, name: str, settings: Settings,
     if kept:
         results = aligned(*(Headings.concatenate(kept[topic]) for topic in (ts, rs)), results,
                           settings, source=name)
-    return results, notes
+    return results, notes, comparison.pairer.ledger
+
+
+def _no_run(ledger: Ledger, settings: Settings, runs: Sequence[tuple[int, int]] | None) -> str:
+    """Say why no run came of an input, and what became of its readings."""
+    counts = Counter()
+    for segment in ledger.segments:
+        counts.update(segment.counts)
+    received = {stream: sum(segment.received(stream) for segment in ledger.segments)
+                for stream in ('ts', 'rs')}
+    rejected = [f'{n} {key[:2].upper()} {key.partition(".")[2]}' for key, n in counts.items()
+                if '_rejected.' in key]
+    why = ('the table of runs has no row for it' if runs is not None and not runs else
+           'no pair was made' if not counts['paired'] else
+           'none of its pairs is in a run of at least runs.min_duration_s = '
+           f'{settings.runs.min_duration_s:g} s')
+    return (f'{why}; {received["ts"]} TS and {received["rs"]} RS readings received, '
+            f'{counts["paired"]} paired, rejected: {", ".join(rejected) or "none"}')
 
 
 def _marks(reader: BagReader) -> Iterator[tuple[str, int]]:
@@ -180,46 +202,3 @@ def sha256(path: str) -> str:
             while block := file.read(1 << 20):
                 digest.update(block)
     return digest.hexdigest()
-
-
-def read_run_table(path: str) -> list[tuple[int, int, str]]:
-    """
-    Read a table of runs: ``start,stop[,source]``, ISO UTC or integer nanoseconds.
-
-    Raises
-    ------
-    OSError, ValueError
-        If it cannot be read, or a row is wrong: file and line.
-
-    """
-    with open(path, newline='', encoding='utf-8') as file:
-        rows = csv.DictReader(file)
-        names = [name.strip() for name in rows.fieldnames or ()]
-        if 'start' not in names or 'stop' not in names:
-            raise ValueError(f'{path}: the header must be start,stop[,source], '
-                             f'not {",".join(names) or "empty"}')
-        rows.fieldnames = names
-        table = []
-        for row in rows:
-            try:
-                table.append((_stamp(row['start']), _stamp(row['stop']),
-                              (row.get('source') or '').strip()))
-            except ValueError as error:
-                raise ValueError(f'{path}, line {rows.line_num}: {error}') from error
-    return sorted(table)
-
-
-def _stamp(text: str | None) -> int:
-    text = (text or '').strip()
-    if text.lstrip('-').isdigit():
-        return int(text)
-    try:
-        moment = datetime.fromisoformat(text[:19].replace('Z', ''))
-        fraction = text[19:].rstrip('Z').lstrip('.')
-        ns = int((fraction or '0').ljust(9, '0')) if len(fraction) <= 9 else None
-    except ValueError:
-        ns = None
-    if ns is None:
-        raise ValueError(f'{text!r} is neither ISO UTC (2014-08-01T00:00:00.5Z) nor integer '
-                         'nanoseconds')
-    return int(moment.replace(tzinfo=timezone.utc).timestamp()) * 1_000_000_000 + ns

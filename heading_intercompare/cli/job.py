@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any, Callable, Iterable
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.cli.inputs import analyze_input, RunTable
+from heading_intercompare.cli.inputs import analyze_input
+from heading_intercompare.cli.run_table import RunTable
 from heading_intercompare.core.judge import RunResult
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
@@ -33,7 +34,8 @@ class Judged:
     notes : list of str
         What the user should know of it.
     description : dict
-        Its entry in the verdict; with `error` if it could not be read.
+        Its entry in the verdict; with `error` if it could not be read, with `no_run` if no run
+        came of it.
     sketch : SeriesSketch or None
         For the graphs of a report, if asked for.
 
@@ -49,6 +51,11 @@ class Judged:
     def error(self) -> str | None:
         """Why it could not be read."""
         return self.description.get('error')
+
+    @property
+    def no_run(self) -> str | None:
+        """Why no run came of it."""
+        return self.description.get('no_run')
 
 
 @dataclass(frozen=True, slots=True)

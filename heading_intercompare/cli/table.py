@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any, Callable, Mapping, Sequence
 
-from heading_intercompare.report.wording import utc
+from heading_intercompare.report.wording import NO_RUN, unjudged, utc
 from heading_intercompare.report.words import OUTCOME_WORDS, REASON_WORDS
 
 __all__ = ['verdict_text']
@@ -99,14 +99,17 @@ def verdict_text(verdict: Mapping[str, Any]) -> str:
                  f'model {settings["model"]}, variant {settings["variant"]}; '
                  f'risks: consumer {settings["risk.alpha_consumer"]:g}, '
                  f'producer {settings["risk.alpha_producer"]:g}')
-    if not runs:
-        return '\n'.join([*lines, 'no run: no pair was made'])
     for first in range(0, len(runs), _COLUMNS):
         lines += ['', *_table(runs[first:first + _COLUMNS])]
     lines.append('')
+    several = len(verdict['inputs']) > 1
     for run in runs:
-        lines.append(f'run {run["run"]}: {REASON_WORDS.get(run["reason"], run["reason"])}')
+        of = f' of {run["source"]}' if several else ''
+        lines.append(f'run {run["run"]}{of}: {REASON_WORDS.get(run["reason"], run["reason"])}')
         lines += [f'  warning: {warning}' for warning in run['warnings']]
+    reasons = [f'not judged: {given["path"]}: {why}' for given in verdict['inputs']
+               if (why := unjudged(given))]
+    lines += reasons if reasons or runs else [NO_RUN]
     return '\n'.join(lines)
 
 

@@ -16,12 +16,10 @@ from .markup import element, joined, Markup
 from .rule import rule, uncertainty
 from .series import SeriesSketch
 from .tables import facts, GUARDED, LEDGER, RESULTS, rows_by_run, table, WORST
-from .wording import exact, flat, outcome, utc, value
+from .wording import exact, flat, NO_RUN, outcome, unjudged, utc, value
 from .words import REASON_WORDS, STATE_WORDS
 
 __all__ = ['render', 'settings_sha256', 'write']
-
-_NO_RUN = 'No run: no pair was made, or none in a run long enough.'
 
 _FINDINGS = ('skew', 'drift', 'heading_dependence', 'normality', 'stationarity', 'correlation',
              'allan')
@@ -69,7 +67,7 @@ def write(verdict: Mapped, path: str | Path, sketches: Sequence[SeriesSketch] = 
         If the verdict is of another schema, or the file cannot be written.
 
     """
-    Path(path).write_text(render(verdict, sketches), encoding='utf-8')
+    Path(path).write_text(render(verdict, sketches), 'utf-8', 'backslashreplace')
 
 
 def render(verdict: Mapped, sketches: Sequence[SeriesSketch] = ()) -> str:
@@ -136,7 +134,7 @@ def _headline(verdict: Mapped) -> Markup:
     return element(
         'div', element('strong', outcome(verdict['outcome'])),
         _paragraph(f'GK as printed: {outcome(verdict["paper_outcome"])}'),
-        element('ul', *reasons) if reasons else _paragraph(_NO_RUN),
+        element('ul', *reasons) if reasons else _paragraph(NO_RUN),
         class_='verdict')
 
 
@@ -160,8 +158,8 @@ def _identification(verdict: Mapped) -> Markup:
             ['input', 'SHA-256', 'TS topic', 'RS topic'],
             [[value(given.get(key)) for key in ('path', 'sha256', 'ts_topic', 'rs_topic')]
              for given in verdict['inputs']]))
-        parts += [_paragraph(f'Not read: {given["error"]}') for given in verdict['inputs']
-                  if given.get('error')]
+        parts += [_paragraph(f'{given["path"]} was not judged: {why}')
+                  for given in verdict['inputs'] if (why := unjudged(given))]
     else:
         parts.append(_paragraph('Inputs: none recorded; the readings were given live or by a '
                                 'program.'))
@@ -170,7 +168,7 @@ def _identification(verdict: Mapped) -> Markup:
 
 def _ledger(verdict: Mapped) -> Markup:
     if not verdict['runs']:
-        return _paragraph(_NO_RUN)
+        return _paragraph(NO_RUN)
     return joined((_paragraph('Every reading received stands in exactly one row of its sensor: '
                               'paired (used), without partner (not used) or rejected.'),
                    rows_by_run(LEDGER, verdict['runs'])))
@@ -178,7 +176,7 @@ def _ledger(verdict: Mapped) -> Markup:
 
 def _results(verdict: Mapped) -> Markup:
     if not verdict['runs']:
-        return _paragraph(_NO_RUN)
+        return _paragraph(NO_RUN)
     return joined((_paragraph('Differences are TS - RS. GK is Granovskii and Kudryavtsev, '
                               'ALLSENSORS 2016; the numbers are those of its formulas.'),
                    rows_by_run(RESULTS, verdict['runs'])))
@@ -194,7 +192,7 @@ def _campaign(verdict: Mapped) -> Markup:
 
 def _guarded(verdict: Mapped) -> Markup:
     if not verdict['runs']:
-        return _paragraph(_NO_RUN)
+        return _paragraph(NO_RUN)
     return joined((_paragraph('The confidences and the bounds hold only if the slow part of the '
                               'errors is resolved.'),
                    rows_by_run(GUARDED, verdict['runs'])))

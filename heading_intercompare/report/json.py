@@ -21,4 +21,5 @@ def render(verdict: Mapping[str, Any]) -> str:
 def write(verdict: Mapping[str, Any], path: str | Path,
           sketches: Sequence[SeriesSketch] = ()) -> None:
     """Write the verdict; JSON holds no figures to look at, so sketches have no place in it."""
-    Path(path).write_text(render(verdict), encoding='utf-8')
+    # The name of a file may have bytes that are no UTF-8.
+    Path(path).write_text(render(verdict), 'utf-8', 'backslashreplace')

@@ -10,9 +10,11 @@ from typing import Any, Iterator, Mapping
 
 from .words import OUTCOME_WORDS
 
-__all__ = ['ABSENT', 'exact', 'flat', 'interval', 'number', 'outcome', 'utc', 'value']
+__all__ = ['ABSENT', 'exact', 'flat', 'interval', 'NO_RUN', 'number', 'outcome', 'unjudged', 'utc',
+           'value']
 
 ABSENT = '-'
+NO_RUN = 'No run: no pair was made, or none in a run long enough.'
 
 _LONGEST_LIST = 12
 
@@ -42,6 +44,13 @@ def interval(low: float | None, up: float | None) -> str:
 def outcome(word: str | None) -> str:
     """Return the words of an outcome."""
     return ABSENT if word is None else OUTCOME_WORDS.get(word, word)
+
+
+def unjudged(given: Mapping[str, Any]) -> str | None:
+    """Return why no run came of an input, which is described as in the JSON; None if some did."""
+    if 'same_as' in given:
+        return f'it has the data of {given["same_as"]}'
+    return given.get('error') or given.get('no_run')
 
 
 def value(thing: Any) -> str:

@@ -8,6 +8,7 @@ from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 import json
 import os
+import shutil
 import sys
 from types import SimpleNamespace
 
@@ -100,6 +101,68 @@ def test_a_bad_bag_is_named_and_the_campaign_is_not_compliant(
     assert verdict['inputs'][1]['sha256'] is None
     assert said == (f'note: {inputs[1]}: not judged: is not an MCAP file\n'
                     f'note: {inputs[2]}: not judged: No such file or directory\n')
+
+
+def test_an_input_without_runs_is_named_and_the_campaign_is_not_compliant(bags, tmp_path, capsys):
+    stamps = 1_400_000_000 * S + np.arange(1200) * (S // 10)
+    with BagWriter(tmp_path / 'dead') as writer:
+        for topic in ('ts/heading', 'rs/heading'):
+            writer.add_topic(topic, IMU)
+        readings = Headings.of(stamps, np.where(np.arange(1200) < 7, np.nan, 100.0))
+        writer.write_rows([Rows('ts/heading', encode_imu(readings, 'x'), stamps)])
+    dead = str(tmp_path / 'dead')
+    verdict, said = judged(capsys, bags[0], dead)
+    assert verdict['outcome'] == verdict['paper_outcome'] == 'indeterminate'
+    why = ('no pair was made; 1200 TS and 0 RS readings received, 0 paired, rejected: '
+           '7 TS invalid')
+    assert verdict['inputs'][1]['no_run'] == why and 'no_run' not in verdict['inputs'][0]
+    assert said == f'note: {dead}: no run: {why}\n'
+    assert main(['analyze', bags[0], dead, *NORMS]) == 0
+    text = capsys.readouterr().out
+    assert f'run 1 of {bags[0]}: ' in text and text.endswith(f'not judged: {dead}: {why}\n')
+
+
+def test_runs_that_are_too_short_are_said_to_be(bags, capsys):
+    verdict, said = judged(capsys, bags[0], '--set', 'runs.min_duration_s=900')
+    assert verdict['runs'] == []
+    assert 'in a run of at least runs.min_duration_s = 900 s; 1200 TS and 1200 RS' in said
+
+
+@pytest.mark.parametrize('again', ['{0}', '{0}/trial_0_0.mcap', '{copy}'])
+def test_the_same_data_are_judged_once(bags, tmp_path, capsys, again):
+    shutil.copytree(bags[0], tmp_path / 'copy')
+    again = again.format(bags[0], copy=tmp_path / 'copy')
+    once, _ = judged(capsys, *bags[:2])
+    verdict, said = judged(capsys, bags[0], again, bags[1])
+    assert said == f'note: {again}: not judged again: it has the data of {bags[0]}\n'
+    assert verdict['inputs'][1]['same_as'] == bags[0]
+    for key in ('outcome', 'campaign', 'runs'):
+        assert verdict[key] == once[key]
+
+
+def test_a_source_in_the_table_of_runs_may_be_written_as_another_path(bags, tmp_path, capsys,
+                                                                     monkeypatch):
+    table = tmp_path / 'runs.csv'
+    starts = [(1_400_000_000 + 1000 * number) * S for number in range(2)]
+    monkeypatch.chdir(tmp_path)
+    table.write_text(''.join(['\ufeffstart,stop,source\n',
+                              f'{starts[0]},{starts[0] + 50 * S},./trial_0\n',
+                              f'{starts[1]},{starts[1] + 60 * S},trial_1\n',
+                              f'{starts[1]},{starts[1] + 60 * S},gone\n']), 'utf-8')
+    verdict, said = judged(capsys, *bags[:3], '--runs', str(table))
+    assert [(run['source'], run['n']) for run in verdict['runs']] == [
+        (bags[0], 500), (bags[1], 600)]
+    assert 'the table of runs has no row for it' in verdict['inputs'][2]['no_run']
+    assert said.endswith(f'note: {table}: source gone is none of the INPUTs\n')
+
+
+def test_a_source_that_means_several_inputs_is_refused(bags, tmp_path, capsys):
+    shutil.copytree(bags[0], tmp_path / 'other' / 'trial_0')
+    table = tmp_path / 'runs.csv'
+    table.write_text('start,stop,source\n1,2,trial_0\n')
+    assert main(['analyze', bags[0], str(tmp_path / 'other' / 'trial_0'), *NORMS, '--runs',
+                 str(table)]) == 2
+    assert 'write the path instead' in capsys.readouterr().err
 
 
 def test_a_bad_bag_does_not_hide_that_another_is_not_compliant(bags, tmp_path, capsys):

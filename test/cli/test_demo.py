@@ -27,6 +27,17 @@ def test_live_replayed_and_offline_agree_on_simulated_sensors(tmp_path, capfd):
     assert json.loads(report.read_text())['runs'][0]['n'] == 1199
 
 
+@pytest.mark.parametrize('speed', ['inf', '-1', '50'])
+def test_the_demo_removes_only_what_a_demo_made(tmp_path, capfd, speed):
+    (tmp_path / 'bag').mkdir()
+    (tmp_path / 'bag' / 'mine').write_text('precious')
+    assert main(['demo', '--out', str(tmp_path), '--speed', speed]) == 2
+    error = capfd.readouterr().err
+    assert error.count('\n') == 1
+    assert ('--speed' if speed != '50' else 'bag is there and was not made by a demo') in error
+    assert (tmp_path / 'bag' / 'mine').read_text() == 'precious'
+
+
 def test_differences_between_verdicts_are_found():
     a = {'n': 1, 'x': 1.0, 'runs': [{'word': 'a'}], 'source': 'here'}
     assert list(differences(a, {**a, 'source': 'there', 'x': 1.0 + 1e-15})) == []

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import csv
 import json
+from pathlib import Path
 import subprocess
 
 import numpy as np
@@ -92,13 +93,60 @@ def test_the_length_of_an_ensemble_can_be_set_and_the_norms_set_the_flag(bag, tm
     (['{bag}', '--ensembles', '{to}', '--ensemble-s', '0'], 'must be from 1 to 86400'),
     (['{bag}', '--ensembles', '{to}', '--ensemble-s', 'nan'], 'must be from 1 to 86400'),
     (['{bag}', '--ensembles', '{to}', '--ensemble-s', 'long'], "invalid float value: 'long'"),
-    (['{bag}', '--ensembles', 'nowhere/x.csv'], 'nowhere/x.csv: No such file'),
+    (['{bag}', '--ensembles', 'nowhere/x.csv'], 'nowhere/x.csv: there is no folder '),
     (['{bag}', '--ensembles', '{to}', '--csv', '{to}'], 'that is the file of --csv'),
+    (['{bag}', '--csv', '-'], '--csv -: name a file'),
+    (['{bag}', '--json', '{bag}'], '--json {bag}: that is an INPUT'),
+    (['{bag}', '--json', '{bag}/..'], 'is a folder; name a file'),
+    (['{bag}', '--json', '{bag}/trial_0.mcap'], 'trial_0.mcap: that is a file of {bag}'),
+    (['{bag}', '--csv', '{bag}/metadata.yaml'], 'metadata.yaml: that is a file of {bag}'),
+    (['{bag}', '--runs', '{to}', '--report', '{to}/../e.html', '--csv', '{to}'],
+     'that is the file of --runs'),
+    (['{bag}', '--config', '{config}', '--json', '{config}'], 'that is the file of --config'),
     (['{bag}', '--json', '{to}', '--report', '{to}.html', '--ensembles', '{to}.html'],
      'that is the file of --ensembles')])
 def test_a_mistake_about_the_files_is_one_line(bag, tmp_path, capsys, arguments, words):
-    given = [a.format(bag=bag, to=tmp_path / 'e.csv') for a in arguments]
-    assert words in refused(capsys, 'analyze', *given, *NORMS)
+    config = tmp_path / 'my.yaml'
+    config.write_text('/**: {ros__parameters: {window_s: 60.0}}')
+    names = {'bag': bag, 'to': tmp_path / 'e.csv', 'config': config}
+    given = [a.format(**names) for a in arguments]
+    before = _files(bag)
+    assert words.format(**names) in refused(capsys, 'analyze', *given, *NORMS)
+    assert _files(bag) == before and config.read_text() and not names['to'].exists()
+
+
+def _files(folder) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_a_table_is_not_touched_before_there_are_pairs(bag, tmp_path, capsys):
+    table = tmp_path / 'p.csv'
+    table.write_text('precious')
+    refused(capsys, 'analyze', tmp_path / 'nothing', *NORMS, '--csv', table)
+    assert table.read_text() == 'precious'
+    empty = tmp_path / 'empty.csv'
+    empty.write_text('stamp_ns,ts_deg,rs_deg\n')
+    assert main(['analyze', str(empty), *NORMS, '--csv', str(table)]) == 0
+    assert table.read_text().startswith('stamp_ns,') and table.read_text().count('\n') == 1
+
+
+@pytest.mark.skipif(not Path('/dev/full').exists(), reason='there is no full device')
+@pytest.mark.parametrize('option', ['--csv', '--ensembles', '--json'])
+def test_a_full_disk_is_named_with_the_file(bag, capsys, option):
+    assert main(['analyze', str(bag), *NORMS, option, '/dev/full']) == 2
+    assert '/dev/full: No space left on device' in capsys.readouterr().err
+
+
+def test_the_verdict_is_told_though_the_report_cannot_be_written(bag, tmp_path, capsys,
+                                                                 monkeypatch):
+    def full(*args):
+        raise OSError(28, 'No space left on device')
+    monkeypatch.setattr('heading_intercompare.cli.analyze.write', full)
+    told = tmp_path / 'v.json'
+    assert main(['analyze', str(bag), *NORMS, '--json', str(told), '--report', 'r.html']) == 2
+    out, err = capsys.readouterr()
+    assert out.startswith('VERDICT: ') and json.loads(told.read_text())['runs']
+    assert err.endswith('r.html: No space left on device\n')
 
 
 @pytest.mark.parametrize('option', ['--csv', '--ensembles', '--json'])

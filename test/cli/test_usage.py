@@ -149,6 +149,11 @@ def test_the_run_table_says_where_the_runs_are(bag, capsys, tmp_path):
     assert [run['n'] for run in runs] == [600, 605]
     table.write_text('start,stop\nnoon,1\n')
     assert "line 2: 'noon'" in refused(capsys, 'analyze', bag, *NORMS, '--runs', table)
+    table.write_text('start,stop\n2,2\n')
+    assert 'line 2: stop 2 is not after start 2' in refused(capsys, 'analyze', bag, *NORMS,
+                                                            '--runs', table)
+    table.write_bytes(b'start,stop,source\n1,2,caf\xe9\n')
+    assert 'is not UTF-8' in refused(capsys, 'analyze', bag, *NORMS, '--runs', table)
     table.write_text('begin,end\n')
     assert 'start,stop[,source]' in refused(capsys, 'analyze', bag, *NORMS, '--runs', table)
 

@@ -142,8 +142,8 @@ def test_a_hostile_name_is_shown_and_not_obeyed(made):
 def test_an_input_that_could_not_be_read_is_named_with_its_fault(made):
     verdict, _ = made(1)
     verdict['inputs'] = [{'path': 'b.mcap', 'sha256': None, 'ts_topic': None, 'rs_topic': None,
-                          'error': 'b.mcap: empty <file>'}]
-    assert 'Not read: b.mcap: empty &lt;file&gt;' in html.render(verdict)
+                          'error': 'empty <file>'}]
+    assert 'b.mcap was not judged: empty &lt;file&gt;' in html.render(verdict)
 
 
 def test_the_operators_notes_are_among_the_events(made):

@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The table that says where the runs are, and of which input each is."""
+
+from __future__ import annotations
+
+import csv
+from datetime import datetime, timezone
+import os
+from pathlib import Path
+from typing import Mapping, Sequence
+
+__all__ = ['assigned', 'read_run_table', 'RunTable']
+
+#: Start and stop, nanoseconds, and the source.
+Run = tuple[int, int, str]
+RunTable = Sequence[Run]
+
+
+def read_run_table(path: str) -> list[Run]:
+    """
+    Read a table of runs: ``start,stop[,source]``, ISO UTC or integer nanoseconds.
+
+    Raises
+    ------
+    OSError, ValueError
+        If it cannot be read, or a row is wrong: file and line.
+
+    """
+    # Spreadsheets put a byte order mark before the header.
+    with open(path, newline='', encoding='utf-8-sig') as file:
+        rows = csv.DictReader(file)
+        try:
+            names = [name.strip() for name in rows.fieldnames or ()]
+            if 'start' not in names or 'stop' not in names:
+                raise ValueError('the header must be start,stop[,source], '
+                                 f'not {",".join(names) or "empty"}')
+            rows.fieldnames = names
+            return sorted(map(_run, rows))
+        except UnicodeDecodeError:
+            raise ValueError(f'{path}: is not UTF-8; save it as that') from None
+        except (csv.Error, ValueError) as error:
+            raise ValueError(f'{path}, line {rows.line_num}: {error}') from error
+
+
+def _run(row: Mapping[str, str | None]) -> Run:
+    start_ns, stop_ns = _stamp(row['start']), _stamp(row['stop'])
+    if stop_ns <= start_ns:
+        raise ValueError(f'stop {row["stop"]} is not after start {row["start"]}')
+    return start_ns, stop_ns, (row.get('source') or '').strip()
+
+
+def assigned(table: RunTable, paths: Sequence[str]) -> tuple[list[Run], list[str]]:
+    """
+    Return a table whose sources are the paths of the inputs they mean, and those of no input.
+
+    A source means the inputs of that path, however it is written, else that of the same name.
+
+    Raises
+    ------
+    ValueError
+        If several inputs have that name.
+
+    """
+    places = {path: os.path.abspath(path) for path in paths}
+    meant: dict[str, list[str]] = {'': ['']}
+    for source in {source for _, _, source in table} - {''}:
+        place = os.path.abspath(source)
+        meant[source] = ([path for path in places if places[path] == place]
+                         or [path for path in places if Path(places[path]).name == source])
+        if len({places[path] for path in meant[source]}) > 1:
+            raise ValueError(f'source = {source!r} in the table of runs is '
+                             f'{" and ".join(meant[source])}; write the path instead')
+    return ([(start, stop, path) for start, stop, source in table for path in meant[source]],
+            sorted(source for source, found in meant.items() if not found))
+
+
+def _stamp(text: str | None) -> int:
+    text = (text or '').strip()
+    if text.lstrip('-').isdigit():
+        return int(text)
+    try:
+        moment = datetime.fromisoformat(text[:19].replace('Z', ''))
+        fraction = text[19:].rstrip('Z').lstrip('.')
+        ns = int((fraction or '0').ljust(9, '0')) if len(fraction) <= 9 else None
+    except ValueError:
+        ns = None
+    if ns is None:
+        raise ValueError(f'{text!r} is neither ISO UTC (2014-08-01T00:00:00.5Z) nor integer '
+                         'nanoseconds')
+    return int(moment.replace(tzinfo=timezone.utc).timestamp()) * 1_000_000_000 + ns
