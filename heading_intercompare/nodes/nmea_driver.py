@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 import time
 from typing import Any, Sequence
 
@@ -21,12 +22,15 @@ from .messages import heading_messages
 from .parameters import declare, OVERRIDES, resolved
 from .process import run
 from .reading import Reading
-from .sending import all_acknowledged, Audience
+from .sending import all_acknowledged, Allowance, Audience
 from .settings import DriverNode, Sending, Taking
 from .status_messages import OK, WARN
 from .timing import every
 
 __all__ = ['main', 'NmeaDriver']
+
+#: Messages that go out in one go.
+_PIECE = 200
 
 
 class NmeaDriver(Node):
@@ -51,6 +55,11 @@ class NmeaDriver(Node):
         self._audience = Audience(self, [self._publisher],
                                   sending.subscribers if self._reading.from_file else 0,
                                   self._health)
+        # What was held back until the sentence was chosen would overrun who takes it.
+        self._waiting: deque[Headings] = deque()
+        self._allowance = Allowance(sending.max_rate_hz)
+        self._later = every(self, 0.01, self._pass_on)
+        self._flushed = self._ending = False
         self._published = self._beyond = self._published_before = 0
         self._newest_s = self._beat_s = time.monotonic()
         self._health.before_beat(self._note)
@@ -74,17 +83,29 @@ class NmeaDriver(Node):
         """Publish the headings in what has come."""
         if self.ended:
             return
-        chunks = [self._decoder.feed(data, ns) for ns, data in self._reading.received()]
-        self._publish(Headings.concatenate(chunks))
-        if self._reading.over and not self.done:
-            self._publish(self._decoder.flush())
-            all_acknowledged([self._publisher])
-            self.done = True
+        self._take([self._decoder.feed(data, ns) for ns, data in self._reading.received()])
+        if self._reading.over and not self._flushed:
+            self._flushed = True
+            self._take([self._decoder.flush()])
+        while self._waiting and self._allowance.left():
+            self._publish(self._waiting.popleft())
+        if self._waiting:
+            self._later.reset()
+            return
+        self._later.cancel()
+        if (self._flushed and not self.done) or self._ending:
+            all_acknowledged([self._publisher], 2.0 if self._ending else 5.0)
+            self.done, self.ended = self._flushed, self._ending
+
+    def _take(self, chunks: Sequence[Headings]) -> None:
+        headings = Headings.concatenate(chunks)
+        self._waiting += [headings[lo:lo + _PIECE] for lo in range(0, len(headings), _PIECE)]
 
     def _publish(self, headings: Headings) -> None:
         messages = heading_messages(headings, self._frame_id)
         for message in messages:
             self._publisher.publish(message)
+        self._allowance.spend(len(messages))
         self._published += len(messages)
         self._beyond += len(headings) - len(messages)
         if messages:
@@ -93,7 +114,7 @@ class NmeaDriver(Node):
     def _note(self) -> None:
         if self._reading.started and not self.done:
             # On a silent line the time of listening passes all the same.
-            self._publish(self._decoder.feed(b'', time.time_ns()))
+            self._take([self._decoder.feed(b'', time.time_ns())])
             self._pass_on()
         now_s = time.monotonic()
         age_s = now_s - self._newest_s
@@ -107,12 +128,10 @@ class NmeaDriver(Node):
                           **self._decoder.counts)
 
     def end(self) -> None:
-        """Stop reading, publish what has come."""
+        """Stop reading; it is ended when what has come is published."""
         self._reading.stop()
-        if not self.done:
-            self._pass_on()
-            all_acknowledged([self._publisher], 2.0)
-        self.ended = True
+        self._ending = True
+        self._pass_on()
 
     def destroy_node(self) -> None:
         """Stop reading, and destroy the node."""

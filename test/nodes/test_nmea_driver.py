@@ -96,6 +96,22 @@ def test_sentences_over_udp_are_stamped_when_they_come(ros):
     assert headings.heading_deg[0] == pytest.approx(123.45)
 
 
+def test_what_was_held_back_until_the_sentence_was_chosen_overruns_nobody(ros):
+    """A subscription holds 1000 messages."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(('127.0.0.1', 0))
+        port = probe.getsockname()[1]
+    node = ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{port}', learn_s=2.0, max_rate_hz=1000.0)
+    heard = ros.listen(Imu, 'ts/heading', qos.HEADINGS_IN)
+    ros.spin_until(lambda: node.count_subscribers('ts/heading'))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        for first in range(0, 3000, 50):
+            sender.sendto(''.join(sentence(round(0.1 * n, 1)) for n in range(
+                first, first + 50)).encode(), ('127.0.0.1', port))
+            ros.executor.spin_once(0.001)
+    ros.spin_until(lambda: len(heard) == 3000, 20.0)
+
+
 def test_what_gave_no_heading_is_in_the_diagnostics_by_reason(ros, tmp_path):
     path = tmp_path / 'gyro.log'
     source = log(path, 20)
