@@ -1,16 +1,24 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The graph in one process: what `launch` runs as processes, in one context and one thread."""
+"""
+The graph in one process: what `launch` runs as processes, in one context.
+
+The judge has a thread of its own. The end of a long run takes seconds, in which readings must be
+stamped, paired and recorded all the same.
+"""
 
 from __future__ import annotations
 
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 import json
 import os
+import threading
 from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 
 import rclpy
 from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
@@ -70,6 +78,23 @@ def _in_step(sources: Sequence[Node]) -> None:
         log.play_from(min(other.first_ns for other in logs))
 
 
+@contextmanager
+def _beside(executor: SingleThreadedExecutor) -> Iterator[Future]:
+    """Spin an executor in a thread of its own; give what ends early only with an error."""
+    over = threading.Event()
+
+    def spin() -> None:
+        while not over.is_set():
+            executor.spin_once(0.05)
+    with ThreadPoolExecutor(1) as pool:
+        spun = pool.submit(spin)
+        try:
+            yield spun
+        finally:
+            over.set()
+    spun.result()
+
+
 def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                  output: str | None = None, report_dir: str | None = None,
                  own: Mapping[str, Mapping[str, Any]] | None = None, private: bool = False,
@@ -114,19 +139,22 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     plan.append((Synchronizer, 'synchronizer', {**own.get('synchronizer', {}), **heard}))
     plan += [(s.make, s.name, {**heard, **s.settings}) for s in sources]
     with (_context(private) as context, Stop() as stop,
-          spinning(context) as (executor, nodes)):
+          spinning(context) as (judging, _), spinning(context) as (executor, nodes)):
         for make, name, parameters in plan:
             nodes.append(make(context=context, cli_args=['--ros-args', '-r', f'__node:={name}'],
                               parameter_overrides=overrides({**settings, **parameters})))
-            executor.add_node(nodes[-1])
+            (judging if make is Compliance else executor).add_node(nodes[-1])
         if output is not None:
             nodes[1].state_sources({source.name: source.settings for source in sources})
         compliance, *others = nodes[:-len(sources)]
         running = nodes[-len(sources):]
         _in_step(running)
-        while not stop.requested and not all(source.done for source in running):
-            executor.spin_once(0.2)
-            progress(compliance.n_pairs)
+        with _beside(judging) as judged:
+            while not (stop.requested or judged.done() or all(s.done for s in running)):
+                executor.spin_once(0.2)
+                progress(compliance.n_pairs)
+        judging.remove_node(compliance)
+        executor.add_node(compliance)
         # Sources first, then who takes their headings, then the verdict, then who records it.
         end(executor, [*running, others[-1], compliance, *others[:-1]])
         return json.loads(compliance.report)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import threading
 
 import pytest
 
@@ -16,9 +17,11 @@ from heading_intercompare.bags.reader import BagReader
 from heading_intercompare.core.intercomparison import Intercomparison
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.graph import intercompare, Source
 from heading_intercompare.nodes.messages import heading_messages, headings_from
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
+from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.replayer import Replayer
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 
@@ -69,6 +72,36 @@ def test_the_live_verdict_is_that_of_the_recording(trial):
     live, bag = trial
     assert live['runs'][0]['n'] > 1000
     assert_same(live, offline(bag))
+
+
+def test_while_a_run_is_judged_readings_are_recorded(tmp_path, monkeypatch):
+    """The judge waits for the recorder; in one thread it would in vain."""
+    judging, recorded = threading.Event(), threading.Event()
+    beat, drain = Compliance._beat, Recorder._drain
+
+    def judge(self):
+        judging.set()
+        assert recorded.wait(20.0)
+        beat(self)
+
+    def record(self):
+        drain(self)
+        if judging.is_set():
+            recorded.set()
+    monkeypatch.setattr(Compliance, '_beat', judge)
+    monkeypatch.setattr(Recorder, '_drain', record)
+    intercompare([Source(SensorSimulator, 'sensor_simulator', {**TRIAL, 'speed': 40.0})], NORMS,
+                 output=str(tmp_path / 'bag'), private=True)
+    assert recorded.is_set()
+
+
+def test_an_error_of_the_judge_ends_the_graph(monkeypatch):
+    def fail(self):
+        raise OSError(28, 'No space left on device')
+    monkeypatch.setattr(Compliance, '_beat', fail)
+    with pytest.raises(OSError, match='No space left'):
+        intercompare([Source(SensorSimulator, 'sensor_simulator', {**TRIAL, 'speed': 1.0})], NORMS,
+                     private=True)
 
 
 @pytest.mark.parametrize('rate', [0.0, 4.0])
