@@ -18,44 +18,14 @@ from .blocks import Block, HEAD, Record
 from .checksum import crc32
 from .chunks import CHUNK_HEAD
 from .errors import BagError
+from .numbering import Numbering
 from .part import mcap_files, parsed, Part
 from .stream import MAGIC, RecordStream
 
-__all__ = ['BagCheck', 'check', 'Numbering']
+__all__ = ['BagCheck', 'check']
 
 _FOOTER = HEAD.size + 20
 _READ_BYTES = 1 << 20
-
-
-@dataclass(slots=True)
-class Numbering:
-    """
-    The numbers that a publisher gave its messages, as they stand in the bag.
-
-    Attributes
-    ----------
-    numbered : bool
-        There is one other than 0; rosbag2 writes none.
-    missing : int
-        Numbers left out between one message and the next.
-    restarts : int
-        How often the next number was not a larger one: a publisher that began again, or several.
-
-    """
-
-    numbered: bool = False
-    missing: int = 0
-    restarts: int = 0
-    _newest: int | None = None
-
-    def take(self, numbers: np.ndarray) -> None:
-        """Take the numbers of the next messages, uint32, n >= 1; behind the last comes 0."""
-        before = [] if self._newest is None else [self._newest]
-        steps = np.diff(np.concatenate((np.array(before, np.uint32), numbers))).view(np.int32)
-        self.missing += int((steps[steps > 1].astype(np.int64) - 1).sum())
-        self.restarts += int((steps <= 0).sum())
-        self.numbered = self.numbered or bool(numbers.any())
-        self._newest = int(numbers[-1])
 
 
 @dataclass(slots=True)

@@ -9,8 +9,9 @@ import json
 from pathlib import Path
 from typing import Iterator, Mapping, Sequence
 
-from heading_intercompare.bags.check import BagCheck, check, Numbering
+from heading_intercompare.bags.check import BagCheck, check
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.numbering import Numbering
 from heading_intercompare.bags.provenance import (
     is_note,
     notes_in,
@@ -97,8 +98,10 @@ def _topics(reader: BagReader, checked: BagCheck | None) -> Iterator[str]:
 def _missing(numbers: Numbering) -> str:
     if not numbers.numbered:
         return '-'
-    again = f' (numbers begin again: {numbers.restarts})' if numbers.restarts else ''
-    return f'{numbers.missing}{again}'
+    begin = [f'at {numbers.first}'] if numbers.first > 1 else []
+    if numbers.restarts:
+        begin.append(f'again: {numbers.restarts}')
+    return str(numbers.missing) + (f' (numbers begin {", ".join(begin)})' if begin else '')
 
 
 def _columns(rows: Sequence[Sequence[str]]) -> list[str]:

@@ -7,9 +7,12 @@ from __future__ import annotations
 import time
 from typing import Any, Mapping
 
+import numpy as np
 from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility, QoSProfile
 from rclpy.subscription import Subscription
+
+from heading_intercompare.bags.numbering import Numbering
 
 from .batches import take_all, Unwatched
 from .health import Health
@@ -50,8 +53,8 @@ class Intake:
         The topic as the graph knows it.
     type_name : str or None
         Type taken; None while there is no subscription.
-    received, lost, last_sequence : int
-        Messages taken, messages lost on the way, number of the newest at its publisher.
+    received, last_sequence : int
+        Messages taken, number of the newest at its publisher.
     publishers : int
         Publishers seen at the last `look`.
     open : bool
@@ -78,7 +81,8 @@ class Intake:
         self._beat_s, self._beat_n, self._latency_s = self._newest_s, 0, 0.0
         self.type_name: str | None = None
         self.open = True
-        self.received = self.lost = self.last_sequence = self.publishers = 0
+        self.received = self.last_sequence = self.publishers = 0
+        self._numbering = Numbering()
         health.before_beat(self._note)
 
     def take(self) -> list[tuple[Any, Mapping[str, int]]]:
@@ -88,16 +92,20 @@ class Intake:
             if self._subscription is None:
                 return []
         taken = take_all(self._subscription)
-        for _, info in taken:
-            number = info['publication_sequence_number']
-            if 0 < self.last_sequence < number:
-                self.lost += number - self.last_sequence - 1
-            self.last_sequence = number
         if taken:
+            numbers = [info['publication_sequence_number'] for _, info in taken]
+            self._numbering.take(np.array(numbers, np.uint64).astype(np.uint32))
+            self.last_sequence = numbers[-1]
             self.received += len(taken)
+            info = taken[-1][1]
             self._newest_s = time.monotonic()
             self._latency_s = (info['received_timestamp'] - info['source_timestamp']) / 1e9
         return taken
+
+    @property
+    def lost(self) -> int:
+        """Messages lost on the way, by the numbers of their publishers."""
+        return self._numbering.missing
 
     def look(self) -> str:
         """Look at the publishers, subscribe to their type; return what is wrong, or nothing."""

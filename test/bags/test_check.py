@@ -12,31 +12,12 @@ from mcap.writer import CompressionType, Writer
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.check import check, Numbering
+from heading_intercompare.bags.check import check
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.bags.writer import BagWriter, Rows
-
-
-def numbering(*chunks):
-    """Return what numbers say that come in chunks."""
-    found = Numbering()
-    for chunk in chunks:
-        found.take(np.array(chunk, np.uint32))
-    return found.numbered, found.missing, found.restarts
-
-
-@pytest.mark.parametrize('chunks, expected', [
-    ([[1, 2, 3], [4, 5]], (True, 0, 0)),
-    ([[5, 6, 9], [12]], (True, 4, 0)),
-    ([[0, 0, 0], [0]], (False, 0, 3)),
-    ([[0, 1, 2]], (True, 0, 0)),
-    ([[7, 8, 1, 2], [1]], (True, 0, 2)),
-    ([[2**32 - 2, 2**32 - 1], [0, 2]], (True, 1, 0))])
-def test_numbers_left_out_are_counted(chunks, expected):
-    assert numbering(*chunks) == expected
 
 
 @pytest.fixture

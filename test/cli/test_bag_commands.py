@@ -111,7 +111,7 @@ def test_info_check_shows_gaps_in_the_numbers(tmp_path, capsys):
     rows = [line.split('  ') for line in printed(
         capsys, 'info', '--check', tmp_path / 'bag').splitlines()]
     missing = {row[0]: row[-1] for row in rows}
-    assert (missing['/a'], missing['/b']) == ('2', '0 (numbers begin again: 1)')
+    assert (missing['/a'], missing['/b']) == ('2', '0 (numbers begin at 4, again: 1)')
 
 
 def test_info_check_of_a_damaged_bag_ends_with_2_and_says_where(bag, capsys):

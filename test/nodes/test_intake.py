@@ -127,6 +127,19 @@ def test_several_publishers_may_be_allowed(ros):
     publisher_to(ros, intake)
     ros.add(Node, 'rival').create_publisher(Imu, 'h', qos.HEADINGS_OUT)
     ros.spin_until(lambda: intake.look() == '' and intake.publishers == 2)
+    assert intake.lost == 0
+
+
+def test_publishers_that_count_by_themselves_have_lost_nothing(ros):
+    intake, _ = intake_of(ros, sole=False)
+    one, other = publisher_to(ros, intake), publisher_to(ros, intake)
+    for _ in range(20):
+        one.publish(Imu())
+    for _ in range(20):
+        other.publish(Imu())
+        one.publish(Imu())
+    ros.spin_until(lambda: intake.take() is not None and intake.received == 60)
+    assert intake.lost == 0
 
 
 def test_a_qos_mismatch_is_an_error(ros):

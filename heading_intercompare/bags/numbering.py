@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Messages that are missing, by the numbers that their publishers gave them."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+
+import numpy as np
+
+__all__ = ['Numbering']
+
+#: Publishers and gaps that are remembered: more go on at once on no topic.
+_PUBLISHERS, _GAPS = 8, 16
+
+
+def _beyond(number: int, other: int) -> int:
+    """Return how far a number is beyond another, behind the last of which comes 0."""
+    return (number - other + 2**31) % 2**32 - 2**31
+
+
+@dataclass(slots=True)
+class Numbering:
+    """
+    The numbers of the messages of one topic, in the order in which they came.
+
+    Several publishers count by themselves, and who takes their messages is not told which is
+    whose. So a number belongs to the publisher that it is next to; one that is beyond none begins
+    a count anew, or fills a gap that was none.
+
+    Attributes
+    ----------
+    numbered : bool
+        There is one other than 0; rosbag2 writes none.
+    missing : int
+        Numbers left out between one message and the next.
+    restarts : int
+        How often a number was beyond no other: a publisher that began again, or another one.
+    first : int or None
+        The first number; what a publisher sent before is not missing.
+
+    """
+
+    numbered: bool = False
+    missing: int = 0
+    restarts: int = 0
+    first: int | None = None
+    _newest: list[int] = field(default_factory=list)
+    _gaps: deque[tuple[int, int]] = field(default_factory=lambda: deque(maxlen=_GAPS))
+
+    def take(self, numbers: np.ndarray) -> None:
+        """Take the numbers of the next messages, uint32, n >= 1; behind the last comes 0."""
+        self.numbered = self.numbered or bool(numbers.any())
+        if not self.numbered:
+            return
+        if self.first is None:
+            self.first = int(numbers[0])
+            self._newest.append(self.first)
+            numbers = numbers[1:]
+        steps = np.diff(np.append(np.uint32(self._newest[-1]), numbers)).view(np.int32)
+        if len(self._newest) > 1 or (steps < 1).any():
+            for number in numbers.tolist():
+                self._take(number)
+            return
+        for at in np.flatnonzero(steps > 1).tolist():
+            self._miss(int(numbers[at]) - int(steps[at]), int(numbers[at]))
+        self._newest[-1:] = numbers[-1:].tolist() or self._newest[-1:]
+
+    def _take(self, number: int) -> None:
+        steps = [(step, at) for at, newest in enumerate(self._newest)
+                 if (step := _beyond(number, newest)) > 0]
+        if steps:
+            _, at = min(steps)
+            self._miss(self._newest.pop(at), number)
+        else:
+            self._begin(number)
+        self._newest = [*self._newest[1 - _PUBLISHERS:], number]
+
+    def _miss(self, before: int, number: int) -> None:
+        """Count what is missing between two numbers."""
+        before %= 2**32
+        step = _beyond(number, before)
+        self.missing += step - 1
+        if step > 1:
+            self._gaps.append((before, number))
+
+    def _begin(self, number: int) -> None:
+        """Take a number that is beyond none."""
+        for before, behind in self._gaps:
+            if 0 < _beyond(number, before) < _beyond(behind, before):
+                # Nothing was missing there: the number behind was that of another publisher.
+                self._gaps.remove((before, behind))
+                self.missing -= _beyond(behind, before) - 1
+                self._miss(before, number)
+                break
+        self.restarts += 1
