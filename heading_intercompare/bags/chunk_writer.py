@@ -12,7 +12,7 @@ from __future__ import annotations
 from contextlib import suppress
 from itertools import count
 import os
-from typing import BinaryIO, Callable, Mapping, Sequence
+from typing import BinaryIO, Callable, Iterator, Mapping, Sequence
 import zlib
 
 import lz4.frame
@@ -46,11 +46,11 @@ _COMPRESS: dict[str, tuple[str, Callable[[bytes], bytes]]] = {
 COMPRESSIONS = {name: written for name, (written, _) in _COMPRESS.items()}
 
 
-def _free(used: Mapping[int, object], wanted: int | None) -> int:
-    """Return a number that is not in use, the one wanted if that can be."""
+def _free(used: Mapping[int, object], wanted: int | None, numbers: Iterator[int]) -> int:
+    """Return a number that is not in use, the one wanted if that can be, or the next of some."""
     if wanted is not None and wanted not in used:
         return wanted
-    return next(number for number in count(1) if number not in used)
+    return next(number for number in numbers if number not in used)
 
 
 class ChunkWriter:
@@ -77,6 +77,9 @@ class ChunkWriter:
         self._end = 0
         self._schemas: dict[int, mcap.Schema] = {}
         self._channels: dict[int, mcap.Channel] = {}
+        self._schema_ids: dict[tuple[str, str, bytes], int] = {}
+        #: Those that were not tried yet: a number stays in use.
+        self._numbers = count(1), count(1)
         #: The records of both, in the order in which they came.
         self._defined: dict[bytes, None] = {}
         self._chunk_indexes: list[bytes] = []
@@ -133,16 +136,15 @@ class ChunkWriter:
         `numbers` are those that the channel and its schema get if they are not in use.
         """
         data = schema_text.encode()
-        schema = next((s for s in self._schemas.values()
-                       if (s.name, s.encoding, s.data) == (type_name, encoding, data)), None)
-        if schema is None:
-            schema = mcap.Schema(id=_free(self._schemas, numbers[1]), name=type_name,
-                                 encoding=encoding, data=data)
-            self._schemas[schema.id] = schema
+        key = type_name, encoding, data
+        if key not in self._schema_ids:
+            schema = mcap.Schema(id=_free(self._schemas, numbers[1], self._numbers[1]),
+                                 name=type_name, encoding=encoding, data=data)
+            self._schemas[schema.id], self._schema_ids[key] = schema, schema.id
             self._define(schema)
-        channel = mcap.Channel(id=_free(self._channels, numbers[0]), topic=topic,
-                               message_encoding='cdr', metadata=dict(metadata),
-                               schema_id=schema.id)
+        channel = mcap.Channel(id=_free(self._channels, numbers[0], self._numbers[0]),
+                               topic=topic, message_encoding='cdr', metadata=dict(metadata),
+                               schema_id=self._schema_ids[key])
         self._channels[channel.id] = channel
         self._define(channel)
         return channel.id

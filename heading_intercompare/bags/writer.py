@@ -94,6 +94,7 @@ class BagWriter:
         self._syncing = Syncing(self._settings.fsync_interval_s)
         self._closed: list[PartInfo] = []
         self.problem: OSError | None = None
+        self._described = False
         try:
             self.path.mkdir(parents=True)
         except FileExistsError:
@@ -137,6 +138,11 @@ class BagWriter:
 
     def __enter__(self) -> 'BagWriter':
         return self
+
+    def abandon(self) -> None:
+        """Close the file without an end: nobody shall take the bag for whole."""
+        self._file.close()
+        self._syncing.close()
 
     def __exit__(self, *exception: object) -> None:
         self.close()
@@ -190,7 +196,7 @@ class BagWriter:
         row = TopicRow(name, type_name, schema.type_hash, qos)
         number = self._define(self._chunks, row, schema, numbers)
         self._rows[name] = number, row, schema, numbers
-        self._describe_later()
+        self._described = False
         return number
 
     def _channel(self, topic: str) -> int:
@@ -278,7 +284,7 @@ class BagWriter:
         self._chunks.end_chunk()
         self._syncing.begin_if_due(self._file.fileno(), now_s)
         self.split_if_due()
-        if self.problem is not None:
+        if self.problem is not None or not self._described:
             self._describe_later()
         return True
 
@@ -378,6 +384,7 @@ class BagWriter:
             os.fsync(folder)
         finally:
             os.close(folder)
+        self._described = True
 
     def close(self) -> None:
         """Write what is in memory and the end of the file; a second time does nothing."""
@@ -390,5 +397,4 @@ class BagWriter:
             self._chunks.sync()
             self.describe()
         finally:
-            self._file.close()
-            self._syncing.close()
+            self.abandon()

@@ -635,3 +635,16 @@ def test_a_file_that_changes_while_it_is_read_is_one_clear_error(write_bag, tmp_
     with pytest.raises(BagError, match='trial_0.mcap: has changed while it was read'):
         recover(path, tmp_path / 'new', BagSettings(compression=compression), shorten)
     assert sent(tmp_path / 'new') == sent(path)[:len(sent(tmp_path / 'new'))]
+
+
+def test_a_thousand_topics_take_no_longer_than_their_messages(tmp_path, monkeypatch):
+    """metadata.yaml is written when the bag begins and ends, not for each of them."""
+    written = []
+    describe = BagWriter.describe
+    monkeypatch.setattr(BagWriter, 'describe', lambda bag: written.append(1) or describe(bag))
+    numbers = range(1, 1001)
+    path = write(tmp_path / 'x.mcap', indexed(
+        schema(1), *(channel(n, f'/topic_{n}') for n in numbers),
+        *(message(n, n, text('x')) for n in numbers)))
+    assert recover(path, tmp_path / 'new').messages == 1000
+    assert len(written) <= 2
