@@ -23,13 +23,15 @@ from .errors import BagError
 from .fragments import begun, CHUNK_BYTES, chunk_head, ChunkHead, HEAD_BYTES
 from .summary import ENTRY_BYTES, INDEX_HEAD
 
-__all__ = ['Chunk', 'ChunkRun', 'ChunkRuns', 'counted', 'Counts', 'records_of']
+__all__ = ['Chunk', 'ChunkRun', 'ChunkRuns', 'counted', 'Counts', 'INDEX_LEAST',
+           'records_of']
 
 #: Small chunks are looked at together until their records are so long, or they are so many.
 _RUN_BYTES, _RUN_CHUNKS = 2**20, 256
 #: Records of a chunk that claims more are decompressed by pieces.
 _LARGE = 2**26
-_INDEX_LEAST = 6
+#: Length of a message index without entries.
+INDEX_LEAST = 6
 #: Read behind a chunk at once.
 _INDEX_BYTES = 2**13
 
@@ -116,12 +118,13 @@ class _Part(NamedTuple):
     start: int
     head: ChunkHead
     behind: int
-    data: bytes | memoryview
+    data: bytes | bytearray | memoryview
     crc: int
     index: list[tuple[int, bytes]]
 
 
-def records_of(content: bytes, size: int, zstd: zstandard.ZstdDecompressor) -> bytes | memoryview:
+def records_of(content: bytes, size: int,
+               zstd: zstandard.ZstdDecompressor) -> bytes | bytearray | memoryview:
     """Return the records in the content of a chunk, checked; BagError if it is damaged."""
     if size <= _LARGE:
         return unpacked(content, zstd)
@@ -199,7 +202,7 @@ class ChunkRuns:
                 if len(ahead) < INDEX_HEAD.size:
                     break
             opcode, length, number, count = INDEX_HEAD.unpack_from(ahead, place)
-            if (opcode != Opcode.MESSAGE_INDEX or length != count + _INDEX_LEAST
+            if (opcode != Opcode.MESSAGE_INDEX or length != count + INDEX_LEAST
                     or count > most or count % ENTRY_BYTES):
                 break
             place += INDEX_HEAD.size

@@ -8,7 +8,6 @@ import struct
 from typing import NamedTuple
 
 import lz4.frame
-from mcap import records as mcap
 from mcap.opcode import Opcode
 import numpy as np
 import zstandard
@@ -18,7 +17,7 @@ from .chunks import CHUNK_HEAD
 from .stream import MAGIC
 
 __all__ = ['BARE', 'begun', 'candidates', 'CHUNK_BYTES', 'ChunkHead', 'chunk_head',
-           'HEAD_BYTES', 'leading', 'MESSAGE_LEAST', 'written_size']
+           'HEAD_BYTES', 'leading', 'MESSAGE_LEAST']
 
 #: Records that may be in a chunk or outside.
 BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
@@ -47,13 +46,18 @@ class ChunkHead(NamedTuple):
 
 
 def chunk_head(data: bytes) -> ChunkHead | None:
-    """Return the head of a chunk whose record these bytes begin; None if it contradicts itself."""
-    if len(data) < HEAD.size + CHUNK_HEAD.size or data[0] != Opcode.CHUNK:
+    """
+    Return the head of a chunk whose record these bytes begin; None if it contradicts itself.
+
+    The opcode may be any if there is a checksum to show that it is wrong.
+    """
+    if len(data) < HEAD.size + CHUNK_HEAD.size:
         return None
     length = HEAD.unpack_from(data)[1]
     first, last, size, crc, letters = CHUNK_HEAD.unpack_from(data, HEAD.size)
     start = HEAD.size + CHUNK_HEAD.size
-    if letters > _LETTERS or len(data) < start + letters + 8 or first > last:
+    if letters > _LETTERS or len(data) < start + letters + 8 or not (
+            crc or data[0] == Opcode.CHUNK):
         return None
     packed = _LENGTH.unpack_from(data, start + letters)[0]
     if CHUNK_HEAD.size + letters + 8 + packed != length or max(size, length) > CHUNK_BYTES:
@@ -70,7 +74,7 @@ def _plausible(begun: bytearray, size: int) -> bool:
     return opcode in BARE and HEAD.size + length <= size
 
 
-def begun(content: bytes) -> bytes:
+def begun(content: bytes) -> bytearray:
     """
     Return what can be decompressed of a chunk that may be cut; its lengths agree.
 
@@ -100,10 +104,11 @@ def begun(content: bytes) -> bytes:
             found += data
     except (zstandard.ZstdError, RuntimeError, MemoryError, EOFError):
         pass
-    return bytes(found[:size])
+    del found[size:]
+    return found
 
 
-def leading(data: bytes, first_ns: int, last_ns: int) -> int:
+def leading(data: bytes | bytearray | memoryview, first_ns: int, last_ns: int) -> int:
     """Return the size of the records with which a chunk of these log times begins soundly."""
     at = 0
     while at + HEAD.size <= len(data):
@@ -118,21 +123,6 @@ def leading(data: bytes, first_ns: int, last_ns: int) -> int:
                 break
         at = behind
     return at
-
-
-def written_size(record: mcap.McapRecord) -> int:
-    """Return how long the content of a record of a few fields is when it is written."""
-    if isinstance(record, mcap.Header):
-        return 8 + len(record.profile.encode()) + len(record.library.encode())
-    if isinstance(record, mcap.Schema):
-        return 14 + sum(len(x) for x in (record.name.encode(), record.encoding.encode(),
-                                         record.data))
-    if isinstance(record, mcap.Statistics):
-        return 46 + 10 * len(record.channel_message_counts)
-    size = sum(8 + len(k.encode()) + len(v.encode()) for k, v in record.metadata.items())
-    if isinstance(record, mcap.Channel):
-        return 16 + size + len(record.topic.encode()) + len(record.message_encoding.encode())
-    return 8 + size + len(record.name.encode())
 
 
 def candidates(window: bytes, room: int, opcodes: tuple[int, ...]) -> np.ndarray:

@@ -10,9 +10,12 @@ be passed on as it is.
 
 from __future__ import annotations
 
+from bisect import bisect_right
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 import os
 from pathlib import Path
+import re
 from typing import Callable
 
 from .bag_yaml import listed_parts
@@ -27,6 +30,8 @@ from .writer import BagWriter
 __all__ = ['recover', 'Recovered']
 
 _NOTES = 100
+#: What a recovered bag sums up when it is recovered again.
+_LOSSES = ('bytes_lost', 'chunks_lost', 'messages_lost')
 
 
 @dataclass(slots=True)
@@ -84,34 +89,71 @@ def _judged(files: list[Survey]) -> Recovered:
     """Return the counts of all files."""
     total = Recovered(files=len(files))
     for found in files:
-        kept = sum(count for key, count in found.counts.items()
-                   if found.definitions.topic(*key) is not None)
-        strange = sum(found.counts.values()) - kept
         total.bytes += found.size
-        total.bytes_lost += sum(d.end - d.start for d in found.damage if d.unread)
+        total.bytes_lost += sum(d.lost for d in found.damage)
         total.chunks += found.chunks
         damaged = sum(d.chunk for d in found.damage)
         total.chunks_lost += damaged
-        total.messages += kept
-        lost = found.indexed + strange + found.untimed
-        if found.statistics is not None:
-            lost = max(lost, found.statistics.message_count - kept)
-        elif found.damage:
-            total.messages_known = False
-        total.messages_lost += lost
         for damage in found.damage[:_NOTES]:
             total.note(found.path, f'bytes {damage.start} to {damage.end}: {damage.fault}')
-        if strange:
-            total.note(found.path, f'{strange} messages of topics that are not defined any more, '
-                       'or not encoded as cdr')
-        if found.untimed:
-            total.note(found.path, f'{found.untimed} messages with log times that cannot be')
+        _count(total, found)
         if not found.size:
             total.note(found.path, 'is empty (0 bytes)')
         elif not found.closed:
             total.note(found.path, 'was not closed')
             total.messages_known = total.messages_known and not found.damage
     return total
+
+
+def _count(total: Recovered, found: Survey) -> None:
+    """Count the messages of a file, and of each that was appended to it by itself."""
+    begins = [section.epoch for section in found.sections]
+    kept, strange = [0] * len(begins), [0] * len(begins)
+    for key, count in found.counts.items():
+        defined = found.definitions.topic(*key) is not None
+        (kept if defined else strange)[bisect_right(begins, key[0]) - 1] += count
+    total.messages += sum(kept)
+    if any(strange):
+        total.note(found.path, f'{sum(strange)} messages of topics that are not defined any more, '
+                   'or not encoded as cdr')
+    untimed = sum(section.untimed for section in found.sections)
+    if untimed:
+        total.note(found.path, f'{untimed} messages with log times that cannot be')
+    for section, held, undefined in zip(found.sections, kept, strange):
+        seen = undefined + section.untimed
+        lost = seen + section.indexed
+        if len(section.said) == 1:
+            missing = section.said[0] - held
+            if missing > lost:
+                total.note(found.path, f'{missing - lost} messages are missing by its summary')
+            elif missing < 0:
+                total.note(found.path, f'{-missing} messages more than its summary says')
+            # Fewer than were seen to be lost: others are there twice, or an index is wrong.
+            total.messages_known = total.messages_known and missing >= lost
+            lost = max(missing, seen)
+        elif found.damage:
+            total.messages_known = False
+        total.messages_lost += lost
+
+
+def _record(source: Path, total: Recovered,
+            earlier: list[dict[str, str]]) -> dict[str, object]:
+    """Return the metadata `recovery`; what was lost in earlier recoveries is added."""
+    losses = {name: getattr(total, name) for name in _LOSSES}
+    known, notes = total.messages_known, []
+    for number, before in enumerate(earlier):
+        if before in earlier[:number]:
+            continue
+        for name in _LOSSES:
+            text = before.get(name, '')
+            losses[name] += int(text) if re.fullmatch('[0-9]{1,18}', text) else 0
+        known = known and before.get('messages_lost_is') == 'all'
+        notes += [text for name, text in before.items() if name.startswith('note.')]
+    notes = (notes + total.notes)[:_NOTES]
+    return {'source': source.name, 'files': total.files, 'bytes': total.bytes,
+            'chunks': total.chunks, 'messages': total.messages, **losses,
+            'messages_lost_is': 'all' if known else 'at least',
+            **{f'note.{n}': note for n, note in enumerate(notes, 1)}}
 
 
 def _settings(given: BagSettings | None, files: list[Survey]) -> BagSettings:
@@ -158,6 +200,10 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
     BagError
         If nothing in the source is readable, it changes meanwhile, or the target exists.
 
+    Notes
+    -----
+    If it cannot go on, for whatever reason, the target has no end, like a bag that was killed.
+
     """
     source, target = Path(source), Path(target)
     if target.exists():
@@ -170,11 +216,14 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
             if not (source / name).is_file():
                 total.note(source / name, 'is missing')
                 total.messages_known = False
-    if not total.messages and (total.damaged or not any(f.closed for f in files)):
+    if not total.messages and (total.messages_lost or not any(
+            found.extras or found.closed and not found.damage for found in files)):
         raise BagError('nothing in it is readable: '
                        + ('; '.join(total.notes[:3]) or 'it holds no message'), source)
     wanted = _settings(settings, files)
-    with BagWriter(target, wanted) as bag:
+    with ExitStack() as undo:
+        bag = BagWriter(target, wanted)
+        undo.callback(bag.abandon)
         transfer = Transfer(
             bag, None if settings is None else COMPRESSIONS[wanted.compression],
             singly=wanted.split_bytes > 0 or wanted.split_duration_s > 0,
@@ -182,11 +231,7 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
         for found in files:
             transfer.copy(found, progress)
         total.counts = transfer.counts
-        bag.metadata('recovery', {
-            'source': source.name, 'files': total.files, 'bytes': total.bytes,
-            'bytes_lost': total.bytes_lost, 'chunks': total.chunks,
-            'chunks_lost': total.chunks_lost, 'messages': total.messages,
-            'messages_lost': total.messages_lost,
-            'messages_lost_is': 'all' if total.messages_known else 'at least',
-            **{f'note.{n}': note for n, note in enumerate(total.notes, 1)}})
+        bag.metadata('recovery', _record(source, total, [e for f in files for e in f.earlier]))
+        bag.close()
+        undo.pop_all()
     return total

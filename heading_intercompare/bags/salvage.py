@@ -3,16 +3,16 @@
 """
 The sound records of an MCAP file, whatever happened to it.
 
-A record is taken if it proves itself: a chunk by its checksum, others by lengths that agree with
-each other and with what follows. Behind damage the next record that proves itself is looked for.
+A record is taken if it proves itself: a chunk by its checksum, even if its opcode is wrong, others
+by lengths that agree with each other and with what follows. Behind damage the next record that
+proves itself is looked for.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import BinaryIO, Iterator
+from typing import BinaryIO, Callable, Iterator
 
-from mcap import records as mcap
 from mcap.opcode import Opcode
 import zstandard
 
@@ -20,17 +20,18 @@ from .blocks import Block, block_of, HEAD, MESSAGE_HEAD, Record
 from .checksum import crc32
 from .chunk_runs import ChunkRun, ChunkRuns, records_of
 from .errors import BagError
+from .forms import attached, disguised, formed, SMALL
 from .fragments import (
     BARE,
     begun,
     candidates,
+    CHUNK_BYTES,
     chunk_head,
+    ChunkHead,
     HEAD_BYTES,
     leading,
     MESSAGE_LEAST,
-    written_size,
 )
-from .part import parsed
 from .stream import MAGIC, RecordStream
 
 __all__ = ['Gap', 'Salvage', 'Sound']
@@ -38,14 +39,14 @@ __all__ = ['Gap', 'Salvage', 'Sound']
 _HIGHEST = int(Opcode.DATA_END)
 #: From here on opcodes are of whoever uses them.
 _PRIVATE = 0x80
-_SMALL = {Opcode.HEADER: mcap.Header, Opcode.SCHEMA: mcap.Schema, Opcode.CHANNEL: mcap.Channel,
-          Opcode.METADATA: mcap.Metadata, Opcode.STATISTICS: mcap.Statistics}
+#: Records whose fields say how long they are.
+_FORMED = (*SMALL, Opcode.MESSAGE_INDEX, Opcode.DATA_END, Opcode.FOOTER)
 #: Records with a checksum, and those whose lengths have to agree with each other.
 _CHECKED = (Opcode.CHUNK, Opcode.ATTACHMENT)
 _TELLING = (*_CHECKED, Opcode.HEADER, Opcode.METADATA, Opcode.MESSAGE_INDEX, Opcode.STATISTICS,
             Opcode.DATA_END, Opcode.FOOTER)
-#: No record of `_SMALL` is believed that claims to be larger.
-_SMALL_BYTES = 2**26
+#: Of no more than usual length is a record believed to be that the file ends in.
+_USUAL_BYTES = 2**26
 #: Records are looked for in so many bytes first, then in more at once.
 _FIRST_BYTES, _WINDOW_BYTES = 2**12, 2**22
 #: Read at once where little is asked for.
@@ -77,6 +78,8 @@ class Sound:
         Up to this byte nothing else can be hidden in it.
     begins : bool
         It is the header of a file, behind its first bytes.
+    lost : int
+        About so many bytes of it are not in the block.
 
     """
 
@@ -87,6 +90,7 @@ class Sound:
     run: ChunkRun | None = None
     sure: int = 0
     begins: bool = False
+    lost: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +135,8 @@ class Salvage:
         self._zstd = zstandard.ZstdDecompressor()
         self._chunked = False
         self._previous = 0
+        #: Here the record begins that follows the last.
+        self._next = 0
         self._fault = ''
         self._looked_at = 0
 
@@ -161,18 +167,23 @@ class Salvage:
             found = self._sound(at)
             if found is not None:
                 unsure = found.sure
-                at, self._previous = found.end, found.record.opcode
+                at = self._next = found.end
+                self._previous = found.record.opcode
                 self._chunked = self._chunked or found.record.opcode == Opcode.CHUNK
                 header = begins and found.record.opcode == Opcode.HEADER
                 yield replace(found, begins=True) if header else found
             else:
-                fault, chunk = self._fault, self._read(at, 1) == bytes([Opcode.CHUNK])
+                fault, chunk = self._fault, self._may_be_chunk(at)
                 # The record before, if no checksum vouches for it, may have swallowed a chunk.
                 swallowed = self._search(unsure + 1, at, (Opcode.CHUNK,)) if unsure < at else at
                 start, at = min(at, swallowed), swallowed if swallowed < at else self._behind(at)
                 unsure = at
                 yield Gap(start, at, fault, chunk)
             begins = False
+
+    def _may_be_chunk(self, at: int) -> bool:
+        data = self._read(at, HEAD_BYTES)
+        return data[:1] == bytes([Opcode.CHUNK]) or chunk_head(data) is not None
 
     def _head(self, at: int) -> Record | None:
         """Return the record at a byte if its head is possible and it ends within the file."""
@@ -200,44 +211,49 @@ class Salvage:
         """Tell whether a record of usual length may begin at a byte, in which the file ends."""
         head = self._read(at, HEAD.size)
         length = int.from_bytes(head[1:], 'little')
-        return 1 <= head[0] <= _HIGHEST and (
+        return b'\1' <= head[:1] <= bytes([_HIGHEST]) and (
             len(head) < HEAD.size
-            or length <= _SMALL_BYTES and at + HEAD.size + length > self.size)
+            or length <= _USUAL_BYTES and at + HEAD.size + length > self.size)
 
     def _sound(self, at: int) -> Sound | None:
         """Return what is at a byte, if it proves itself; else say why not in `_fault`."""
+        try:
+            return self._proved(at)
+        except MemoryError:
+            self._fault = 'a record is larger than the memory'
+            return None
+
+    def _proved(self, at: int) -> Sound | None:
+        head = chunk_head(self._read(at, HEAD_BYTES))
+        if head is not None:
+            return self._chunks(at, head)
         record = self._head(at)
         if record is None:
-            return self.cut_chunk(at)
+            return None
         opcode, end = record.opcode, record.start + record.length
         if opcode == Opcode.CHUNK:
-            return self._chunks(at, record)
+            self._fault = 'chunk damaged: its head does not agree with itself'
+            return None
         if opcode == Opcode.MESSAGE:
             return self._messages(at, record)
         self._fault = 'a record is damaged'
-        if opcode in _SMALL:
-            good = self._parses(record)
-        elif opcode == Opcode.ATTACHMENT:
-            good = self._attachment(record)
-        elif opcode == Opcode.MESSAGE_INDEX:
-            good = record.length >= 6 and self._read(
-                record.start + 2, 4) == (record.length - 6).to_bytes(8, 'little')[:4]
-        elif opcode == Opcode.DATA_END:
-            good = record.length == 4
-        elif opcode == Opcode.FOOTER:
-            good = record.length == 20
+        if opcode == Opcode.ATTACHMENT:
+            return self._attachment(record)
+        if opcode in _FORMED:
+            good = formed(self._read, record)
         else:
             good = self._followed(end)
         if not good:
             return None
         block = block_of(self._read(at, end - at), at) if opcode in BARE else None
-        return Sound(record, end, block, sure=end if opcode == Opcode.ATTACHMENT else at)
+        return Sound(record, end, block, sure=at)
 
     def _messages(self, at: int, record: Record) -> Sound | None:
-        """Return messages outside chunks; one alone between chunks is a mistake."""
+        """Return messages outside chunks; one alone between chunks may be a mistake."""
         self._fault = 'a record is damaged'
         end = record.start + record.length
-        if record.length < MESSAGE_LEAST or not (self._followed(end) or self._cut_record(end)):
+        if not MESSAGE_LEAST <= record.length <= CHUNK_BYTES or not (
+                self._followed(end) or self._cut_record(end)):
             return None
         data = self._read(at, max(min(_BARE_BYTES, self.size - at), HEAD.size + record.length))
         size = last = count = 0
@@ -249,78 +265,75 @@ class Salvage:
             last, size, count = size, behind, count + 1
         alone = (count == 1 and self._chunked and self._previous != Opcode.MESSAGE
                  and self._read(at + size, 1) != bytes([Opcode.MESSAGE]))
+        if alone and (at != self._next or disguised(self._read, record)):
+            return None
         if not (self._followed(at + size) or self._cut_record(at + size)):
             size = last
-        if alone:
-            return None
         block = block_of(data[:size], at)
         return Sound(record, at + size, block,
                      sure=at + int(block.start[-1]) - MESSAGE_HEAD.size)
 
-    def _parses(self, record: Record) -> bool:
-        if record.length > _SMALL_BYTES:
-            return False
-        try:
-            read = parsed(_SMALL[record.opcode], self.content(record))
-        except BagError:
-            return False
-        return written_size(read) == record.length
+    def _attachment(self, record: Record) -> Sound | None:
+        """Return an attachment if its lengths and checksum agree."""
+        data_at, end = attached(self._read, record), record.start + record.length
+        if data_at is None:
+            return None
+        crc = int.from_bytes(self._read(end - 4, 4), 'little')
+        # pybag computes it over the data only.
+        if crc and crc != self._crc(record.start, end - 4) and crc != self._crc(data_at, end - 4):
+            return None
+        # Of one that lost some bytes the checksum may be zeros in the head of a chunk behind it.
+        return Sound(record, end, sure=end if crc else end - HEAD_BYTES)
 
-    def _attachment(self, record: Record) -> bool:
-        """Tell whether lengths and checksum of an attachment agree."""
-        at, end = record.start + 16, record.start + record.length - 4
-        for width in (4, 4, 8):
-            if at + width > end:
-                return False
-            at += width + int.from_bytes(self._read(at, width), 'little')
-        if at != end:
-            return False
-        crc, at = 0, record.start
-        while at < end:
-            piece = self._read(at, min(_WINDOW_BYTES, end - at))
+    def _crc(self, at: int, end: int) -> int:
+        """Return the checksum of the bytes between two."""
+        crc = 0
+        while at < end and (piece := self._read(at, min(_WINDOW_BYTES, end - at))):
             crc, at = crc32(piece, crc), at + len(piece)
-        return int.from_bytes(self._read(end, 4), 'little') in (0, crc)
+        return crc
 
-    def _chunks(self, at: int, record: Record) -> Sound | None:
-        """Return the chunks from a byte on whose checksums are right."""
+    def _chunks(self, at: int, head: ChunkHead) -> Sound | None:
+        """Return the chunks from a byte on whose checksums are right, or a part of one."""
+        end = at + HEAD.size + head.length
+        if end > self.size:
+            return self.fragment(at, self._search(at + 1, self.size, (Opcode.CHUNK,),
+                                                  self._protected))
         run = self._runs.run(at)
-        if run is not None:
-            last = run.chunks[-1]
-            return Sound(record, last.behind, run.block, run=run,
-                         sure=last.behind if last.indexed else last.end)
-        return self.broken_chunk(at)
+        if run is None:
+            return self.fragment(at, end)
+        last = run.chunks[-1]
+        return Sound(Record(Opcode.CHUNK, at + HEAD.size, head.length), last.behind, run.block,
+                     run=run, sure=last.behind if last.indexed else last.end)
 
-    def broken_chunk(self, at: int) -> Sound | None:
-        """Return the beginning of a chunk that has a right checksum or none, but wrong records."""
+    def _protected(self, at: int) -> bool:
+        """Tell whether a chunk begins at a byte whose checksum is right."""
+        run = self._runs.run(at, at + 1)
+        return run is not None and run.chunks[0].protected
+
+    def fragment(self, at: int, end: int) -> Sound | None:
+        """Return the beginning of a chunk that ends early, or of one with wrong records."""
         head = chunk_head(self._read(at, HEAD_BYTES))
         if head is None:
-            self._fault = 'chunk damaged: its head does not agree with itself'
             return None
-        content = self._read(at + HEAD.size, head.length)
-        try:
-            data = bytes(records_of(content, head.size, self._zstd))
-        except BagError as error:
-            self._fault = error.problem
-            return None
-        end = at + HEAD.size + head.length
-        try:
-            block_of(data, at)
-        except BagError as error:
-            data = data[:leading(data, head.first_ns, head.last_ns)]
-            return Sound(Record(Opcode.CHUNK, at + HEAD.size, head.length), end,
-                         block_of(data, at), error.problem, sure=end)
-        return None
-
-    def cut_chunk(self, at: int) -> Sound | None:
-        """Return what a chunk that the file ends in begins with."""
-        head = chunk_head(self._read(at, HEAD_BYTES))
-        if head is None or at + HEAD.size + head.length <= self.size:
-            return None
-        content = self._read(at + HEAD.size, self.size - at - HEAD.size)
-        data = begun(content)
-        data = data[:leading(data, head.first_ns, head.last_ns)]
-        return Sound(Record(Opcode.CHUNK, at + HEAD.size, len(content)), self.size,
-                     block_of(data, at), 'the file ends within a chunk', sure=self.size)
+        content = self._read(at + HEAD.size, end - at - HEAD.size)
+        if len(content) < head.length:
+            if head.first_ns > head.last_ns:
+                self._fault = 'chunk damaged: its head does not agree with itself'
+                return None
+            data = begun(content)
+            fault = ('the file ends within a chunk' if end == self.size else
+                     'a chunk ends early')
+        else:
+            try:
+                data = records_of(content, head.size, self._zstd)
+            except BagError as error:
+                self._fault = error.problem
+                return None
+            fault = 'chunk damaged: a record in it has a wrong length'
+        kept = leading(data, head.first_ns, head.last_ns)
+        lost = (end - at) * (len(data) - kept) // len(data) if data else end - at
+        return Sound(Record(Opcode.CHUNK, at + HEAD.size, len(content)), end,
+                     block_of(data[:kept], at), fault, sure=end, lost=lost)
 
     def _behind(self, at: int) -> int:
         """Return where, behind damage that begins at a byte, a sound record begins."""
@@ -329,11 +342,26 @@ class Salvage:
             end = at + HEAD.size + head.length
             if end <= self.size and self._followed(end):
                 return end
+        record = self._head(at)
+        # What is in a file that is attached is not of this file.
+        if record is not None and (
+                record.opcode == Opcode.STATISTICS or record.opcode == Opcode.ATTACHMENT
+                and attached(self._read, record) is not None):
+            end = record.start + record.length
+            known = self._read(end, 1) <= bytes([_HIGHEST])
+            if end == self.size or known and self._sound(end) is not None:
+                return end
         return self._search(at + 1, self.size,
                             _TELLING if self._chunked else (*_TELLING, *BARE))
 
-    def _search(self, at: int, end: int, opcodes: tuple[int, ...]) -> int:
-        """Return where between two bytes one of these records proves itself; `end` if nowhere."""
+    def _search(self, at: int, end: int, opcodes: tuple[int, ...],
+                proof: Callable[[int], object] | None = None) -> int:
+        """
+        Return where between two bytes one of these records proves itself; `end` if nowhere.
+
+        The proof is `_sound` unless given.
+        """
+        proof = proof or self._sound
         barred, window_bytes = 0, _FIRST_BYTES
         while at < end:
             step = min(window_bytes, end - at)
@@ -345,10 +373,10 @@ class Salvage:
                     return at + place
                 if at + place < barred:
                     continue
-                if self._sound(at + place):
+                if proof(at + place):
                     return at + place
                 opcode, length = HEAD.unpack_from(window, place)
-                if opcode in _CHECKED or opcode in _SMALL:
+                if opcode in _CHECKED or opcode in SMALL:
                     length = min(length, self.size - at - place)
                     self._looked_at += length
                     if self._looked_at > _PATIENCE * self.size:

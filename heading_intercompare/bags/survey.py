@@ -15,12 +15,13 @@ from mcap.opcode import Opcode
 import numpy as np
 
 from .blocks import Block, HEAD, MESSAGE_HEAD
-from .chunk_runs import Chunk, ChunkRun, counted, Counts
+from .chunk_runs import Chunk, ChunkRun, counted, Counts, INDEX_LEAST
 from .definitions import Definitions
 from .part import parsed
 from .salvage import Gap, Salvage, Sound
+from .summary import ENTRY_BYTES
 
-__all__ = ['Damage', 'Kind', 'Piece', 'Pieces', 'Survey', 'segments', 'survey']
+__all__ = ['Damage', 'Kind', 'Piece', 'Pieces', 'Section', 'Survey', 'segments', 'survey']
 
 _READ_BYTES = 2**18
 _ROWS = 4096
@@ -91,13 +92,40 @@ class Pieces:
 
 
 class Damage(NamedTuple):
-    """Bytes with something wrong; `unread`: none of them can be read, `chunk`: it is a chunk."""
+    """Bytes with something wrong; `chunk`: it is one, `lost`: so many of them cannot be read."""
 
     start: int
     end: int
     fault: str
     chunk: bool
-    unread: bool
+    lost: int
+
+
+@dataclass(slots=True)
+class Section:
+    """
+    A file, or one of several that were appended to each other.
+
+    Attributes
+    ----------
+    epoch : int
+        In which it begins.
+    said : list of int
+        Numbers of messages that its statistics name; there should be one.
+    indexed : int
+        Messages that indexes behind chunks name which are damaged or not there.
+    untimed : int
+        Messages with log times that cannot be.
+    closed : bool
+        It has an end.
+
+    """
+
+    epoch: int
+    said: list[int] = field(default_factory=list)
+    indexed: int = 0
+    untimed: int = 0
+    closed: bool = False
 
 
 @dataclass(slots=True)
@@ -117,20 +145,20 @@ class Survey:
         What can be copied.
     counts : dict of tuple to int
         Messages by epoch and channel.
-    untimed : int
-        Messages with log times that cannot be.
     chunks : int
         Chunks of which something can be copied.
     packed : dict of str to int
         Compressed bytes of whole chunks by compression.
     damage : list of Damage
         What is wrong.
-    indexed : int
-        Messages that indexes behind damaged chunks name.
-    statistics : Statistics or None
-        What the file says of itself at its end.
-    begun, closed : bool
-        It has a beginning, an end.
+    sections : list of Section
+        The file, and those that were appended to it.
+    begun : bool
+        It has a beginning.
+    extras : int
+        Metadata and attachments.
+    earlier : list of dict
+        What was written into it when it was recovered itself.
     doubtful : list
         Numbers, epochs and rows of pieces that are only believed if there is no chunk.
 
@@ -141,15 +169,19 @@ class Survey:
     definitions: Definitions = field(default_factory=Definitions)
     pieces: Pieces = field(default_factory=Pieces)
     counts: dict[tuple[int, int], int] = field(default_factory=dict)
-    untimed: int = 0
     chunks: int = 0
     packed: dict[str, int] = field(default_factory=dict)
     damage: list[Damage] = field(default_factory=list)
-    indexed: int = 0
-    statistics: mcap.Statistics | None = None
+    sections: list[Section] = field(default_factory=lambda: [Section(0)])
     begun: bool = False
-    closed: bool = False
+    extras: int = 0
+    earlier: list[dict[str, str]] = field(default_factory=list)
     doubtful: list[tuple[int, int, Chunk]] = field(default_factory=list)
+
+    @property
+    def closed(self) -> bool:
+        """Whether it has an end, and each file in it."""
+        return all(section.closed for section in self.sections)
 
     def count(self, epoch: int, counts: Counts, sign: int = 1) -> None:
         """Count messages of channels."""
@@ -169,7 +201,7 @@ class Survey:
             self.pieces.drop(number)
             self.count(epoch, row.counts, -1)
             self.damage.append(Damage(row.start, row.end, 'messages without their chunk', False,
-                                      True))
+                                      row.end - row.start))
         self.doubtful.clear()
         self.damage.sort()
 
@@ -218,29 +250,39 @@ def survey(path: Path, progress: Callable[[str], None]) -> Survey:
     """
     found = Survey(path)
     #: Behind a damaged chunk: messages that its indexes name, and those of it that can be read.
-    named, kept, indexing = 0, 0, False
+    named, kept = 0, 0
+    #: Whether message indexes would be of a damaged chunk; None: there is no chunk before them.
+    indexing: bool | None = None
     with open(path, 'rb', _READ_BYTES) as file:
         salvage = Salvage(file)
         found.size = salvage.size
         for item in salvage.scan():
             index = isinstance(item, Sound) and item.record.opcode == Opcode.MESSAGE_INDEX
-            if index and indexing:
-                named += (item.record.length - 6) // 16
-            if not index:
-                found.indexed += max(named - kept, 0)
-                named, kept, indexing = 0, 0, False
+            if index:
+                names = (item.record.length - INDEX_LEAST) // ENTRY_BYTES
+                if names and indexing is None:
+                    at, indexing = item.record.start - HEAD.size, True
+                    found.damage.append(Damage(at, at, 'the chunk before its message indexes is '
+                                               'missing', True, 0))
+                named += names if indexing else 0
+                continue
+            found.sections[-1].indexed += max(named - kept, 0)
+            named, kept, indexing = 0, 0, None
             if isinstance(item, Gap):
-                found.damage.append(Damage(item.start, item.end, item.fault, item.chunk, True))
+                found.damage.append(Damage(item.start, item.end, item.fault, item.chunk,
+                                           item.end - item.start))
                 indexing = item.chunk
                 continue
+            if item.record.opcode == Opcode.CHUNK:
+                indexing = False
             if item.fault:
                 found.damage.append(Damage(item.record.start - HEAD.size, item.end, item.fault,
-                                           True, False))
+                                           True, item.lost))
                 indexing, kept = True, len(item.block.start)
             _take(found, item, salvage)
             if item.block is not None:
                 progress(f'{item.end / salvage.size:.0%} looked at')
-    found.indexed += max(named - kept, 0)
+    found.sections[-1].indexed += max(named - kept, 0)
     return found
 
 
@@ -250,6 +292,7 @@ def _take(found: Survey, item: Sound, salvage: Salvage) -> None:
         # Where a file does not begin with its header it was torn apart, not written to another.
         if found.begun:
             found.definitions.begin_file()
+            found.sections.append(Section(found.definitions.epoch))
         found.begun = True
     if item.record.opcode == Opcode.CHUNK and found.doubtful:
         found.withdraw()
@@ -261,7 +304,7 @@ def _take(found: Survey, item: Sound, salvage: Salvage) -> None:
         _define(found.definitions, item.block, slice(None), False, 0)
         log = item.block.heads['log_time'].copy()
         counts = counted(item.block.heads['channel'][log >= 0])
-        found.untimed += int((log < 0).sum())
+        found.sections[-1].untimed += int((log < 0).sum())
         found.count(found.definitions.epoch, counts)
         if counts:
             row = _outside(item.record.start - HEAD.size, item.end, counts)
@@ -269,10 +312,19 @@ def _take(found: Survey, item: Sound, salvage: Salvage) -> None:
                 found.doubtful.append((len(found.pieces), found.definitions.epoch, row))
             found.pieces.add(kind, found.definitions.epoch, row)
     elif opcode == Opcode.STATISTICS:
-        found.statistics = parsed(mcap.Statistics, salvage.content(item.record))
+        said = parsed(mcap.Statistics, salvage.content(item.record))
+        if said.channel_message_counts or not said.message_count:
+            found.sections[-1].said.append(said.message_count)
     elif opcode == Opcode.FOOTER:
-        found.closed = True
+        found.sections[-1].closed = True
     elif opcode in (Opcode.METADATA, Opcode.ATTACHMENT):
+        if opcode == Opcode.METADATA:
+            metadata = parsed(mcap.Metadata, salvage.content(item.record))
+            if metadata.name == 'recovery':
+                found.earlier.append(metadata.metadata)
+            if metadata.name in ('recovery', 'rosbag2'):
+                return
+        found.extras += 1
         start = item.record.start - HEAD.size
         found.pieces.add(Kind.EXTRA, found.definitions.epoch, _outside(start, item.end, ()))
 
@@ -295,7 +347,7 @@ def _take_run(found: Survey, run: ChunkRun) -> None:
     """Take whole chunks."""
     definitions, block = found.definitions, run.block
     found.chunks += len(run.chunks)
-    found.untimed += run.untimed
+    found.sections[-1].untimed += run.untimed
     behind = np.searchsorted([r.start - HEAD.size for r in block.others], run.bases).tolist()
     for i, chunk in enumerate(run.chunks):
         epoch = definitions.epoch

@@ -132,8 +132,7 @@ class Transfer:
                                      attachment.log_time)
                 return
             metadata = parsed(mcap.Metadata, content)
-            if metadata.name != 'rosbag2':
-                self._bag.metadata(metadata.name, metadata.metadata)
+            self._bag.metadata(metadata.name, metadata.metadata)
         except BagError as error:
             self._note(found, error.problem)
 
@@ -236,6 +235,7 @@ class _Copying:
         if self._file.readinto(data) < len(data):
             raise _changed(self._found)
         for chunk in chunks:
+            data[chunk.start - start] = Opcode.CHUNK
             CHUNK_HEAD.pack_into(data, chunk.start - start + HEAD.size, chunk.first_ns,
                                  chunk.last_ns, chunk.size, chunk.crc, len(chunk.compression))
         if not chunks[0].indexed:
@@ -251,7 +251,7 @@ class _Copying:
         self.flush()
         at, end = piece.chunk.start, piece.chunk.end
         if piece.kind == Kind.FRAGMENT:
-            item = self.salvage.cut_chunk(at) or self.salvage.broken_chunk(at)
+            item = self.salvage.fragment(at, end)
             block = item.block if item is not None else None
         else:
             data = self._read(at, end - at)

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 from pathlib import Path
 import shutil
+import zlib
 
-from mcap.records import Channel, Chunk, Schema
+from mcap.records import Attachment, Channel, Chunk, Metadata, Schema
 from mcap.stream_reader import breakup_chunk, StreamReader
 from mcap.writer import Writer
 import pytest
@@ -32,6 +33,7 @@ from .mcap_bytes import (
     MAGIC,
     message,
     message_index,
+    record,
     schema,
     Sent,
     sent,
@@ -635,6 +637,174 @@ def test_a_file_that_changes_while_it_is_read_is_one_clear_error(write_bag, tmp_
     with pytest.raises(BagError, match='trial_0.mcap: has changed while it was read'):
         recover(path, tmp_path / 'new', BagSettings(compression=compression), shorten)
     assert sent(tmp_path / 'new') == sent(path)[:len(sent(tmp_path / 'new'))]
+
+
+def without_chunk(path: Path, number: int) -> int:
+    """Take a chunk with its indexes out of a file; return how many messages it had."""
+    places = chunk_places(path)
+    content = path.read_bytes()
+    path.write_bytes(content[:places[number][0]] + content[places[number + 1][0]:])
+    return places[number][2]
+
+
+def test_a_chunk_that_is_missing_without_a_trace_is_noted_by_the_summary(write_bag, tmp_path):
+    path = write_bag(chunk_bytes=20_000)
+    count = without_chunk(message_file(path), 5)
+    total = recover(path, tmp_path / 'new')
+    assert total.damaged and (total.messages_lost, total.messages_known) == (count, True)
+    assert total.notes == [f'trial_0.mcap: {count} messages are missing by its summary']
+    assert BagReader(tmp_path / 'new').recovered.startswith(
+        f'recovered from a damaged bag: {count} messages')
+
+
+def statistics_at(content: bytes) -> int:
+    return content.index(b'\x0b' + (66).to_bytes(8, 'little'))
+
+
+def test_statistics_that_contradict_themselves_are_not_believed(write_bag, tmp_path):
+    path = write_bag()
+    at = statistics_at(message_file(path).read_bytes())
+    spoil(message_file(path), at + 9 + 6, b'\x40')
+    total = recover(path, tmp_path / 'new')
+    assert (total.messages, total.messages_lost, total.bytes_lost) == (3000, 0, 75)
+    assert total.damaged and not total.messages_known
+
+
+@pytest.mark.parametrize('first', [True, False])
+def test_each_of_two_files_in_a_row_has_its_own_summary(write_bag, tmp_path, first):
+    path = write_bag(chunk_bytes=20_000)
+    whole = message_file(path).read_bytes()
+    count = without_chunk(message_file(path), 5)
+    torn = message_file(path).read_bytes()
+    (tmp_path / 'x.mcap').write_bytes(torn + whole if first else whole + torn)
+    total = recover(tmp_path / 'x.mcap', tmp_path / 'new')
+    assert (total.messages, total.messages_lost) == (6000 - count, count)
+
+
+def test_a_chunk_that_is_there_twice_does_not_hide_that_another_is_missing(write_bag, tmp_path):
+    path = write_bag(chunk_bytes=20_000)
+    rows = chunk_places(message_file(path))
+    (start, end, _), (behind, _, _), *_ = rows[5:]
+    content = message_file(path).read_bytes()
+    spoiled = bytes([content[start + 200] ^ 1])
+    message_file(path).write_bytes(content[:start + 200] + spoiled + content[start + 201:behind]
+                                   + content[behind:rows[7][0]] + content[behind:])
+    total = recover(path, tmp_path / 'new')
+    assert total.damaged and not total.messages_known
+
+
+def test_message_indexes_without_their_chunk_tell_that_it_is_missing(tmp_path):
+    behind = b''.join(message_index(*row) for row in entries_of(b''.join(ten())).items())
+    note = record(Metadata(name='note', metadata={}))
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), note, behind,
+                 indexed(*ten(begin=2000)))
+    assert recovered(path) == as_sent() + as_sent(begin=2000)
+    total = recover(path, tmp_path / 'again')
+    assert (total.messages_lost, total.chunks_lost) == (10, 1)
+
+
+@pytest.mark.parametrize('again', [False, True])
+def test_what_was_lost_is_not_forgotten_when_a_bag_is_recovered_again(write_bag, tmp_path, again):
+    path = write_bag(chunk_bytes=20_000)
+    spoil(message_file(path), chunk_places(message_file(path))[5][0] + 200)
+    first = recover(path, tmp_path / 'one')
+    more = without_chunk(message_file(tmp_path / 'one'), 7) if again else 0
+    lost = first.messages_lost + more
+    assert recover(tmp_path / 'one', tmp_path / 'two').messages_lost == more
+    reader = BagReader(tmp_path / 'two')
+    assert reader.recovered == (f'recovered from a damaged bag: {lost} messages and '
+                                f'{first.bytes_lost} bytes were lost')
+    assert reader.metadata()['recovery']['note.1'] == first.notes[0]
+
+
+def test_a_bag_that_cannot_be_recovered_to_its_end_has_none(write_bag, tmp_path):
+    path = write_bag(chunk_bytes=2_000)
+
+    def interrupt(done: str) -> None:
+        if 'copied' in done and float(done.split('%')[0]) > 50:
+            raise KeyboardInterrupt
+    with pytest.raises(KeyboardInterrupt):
+        recover(path, tmp_path / 'new', progress=interrupt)
+    assert 'was not closed' in BagReader(tmp_path / 'new').incomplete
+    found = sent(tmp_path / 'new')
+    assert found and found == sent(path)[:len(found)]
+
+
+def test_a_bag_without_messages_is_recovered_for_what_else_is_in_it(tmp_path):
+    path = write(tmp_path / 'x.mcap', record(Metadata(name='note.1', metadata={'text': 'port'})))
+    assert recovered(path) == []
+    assert BagReader(path.with_suffix('.new')).metadata()['note.1'] == {'text': 'port'}
+
+
+@pytest.mark.parametrize('bit', range(8))
+@pytest.mark.parametrize('compression', ['', 'zstd'])
+def test_a_chunk_whose_opcode_is_wrong_is_known_by_its_checksum(tmp_path, bit, compression):
+    for place in range(3):
+        pieces = [indexed(*TWO, *ten(begin=1000 * i), compression=compression)
+                  for i in range(1, 4)]
+        right = pieces[place]
+        pieces[place] = bytes([6 ^ 1 << bit]) + right[1:]
+        path = write(tmp_path / f'{place}.mcap', *pieces)
+        assert recovered(path) == [m for i in range(1, 4) for m in as_sent(begin=1000 * i)]
+        assert right in file_of(path)
+
+
+def test_a_torn_chunk_does_not_swallow_those_behind_it(tmp_path):
+    """It claims to reach behind the end of the file; what is read of it ends at the next."""
+    long = indexed(*(message(1, 2000 + i, text('x' * 200)) for i in range(60)), compression='')
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), long[:5000],
+                 indexed(*ten(begin=5000), compression=''))
+    found = recovered(path)
+    assert found[:10] == as_sent() and found[-10:] == as_sent(begin=5000)
+    assert found[10:-10] == [Sent('/a', 2000 + i, 2000 + i, 0, text('x' * 200))
+                             for i in range(20)]
+    total = recover(path, tmp_path / 'again')
+    assert total.notes[0].endswith(': a chunk ends early') and 0 < total.bytes_lost < 250
+
+
+@pytest.mark.parametrize('times', [(2**63 + 2000, 2090), (2**64 - 1, 0)])
+def test_a_chunk_is_kept_whatever_times_its_head_has(tmp_path, times):
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()),
+                 indexed(*ten(begin=2000), times=times), indexed(*ten(begin=3000)))
+    assert recovered(path) == [m for i in range(1, 4) for m in as_sent(begin=1000 * i)]
+
+
+@pytest.mark.parametrize('last', [True, False])
+def test_one_message_between_chunks_is_kept(tmp_path, last):
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), message(1, 1500, text('alone')),
+                 b'' if last else indexed(*ten(begin=2000)))
+    assert recovered(path) == [*as_sent(), Sent('/a', 1500, 1500, 0, text('alone')),
+                               *([] if last else as_sent(begin=2000))]
+
+
+def attached(data: bytes) -> bytes:
+    return record(Attachment(create_time=5, log_time=6, name='cal.mcap', media_type='',
+                             data=data))
+
+
+@pytest.mark.parametrize('last', [True, False])
+def test_messages_of_a_damaged_file_that_is_attached_are_not_of_the_bag(tmp_path, last):
+    inner = write(tmp_path / 'y.mcap', indexed(schema(1), channel(1, '/c'), *ten((1,))))
+    piece = attached(inner.read_bytes() + bytes(100))
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), piece[:-40] + b'\1' + piece[-39:],
+                 b'' if last else indexed(*ten(begin=2000)))
+    assert recovered(path) == as_sent() + ([] if last else as_sent(begin=2000))
+
+
+@pytest.mark.parametrize('short', range(1, 12))
+def test_an_attachment_that_lost_bytes_does_not_swallow_the_chunk_behind_it(tmp_path, short):
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), attached(bytes(20))[:-short],
+                 indexed(*ten(begin=2000)), indexed(*ten(begin=3000)))
+    assert recovered(path) == [m for i in range(1, 4) for m in as_sent(begin=1000 * i)]
+
+
+def test_a_checksum_of_the_data_alone_is_right_for_an_attachment(tmp_path):
+    piece = attached(b'start,stop\n')
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()),
+                 piece[:-4] + zlib.crc32(b'start,stop\n').to_bytes(4, 'little'))
+    assert recovered(path) == as_sent()
+    found, = BagReader(path.with_suffix('.new')).attachments()
+    assert (found.data, found.log_time_ns) == (b'start,stop\n', 6)
 
 
 def test_a_thousand_topics_take_no_longer_than_their_messages(tmp_path, monkeypatch):
