@@ -12,6 +12,7 @@ from __future__ import annotations
 from contextlib import suppress
 from itertools import count
 import os
+import struct
 from typing import BinaryIO, Callable, Iterator, Mapping, Sequence
 import zlib
 
@@ -21,8 +22,11 @@ from mcap.opcode import Opcode
 import numpy as np
 import zstandard
 
-from .blocks import HEAD, MESSAGE_HEAD, walk
+from .blocks import HEAD, MESSAGE_HEAD, Record, walk
+from .checksum import crc32
 from .chunk_runs import Chunk
+from .forms import attached
+from .part import parsed
 from .rows import Records
 from .stream import MAGIC
 from .summary import built, chunk_index, ending, ENTRY_BYTES, message_index
@@ -31,6 +35,8 @@ __all__ = ['ChunkWriter', 'COMPRESSIONS']
 
 #: Fast, and on these messages hardly larger than higher levels.
 _ZSTD_LEVEL = 1
+
+_CRC = struct.Struct('<I')
 
 #: Chunks from one that defines all topics to the next: a file whose first chunk is damaged and
 #: whose summary is cut can then still be understood.
@@ -321,11 +327,23 @@ class ChunkWriter:
 
     def add_attachment(self, name: str, media_type: str, data: bytes, time_ns: int) -> None:
         """Write an attachment."""
-        record = built(mcap.Attachment(create_time=time_ns, log_time=time_ns, name=name,
-                                   media_type=media_type, data=data))
-        index = mcap.AttachmentIndex(offset=self._end, length=len(record), create_time=time_ns,
-                                log_time=time_ns, data_size=len(data), name=name,
-                                media_type=media_type)
+        self.append_attachment(bytearray(built(mcap.Attachment(
+            create_time=time_ns, log_time=time_ns, name=name, media_type=media_type, data=data))))
+
+    def append_attachment(self, record: bytearray) -> None:
+        """Write an attachment, a whole record whose lengths agree, with the right checksum."""
+        data_at = attached(lambda at, size: record[at:at + size],
+                           Record(Opcode.ATTACHMENT, HEAD.size, len(record) - HEAD.size))
+        crc_at = len(record) - _CRC.size
+        with memoryview(record) as view:
+            crc = crc32(view[HEAD.size:crc_at])
+        _CRC.pack_into(record, crc_at, crc)
+        # The fields before the data, and no data.
+        head = parsed(mcap.Attachment, bytes(record[HEAD.size:data_at - 8]) + bytes(8 + _CRC.size))
+        index = mcap.AttachmentIndex(offset=self._end, length=len(record),
+                                     create_time=head.create_time, log_time=head.log_time,
+                                     data_size=crc_at - data_at, name=head.name,
+                                     media_type=head.media_type)
         self._append(record)
         self._extra_indexes.append(index)
 

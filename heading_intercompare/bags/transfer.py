@@ -17,7 +17,7 @@ from mcap.opcode import Opcode
 import numpy as np
 
 from .bag_yaml import Qos
-from .blocks import Block, block_of, HEAD, MESSAGE_HEAD, Record
+from .blocks import Block, block_of, HEAD, MESSAGE_HEAD
 from .chunk_runs import Chunk, ChunkRun, ChunkRuns
 from .chunk_writer import ChunkWriter
 from .chunks import CHUNK_HEAD
@@ -90,7 +90,7 @@ class Transfer:
             copying = _Copying(file, found, self._bag, numbers)
             for piece in found.pieces:
                 if piece.kind == Kind.EXTRA:
-                    self._copy_extra(found, copying.salvage, piece.chunk)
+                    self._copy_extra(found, file, piece.chunk)
                 elif piece.kind == Kind.CHUNK:
                     copying.take(piece, self._compression, self._singly)
                 else:
@@ -120,21 +120,20 @@ class Transfer:
                           channel.metadata.get('topic_type_hash', ''), schema.encoding),
             numbers=(channel.id, schema.id))
 
-    def _copy_extra(self, found: Survey, salvage: Salvage, place: Chunk) -> None:
-        data = salvage.content(Record(0, place.start, place.end - place.start))
-        if len(data) < place.end - place.start:
-            raise _changed(found)
-        content = data[HEAD.size:]
+    def _copy_extra(self, found: Survey, file: BinaryIO, place: Chunk) -> None:
         try:
-            if data[0] == Opcode.ATTACHMENT:
-                attachment = parsed(mcap.Attachment, content)
-                self._bag.attachment(attachment.name, attachment.media_type, attachment.data,
-                                     attachment.log_time)
-                return
-            metadata = parsed(mcap.Metadata, content)
+            data = bytearray(place.end - place.start)
+        except MemoryError:
+            self._note(found, f'bytes {place.start} to {place.end}: larger than the memory')
+            return
+        file.seek(place.start)
+        if file.readinto(data) < len(data):
+            raise _changed(found)
+        if data[0] == Opcode.ATTACHMENT:
+            self._bag.chunks.append_attachment(data)
+        else:
+            metadata = parsed(mcap.Metadata, data[HEAD.size:])
             self._bag.metadata(metadata.name, metadata.metadata)
-        except BagError as error:
-            self._note(found, error.problem)
 
 
 def _changed(found: Survey) -> BagError:

@@ -6,8 +6,10 @@ from __future__ import annotations
 
 from pathlib import Path
 import shutil
+import tracemalloc
 import zlib
 
+from mcap.reader import make_reader
 from mcap.records import Attachment, Channel, Chunk, Metadata, Schema
 from mcap.stream_reader import breakup_chunk, StreamReader
 from mcap.writer import Writer
@@ -805,6 +807,28 @@ def test_a_checksum_of_the_data_alone_is_right_for_an_attachment(tmp_path):
     assert recovered(path) == as_sent()
     found, = BagReader(path.with_suffix('.new')).attachments()
     assert (found.data, found.log_time_ns) == (b'start,stop\n', 6)
+
+
+def test_an_attachment_keeps_both_of_its_times(tmp_path):
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), attached(b'start,stop\n'))
+    assert recovered(path) == as_sent()
+    assert attached(b'start,stop\n') in file_of(path)
+    with open(next(path.with_suffix('.new').glob('*.mcap')), 'rb') as file:
+        found, = make_reader(file, validate_crcs=True).iter_attachments()
+    assert (found.create_time, found.log_time) == (5, 6)
+
+
+def test_a_chunk_of_a_large_message_takes_little_more_memory_than_the_message(tmp_path):
+    size = 2**26
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), chunk(
+        message(1, 2000, bytes(size)), crc=0))
+    tracemalloc.start()
+    try:
+        assert recover(path, tmp_path / 'new').messages == 11
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 1.5 * size
 
 
 def test_a_thousand_topics_take_no_longer_than_their_messages(tmp_path, monkeypatch):
