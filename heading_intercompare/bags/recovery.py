@@ -85,6 +85,20 @@ class Recovered:
             self.notes.append(f'{path.name}: {text}')
 
 
+def _surveyed(paths: list[Path], progress: Callable[[str], None]
+              ) -> tuple[list[Survey], list[tuple[Path, str]]]:
+    """Return what is in files, and why others cannot be read; OSError if none can."""
+    files, others = [], []
+    for path in paths:
+        try:
+            files.append(survey(path, progress))
+        except OSError as error:
+            if len(others) + 1 == len(paths):
+                raise
+            others.append((path, error.strerror or str(error)))
+    return files, others
+
+
 def _judged(files: list[Survey]) -> Recovered:
     """Return the counts of all files."""
     total = Recovered(files=len(files))
@@ -209,8 +223,11 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
     if target.exists():
         raise BagError('exists already; a bag is never overwritten', target)
     paths = mcap_files(source)
-    files = [survey(path, progress) for path in paths]
+    files, others = _surveyed(paths, progress)
     total = _judged(files)
+    for path, problem in others:
+        total.note(path, problem)
+        total.messages_known = False
     if source.is_dir():
         for name in listed_parts(source / 'metadata.yaml'):
             if not (source / name).is_file():

@@ -32,6 +32,7 @@ from .fragments import (
     leading,
     MESSAGE_LEAST,
 )
+from .rough import HOLE_BYTES
 from .stream import MAGIC, RecordStream
 
 __all__ = ['Gap', 'Salvage', 'Sound']
@@ -189,7 +190,8 @@ class Salvage:
         """Return the record at a byte if its head is possible and it ends within the file."""
         head = self._read(at, HEAD.size)
         if len(head) < HEAD.size:
-            self._fault = 'a record ends early'
+            self._fault = ('a record ends early' if at + HEAD.size > self.size else
+                           'the disk cannot read it')
             return None
         opcode, length = HEAD.unpack(head)
         end = at + HEAD.size + length
@@ -263,6 +265,8 @@ class Salvage:
             if opcode != Opcode.MESSAGE or length < MESSAGE_LEAST or behind > len(data):
                 break
             last, size, count = size, behind, count + 1
+        if not count:
+            return None
         alone = (count == 1 and self._chunked and self._previous != Opcode.MESSAGE
                  and self._read(at + size, 1) != bytes([Opcode.MESSAGE]))
         if alone and (at != self._next or disguised(self._read, record)):
@@ -280,17 +284,18 @@ class Salvage:
             return None
         crc = int.from_bytes(self._read(end - 4, 4), 'little')
         # pybag computes it over the data only.
-        if crc and crc != self._crc(record.start, end - 4) and crc != self._crc(data_at, end - 4):
+        whole = self._crc(record.start, end - 4)
+        if whole is None or crc and crc not in (whole, self._crc(data_at, end - 4)):
             return None
         # Of one that lost some bytes the checksum may be zeros in the head of a chunk behind it.
         return Sound(record, end, sure=end if crc else end - HEAD_BYTES)
 
-    def _crc(self, at: int, end: int) -> int:
-        """Return the checksum of the bytes between two."""
+    def _crc(self, at: int, end: int) -> int | None:
+        """Return the checksum of the bytes between two; None if they cannot be read."""
         crc = 0
         while at < end and (piece := self._read(at, min(_WINDOW_BYTES, end - at))):
             crc, at = crc32(piece, crc), at + len(piece)
-        return crc
+        return crc if at == end else None
 
     def _chunks(self, at: int, head: ChunkHead) -> Sound | None:
         """Return the chunks from a byte on whose checksums are right, or a part of one."""
@@ -321,8 +326,9 @@ class Salvage:
                 self._fault = 'chunk damaged: its head does not agree with itself'
                 return None
             data = begun(content)
-            fault = ('the file ends within a chunk' if end == self.size else
-                     'a chunk ends early')
+            fault = ('the disk cannot read all of a chunk' if len(content) < end - at - HEAD.size
+                     else 'the file ends within a chunk' if end == self.size
+                     else 'a chunk ends early')
         else:
             try:
                 data = records_of(content, head.size, self._zstd)
@@ -331,7 +337,7 @@ class Salvage:
                 return None
             fault = 'chunk damaged: a record in it has a wrong length'
         kept = leading(data, head.first_ns, head.last_ns)
-        lost = (end - at) * (len(data) - kept) // len(data) if data else end - at
+        lost = end - at - (HEAD.size + len(content) * kept // len(data) if data else 0)
         return Sound(Record(Opcode.CHUNK, at + HEAD.size, len(content)), end,
                      block_of(data[:kept], at), fault, sure=end, lost=lost)
 
@@ -381,5 +387,6 @@ class Salvage:
                     self._looked_at += length
                     if self._looked_at > _PATIENCE * self.size:
                         barred = at + place + length
-            at += step
+            # Windows end before what the disk cannot read.
+            at += min(step, len(window)) or HOLE_BYTES - at % HOLE_BYTES
         return end

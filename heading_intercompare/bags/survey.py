@@ -18,12 +18,12 @@ from .blocks import Block, HEAD, MESSAGE_HEAD
 from .chunk_runs import Chunk, ChunkRun, counted, Counts, INDEX_LEAST
 from .definitions import Definitions
 from .part import parsed
+from .rough import opened
 from .salvage import Gap, Salvage, Sound
 from .summary import ENTRY_BYTES
 
 __all__ = ['Damage', 'Kind', 'Piece', 'Pieces', 'Section', 'Survey', 'segments', 'survey']
 
-_READ_BYTES = 2**18
 _ROWS = 4096
 
 
@@ -139,6 +139,8 @@ class Survey:
         The file.
     size : int
         Its bytes.
+    holes : list of int
+        Where blocks begin that the disk cannot read.
     definitions : Definitions
         Its topics.
     pieces : Pieces
@@ -166,6 +168,7 @@ class Survey:
 
     path: Path
     size: int = 0
+    holes: list[int] = field(default_factory=list)
     definitions: Definitions = field(default_factory=Definitions)
     pieces: Pieces = field(default_factory=Pieces)
     counts: dict[tuple[int, int], int] = field(default_factory=dict)
@@ -253,7 +256,7 @@ def survey(path: Path, progress: Callable[[str], None]) -> Survey:
     named, kept = 0, 0
     #: Whether message indexes would be of a damaged chunk; None: there is no chunk before them.
     indexing: bool | None = None
-    with open(path, 'rb', _READ_BYTES) as file:
+    with opened(path, found.holes) as file:
         salvage = Salvage(file)
         found.size = salvage.size
         for item in salvage.scan():

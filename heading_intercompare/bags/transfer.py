@@ -24,6 +24,7 @@ from .chunks import CHUNK_HEAD
 from .errors import BagError
 from .fields import full_name
 from .part import parsed
+from .rough import opened
 from .rows import Records
 from .salvage import Salvage
 from .schemas import Schema
@@ -33,7 +34,6 @@ from .writer import BagWriter
 
 __all__ = ['Transfer']
 
-_READ_BYTES = 2**18
 #: Chunks are passed on, or gathered, by so many bytes.
 _PASSED_BYTES = 2**22
 _GATHERED_BYTES = 2**20
@@ -86,7 +86,7 @@ class Transfer:
 
         """
         numbers = {key: self._added(found, *key) for key in sorted(found.counts)}
-        with open(found.path, 'rb', _READ_BYTES) as file:
+        with opened(found.path, found.holes) as file:
             copying = _Copying(file, found, self._bag, numbers)
             for piece in found.pieces:
                 if piece.kind == Kind.EXTRA:

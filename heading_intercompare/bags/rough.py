@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A file on a disk that cannot read all of it any more."""
+
+from __future__ import annotations
+
+from bisect import bisect_left, insort
+import errno
+from io import BufferedReader, RawIOBase
+import os
+from pathlib import Path
+
+__all__ = ['HOLE_BYTES', 'opened']
+
+#: What the disk cannot read is taken as lost by this many bytes.
+HOLE_BYTES = 4096
+_BUFFER_BYTES = 2**18
+
+
+class _RoughFile(RawIOBase):
+    """
+    A file, open for reading, that ends at each hole for who reads towards it.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    holes : list of int
+        The first byte of each hole, in order; those that are found are put into it.
+
+    """
+
+    def __init__(self, path: Path, holes: list[int]) -> None:
+        self._holes = holes
+        self._descriptor = os.open(path, os.O_RDONLY)
+
+    def readable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        return os.lseek(self._descriptor, offset, whence)
+
+    def readinto(self, buffer: memoryview) -> int:
+        at = self.tell()
+        size = len(buffer)
+        if self._holes:
+            place = bisect_left(self._holes, at - at % HOLE_BYTES)
+            if place < len(self._holes):
+                size = min(size, max(self._holes[place] - at, 0))
+        while size:
+            try:
+                return os.readv(self._descriptor, [memoryview(buffer)[:size]])
+            except OSError as error:
+                if error.errno != errno.EIO:
+                    raise
+            rest = HOLE_BYTES - at % HOLE_BYTES
+            if size <= rest:
+                insort(self._holes, at - at % HOLE_BYTES)
+                return 0
+            size = max(size // 2, rest)
+        return 0
+
+    def close(self) -> None:
+        if not self.closed:
+            os.close(self._descriptor)
+        super().close()
+
+
+def opened(path: Path, holes: list[int]) -> BufferedReader:
+    """
+    Return a file, open for reading; what the disk cannot read are holes.
+
+    Reading ends at a hole, as at the end of the file, and goes on behind it after a seek.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    holes : list of int
+        Where blocks of `HOLE_BYTES` begin that cannot be read, in order, as far as known.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be opened, is none, or is not there any more.
+
+    """
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    return BufferedReader(_RoughFile(path, holes), _BUFFER_BYTES)
