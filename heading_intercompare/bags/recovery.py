@@ -133,6 +133,7 @@ def _count(total: Recovered, found: Survey) -> None:
     untimed = sum(section.untimed for section in found.sections)
     if untimed:
         total.note(found.path, f'{untimed} messages with log times that cannot be')
+    before = total.messages_lost
     for section, held, undefined in zip(found.sections, kept, strange):
         seen = undefined + section.untimed
         lost = seen + section.indexed
@@ -148,6 +149,9 @@ def _count(total: Recovered, found: Survey) -> None:
         elif found.damage:
             total.messages_known = False
         total.messages_lost += lost
+    if total.messages_lost == before and any(damage.chunk for damage in found.damage):
+        # A chunk is lost and no message is missing: others are there twice.
+        total.messages_known = False
 
 
 def _record(source: Path, total: Recovered,

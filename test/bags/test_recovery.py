@@ -683,14 +683,17 @@ def test_each_of_two_files_in_a_row_has_its_own_summary(write_bag, tmp_path, fir
     assert (total.messages, total.messages_lost) == (6000 - count, count)
 
 
-def test_a_chunk_that_is_there_twice_does_not_hide_that_another_is_missing(write_bag, tmp_path):
+@pytest.mark.parametrize('indexes', [True, False])
+def test_a_chunk_that_is_there_twice_does_not_hide_that_another_is_missing(write_bag, tmp_path,
+                                                                           indexes):
     path = write_bag(chunk_bytes=20_000)
     rows = chunk_places(message_file(path))
     (start, end, _), (behind, _, _), *_ = rows[5:]
     content = message_file(path).read_bytes()
     spoiled = bytes([content[start + 200] ^ 1])
-    message_file(path).write_bytes(content[:start + 200] + spoiled + content[start + 201:behind]
-                                   + content[behind:rows[7][0]] + content[behind:])
+    message_file(path).write_bytes(
+        content[:start + 200] + spoiled + content[start + 201:behind if indexes else end]
+        + content[behind:rows[7][0]] + content[behind:])
     total = recover(path, tmp_path / 'new')
     assert total.damaged and not total.messages_known
 
@@ -842,3 +845,11 @@ def test_a_thousand_topics_take_no_longer_than_their_messages(tmp_path, monkeypa
         *(message(n, n, text('x')) for n in numbers)))
     assert recover(path, tmp_path / 'new').messages == 1000
     assert len(written) <= 2
+
+
+def test_a_message_index_that_is_taken_for_a_chunk_is_no_loss_by_the_summary(write_bag, tmp_path):
+    path = write_bag(chunk_bytes=20_000)
+    _, end, _ = chunk_places(message_file(path))[5]
+    spoil(message_file(path), end, b'\x06')
+    total = recover(path, tmp_path / 'new')
+    assert (total.messages, total.messages_lost, total.damaged) == (3000, 0, True)
