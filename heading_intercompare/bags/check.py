@@ -126,13 +126,8 @@ def _take(block: Block, part: Part, found: BagCheck) -> None:
 def _unread(stream: RecordStream, part: Part, found: BagCheck) -> Iterator[str]:
     """Look at what reading messages leaves out: missing checksums, those of data and summary."""
     at = len(MAGIC)
-    while at < stream.size - len(MAGIC):
-        try:
-            record = stream.record(at)
-        except BagError:
-            if part.incomplete:
-                return
-            raise
+    while at < part.end:
+        record = stream.record(at, part.end)
         if record.opcode == Opcode.CHUNK:
             head = stream.content(Record(record.opcode, record.start, CHUNK_HEAD.size))
             found.chunks += 1

@@ -186,14 +186,11 @@ class Gathering:
             self._packed = memoryview(bytearray(length))
         return self._packed[:file.readinto(self._packed[:length])]
 
-    def add_index(self, content: bytes) -> None:
-        """Take a message index of the newest chunk."""
+    def add_index(self, entries: bytes) -> None:
+        """Take the entries of a message index of the newest chunk."""
         self._awaited = False
-        if len(content) % 16 == 6:
-            self._index.append(content[6:])
-            self._bases.append(self._base)
-        else:
-            self._usable = False
+        self._index.append(entries)
+        self._bases.append(self._base)
 
     def block(self) -> Block:
         """Return the messages; they are valid until the next chunk is taken."""
@@ -203,6 +200,6 @@ class Gathering:
         """Return where the indexes say that messages are."""
         if not self._usable or self._awaited or not self._index:
             return None
-        counts = [len(content) >> 4 for content in self._index]
+        counts = [len(entries) >> 4 for entries in self._index]
         entries = np.frombuffer(b''.join(self._index), '<i8')
         return entries[1::2] + np.repeat(np.array(self._bases, np.int64), counts)

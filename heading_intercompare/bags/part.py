@@ -31,6 +31,10 @@ from .stream import MAGIC, RecordStream
 __all__ = ['mcap_files', 'parsed', 'Part', 'Stretch']
 
 _FOOTER = HEAD.size + 20
+_DATA_END = HEAD.pack(Opcode.DATA_END, 4)
+#: What cannot stand behind the end of the data.
+_DATA = (Opcode.HEADER, Opcode.MESSAGE, Opcode.CHUNK, Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT,
+         Opcode.METADATA, Opcode.DATA_END)
 _BUFFER_BYTES = 131072
 #: Blocks have at least this many bytes unless the file ends, stretches so many blocks.
 _BLOCK_BYTES = 3145728
@@ -102,6 +106,8 @@ class Part:
         Smallest and largest log time, None without messages.
     profile : str
         Profile in the header, 'ros2' in a rosbag2.
+    end : int
+        The byte behind the last record that is read.
     incomplete : str or None
         Why the file is not all of what was recorded; None if it was closed properly.
 
@@ -138,7 +144,7 @@ class Part:
         self.end_ns: int | None = None
         self.profile = ''
         #: Between these bytes are the records, at those the metadata and attachments.
-        self._begin = self._end = len(MAGIC)
+        self._begin = self.end = len(MAGIC)
         self._extras: list[int] = []
         #: Where chunks begin, and their sizes when decompressed.
         self._chunks: list[tuple[int, int]] = []
@@ -152,17 +158,18 @@ class Part:
             return False
         footer = parsed(mcap.Footer, tail[HEAD.size:])
         length = at - footer.summary_start
-        if not footer.summary_start or length <= 0:
-            return False
-        summary = stream.content(Record(0, footer.summary_start, length))
-        if footer.summary_crc not in (0, zlib.crc32(summary + tail[:_FOOTER - 4])):
+        ahead = Record(0, max(footer.summary_start - len(_DATA_END) - 4, 0), len(_DATA_END))
+        if length <= 0 or stream.content(ahead) != _DATA_END:
             return False
         try:
+            summary = stream.content(Record(0, footer.summary_start, length))
+            if footer.summary_crc not in (0, zlib.crc32(summary + tail[:_FOOTER - 4])):
+                return False
             self._take_header(stream)
             complete = self._take_summary(summary)
         except BagError:
             return False
-        self._end = footer.summary_start
+        self.end = footer.summary_start
         return complete
 
     def _take_summary(self, summary: bytes) -> bool:
@@ -207,7 +214,7 @@ class Part:
         if record.opcode != Opcode.HEADER:
             raise BagError('it has no header', offset=len(MAGIC))
         self.profile = parsed(mcap.Header, stream.content(record)).profile
-        self._begin = self._end = record.start + record.length
+        self._begin = self.end = record.start + record.length
 
     def _scan(self, stream: RecordStream) -> None:
         """Read the file through; take what it holds, and note where it breaks off."""
@@ -220,19 +227,43 @@ class Part:
                     self._take_block(piece)
                 elif piece.opcode in (Opcode.METADATA, Opcode.ATTACHMENT):
                     self._extras.append(piece.start - HEAD.size)
-                self._end = end
+                self.end = end
                 finished = isinstance(piece, Record) and piece.opcode == Opcode.DATA_END
             problem = 'it has no end'
         except BagError as error:
             if closed and stream.size > len(MAGIC):
                 raise error.at(self.path, error.offset) from None
             problem = error.problem
-        if not finished:
-            self.incomplete = (f'{self.path.name} was not closed: {problem} at byte {self._end} '
-                               f'of {stream.size}; what is before that is read')
-        elif not closed:
-            self.incomplete = (f'{self.path.name} was not closed: its index is cut; its messages '
-                               'are all there')
+        if finished:
+            problem = self._ending_problem(stream, closed)
+        else:
+            problem = (f'was not closed: {problem} at byte {self.end} of {stream.size}; what is '
+                       'before that is read')
+        self.incomplete = problem and f'{self.path.name} {problem}'
+
+    def _ending_problem(self, stream: RecordStream, closed: bool) -> str | None:
+        """Return what is wrong behind the end of the data; None if nothing is missing."""
+        at, opcode, expected = self.end, 0, None
+        goes_on = 'goes on at byte {} of {} behind its end; that is not read'
+        problem = None if closed else ('was not closed: its index is cut; its messages are all '
+                                       'there')
+        try:
+            while opcode != Opcode.FOOTER:
+                opcode, start, length = record = stream.record(at)
+                if opcode in _DATA:
+                    return goes_on.format(at, stream.size)
+                if opcode == Opcode.STATISTICS:
+                    expected = parsed(mcap.Statistics, stream.content(record)).message_count
+                at = start + length
+            if at + len(MAGIC) < stream.size:
+                problem = goes_on.format(at + len(MAGIC), stream.size)
+        except BagError:
+            problem = problem or (f'has an index that is damaged at byte {at}; its messages are '
+                                  'there')
+        found = sum(self.counts.values())
+        if expected not in (None, found):
+            problem = f'has {found} messages where its index says {expected}'
+        return problem
 
     def _take_block(self, block: Block) -> None:
         self._chunks.append((block.offset, len(block.data)))
@@ -257,13 +288,13 @@ class Part:
         """
         cuts, size = [(self._begin, 0)], 0
         for begin, length in sorted(self._chunks):
-            if size >= _STRETCH_BLOCKS * _BLOCK_BYTES and cuts[-1][0] < begin < self._end:
+            if size >= _STRETCH_BLOCKS * _BLOCK_BYTES and cuts[-1][0] < begin < self.end:
                 cuts.append((begin, size))
                 size = 0
             size += length
         if not self._chunks:
-            size = self._end - self._begin
-        ends = [begin for begin, _ in cuts[1:]] + [self._end]
+            size = self.end - self._begin
+        ends = [begin for begin, _ in cuts[1:]] + [self.end]
         sizes = [size for _, size in cuts[1:]] + [size]
         return [Stretch(begin, end, size) for (begin, _), end, size in zip(cuts, ends, sizes)]
 
@@ -301,7 +332,7 @@ class Part:
         A block is valid until the next one is asked for. BagError as of `blocks`.
         """
         try:
-            end = self._end if end is None else end
+            end = self.end if end is None else end
             for piece, _ in stream.pieces(begin, end, _BLOCK_BYTES, start_ns, stop_ns):
                 if isinstance(piece, Block):
                     yield piece

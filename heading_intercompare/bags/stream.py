@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import os
+import struct
 from typing import BinaryIO, Iterator
 
 from mcap.opcode import Opcode
@@ -20,6 +21,11 @@ MAGIC = b'\x89MCAP0\r\n'
 _BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
 #: Messages outside chunks are read by this many bytes.
 _BARE_BYTES = 1048576
+#: Channel and bytes of entries of a message index, which are of so many bytes each.
+_INDEX = struct.Struct('<HI')
+_ENTRY_BYTES = 16
+#: No record is read that claims to be larger.
+_RECORD_LIMIT = 2**31
 
 
 class RecordStream:
@@ -40,10 +46,12 @@ class RecordStream:
 
     def record(self, at: int, end: int | None = None) -> Record:
         """Return the record at a byte, which ends by another; leave the file behind its head."""
+        if at >= self.size:
+            raise BagError('it has no end', offset=at)
         self._file.seek(at)
         head = self._file.read(HEAD.size)
         if len(head) < HEAD.size:
-            raise BagError('a record ends early' if head else 'it has no end', offset=at)
+            raise BagError('a record ends early', offset=at)
         opcode, length = HEAD.unpack(head)
         if not opcode:
             raise BagError('no record begins', offset=at)
@@ -53,16 +61,33 @@ class RecordStream:
 
     def content(self, record: Record) -> bytes:
         """Return the bytes of a record behind its head."""
-        self._file.seek(record.start)
-        return self._file.read(record.length)
+        return self._read(record.start, record.length)
+
+    def _read(self, at: int, length: int) -> bytes:
+        if length <= _RECORD_LIMIT:
+            self._file.seek(at)
+            try:
+                return self._file.read(length)
+            except MemoryError:
+                pass
+        raise BagError(f'a record of {length} bytes is too large for the memory', offset=at)
 
     def _bare(self, record: Record, end: int) -> tuple[Block, int]:
         """Return the messages outside chunks from a record on, and where they end."""
         at = record.start - HEAD.size
-        self._file.seek(at)
-        data = self._file.read(min(max(_BARE_BYTES, HEAD.size + record.length), end - at))
+        data = self._read(at, min(max(_BARE_BYTES, HEAD.size + record.length), end - at))
         size = whole(data, _BARE)
         return block_of(data[:size], at), at + size
+
+    def _check_index(self, record: Record, behind_chunk: bool) -> None:
+        """Raise BagError if a record is no message index or where none can be."""
+        at = record.start - HEAD.size
+        if not behind_chunk:
+            raise BagError('damaged: a message index follows no chunk', offset=at)
+        size = record.length - _INDEX.size
+        if size < 0 or size % _ENTRY_BYTES or _INDEX.unpack(
+                self._file.read(_INDEX.size))[1] != size:
+            raise BagError('message index damaged: its lengths do not agree', offset=at)
 
     def pieces(self, at: int, end: int, least: int, start_ns: int = 0,
                stop_ns: int = 2**64) -> Iterator[tuple[Block | Record, int]]:
@@ -86,21 +111,23 @@ class RecordStream:
             At the first record that cannot be read, after all that is before it.
 
         """
-        chunks, wanted = self._chunks, False
+        chunks, wanted, behind_chunk = self._chunks, False, False
         chunks.clear()
         while at < end:
             try:
                 record = self.record(at, end)
+                opcode, start, length = record
+                if opcode == Opcode.MESSAGE_INDEX:
+                    self._check_index(record, behind_chunk)
+                    if wanted:
+                        chunks.add_index(self._read(start + _INDEX.size, length - _INDEX.size))
+                    at = start + length
+                    continue
             except BagError:
                 if chunks:
                     yield chunks.block(), chunks.end
                 raise
-            opcode, start, length = record
-            if opcode == Opcode.MESSAGE_INDEX:
-                if wanted:
-                    chunks.add_index(self._file.read(length))
-                at = start + length
-                continue
+            behind_chunk = opcode == Opcode.CHUNK
             if chunks and (opcode != Opcode.CHUNK or chunks.size >= least):
                 yield chunks.block(), chunks.end
                 chunks.clear()

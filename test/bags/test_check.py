@@ -101,7 +101,7 @@ def test_a_damaged_attachment_is_named(write_bag):
 
 
 def test_a_damaged_index_is_named_and_its_messages_are_there(write_bag):
-    (fault,) = damaged(write_bag, -200)
+    (fault,) = damaged(write_bag, -10)
     assert fault == ('trial_0.mcap: the checksum of its index does not match; its messages are '
                      'there')
 
@@ -155,6 +155,16 @@ def test_messages_outside_chunks_are_read(tmp_path):
     (tmp_path / 'x.mcap').write_bytes(foreign(use_chunking=False))
     found = check(tmp_path / 'x.mcap')
     assert (found.messages, found.chunks, found.faults) == (100, 0, [])
+
+
+def test_the_remains_of_a_chunk_with_which_a_file_breaks_off_are_not_looked_at(tmp_path):
+    content = foreign()
+    begin = content.index(struct.pack('<BQ', 0x0F, 4))
+    (tmp_path / 'x.mcap').write_bytes(content[:begin] + struct.pack('<BQ', 6, 5) + bytes(5))
+    found = check(tmp_path / 'x.mcap')
+    assert found.messages == 100
+    (fault,) = found.faults
+    assert fault.startswith('x.mcap was not closed: chunk damaged: its head is cut')
 
 
 def test_what_is_no_bag_is_refused(tmp_path):

@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""One file: nothing it lost goes unnoticed, and nothing it claims is believed too much."""
+
+from __future__ import annotations
+
+from bags.mcap_bytes import channel, indexed, MAGIC, message, schema, write
+from mcap.writer import CompressionType, IndexType, Writer
+import pytest
+
+from heading_intercompare.bags.cdr import encode
+from heading_intercompare.bags.check import check
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.reader import BagReader
+
+STRING = 'std_msgs/msg/String'
+DEFINED = schema(1) + channel(1, '/a')
+
+
+def ten(begin: int) -> list[bytes]:
+    """Return ten messages."""
+    return [message(1, log, encode(STRING, {'data': str(log)}))
+            for log in range(begin, begin + 10)]
+
+
+def closed(path, **options):
+    """Write a file of three chunks with `mcap`, and return it with its bytes."""
+    with open(path, 'wb') as file:
+        writer = Writer(file, chunk_size=200, compression=CompressionType.NONE, **options)
+        writer.start('ros2')
+        number = writer.register_channel('/a', 'cdr', writer.register_schema(
+            STRING, 'ros2msg', b'string data\n'))
+        for log in range(12):
+            writer.add_message(number, log, encode(STRING, {'data': 'x' * 20}), log)
+        writer.finish()
+    return path, path.read_bytes()
+
+
+def records(data: bytes) -> list[tuple[int, int, int]]:
+    """Return opcode, begin and end of the records of a file."""
+    found, at = [], len(MAGIC)
+    while at < len(data) - len(MAGIC):
+        end = at + 9 + int.from_bytes(data[at + 1:at + 9], 'little')
+        found.append((data[at], at, end))
+        at = end
+    return found
+
+
+def without_a_chunk(data: bytes) -> bytes:
+    """Return a file without its second chunk and the indexes behind that."""
+    begins = [begin for opcode, begin, _ in records(data) if opcode == 6]
+    return data[:begins[1]] + data[begins[2]:]
+
+
+# Where it ends
+
+
+@pytest.mark.parametrize('options', [{}, {'enable_crcs': False}], ids=str)
+def test_a_chunk_cut_out_whole_is_missed(tmp_path, options):
+    path, data = closed(tmp_path / 'a.mcap', **options)
+    path.write_bytes(without_a_chunk(data))
+    reader = BagReader(path)
+    kept = len(list(reader.messages()))
+    assert 0 < kept < 12
+    assert reader.incomplete == f'a.mcap has {kept} messages where its index says 12'
+    assert check(path).faults == [reader.incomplete]
+
+
+@pytest.mark.parametrize('behind', [lambda data: data, lambda data: bytes(100),
+                                    lambda data: data[len(MAGIC):]], ids=['file', 'zeros', 'rest'])
+def test_what_follows_the_end_is_named(tmp_path, behind):
+    path, data = closed(tmp_path / 'a.mcap')
+    path.write_bytes(data + behind(data))
+    reader = BagReader(path)
+    assert len(list(reader.messages())) == 12
+    assert reader.incomplete == (f'a.mcap goes on at byte {len(data)} of '
+                                 f'{path.stat().st_size} behind its end; that is not read')
+
+
+def test_data_behind_what_looks_like_the_end_of_the_data_is_named(tmp_path):
+    """A message index becomes the end of the data if one bit of its type turns over."""
+    path = write(tmp_path / 'a.mcap', indexed(DEFINED, *ten(0)), indexed(*ten(10)))
+    data = bytearray(path.read_bytes())
+    (_, begin, end), *_ = [each for each in records(data + MAGIC) if each[0] == 7]
+    data[begin] = 0x0F
+    path.write_bytes(data)
+    reader = BagReader(path)
+    assert len(list(reader.messages())) == 10
+    assert reader.incomplete.startswith(f'a.mcap goes on at byte {end} of ')
+
+
+def test_a_damaged_index_of_a_closed_file_is_named(tmp_path):
+    path, data = closed(tmp_path / 'a.mcap')
+    at = next(begin for opcode, begin, _ in records(data) if opcode == 8)
+    path.write_bytes(data[:at] + b'\x08' + b'\xff' * 8 + data[at + 9:])
+    reader = BagReader(path)
+    assert len(list(reader.messages())) == 12
+    assert reader.incomplete == (f'a.mcap has an index that is damaged at byte {at}; its messages '
+                                 'are there')
+
+
+# Chunks that are no chunks any more
+
+
+@pytest.mark.parametrize('bit', range(8))
+def test_a_chunk_of_an_unfinished_file_that_lost_its_type_is_where_it_breaks_off(tmp_path, bit):
+    lost = bytearray(indexed(*ten(2**40)))
+    lost[0] ^= 1 << bit
+    path = write(tmp_path / 'a.mcap', indexed(DEFINED, *ten(0)), bytes(lost),
+                 indexed(*ten(20)))
+    reader = BagReader(path)
+    assert [m.log_time_ns for m in reader.messages()] == list(range(10))
+    assert reader.incomplete.startswith('a.mcap was not closed: ')
+
+
+def test_a_chunk_of_a_closed_file_that_lost_its_type_is_an_error_with_its_place(tmp_path):
+    path, data = closed(tmp_path / 'a.mcap')
+    begin, end = [each[1:] for each in records(data) if each[0] == 6][1]
+    path.write_bytes(data[:begin] + b'\x86' + data[begin + 1:])
+    with pytest.raises(BagError, match=rf'a message index follows no chunk \(at byte {end}\)'):
+        list(BagReader(path).messages())
+
+
+def test_without_message_indexes_it_is_missed_by_the_count(tmp_path):
+    path, data = closed(tmp_path / 'a.mcap', index_types=IndexType.CHUNK)
+    begin = [begin for opcode, begin, _ in records(data) if opcode == 6][1]
+    path.write_bytes(data[:begin] + b'\x86' + data[begin + 1:])
+    with pytest.raises(BagError, match=r'damaged: \d+ messages where its index says 12'):
+        list(BagReader(path).messages())
