@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import chain
 import os
 from pathlib import Path
 from typing import Callable, Iterator
@@ -19,8 +20,10 @@ from .checksum import crc32
 from .chunks import CHUNK_HEAD
 from .errors import BagError
 from .numbering import Numbering
-from .part import mcap_files, parsed, Part
-from .stream import MAGIC, RecordStream
+from .part import mcap_files, Part
+from .stream import MAGIC, parsed, RecordStream
+
+__all__ = ['BagCheck', 'check']
 
 __all__ = ['BagCheck', 'check']
 
@@ -100,7 +103,7 @@ def _faults(file: Path, found: BagCheck, progress: Callable[[str], None]) -> Ite
         for block in part.blocks():
             _take(block, part, found)
             progress(f'{found.messages:,} messages')
-        for _ in part.extras():
+        for _ in chain(part.metadata(), part.attachments()):
             pass
         with open(file, 'rb', _READ_BYTES) as stream:
             yield from _unread(RecordStream(stream), part, found)

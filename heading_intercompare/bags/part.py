@@ -10,23 +10,21 @@ to where it breaks off; from then on it is as if it ended there.
 from __future__ import annotations
 
 from contextlib import contextmanager
-from io import BytesIO
+from functools import partial
 import os
 from pathlib import Path
 import re
-import struct
-from typing import Iterator, NamedTuple, TypeVar
+from typing import Callable, Iterator, NamedTuple, TypeVar
 import zlib
 
 from mcap import records as mcap
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 import numpy as np
 
 from .blocks import Block, HEAD, Record, walk
 from .errors import BagError
-from .stream import MAGIC, RecordStream
+from .extras import attachment, places
+from .stream import MAGIC, parsed, RecordStream
 
 __all__ = ['mcap_files', 'parsed', 'Part', 'Stretch']
 
@@ -40,7 +38,7 @@ _BUFFER_BYTES = 131072
 _BLOCK_BYTES = 3145728
 _STRETCH_BLOCKS = 4
 
-_AnyRecord = TypeVar('_AnyRecord', bound=mcap.McapRecord)
+_Extra = TypeVar('_Extra', mcap.Metadata, mcap.Attachment)
 
 
 class Stretch(NamedTuple):
@@ -79,14 +77,6 @@ def mcap_files(path: Path) -> list[Path]:
     return paths
 
 
-def parsed(kind: type[_AnyRecord], content: bytes) -> _AnyRecord:
-    """Return a record of MCAP from the bytes behind its head; BagError if it is damaged."""
-    try:
-        return kind.read(ReadDataStream(BytesIO(content)))
-    except (McapError, struct.error, UnicodeDecodeError):
-        raise BagError(f'a record of type {kind.__name__} is damaged') from None
-
-
 class Part:
     """
     One MCAP file, open only while it is read.
@@ -116,7 +106,7 @@ class Part:
     OSError
         If the file cannot be read.
     BagError
-        If it is empty or not MCAP.
+        If it is empty or not MCAP, or was closed, has no index and is damaged.
 
     """
 
@@ -145,7 +135,7 @@ class Part:
         self.profile = ''
         #: Between these bytes are the records, at those the metadata and attachments.
         self._begin = self.end = len(MAGIC)
-        self._extras: list[int] = []
+        self._extras: dict[int, list[int]] = {Opcode.METADATA: [], Opcode.ATTACHMENT: []}
         #: Where chunks begin, and their sizes when decompressed.
         self._chunks: list[tuple[int, int]] = []
 
@@ -180,9 +170,11 @@ class Part:
             if record.opcode == Opcode.STATISTICS:
                 statistics = parsed(mcap.Statistics, content)
             elif record.opcode == Opcode.METADATA_INDEX:
-                self._extras.append(parsed(mcap.MetadataIndex, content).offset)
+                at = parsed(mcap.MetadataIndex, content).offset
+                self._extras[Opcode.METADATA].append(at)
             elif record.opcode == Opcode.ATTACHMENT_INDEX:
-                self._extras.append(parsed(mcap.AttachmentIndex, content).offset)
+                at = parsed(mcap.AttachmentIndex, content).offset
+                self._extras[Opcode.ATTACHMENT].append(at)
             elif record.opcode == Opcode.CHUNK_INDEX:
                 self._chunks.append((int.from_bytes(content[16:24], 'little'),
                                      int.from_bytes(content[-8:], 'little')))
@@ -198,7 +190,8 @@ class Part:
         return (self.counts.keys() <= self.channels.keys() and needed <= self.schemas.keys()
                 and statistics.channel_count <= len(self.channels)
                 and sum(self.counts.values()) == statistics.message_count
-                and len(self._extras) == statistics.metadata_count + statistics.attachment_count)
+                and len(self._extras[Opcode.METADATA]) == statistics.metadata_count
+                and len(self._extras[Opcode.ATTACHMENT]) == statistics.attachment_count)
 
     def _take_definition(self, opcode: int, content: bytes) -> None:
         if opcode == Opcode.SCHEMA:
@@ -225,8 +218,8 @@ class Part:
             for piece, end in stream.pieces(self._begin, stream.size, 0):
                 if isinstance(piece, Block):
                     self._take_block(piece)
-                elif piece.opcode in (Opcode.METADATA, Opcode.ATTACHMENT):
-                    self._extras.append(piece.start - HEAD.size)
+                elif piece.opcode in self._extras:
+                    self._extras[piece.opcode].append(piece.start - HEAD.size)
                 self.end = end
                 finished = isinstance(piece, Record) and piece.opcode == Opcode.DATA_END
             problem = 'it has no end'
@@ -346,19 +339,19 @@ class Part:
             raise BagError(f'damaged: {count} messages where its index says {expected}',
                            self.path)
 
-    def extras(self) -> Iterator[mcap.Metadata | mcap.Attachment]:
-        """Yield metadata and attachments in file order; BagError if one is damaged."""
+    def metadata(self) -> Iterator[mcap.Metadata]:
+        """Yield the metadata records in file order; BagError if one is damaged."""
+        yield from self._read_extras(Opcode.METADATA, partial(parsed, mcap.Metadata))
+
+    def attachments(self) -> Iterator[mcap.Attachment]:
+        """Yield the attachments in file order; BagError if one is damaged."""
+        yield from self._read_extras(Opcode.ATTACHMENT, attachment)
+
+    def _read_extras(self, opcode: int, read: Callable[[bytes], _Extra]) -> Iterator[_Extra]:
         with self.opened() as stream:
-            for at in sorted(self._extras):
-                try:
-                    record = stream.record(at)
-                    content = stream.content(record)
-                    if record.opcode == Opcode.METADATA:
-                        yield parsed(mcap.Metadata, content)
-                        continue
-                    crc = int.from_bytes(content[-4:], 'little')
-                    if crc not in (0, zlib.crc32(content[:-4])):
-                        raise BagError('attachment damaged: its checksum does not match')
-                    yield parsed(mcap.Attachment, content)
-                except BagError as error:
-                    raise error.at(self.path, at) from None
+            at = None
+            try:
+                for at in places(stream, opcode, self._extras[opcode], self._begin, self.end):
+                    yield read(stream.content(stream.record(at)))
+            except BagError as error:
+                raise error.at(self.path, error.offset if at is None else at) from None

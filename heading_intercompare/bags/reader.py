@@ -11,8 +11,6 @@ import os
 from pathlib import Path
 from typing import Iterable, Iterator, Mapping, NamedTuple, Sequence
 
-from mcap.records import Attachment as McapAttachment, Metadata as McapMetadata
-
 from heading_intercompare.core.records import Headings
 
 from .ahead import ahead
@@ -317,10 +315,9 @@ class BagReader:
     def metadata(self) -> dict[str, dict[str, str]]:
         """Return the metadata records by name; the last of a name counts."""
         return {record.name: dict(record.metadata) for part in self._parts
-                for record in part.extras() if isinstance(record, McapMetadata)}
+                for record in part.metadata()}
 
     def attachments(self) -> list[Attachment]:
         """Return the files inside the bag, in file order."""
         return [Attachment(record.name, record.media_type, record.log_time, record.data)
-                for part in self._parts
-                for record in part.extras() if isinstance(record, McapAttachment)]
+                for part in self._parts for record in part.attachments()]

@@ -4,17 +4,21 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 import os
 import struct
-from typing import BinaryIO, Iterator
+from typing import BinaryIO, Iterator, TypeVar
 
+from mcap import records as mcap
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
 from .blocks import Block, block_of, HEAD, Record, whole
 from .chunks import Gathering
 from .errors import BagError
 
-__all__ = ['MAGIC', 'RecordStream']
+__all__ = ['MAGIC', 'parsed', 'RecordStream']
 
 MAGIC = b'\x89MCAP0\r\n'
 
@@ -26,6 +30,16 @@ _INDEX = struct.Struct('<HI')
 _ENTRY_BYTES = 16
 #: No record is read that claims to be larger.
 _RECORD_LIMIT = 2**31
+
+_AnyRecord = TypeVar('_AnyRecord', bound=mcap.McapRecord)
+
+
+def parsed(kind: type[_AnyRecord], content: bytes) -> _AnyRecord:
+    """Return a record of MCAP from the bytes behind its head; BagError if it is damaged."""
+    try:
+        return kind.read(ReadDataStream(BytesIO(content)))
+    except (McapError, struct.error, ValueError, OverflowError, MemoryError):
+        raise BagError(f'a record of type {kind.__name__} is damaged') from None
 
 
 class RecordStream:

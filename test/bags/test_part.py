@@ -4,7 +4,20 @@
 
 from __future__ import annotations
 
-from bags.mcap_bytes import channel, indexed, MAGIC, message, schema, write
+import struct
+import zlib
+
+from bags.mcap_bytes import (
+    channel,
+    HEADER,
+    indexed,
+    MAGIC,
+    message,
+    record,
+    schema,
+    write,
+)
+from mcap import records as mcap
 from mcap.writer import CompressionType, IndexType, Writer
 import pytest
 
@@ -12,6 +25,7 @@ from heading_intercompare.bags.cdr import encode
 from heading_intercompare.bags.check import check
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.bags.summary import ending
 
 STRING = 'std_msgs/msg/String'
 DEFINED = schema(1) + channel(1, '/a')
@@ -127,3 +141,60 @@ def test_without_message_indexes_it_is_missed_by_the_count(tmp_path):
     path.write_bytes(data[:begin] + b'\x86' + data[begin + 1:])
     with pytest.raises(BagError, match=r'damaged: \d+ messages where its index says 12'):
         list(BagReader(path).messages())
+
+
+# Metadata and attachments
+
+
+def attachment(crc: int | None = None, size: int | None = None) -> bytes:
+    """Return an attachment; its checksum and the size of its data are right unless given."""
+    whole = bytearray(record(mcap.Attachment(create_time=1, log_time=2, name='a.txt',
+                                             media_type='text/plain', data=b'calibration')))
+    if size is not None:
+        at = whole.index(b'calibration') - 8
+        whole[at:at + 8] = struct.pack('<Q', size)
+    if crc is not None:
+        whole[-4:] = struct.pack('<I', crc)
+    return bytes(whole)
+
+
+def test_a_checksum_over_the_data_alone_is_accepted(tmp_path):
+    """That is what pybag 0.13 writes."""
+    path = write(tmp_path / 'a.mcap', attachment(crc=zlib.crc32(b'calibration')))
+    assert [found.data for found in BagReader(path).attachments()] == [b'calibration']
+
+
+def test_metadata_are_read_beside_a_damaged_attachment(tmp_path):
+    remark = record(mcap.Metadata('remark', {'sea': 'calm'}))
+    path = write(tmp_path / 'a.mcap', attachment(crc=1), remark)
+    assert BagReader(path).metadata() == {'remark': {'sea': 'calm'}}
+    with pytest.raises(BagError, match='attachment damaged: its checksum does not match'):
+        BagReader(path).attachments()
+
+
+@pytest.mark.parametrize('size', [2**64 - 1, 2**63, 2**62, 12])
+def test_an_attachment_that_claims_more_than_it_has_is_an_error(tmp_path, size):
+    path = write(tmp_path / 'a.mcap', attachment(crc=0, size=size))
+    with pytest.raises(BagError, match='a record of type Attachment is damaged'):
+        BagReader(path).attachments()
+    (_, fault) = check(path).faults
+    assert fault.startswith('a.mcap: a record of type Attachment is damaged (at byte')
+
+
+@pytest.mark.parametrize('offset', [2**63, 2**64 - 1, 10**6, 30, 8])
+def test_what_the_index_has_in_the_wrong_place_is_found(tmp_path, offset):
+    """The library @mcap/core writes such places where there are no chunks."""
+    extras = record(mcap.Metadata('remark', {'sea': 'calm'})) + attachment()
+    begun = MAGIC + HEADER + indexed(DEFINED, *ten(0)) + extras
+    indexes = [mcap.MetadataIndex(offset=offset, length=10, name='remark'),
+               mcap.AttachmentIndex(offset=offset, length=10, log_time=2, create_time=1,
+                                    data_size=11, name='a.txt', media_type='text/plain')]
+    path = tmp_path / 'a.mcap'
+    path.write_bytes(begun + ending(len(begun), [mcap.Schema(
+        data=b'string data\n', encoding='ros2msg', id=1, name=STRING)], [mcap.Channel(
+            id=1, topic='/a', message_encoding='cdr', metadata={}, schema_id=1)], [], indexes,
+        {1: 10}, (0, 9)))
+    reader = BagReader(path)
+    assert reader.incomplete is None
+    assert reader.metadata() == {'remark': {'sea': 'calm'}}
+    assert [found.data for found in reader.attachments()] == [b'calibration']

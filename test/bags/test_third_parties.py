@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Our bags in pybag, and in the JavaScript libraries with which Foxglove reads bags."""
+"""Our bags in pybag and in the JavaScript libraries of Foxglove, and theirs in ours."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.bags.cdr import decode, encode
+from heading_intercompare.bags.check import check
 from heading_intercompare.bags.heading_messages import encode_imu, encode_pairs, IMU, PAIRS_TYPE
 from heading_intercompare.bags.reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
@@ -79,7 +80,33 @@ def test_pybag_decodes_every_message(bag):
     assert len(expected) == 352 and theirs == expected
 
 
-SCRIPT = r"""
+def assert_read(path: Path) -> None:
+    """Check that all of a file of 200 messages, a metadata record and an attachment is read."""
+    reader = BagReader(path)
+    assert reader.incomplete is None
+    assert [(m.topic, m.log_time_ns, decode(m.type_name, m.data)['data'])
+            for m in reader.messages()] == [('/a', 1000 + i, f'm{i}') for i in range(200)]
+    assert reader.metadata()['remark'] == {'sea': 'calm'}
+    assert [(a.name, a.data) for a in reader.attachments()] == [('a.txt', b'calibration')]
+    assert check(path).faults == []
+
+
+@pytest.mark.parametrize('chunk_size', [None, 3000])
+@pytest.mark.parametrize('compression', ['none', 'lz4', 'zstd'])
+def test_what_pybag_writes_is_read(tmp_path, compression, chunk_size):
+    writer = pytest.importorskip('pybag.mcap_writer', reason='pybag-sdk is not installed')
+    from pybag.ros2.jazzy.std_msgs import String
+    path = tmp_path / 'a.mcap'
+    with writer.McapFileWriter.open(path, chunk_size=chunk_size,
+                                    chunk_compression=compression) as file:
+        for i in range(200):
+            file.write_message('/a', 1000 + i, String(data=f'm{i}'))
+        file.write_metadata('remark', {'sea': 'calm'})
+        file.write_attachment('a.txt', b'calibration')
+    assert_read(path)
+
+
+READING = r"""
 const { McapIndexedReader } = require('@mcap/core');
 const { parse } = require('@foxglove/rosmsg');
 const { MessageReader } = require('@foxglove/rosmsg2-serialization');
@@ -114,15 +141,50 @@ async function main() {
 main();
 """
 
+WRITING = r"""
+const { McapWriter } = require('@mcap/core');
+const fs = require('fs');
+
+async function main() {
+  const pieces = [];
+  let size = 0n;
+  const writable = {
+    write: async (piece) => { pieces.push(Buffer.from(piece)); size += BigInt(piece.length); },
+    position: () => size,
+  };
+  const useChunks = process.argv[3] === 'chunks';
+  const writer = new McapWriter({ writable, useChunks, chunkSize: 3000 });
+  const bytes = (text) => new TextEncoder().encode(text);
+  await writer.start({ profile: 'ros2', library: '' });
+  const schemaId = await writer.registerSchema(
+    { name: 'std_msgs/msg/String', encoding: 'ros2msg', data: bytes('string data\n') });
+  const channelId = await writer.registerChannel(
+    { schemaId, topic: '/a', messageEncoding: 'cdr', metadata: new Map() });
+  for (let i = 0; i < 200; i++) {
+    const data = Buffer.from(`\0\u0001\0\0\0\0\0\0m${i}\0`);
+    data.writeUInt32LE(data.length - 8, 4);
+    const time = BigInt(1000 + i);
+    await writer.addMessage({ channelId, sequence: i, logTime: time, publishTime: time, data });
+  }
+  await writer.addMetadata({ name: 'remark', metadata: new Map([['sea', 'calm']]) });
+  await writer.addAttachment({ name: 'a.txt', mediaType: 'text/plain', logTime: 5n,
+                               createTime: 6n, data: bytes('calibration') });
+  await writer.end();
+  fs.writeFileSync(process.argv[2], Buffer.concat(pieces));
+}
+main();
+"""
+
 
 @pytest.fixture(scope='module')
 def javascript(tmp_path_factory):
-    """Return a folder with the libraries and a script that prints the messages of a file."""
+    """Return a folder with the libraries, and scripts that read and write a file."""
     if shutil.which('node') is None or shutil.which('npm') is None:
         pytest.skip('node and npm are not installed')
     folder = tmp_path_factory.mktemp('npm')
     (folder / 'package.json').write_text('{"private": true}')
-    (folder / 'read.js').write_text(SCRIPT)
+    (folder / 'read.js').write_text(READING)
+    (folder / 'write.js').write_text(WRITING)
     try:
         subprocess.run(['npm', 'install', '--no-audit', '--no-fund', '--ignore-scripts',
                         '@mcap/core@2', '@foxglove/rosmsg@5', '@foxglove/rosmsg2-serialization@3',
@@ -142,6 +204,16 @@ def test_the_libraries_of_foxglove_decode_every_message(bag, javascript):
               for topic, stamp, message in json.loads(done.stdout)}
     expected = ours(bag)
     assert len(expected) == 352 and theirs == expected
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('chunks', ['chunks', 'none'])
+def test_what_the_library_of_foxglove_writes_is_read(tmp_path, javascript, chunks):
+    path = tmp_path / 'a.mcap'
+    done = subprocess.run(['node', 'write.js', str(path), chunks], cwd=javascript,
+                          capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    assert_read(path)
 
 
 def without_rounding(message: object) -> object:
