@@ -18,7 +18,13 @@ _DISTRIBUTION = 'jazzy'
 _NEVER = 2**63 - 1
 _FOREVER = {'sec': 9223372036, 'nsec': 854775807}
 _DEPTH = 1000
+#: A number of messages kept has no more digits, the name of a file no more bytes.
+_DIGITS, _NAME_BYTES = 9, 255
+#: No more of a metadata.yaml is read; that of a hundred thousand files has less.
+_MOST_BYTES = 2**24
 _PLAIN = re.compile(r'[A-Za-z/][\w./-]*')
+#: An entry of a list in brackets.
+_ENTRY = re.compile(r"""\s*("[^"\\]*(?:\\.[^"\\]*)*"|'[^']*(?:''[^']*)*'|[^],]*)\s*[],]""")
 _WORDS = ('true', 'false', 'yes', 'no', 'on', 'off', 'null', 'y', 'n')
 
 
@@ -63,7 +69,8 @@ class Qos:
             if match is not None:
                 word = match[1]
                 if name == 'depth':
-                    found[name] = int(word) if word.isdigit() else _DEPTH
+                    known = word.isdecimal() and len(word) <= _DIGITS
+                    found[name] = int(word) if known else _DEPTH
                 else:
                     found[name] = _NUMBERED[name].get(word, word)
         return cls(**found)
@@ -112,7 +119,9 @@ def _scalar(value: Any) -> str:
         return str(value)
     if _PLAIN.fullmatch(value) and value.lower() not in _WORDS:
         return value
-    return json.dumps(value, ensure_ascii=False)
+    # Neither what parsers take for the end of a line nor what they refuse.
+    return ''.join(letter if letter.isprintable() else f'\\u{ord(letter):04x}'
+                   for letter in json.dumps(value, ensure_ascii=False))
 
 
 def _lines(value: Any, indent: str) -> Iterator[str]:
@@ -182,20 +191,43 @@ def metadata_file(parts: Sequence[PartInfo], custom_data: Mapping[str, str]) -> 
     return '\n'.join(['rosbag2_bagfile_information:', *(f'  {line}' for line in inner)]) + '\n'
 
 
+def _entries(text: str) -> Iterator[str]:
+    """Yield the entries of the list with which a text begins, in brackets or a line each."""
+    if text.startswith('['):
+        at = 1
+        while (match := _ENTRY.match(text, at)) is not None:
+            yield match[1].strip()
+            at = match.end()
+            if text[at - 1] == ']':
+                return
+    else:
+        for line in text.splitlines()[1:]:
+            if not line.strip().startswith('- '):
+                return
+            yield line.strip()[2:].strip()
+
+
+def _file_name(entry: str) -> str:
+    """Return the file that an entry names, without folders; '' if there can be none."""
+    try:
+        plain = (str(json.loads(entry)) if entry.startswith('"') else
+                 entry[1:-1].replace("''", "'") if entry.startswith("'") else entry)
+        name = Path(plain).name
+        return name if len(name.encode()) <= _NAME_BYTES and '\0' not in name else ''
+    except ValueError:
+        return ''
+
+
 def listed_parts(path: Path) -> list[str]:
-    """Return the file names that a metadata.yaml lists; none if there is no such file."""
+    """
+    Return the file names that a metadata.yaml lists; none if there is no such file.
+
+    What cannot be the name of a file is left out.
+    """
     if not path.is_file():
         return []
-    names, inside = [], False
-    for line in path.read_text(errors='replace').splitlines():
-        entry = line.strip()
-        if inside and entry.startswith('- '):
-            name = entry[2:].strip()
-            try:
-                name = str(json.loads(name))
-            except json.JSONDecodeError:
-                name = name.strip("'")
-            names.append(Path(name).name)
-        else:
-            inside = entry == 'relative_file_paths:'
-    return names
+    with path.open('rb') as file:
+        text = file.read(_MOST_BYTES).decode(errors='replace')
+    begin = re.search(r'^ *relative_file_paths: *', text, re.MULTILINE)
+    return [] if begin is None else list(filter(None, map(_file_name,
+                                                          _entries(text[begin.end():]))))

@@ -71,6 +71,11 @@ def test_qos_is_read_from_words_and_numbers():
     assert Qos.of_yaml('') == Qos()
 
 
+@pytest.mark.parametrize('depth', ['²', '9' * 5000, '-', 'many'])
+def test_a_depth_that_cannot_be_is_left_out(depth):
+    assert Qos.of_yaml(f'- history: keep_all\n  depth: {depth}\n') == Qos('keep_all')
+
+
 def test_an_empty_bag_is_described_as_rosbag2_does():
     parts = [PartInfo('bag_0.mcap')]
     file_text, record_text = metadata_file(parts, {}), bag_metadata(parts, {})
@@ -82,7 +87,8 @@ def test_an_empty_bag_is_described_as_rosbag2_does():
 
 @pytest.mark.parametrize('name', [
     'trial: 3 #1', "it's", 'a "b" \\c', 'null', 'Yes', '2014', '1e3', '- x', 'Länge 54°', '~', '',
-    ' blank ', '[x]', 'a: b', '日本', '\U0001F6A2', 'tab\there', '0x10', '.5', '1:30'])
+    ' blank ', '[x]', 'a: b', '日本', '\U0001F6A2', 'tab\there', '0x10', '.5', '1:30',
+    'x\x7f', 'x\x85 y', 'x\ufffe', 'x\u2028y', '\ufeffx'])
 def test_any_text_comes_back(name):
     part = PartInfo(name, 5, 12, 3, [TopicRow('/ts', 'a/msg/B', '', Qos(), 3)])
     loaded = yaml.safe_load(bag_metadata([part], {name: name}))
@@ -100,6 +106,34 @@ def test_files_listed_are_found_in_any_style(tmp_path):
     path.write_text("x:\n  relative_file_paths:\n  - folder/one_0.mcap\n  - 'two_1.mcap'\n"
                     '  files:\n    - path: three\n')
     assert listed_parts(path) == ['one_0.mcap', 'two_1.mcap']
+
+
+@pytest.mark.parametrize('listed, expected', [
+    ('[a_0.mcap, "b 1.mcap",\n    \'c, "2".mcap\' ]\n  b: [d]',
+     ['a_0.mcap', 'b 1.mcap', 'c, "2".mcap']),
+    ('[]\n', []), ('[a_0.mcap, b', ['a_0.mcap']), ('', []), ('\n', []), ('~\n', []),
+    ("\n    - 'it''s.mcap'\n    - 2014\n    - b [1].mcap\n", ["it's.mcap", '2014', 'b [1].mcap'])])
+def test_files_are_listed_in_brackets_or_by_lines(tmp_path, listed, expected):
+    path = tmp_path / 'metadata.yaml'
+    path.write_text(f'x:\n  relative_file_paths: {listed}')
+    assert listed_parts(path) == expected
+
+
+@pytest.mark.parametrize('entry', ['[' * 200_000, '9' * 5000, 'a' * 5000, '"\\ud800"',
+                                   '"a\\u0000b"', '/', '"', "'"])
+def test_what_cannot_be_a_file_is_not_listed(tmp_path, entry):
+    path = tmp_path / 'metadata.yaml'
+    for listed in (f'\n    - {entry}\n    - a_0.mcap\n', f'[{entry}, a_0.mcap]'):
+        path.write_text(f'x:\n  relative_file_paths:{listed}')
+        assert listed_parts(path)[-1:] == ['a_0.mcap']
+
+
+def test_of_a_large_file_only_the_beginning_is_read(tmp_path):
+    path = tmp_path / 'metadata.yaml'
+    path.write_text('  relative_file_paths:\n    - a_0.mcap\n')
+    with path.open('r+b') as file:
+        file.truncate(3 * 2**30)
+    assert listed_parts(path) == ['a_0.mcap']
 
 
 def test_counts_and_spans_of_several_files_are_joined():
