@@ -103,6 +103,8 @@ class Job:
             return self.unread(path, error.strerror or str(error))
         except BagError as error:
             return self.unread(path, str(error).removeprefix(f'{place or path}: '))
+        except MemoryError:
+            return self.unread(path, 'there is not enough memory for it')
 
     def unread(self, path: str, why: str) -> Judged:
         """Return what there is to say of an input that could not be read."""

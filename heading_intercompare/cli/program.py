@@ -92,7 +92,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             return 2
         module = import_module(f'heading_intercompare.cli.{COMMANDS[arguments.command][0]}')
         return module.run(arguments)
-    except (ValueError, OSError, ModuleNotFoundError) as error:
+    except (ValueError, OSError, ModuleNotFoundError, MemoryError) as error:
         return _refuse(error)
     except KeyboardInterrupt:
         sys.stderr.write('\n')
@@ -105,6 +105,8 @@ def _refuse(error: Exception) -> int:
             raise error
         text = (f'this command needs ROS 2 (no module {error.name}): install '
                 'heading_intercompare[ros], or source a ROS 2 Jazzy environment')
+    elif isinstance(error, MemoryError):
+        text = 'there is not enough memory for this: end other programs, or give it less at once'
     elif isinstance(error, BrokenPipeError):
         return 0
     elif isinstance(error, OSError) and error.strerror:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from io import FileIO
 import struct
 import zlib
 
@@ -21,10 +22,12 @@ from mcap import records as mcap
 from mcap.writer import CompressionType, IndexType, Writer
 import pytest
 
+from heading_intercompare.bags.blocks import Record
 from heading_intercompare.bags.cdr import encode
 from heading_intercompare.bags.check import check
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.bags.stream import RecordStream
 from heading_intercompare.bags.summary import ending
 
 STRING = 'std_msgs/msg/String'
@@ -198,3 +201,65 @@ def test_what_the_index_has_in_the_wrong_place_is_found(tmp_path, offset):
     assert reader.incomplete is None
     assert reader.metadata() == {'remark': {'sea': 'calm'}}
     assert [found.data for found in reader.attachments()] == [b'calibration']
+
+
+# Sizes that are claimed
+
+
+SPARSE = 3 * 2**30
+
+
+def sparse(path, *begun: bytes, behind: bytes = b''):
+    """Write a file whose last record claims 3 GB that take no room on disk."""
+    write(path, *begun)
+    with path.open('r+b') as file:
+        file.seek(SPARSE, 2)
+        file.write(behind or bytes(8))
+    return path
+
+
+def test_no_message_outside_chunks_is_believed_that_claims_gigabytes(tmp_path):
+    claims = struct.pack('<BQHIQQ', 5, SPARSE, 1, 0, 5, 5)
+    reader = BagReader(sparse(tmp_path / 'a.mcap', DEFINED, *ten(0), claims))
+    assert 'was not closed: a record of ' in reader.incomplete
+    assert 'is too large for the memory' in reader.incomplete
+    assert len(list(reader.messages())) == 10
+
+
+def test_no_attachment_is_read_that_claims_gigabytes(tmp_path):
+    path = sparse(tmp_path / 'a.mcap', indexed(DEFINED, *ten(0)), struct.pack('<BQ', 9, SPARSE))
+    with pytest.raises(BagError, match=r'a record of 32\d+ bytes is too large for the memory'):
+        BagReader(path).attachments()
+    assert len(list(BagReader(path).messages())) == 10
+
+
+@pytest.mark.parametrize('ahead', [b'', struct.pack('<BQI', 15, 4, 0)], ids=['data', 'its end'])
+def test_no_summary_is_believed_that_claims_gigabytes(tmp_path, monkeypatch, ahead):
+    read, sizes = RecordStream.content, []
+
+    def content(self, record):
+        found = read(self, record)
+        sizes.append(len(found))
+        return found
+
+    monkeypatch.setattr(RecordStream, 'content', content)
+    begun = indexed(DEFINED, *ten(0)) + ahead
+    footer = record(mcap.Footer(len(MAGIC + HEADER + begun), 0, 0))
+    path = sparse(tmp_path / 'a.mcap', begun, struct.pack('<BQ', 0x80, SPARSE),
+                  behind=record(mcap.DataEnd(0)) + footer + MAGIC)
+    reader = BagReader(path)
+    assert reader.topics['/a'].count == len(list(reader.messages())) == 10
+    assert max(sizes) < 1000
+
+
+def test_what_does_not_fit_into_memory_is_an_error_with_its_place(tmp_path):
+    path, _ = closed(tmp_path / 'a.mcap')
+
+    class Full(FileIO):
+        def read(self, size=-1):
+            raise MemoryError
+
+    with Full(path) as file:
+        stream = RecordStream(file)
+        with pytest.raises(BagError, match=r'a record of 5 bytes is too .* \(at byte 17\)'):
+            stream.content(Record(1, 17, 5))

@@ -21,6 +21,7 @@ from heading_intercompare.bags.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.bags.writer import BagWriter, Rows
 from heading_intercompare.cli import campaign, main
+from heading_intercompare.cli.inputs import analyze_input
 
 S = 1_000_000_000
 NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1',
@@ -224,10 +225,22 @@ def test_a_process_that_dies_is_no_end_of_the_others():
     assert campaign._result(job, 3, broken) == '3'
 
 
+def test_an_input_that_is_too_large_is_no_end_of_the_others(bags, capsys, monkeypatch):
+    def analyze(path, *arguments, **options):
+        if path == bags[0]:
+            raise MemoryError
+        return analyze_input(path, *arguments, **options)
+
+    monkeypatch.setattr('heading_intercompare.cli.job.analyze_input', analyze)
+    verdict, said = judged(capsys, *bags)
+    assert len(verdict['runs']) == 3 and verdict['outcome'] == 'indeterminate'
+    assert said.startswith(f'note: {bags[0]}: not judged: there is not enough memory for it\n')
+
+
 def test_an_unfinished_bag_is_judged_and_said_to_be_unfinished(bags, capsys):
     file = f'{bags[1]}/trial_1_0.mcap'
     with open(file, 'r+b') as cut:
-        cut.truncate(100_000)
+        cut.truncate(60_000)
     verdict, said = judged(capsys, *bags[:2])
     assert len(verdict['runs']) == 2 and 'was not closed' in said
 

@@ -165,6 +165,14 @@ def test_the_verdict_names_its_input_and_its_sum(bag, capsys):
     assert (entry['ts_topic'], entry['rs_topic']) == ('ts/heading', 'rs/heading')
 
 
+def test_too_little_memory_is_one_line(capsys, monkeypatch):
+    def run(arguments):
+        raise MemoryError
+
+    monkeypatch.setattr('heading_intercompare.cli.norms.run', run)
+    assert 'there is not enough memory for this' in refused(capsys, 'norms')
+
+
 def test_version_and_help_and_norms(capsys):
     with pytest.raises(SystemExit) as end:
         main(['--version'])
