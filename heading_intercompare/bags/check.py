@@ -25,8 +25,6 @@ from .stream import MAGIC, parsed, RecordStream
 
 __all__ = ['BagCheck', 'check']
 
-__all__ = ['BagCheck', 'check']
-
 _FOOTER = HEAD.size + 20
 _READ_BYTES = 1 << 20
 

@@ -26,7 +26,7 @@ from .errors import BagError
 from .extras import attachment, places
 from .stream import MAGIC, parsed, RecordStream
 
-__all__ = ['mcap_files', 'parsed', 'Part', 'Stretch']
+__all__ = ['mcap_files', 'NeverBegun', 'parsed', 'Part', 'Stretch']
 
 _FOOTER = HEAD.size + 20
 _DATA_END = HEAD.pack(Opcode.DATA_END, 4)
@@ -50,7 +50,7 @@ class Stretch(NamedTuple):
 
 
 def _naturally(path: Path) -> list:
-    return [int(piece) if piece.isdigit() else piece for piece in re.split(r'(\d+)', path.name)]
+    return [int(piece) if piece.isdecimal() else piece for piece in re.split(r'(\d+)', path.name)]
 
 
 def mcap_files(path: Path) -> list[Path]:
@@ -70,11 +70,15 @@ def mcap_files(path: Path) -> list[Path]:
     """
     if not path.is_dir():
         return [path]
-    paths = sorted(path.glob('*.mcap'), key=_naturally)
+    paths = sorted(filter(Path.is_file, path.glob('*.mcap')), key=_naturally)
     if not paths:
         raise BagError('holds no .mcap file (`ros2 bag convert` makes one of other storages)',
                        path)
     return paths
+
+
+class NeverBegun(BagError):
+    """Nothing that could be read was ever written into a file."""
 
 
 class Part:
@@ -105,8 +109,10 @@ class Part:
     ------
     OSError
         If the file cannot be read.
+    NeverBegun
+        If it is empty or not MCAP.
     BagError
-        If it is empty or not MCAP, or was closed, has no index and is damaged.
+        If a file that was closed has no index, and is damaged.
 
     """
 
@@ -120,7 +126,7 @@ class Part:
                 problem = ('is empty (0 bytes)' if not magic else
                            'is not an MCAP file' if any(magic) else
                            'starts with zero bytes; it was never written')
-                raise BagError(problem, self.path)
+                raise NeverBegun(problem, self.path)
             stream = RecordStream(file)
             if not self._read_summary(stream):
                 self._forget()

@@ -20,7 +20,7 @@ from .errors import BagError
 from .fields import full_name
 from .heading_messages import HEADING_TYPES
 from .helpers import decoded, possible, Task
-from .part import mcap_files, Part
+from .part import mcap_files, NeverBegun, Part
 from .schemas import layout_problem
 from .window import Window
 
@@ -76,14 +76,17 @@ def _opened(path: Path) -> tuple[list[Part], list[str]]:
     paths = mcap_files(path)
     absent = [f'{name} is missing' for name in listed_parts(path / 'metadata.yaml')
               if not (path / name).is_file()]
-    parts = []
+    parts, refused = [], []
     for each in paths:
-        if len(paths) > 1 and not each.stat().st_size:
-            absent.append(f'{each.name} is empty')
-        else:
+        try:
             parts.append(Part(each))
+        except NeverBegun as error:
+            refused.append(error)
+    if len(paths) == 1 and refused:
+        raise refused[0]
+    absent += [f'{Path(error.path).name} {error.problem}' for error in refused]
     if not parts:
-        raise BagError('all its .mcap files are empty (0 bytes)', path)
+        raise BagError(f'no file of it can be read: {"; ".join(absent)}', path)
     return parts, absent
 
 

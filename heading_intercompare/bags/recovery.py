@@ -216,7 +216,8 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
     OSError
         If the source cannot be read or the target cannot be written.
     BagError
-        If nothing in the source is readable, it changes meanwhile, or the target exists.
+        If nothing in the source is readable, it changes meanwhile, or the target exists or lies
+        in the source.
 
     Notes
     -----
@@ -227,6 +228,8 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
     if target.exists():
         raise BagError('exists already; a bag is never overwritten', target)
     paths = mcap_files(source)
+    if source.resolve() in target.resolve().parents:
+        raise BagError(f'lies in the bag that is recovered; write it beside {source}', target)
     files, others = _surveyed(paths, progress)
     total = _judged(files)
     for path, problem in others:

@@ -12,6 +12,7 @@ from typing import Any, Callable, Iterator, Sequence
 
 from heading_intercompare.bags.cdr import decode
 from heading_intercompare.bags.pairs_csv import read_pairs_csv
+from heading_intercompare.bags.part import mcap_files
 from heading_intercompare.bags.provenance import notes_in
 from heading_intercompare.bags.reader import BagReader
 from heading_intercompare.cli.run_table import RunTable
@@ -195,9 +196,8 @@ def _described(path: str, name: str, settings: Settings, digest: str) -> dict[st
 
 def sha256(path: str) -> str:
     """Return the SHA-256 of a file, or of the .mcap files of a folder in order of their names."""
-    place = Path(path)
     digest = hashlib.sha256()
-    for part in sorted(place.glob('*.mcap')) if place.is_dir() else [place]:
+    for part in sorted(mcap_files(Path(path))):
         with part.open('rb') as file:
             while block := file.read(1 << 20):
                 digest.update(block)

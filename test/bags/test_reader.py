@@ -12,6 +12,7 @@ import pytest
 
 from heading_intercompare.bags.bag_yaml import Qos
 from heading_intercompare.bags.cdr import encode
+from heading_intercompare.bags.check import check
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.heading_messages import encode_imu, HEADING_TYPES, IMU
 from heading_intercompare.bags.reader import BagReader, TopicInfo
@@ -386,8 +387,29 @@ def test_a_missing_or_empty_file_makes_the_bag_incomplete(tmp_path):
         f'    - split_{i}.mcap\n' for i in range(5)))
     (folder / 'split_3.mcap').touch()
     reader = BagReader(folder)
-    assert reader.incomplete == 'split_4.mcap is missing; split_3.mcap is empty'
+    assert reader.incomplete == 'split_4.mcap is missing; split_3.mcap is empty (0 bytes)'
     assert reader.topics['/a'].count == 3
+
+
+@pytest.mark.parametrize('content, problem', [
+    (bytes(5000), 'starts with zero bytes; it was never written'),
+    (b'\x89MC', 'is not an MCAP file'), (b'hello world' * 100, 'is not an MCAP file')])
+def test_a_file_that_was_never_begun_does_not_keep_the_others_from_being_read(
+        tmp_path, content, problem):
+    folder = split_bag(tmp_path, 3)
+    (folder / 'split_1.mcap').write_bytes(content)
+    reader = BagReader(folder)
+    assert reader.incomplete == f'split_1.mcap {problem}'
+    assert [m.data for m in reader.messages()] == [
+        encode(STRING, {'data': text}) for text in '02']
+
+
+def test_what_is_called_like_a_file_of_the_bag_and_is_none_is_left_out(tmp_path):
+    folder = split_bag(tmp_path, 2)
+    (folder / 'split_2.mcap').mkdir()
+    mcap_file(folder / '²1.mcap', [('/a', encode(STRING, {'data': '2'}))])
+    assert BagReader(folder).topics['/a'].count == 3
+    assert check(folder).faults == []
 
 
 def test_a_cut_last_file_is_read_up_to_the_cut(tmp_path):
