@@ -8,6 +8,7 @@ from typing import Sequence
 import zlib
 
 from mcap import records as mcap
+from mcap.opcode import Opcode
 
 from .errors import BagError
 from .stream import parsed, RecordStream
@@ -44,7 +45,7 @@ def places(stream: RecordStream, opcode: int, indexed: Sequence[int], begin: int
     Raises
     ------
     BagError
-        If they have to be looked for and the file is damaged.
+        If they have to be looked for, and are fewer or the file is damaged.
 
     """
     try:
@@ -58,4 +59,8 @@ def places(stream: RecordStream, opcode: int, indexed: Sequence[int], begin: int
         if record.opcode == opcode:
             found.append(at)
         at = record.start + record.length
+    if len(found) < len(indexed):
+        kind = Opcode(opcode).name.title()
+        raise BagError(f'damaged: {len(found)} records of type {kind} where its index says '
+                       f'{len(indexed)}')
     return found

@@ -29,6 +29,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.reader import BagReader
 from heading_intercompare.bags.stream import RecordStream
 from heading_intercompare.bags.summary import ending
+from heading_intercompare.bags.writer import BagWriter
 
 STRING = 'std_msgs/msg/String'
 DEFINED = schema(1) + channel(1, '/a')
@@ -201,6 +202,17 @@ def test_what_the_index_has_in_the_wrong_place_is_found(tmp_path, offset):
     assert reader.incomplete is None
     assert reader.metadata() == {'remark': {'sea': 'calm'}}
     assert [found.data for found in reader.attachments()] == [b'calibration']
+
+
+def test_a_metadata_record_that_lost_its_type_is_missed(tmp_path):
+    with BagWriter(tmp_path / 'bag') as bag:
+        bag.metadata('remark', {'sea': 'calm'})
+    path = bag.path / 'bag_0.mcap'
+    data = bytearray(path.read_bytes())
+    data[next(at for opcode, at, _ in records(data) if opcode == 12)] |= 0x80
+    path.write_bytes(data)
+    with pytest.raises(BagError, match=r'damaged: \d records of type Metadata where its'):
+        BagReader(bag.path).metadata()
 
 
 # Sizes that are claimed
