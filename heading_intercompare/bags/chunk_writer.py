@@ -26,9 +26,8 @@ from .blocks import HEAD, MESSAGE_HEAD, Record, walk
 from .checksum import crc32
 from .chunk_runs import Chunk
 from .forms import attached
-from .part import parsed
 from .rows import Records
-from .stream import MAGIC
+from .stream import MAGIC, parsed
 from .summary import built, chunk_index, ending, ENTRY_BYTES, message_index
 
 __all__ = ['ChunkWriter', 'COMPRESSIONS']

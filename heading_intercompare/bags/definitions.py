@@ -16,7 +16,7 @@ from mcap import records as mcap
 from mcap.opcode import Opcode
 
 from .errors import BagError
-from .part import parsed
+from .stream import parsed
 
 __all__ = ['Definitions']
 

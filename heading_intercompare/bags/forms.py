@@ -11,7 +11,7 @@ from mcap.opcode import Opcode
 
 from .blocks import Record
 from .errors import BagError
-from .part import parsed
+from .stream import parsed
 
 __all__ = ['attached', 'disguised', 'formed', 'SMALL']
 

@@ -8,6 +8,7 @@ from collections import deque
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 __all__ = ['Numbering']
 
@@ -49,8 +50,9 @@ class Numbering:
     _newest: list[int] = field(default_factory=list)
     _gaps: deque[tuple[int, int]] = field(default_factory=lambda: deque(maxlen=_GAPS))
 
-    def take(self, numbers: np.ndarray) -> None:
-        """Take the numbers of the next messages, uint32, n >= 1; behind the last comes 0."""
+    def take(self, numbers: ArrayLike) -> None:
+        """Take the numbers of the next messages, n >= 1, of which the lowest 32 bits count."""
+        numbers = np.asarray(numbers).astype(np.uint32)
         self.numbered = self.numbered or bool(numbers.any())
         if not self.numbered:
             return

@@ -26,7 +26,7 @@ from .errors import BagError
 from .extras import attachment, places
 from .stream import MAGIC, parsed, RecordStream
 
-__all__ = ['mcap_files', 'NeverBegun', 'parsed', 'Part', 'Stretch']
+__all__ = ['mcap_files', 'NeverBegun', 'Part', 'Stretch']
 
 _FOOTER = HEAD.size + 20
 _DATA_END = HEAD.pack(Opcode.DATA_END, 4)

@@ -17,9 +17,9 @@ import numpy as np
 from .blocks import Block, HEAD, MESSAGE_HEAD
 from .chunk_runs import Chunk, ChunkRun, counted, Counts, INDEX_LEAST
 from .definitions import Definitions
-from .part import parsed
 from .rough import opened
 from .salvage import Gap, Salvage, Sound
+from .stream import parsed
 from .summary import ENTRY_BYTES
 
 __all__ = ['Damage', 'Kind', 'Piece', 'Pieces', 'Section', 'Survey', 'segments', 'survey']

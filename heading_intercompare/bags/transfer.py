@@ -23,11 +23,11 @@ from .chunk_writer import ChunkWriter
 from .chunks import CHUNK_HEAD
 from .errors import BagError
 from .fields import full_name
-from .part import parsed
 from .rough import opened
 from .rows import Records
 from .salvage import Salvage
 from .schemas import Schema
+from .stream import parsed
 from .summary import message_index
 from .survey import Kind, Piece, segments, Survey
 from .writer import BagWriter

@@ -7,7 +7,6 @@ from __future__ import annotations
 import time
 from typing import Any, Mapping
 
-import numpy as np
 from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility, QoSProfile
 from rclpy.subscription import Subscription
@@ -94,7 +93,7 @@ class Intake:
         taken = take_all(self._subscription)
         if taken:
             numbers = [info['publication_sequence_number'] for _, info in taken]
-            self._numbering.take(np.array(numbers, np.uint64).astype(np.uint32))
+            self._numbering.take(numbers)
             self.last_sequence = numbers[-1]
             self.received += len(taken)
             info = taken[-1][1]
