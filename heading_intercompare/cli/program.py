@@ -7,13 +7,16 @@ from __future__ import annotations
 import argparse
 from importlib import import_module
 import sys
-from typing import NoReturn, Sequence
+from typing import Any, NoReturn, Sequence
 
+from heading_intercompare.cli.streams import safe_stderr, safe_stdout
 from heading_intercompare.core.version import VERSION
 
 __all__ = ['main']
 
 PROGRAM = 'heading-intercompare'
+
+_CRASHED = 70
 
 # name: (module, what it does, example)
 COMMANDS = {
@@ -79,24 +82,32 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        The exit code: 0 done, 2 wrong usage, configuration or input; with ``--check`` 1
-        non-compliant, 3 indeterminate.
+        The exit code: 0 done, 2 wrong usage, configuration, input or output; with ``--check`` 1
+        non-compliant, 3 indeterminate; 130 Ctrl-C. It is the same if nobody reads what is
+        printed. A fault of the program ends the process with 70.
 
     """
-    try:
-        argv = sys.argv[1:] if argv is None else argv
-        parser = _parser(argv)
-        arguments = parser.parse_args(argv)
-        if arguments.command is None:
-            parser.print_help()
-            return 2
-        module = import_module(f'heading_intercompare.cli.{COMMANDS[arguments.command][0]}')
-        return module.run(arguments)
-    except (ValueError, OSError, ModuleNotFoundError, MemoryError) as error:
-        return _refuse(error)
-    except KeyboardInterrupt:
-        sys.stderr.write('\n')
-        return 130
+    if argv is None:
+        sys.excepthook, argv = _crash, sys.argv[1:]
+    with safe_stderr():
+        try:
+            with safe_stdout():
+                return _run(argv)
+        except (ValueError, OSError, ModuleNotFoundError, MemoryError) as error:
+            return _refuse(error)
+        except KeyboardInterrupt:
+            sys.stderr.write('\n')
+            return 130
+
+
+def _run(argv: Sequence[str]) -> int:
+    parser = _parser(argv)
+    arguments = parser.parse_args(argv)
+    if arguments.command is None:
+        parser.print_help()
+        return 2
+    module = import_module(f'heading_intercompare.cli.{COMMANDS[arguments.command][0]}')
+    return module.run(arguments)
 
 
 def _refuse(error: Exception) -> int:
@@ -107,8 +118,6 @@ def _refuse(error: Exception) -> int:
                 'heading_intercompare[ros], or source a ROS 2 Jazzy environment')
     elif isinstance(error, MemoryError):
         text = 'there is not enough memory for this: end other programs, or give it less at once'
-    elif isinstance(error, BrokenPipeError):
-        return 0
     elif isinstance(error, OSError) and error.strerror:
         where = f'{error.filename}: ' if error.filename is not None else ''
         text = f'{where}{error.strerror}'
@@ -116,6 +125,12 @@ def _refuse(error: Exception) -> int:
         text = str(error)
     sys.stderr.write(f'{PROGRAM}: error: {" ".join(text.split())}\n')
     return 2
+
+
+def _crash(*error: Any) -> NoReturn:
+    """End with a traceback, but not with the exit code of Python: that is one of --check."""
+    sys.__excepthook__(*error)
+    sys.exit(_CRASHED)
 
 
 _WITH_ROS = {'rclpy', 'sensor_msgs', 'geometry_msgs', 'nav_msgs', 'std_msgs', 'std_srvs',
