@@ -4,10 +4,13 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 
 __all__ = ['Progress']
+
+_USUAL = 80
 
 
 class Progress:
@@ -40,8 +43,9 @@ class Progress:
         if not self._on or time.monotonic() < self._next:
             return
         self._next = time.monotonic() + 0.1
-        line = f'{self._label}: {text}'[:100]
-        sys.stderr.write(line.ljust(self._width) + '\r')
+        room = _columns() - 1
+        line = f'{self._label}: {text}'[:room]
+        sys.stderr.write(line.ljust(self._width)[:room] + '\r')
         sys.stderr.flush()
         self._width = len(line)
 
@@ -51,3 +55,11 @@ class Progress:
             sys.stderr.write('\r' + ' ' * self._width + '\r')
             sys.stderr.flush()
             self._width = 0
+
+
+def _columns() -> int:
+    """Return the width of the terminal; of one that does not tell, the usual."""
+    try:
+        return os.get_terminal_size(sys.stderr.fileno()).columns or _USUAL
+    except OSError:
+        return _USUAL
