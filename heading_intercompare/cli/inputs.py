@@ -8,9 +8,10 @@ from collections import Counter
 from concurrent.futures import Future, ThreadPoolExecutor
 import hashlib
 from pathlib import Path
-from typing import Any, Callable, Iterator, Sequence
+from typing import Any, Callable, Sequence
 
 from heading_intercompare.bags.cdr import decode
+from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.pairs_csv import read_pairs_csv
 from heading_intercompare.bags.part import mcap_files
 from heading_intercompare.bags.provenance import notes_in
@@ -27,6 +28,7 @@ from heading_intercompare.core.settings import Settings
 __all__ = ['analyze_input', 'sha256']
 
 MARKER_TOPIC = 'compliance/marker'
+_MARKER_TYPE = 'diagnostic_msgs/msg/DiagnosticArray'
 
 
 def analyze_input(path: str, settings: Settings, table: RunTable | None,
@@ -132,8 +134,7 @@ def _analyze_bag(path: str, name: str, settings: Settings,
     ts, rs = settings.ts_topic, settings.rs_topic
     conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
     if runs is None:
-        for kind, stamp_ns in _marks(reader):
-            comparison.mark(kind, stamp_ns)
+        _set_marks(comparison, reader)
     # To align a run takes all readings once more; else they are forgotten chunk by chunk.
     kept = {ts: [], rs: []} if settings.alignment.skew == 'apply' else {}
     n = 0
@@ -174,15 +175,21 @@ def _no_run(ledger: Ledger, settings: Settings, runs: Sequence[tuple[int, int]] 
             f'{counts["paired"]} paired, rejected: {", ".join(rejected) or "none"}')
 
 
-def _marks(reader: BagReader) -> Iterator[tuple[str, int]]:
-    """Yield the start and stop marks that were recorded."""
+def _set_marks(comparison: Intercomparison, reader: BagReader) -> None:
+    """Start and stop runs where that was recorded."""
     topics = [t for t in reader.topics if t.lstrip('/') == MARKER_TOPIC]
     for message in reader.messages(topics) if topics else ():
-        mark = decode(message.type_name, message.data)
-        stamp = mark['header']['stamp']
-        stamp_ns = stamp['sec'] * 1_000_000_000 + stamp['nanosec']
-        for status in mark['status']:
-            yield status['message'], stamp_ns
+        try:
+            if message.type_name != _MARKER_TYPE:
+                raise BagError(f'is {message.type_name}, must be {_MARKER_TYPE}')
+            mark = decode(message.type_name, message.data)
+            stamp = mark['header']['stamp']
+            stamp_ns = stamp['sec'] * 1_000_000_000 + stamp['nanosec']
+            for status in mark['status']:
+                comparison.mark(status['message'], stamp_ns)
+        except ValueError as error:
+            raise BagError(f'topic {message.topic!r}: {error}; with --runs no mark counts',
+                           reader.path) from error
 
 
 def _described(path: str, name: str, settings: Settings, digest: str) -> dict[str, Any]:

@@ -9,7 +9,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Callable, Iterable
 
-from heading_intercompare.bags.errors import BagError
 from heading_intercompare.cli.inputs import analyze_input
 from heading_intercompare.cli.run_table import RunTable
 from heading_intercompare.core.judge import RunResult
@@ -81,7 +80,7 @@ class Job:
               progress: Callable[[str], None] = lambda text: None, *,
               place: str | None = None, helpers: int = 0) -> Judged:
         """
-        Judge one input; OSError and BagError if it cannot be read.
+        Judge one input; OSError and ValueError if it cannot be read.
 
         `place` is where to find it, if the path means something else here; `helpers` the number
         of processes that decode beside this one.
@@ -101,7 +100,7 @@ class Job:
             return self.judge(path, place=place)
         except OSError as error:
             return self.unread(path, error.strerror or str(error))
-        except BagError as error:
+        except ValueError as error:
             return self.unread(path, str(error).removeprefix(f'{place or path}: '))
         except MemoryError:
             return self.unread(path, 'there is not enough memory for it')

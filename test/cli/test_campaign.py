@@ -17,11 +17,11 @@ import pytest
 
 from heading_intercompare import Headings, Settings
 from heading_intercompare.bags import helpers
+from heading_intercompare.bags.cdr import encode
 from heading_intercompare.bags.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.bags.writer import BagWriter, Rows
-from heading_intercompare.cli import campaign, main
-from heading_intercompare.cli.inputs import analyze_input
+from heading_intercompare.cli import campaign, job, main
 
 S = 1_000_000_000
 NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1',
@@ -102,6 +102,40 @@ def test_a_bad_bag_is_named_and_the_campaign_is_not_compliant(
     assert verdict['inputs'][1]['sha256'] is None
     assert said == (f'note: {inputs[1]}: not judged: is not an MCAP file\n'
                     f'note: {inputs[2]}: not judged: No such file or directory\n')
+
+
+@pytest.mark.parametrize('kind, message, why', [
+    ('std_msgs/msg/String', {'data': 'start'},
+     'is std_msgs/msg/String, must be diagnostic_msgs/msg/DiagnosticArray'),
+    ('diagnostic_msgs/msg/DiagnosticArray', {'status': [{'message': 'begin'}]},
+     "mark = 'begin': use 'start' or 'stop'")])
+def test_a_bag_with_a_wrong_mark_is_named_and_the_others_judged(
+        bags, tmp_path, capsys, kind, message, why):
+    marked = str(tmp_path / 'marked')
+    with BagWriter(marked) as writer:
+        writer.add_topic('compliance/marker', kind)
+        writer.write('compliance/marker', encode(kind, message), S)
+    why = f"topic '/compliance/marker': {why}; with --runs no mark counts"
+    verdict, said = judged(capsys, marked, bags[0])
+    assert said == f'note: {marked}: not judged: {why}\n'
+    assert [run['source'] for run in verdict['runs']] == bags[:1]
+    assert main(['analyze', marked, *NORMS]) == 2
+    assert capsys.readouterr().err == f'heading-intercompare: error: {marked}: {why}\n'
+
+
+@pytest.mark.parametrize('error, why', [(ValueError('x = 1'), 'x = 1'),
+                                        (MemoryError(), 'there is not enough memory for it')])
+def test_an_input_that_cannot_be_judged_does_not_stop_the_others(
+        bags, capsys, monkeypatch, error, why):
+    def analyze(path, *args, judge=job.analyze_input, **kwargs):
+        if path == bags[0]:
+            raise error
+        return judge(path, *args, **kwargs)
+
+    monkeypatch.setattr(job, 'analyze_input', analyze)
+    verdict, said = judged(capsys, *bags[:2])
+    assert said == f'note: {bags[0]}: not judged: {why}\n'
+    assert [run['source'] for run in verdict['runs']] == [bags[1]]
 
 
 def test_an_input_without_runs_is_named_and_the_campaign_is_not_compliant(bags, tmp_path, capsys):
@@ -223,18 +257,6 @@ def test_a_process_that_dies_is_no_end_of_the_others():
     assert path == 3 and 'died' in why
     job.survive = str
     assert campaign._result(job, 3, broken) == '3'
-
-
-def test_an_input_that_is_too_large_is_no_end_of_the_others(bags, capsys, monkeypatch):
-    def analyze(path, *arguments, **options):
-        if path == bags[0]:
-            raise MemoryError
-        return analyze_input(path, *arguments, **options)
-
-    monkeypatch.setattr('heading_intercompare.cli.job.analyze_input', analyze)
-    verdict, said = judged(capsys, *bags)
-    assert len(verdict['runs']) == 3 and verdict['outcome'] == 'indeterminate'
-    assert said.startswith(f'note: {bags[0]}: not judged: there is not enough memory for it\n')
 
 
 def test_an_unfinished_bag_is_judged_and_said_to_be_unfinished(bags, capsys):
