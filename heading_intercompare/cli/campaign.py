@@ -11,9 +11,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing import get_context
+from multiprocessing.connection import Connection, wait
 import os
 from pathlib import Path
 import signal
+from threading import Thread
 from typing import Any, Callable, ContextManager, Iterable, Iterator, Mapping, Protocol, Sequence
 
 from heading_intercompare.cli.job import Job, Judged
@@ -180,17 +182,29 @@ def _serial(job: Job, paths: Sequence[str], progress: Progress) -> list[Judged]:
 
 @contextmanager
 def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
-    """Give processes with one thread each for linear algebra."""
+    """Give processes with one thread each for linear algebra; none outlives the context."""
     unset = [name for name in _ONE_THREAD if name not in os.environ]
     os.environ.update(dict.fromkeys(unset, '1'))
+    # Spawned, not forked: threads of this process would be lost in the copy.
+    context = get_context('spawn')
+    theirs, ours = context.Pipe(duplex=False)
     try:
-        # Spawned, not forked: threads of this process would be lost in the copy. Ctrl-C ends them.
-        with ProcessPoolExecutor(jobs, get_context('spawn'), signal.signal,
-                                 (signal.SIGINT, signal.SIG_DFL)) as pool:
+        # Our end is closed first: what is not done then, after Ctrl-C, is not waited for.
+        with theirs, ProcessPoolExecutor(jobs, context, _begin, (theirs,)) as pool, ours:
             yield pool
     finally:
         for name in unset:
             del os.environ[name]
+
+
+def _begin(ended: Connection) -> None:
+    """Have this process end at Ctrl-C, and when the other end of a pipe is closed or gone."""
+    def watch() -> None:
+        wait([ended])
+        os._exit(1)
+
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    Thread(target=watch, daemon=True).start()
 
 
 def _parallel(job: Job, paths: Sequence[str], workers: Workers,

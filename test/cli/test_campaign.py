@@ -6,10 +6,14 @@ from __future__ import annotations
 
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import ExitStack, suppress
 import json
 import os
 import shutil
+import signal
+import subprocess
 import sys
+import time
 from types import SimpleNamespace
 
 import numpy as np
@@ -257,6 +261,42 @@ def test_a_process_that_dies_is_no_end_of_the_others():
     assert path == 3 and 'died' in why
     job.survive = str
     assert campaign._result(job, 3, broken) == '3'
+
+
+def entered(gate, process) -> int:
+    """Return the other end of a named pipe as soon as somebody reads it."""
+    while process.poll() is None:
+        with suppress(OSError):
+            return os.open(gate, os.O_WRONLY | os.O_NONBLOCK)
+        time.sleep(0.02)
+    raise AssertionError(f'ended with {process.returncode}')
+
+
+@pytest.mark.parametrize('number, code', [
+    (signal.SIGINT, 130), (signal.SIGTERM, -signal.SIGTERM), (signal.SIGKILL, -signal.SIGKILL)])
+def test_no_process_outlives_the_command(tmp_path, number, code):
+    """Two of its processes wait for what will never come; a third input is not begun."""
+    gates = [tmp_path / f'{i}.csv' for i in range(3)]
+    for gate in gates:
+        os.mkfifo(gate)
+    command = ('import signal, sys; from heading_intercompare.cli import main; '
+               'signal.signal(signal.SIGINT, signal.default_int_handler); sys.exit(main())')
+    process = subprocess.Popen(
+        [sys.executable, '-c', command, 'analyze', *map(str, gates), *NORMS, '--jobs', '2'],
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True,
+        env={**os.environ, 'PYTHONPATH': os.pathsep.join(sys.path)})
+    try:
+        with ExitStack() as held:
+            for gate in gates[:2]:
+                held.callback(os.close, entered(gate, process))
+            process.send_signal(number)
+            # Who still runs holds the output open.
+            process.communicate(timeout=20.0)
+        assert process.returncode == code
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
 
 
 def test_an_unfinished_bag_is_judged_and_said_to_be_unfinished(bags, capsys):
