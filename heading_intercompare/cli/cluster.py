@@ -43,9 +43,9 @@ _CONNECT_S = 15.0
 #: worker that died is started anew by its nanny.
 _LOOK_S, _DESERTED_S = 2.0, 60.0
 
-#: What the library makes of an address that is none, and of the words of another program.
-_NO_SCHEDULER = (OSError, DaskTimeoutError, ValueError, TypeError, LookupError, ImportError,
-                 RuntimeError, MemoryError, OverflowError, struct.error)
+#: What the library makes of the words of another program, and of an address that is none.
+_BABBLE = (TypeError, LookupError, MemoryError, OverflowError, struct.error)
+_NO_SCHEDULER = (OSError, DaskTimeoutError, ValueError, ImportError, RuntimeError, *_BABBLE)
 
 _DIED = 'the workers that judged it died (out of memory?)'
 _LOST = 'the scheduler or its last worker was lost'
@@ -130,7 +130,8 @@ class Cluster:
         try:
             found = asyncio.run(_version_of(self._address))
         except _NO_SCHEDULER as error:
-            why = str(error) or f'not within {_CONNECT_S:g} s'
+            why = ('what does is another program' if isinstance(error, _BABBLE) else
+                   str(error) or f'not within {_CONNECT_S:g} s')
             raise self._refused(f'no Dask scheduler answers there: {why}') from error
         self._same('distributed', DISTRIBUTED, {'the scheduler': found})
         try:
@@ -138,7 +139,7 @@ class Cluster:
                 # A table of libraries, most of which are none of our concern; see `_judge`.
                 warnings.simplefilter('ignore', VersionMismatchWarning)
                 client = Client(self._address, timeout=_CONNECT_S, set_as_default=False)
-        except (OSError, DaskTimeoutError) as error:
+        except _NO_SCHEDULER as error:
             raise self._refused(f'the scheduler no longer answers: {error}') from error
         with client:
             yield client
@@ -197,6 +198,9 @@ async def _version_of(address: str) -> str:
     async def ask() -> str:
         secrets = Security().get_connection_args('client')
         async with rpc(address, connection_args=secrets, timeout=_CONNECT_S) as scheduler:
+            kind = (await scheduler.identity())['type']
+            if kind != 'Scheduler':
+                raise ValueError(f'what does is a {kind}')
             return (await scheduler.versions())['packages']['distributed']
     return await asyncio.wait_for(ask(), _CONNECT_S)
 
@@ -207,7 +211,7 @@ def _silence() -> Iterator[None]:
     loggers = [logging.getLogger(name) for name in ('distributed', 'distributed.client')]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
-        logger.setLevel(logging.CRITICAL)
+        logger.setLevel(logging.CRITICAL + 1)
     try:
         yield
     finally:

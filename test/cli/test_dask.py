@@ -7,6 +7,7 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, ExitStack
 import json
+import logging
 import os
 from pathlib import Path
 import pickle
@@ -339,8 +340,15 @@ def test_where_no_scheduler_is_one_line_says_so_in_time(folder, capsys, monkeypa
     assert f'--dask {address}: no Dask scheduler answers there' in said
 
 
-@pytest.mark.parametrize('words', [b'SSH-2.0-x\r\n', bytes(64), b''])
-def test_another_program_is_not_taken_for_a_scheduler(folder, capsys, monkeypatch, beside, words):
+def test_a_worker_is_not_taken_for_a_scheduler(cluster, folder, capsys):
+    address = next(iter(cluster.scheduler.workers))
+    said = refusal(capsys, folder / 'trial_0', '--dask', address)
+    assert f'--dask {address}: no Dask scheduler answers there: what does is a Worker\n' in said
+
+
+@pytest.mark.parametrize('words', [b'SSH-2.0-x\r\n', bytes(64), b'', b'\x08' + bytes(15)])
+def test_another_program_is_not_taken_for_a_scheduler(
+        folder, capsys, caplog, monkeypatch, beside, words):
     monkeypatch.setattr(module, '_CONNECT_S', 0.5)
     with socket.create_server(('127.0.0.1', 0)) as server, ExitStack() as open_till_the_end:
         def greet() -> None:
@@ -350,7 +358,9 @@ def test_another_program_is_not_taken_for_a_scheduler(folder, capsys, monkeypatc
         greeted = beside.submit(greet)
         said = refusal(capsys, folder / 'trial_0', '--dask', address)
         greeted.result(DEADLINE_S)
-    assert f'--dask {address}: no Dask scheduler answers there: ' in said
+    why = 'what does is another program' if words else 'not within 0.5 s'
+    assert f'--dask {address}: no Dask scheduler answers there: {why}\n' in said
+    assert not [each for each in caplog.records if each.levelno == logging.CRITICAL]
 
 
 def test_a_scheduler_of_another_version_is_refused(cluster, folder, capsys, monkeypatch):
