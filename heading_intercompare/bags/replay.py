@@ -77,12 +77,13 @@ class Pace:
         self._began_ns = self._seen_ns = self._clock_ns()
 
     def look_ns(self) -> float:
-        """Return the log time up to which messages are due, an integer; infinite at rate 0."""
+        """Return the log time up to which messages are due, an integer or infinite."""
         if self._rate == 0.0:
             return math.inf
         if not self.paused:
             self._seen_ns = self._clock_ns()
-        return self._origin_ns + round((self._seen_ns - self._began_ns) * self._rate)
+        gone_ns = (self._seen_ns - self._began_ns) * self._rate
+        return self._origin_ns + round(gone_ns) if gone_ns < math.inf else math.inf
 
     def pause(self) -> None:
         """Stand still at the last look."""

@@ -155,6 +155,13 @@ def test_whatever_is_pressed_no_message_is_lost_or_doubled(reader, log_ns, rng):
         assert shown == sorted(shown)
 
 
+def test_at_a_rate_beyond_every_number_all_is_due_at_the_first_look(reader):
+    replay, clock = begun(reader, rate=1e308)
+    assert taken(replay) == [0, 1]
+    clock.ns += 10
+    assert taken(replay) == list(range(2, 200))
+
+
 def test_without_waiting_everything_is_due_and_a_pause_still_holds_it(reader):
     replay, _ = begun(reader, rate=0.0)
     assert [replay.take().sequence for _ in range(5)] == list(range(5))
