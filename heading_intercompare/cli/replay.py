@@ -14,7 +14,7 @@ from heading_intercompare.cli.ros import program_node
 
 __all__ = ['add_arguments', 'run']
 
-_TOPIC = re.compile(r'(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*', re.ASCII)
+_TOPIC = re.compile(r'(?!.*__)(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*', re.ASCII)
 
 
 def _rule(text: str) -> tuple[str, str]:
@@ -22,7 +22,8 @@ def _rule(text: str) -> tuple[str, str]:
     old, _, new = text.partition(':=')
     if not (_TOPIC.fullmatch(old) and _TOPIC.fullmatch(new)):
         raise argparse.ArgumentTypeError(
-            f'{text!r} must be OLD:=NEW, two names of topics, as in ts/heading:=gyro/heading')
+            f'{text!r} must be OLD:=NEW, two names of topics without __, as in '
+            'ts/heading:=gyro/heading')
     return old, new
 
 

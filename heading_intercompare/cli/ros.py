@@ -7,6 +7,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any, Callable, Mapping
 
+from heading_intercompare.cli.config import load_config
+
 __all__ = ['program_node']
 
 _WATCH_S = 0.1
@@ -37,11 +39,18 @@ def program_node(module: str, node: str, config: str | None, *,
     int
         The exit code.
 
+    Raises
+    ------
+    OSError, SettingsError
+        If the file cannot be read, or is no ROS parameter file.
+
     """
     from heading_intercompare.nodes.parameters import overrides
     from heading_intercompare.nodes.process import run
     from heading_intercompare.nodes.timing import every
 
+    # What rcl says of a file that it cannot read is long and unclear; other text it ignores.
+    load_config(config)
     kind = getattr(import_module(f'heading_intercompare.nodes.{module}'), node)
     given: dict[str, Any] = {'parameter_overrides': overrides(parameters)}
     if remap:

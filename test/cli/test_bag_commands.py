@@ -231,6 +231,7 @@ def test_recover_of_what_is_not_there_is_one_line(tmp_path, capsys):
     (['ts/heading:=a:=b'], "'ts/heading:=a:=b' must be OLD:=NEW"),
     (['ts heading:=gyro'], "'ts heading:=gyro' must be OLD:=NEW"),
     (['ts/heading:=gyro//x'], "'ts/heading:=gyro//x' must be OLD:=NEW"),
+    (['ts/heading:=a__b'], "'ts/heading:=a__b' must be OLD:=NEW, two names of topics without __"),
     (['ts/heading:=a', 'ts/heading:=b'], 'ts/heading is already remapped to a')])
 def test_a_malformed_remapping_is_one_line(rules, words, capsys):
     assert main(['replay', 'bag', '--remap', *rules]) == 2
@@ -259,6 +260,20 @@ def test_a_replay_that_cannot_be_is_one_line(options, words, bag, capfd):
     out, err = capfd.readouterr()
     assert out == '' and err.count('\n') == 1
     assert err.startswith('heading-intercompare: error: ') and words in err
+
+
+@pytest.mark.parametrize('content, words', [
+    (None, 'No such file'), ('stamp_ns,ts_deg,rs_deg', 'not a ROS parameter file'),
+    ('a: 1', "section 'a': must hold ros__parameters")])
+@pytest.mark.parametrize('command', [['replay', 'bag'], ['record']])
+def test_a_wrong_parameter_file_of_a_node_is_one_line(command, content, words, tmp_path, capfd):
+    pytest.importorskip('rclpy')
+    file = tmp_path / 'parameters.yaml'
+    if content is not None:
+        file.write_text(content)
+    assert main([*command, '--config', str(file)]) == 2
+    out, err = capfd.readouterr()
+    assert out == '' and err.count('\n') == 1 and f'{file}: {words}' in err
 
 
 def test_a_replay_of_a_part_without_headings_says_so_and_ends(bag, capfd):
