@@ -34,7 +34,10 @@ class _Stream:
         return getattr(self._stream, attribute)
 
     def write(self, text: str) -> int:
-        self._try(lambda stream: stream.write(text))
+        # The name of a file may have bytes that are no letters, and a terminal lacks letters.
+        encoding = getattr(self._stream, 'encoding', None) or 'utf-8'
+        shown = text.encode(encoding, 'backslashreplace').decode(encoding)
+        self._try(lambda stream: stream.write(shown))
         return len(text)
 
     def flush(self) -> None:

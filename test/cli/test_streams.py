@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from io import TextIOWrapper
+import json
 import os
 from pathlib import Path
 import subprocess
@@ -83,6 +84,19 @@ def test_a_mistake_that_cannot_be_told_is_one_all_the_same(full, monkeypatch):
     full.reconfigure(line_buffering=True)
     monkeypatch.setattr(sys, 'stderr', full)
     assert main(['analyze', 'nowhere.mcap', *NORMS]) == 2
+
+
+def test_a_name_that_is_no_text_is_written_as_it_is_escaped(pairs, tmp_path, capfd):
+    name = os.fsdecode(bytes(tmp_path) + b'/caf\xe9.csv')
+    os.link(pairs, name)
+    files = [str(tmp_path / 'verdict.json'), str(tmp_path / 'report.html')]
+    assert main(['analyze', name, *NORMS, '--json', files[0], '--report', files[1]]) == 0
+    assert main(['analyze', name, *NORMS, '--json', '-']) == 0
+    out = capfd.readouterr().out
+    for text in (out[out.index('{'):], Path(files[0]).read_text('utf-8')):
+        assert json.loads(text)['inputs'][0]['path'] == name
+    assert main(['analyze', name + 'x', *NORMS]) == 2
+    assert capfd.readouterr().err.endswith('caf\\udce9.csvx: No such file or directory\n')
 
 
 def test_a_fault_of_the_program_does_not_end_with_the_code_of_a_verdict():
