@@ -67,7 +67,7 @@ def write(verdict: Mapped, path: str | Path, sketches: Sequence[SeriesSketch] = 
         If the verdict is of another schema, or the file cannot be written.
 
     """
-    Path(path).write_text(render(verdict, sketches), 'utf-8', 'backslashreplace')
+    Path(path).write_text(render(verdict, sketches), encoding='utf-8')
 
 
 def render(verdict: Mapped, sketches: Sequence[SeriesSketch] = ()) -> str:
