@@ -117,10 +117,13 @@ class Recording:
     def _wait(self, message: tuple[str, bytes, int, int, int]) -> None:
         size = len(message[1])
         if self._waiting_bytes + size > self._settings.waiting_mb * _MB:
-            self.lost[message[0]] = self.lost.get(message[0], 0) + 1
+            self._lose(message[0])
             return
         self._waiting.append(message)
         self._waiting_bytes += size
+
+    def _lose(self, topic: str) -> None:
+        self.lost[topic] = self.lost.get(topic, 0) + 1
 
     def _trying(self, action: Callable[[], object]) -> None:
         """Do something to the bag; an OSError stops the writing and is the fault from then on."""
@@ -165,12 +168,16 @@ class Recording:
             self._stop(f'less than {self._settings.free_space_mb:g} MB free on the disk of '
                        f'{self.path}')
 
-    def _try_again(self) -> None:
-        """If writing has stopped, go on in a new file, else in the same one; with what waits."""
+    def _try_again(self, *, last: bool = False) -> None:
+        """
+        If writing has stopped, go on in a new file, else in the same one; with what waits.
+
+        The last time `free_space_mb` is no reason to wait: it was kept free for this.
+        """
         if not self.fault:
             return
         try:
-            if not self._room():
+            if not (last or self._room()):
                 return
             self._bag.split()
         except OSError as error:
@@ -195,10 +202,16 @@ class Recording:
             place = place.parent
         return self._free_bytes(place) >= self._settings.free_space_mb * _AGAIN * _MB
 
+    def settle(self) -> None:
+        """Write all messages that are in memory; what cannot be written now is lost."""
+        self._try_again(last=True)
+        self._trying(self._bag.flush)
+        for topic, *_ in self._waiting:
+            self._lose(topic)
+        self._waiting.clear()
+        self._waiting_bytes = 0
+
     def close(self) -> None:
         """End the bag; what cannot be written now is lost."""
-        self._try_again()
+        self.settle()
         self._trying(self._bag.close)
-        for topic, *_ in self._waiting:
-            self.lost[topic] = self.lost.get(topic, 0) + 1
-        self._waiting.clear()

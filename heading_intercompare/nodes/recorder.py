@@ -113,6 +113,7 @@ class Recorder(Node):
             self._quiet_s = now_s + _QUIET_S
         if now_s < min(self._quiet_s, self._end_s):
             return
+        self._bag.settle()
         for file in report_files(self._report) if self._report else ():
             self._bag.attachment(*file)
         self._bag.metadata('recording', self._losses())

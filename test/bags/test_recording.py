@@ -154,6 +154,36 @@ def test_writing_stops_before_the_disk_is_full_and_goes_on_when_there_is_room(tm
     assert numbers(tmp_path / 'bag') == list(range(trial.sent))
 
 
+def test_room_that_was_kept_free_takes_what_waits_at_the_end(tmp_path, disk):
+    trial = Trial(tmp_path / 'bag', disk, free_space_mb=50.0)
+    trial.run(5)
+    disk.free_mb = 49.0
+    trial.run(5)
+    assert trial.bag.waiting > 40
+    trial.bag.close()
+    assert numbers(tmp_path / 'bag') == list(range(trial.sent))
+    assert trial.bag.lost == {} and trial.bag.written == trial.sent
+    assert BagReader(tmp_path / 'bag').incomplete is None
+
+
+def test_what_waits_is_counted_as_lost_before_the_bag_is_closed(tmp_path, disk):
+    trial = Trial(tmp_path / 'bag', disk)
+    trial.run(5)
+    disk.full = True
+    trial.run(5)
+    waiting = trial.bag.waiting
+    assert waiting > 40
+    trial.bag.settle()
+    assert trial.bag.lost == {'/remark': waiting} and trial.bag.waiting == 0
+    disk.full = False
+    trial.bag.metadata('recording', {'not_written': trial.bag.lost['/remark']})
+    trial.bag.close()
+    reader = BagReader(tmp_path / 'bag')
+    assert reader.incomplete is None
+    assert reader.metadata()['recording'] == {'not_written': str(waiting)}
+    assert numbers(tmp_path / 'bag') == list(range(trial.sent - waiting))
+
+
 def test_a_disk_that_stays_full_loses_only_what_came_after(tmp_path, disk):
     trial = Trial(tmp_path / 'bag', disk)
     trial.run(10)

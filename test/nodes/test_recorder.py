@@ -15,6 +15,7 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
+from heading_intercompare.bags.chunk_writer import ChunkWriter
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.provenance import notes_in
 from heading_intercompare.bags.reader import BagReader
@@ -40,6 +41,16 @@ def sensor_of(ros, topic='ts/heading', kind=Imu):
     sensor = ros.plain.create_publisher(kind, topic, qos.HEADINGS_OUT)
     ros.spin_until(lambda: sensor.get_subscription_count() == 1)
     return sensor
+
+
+def of_bag(states):
+    """Return what was said of the bag on /diagnostics."""
+    return [s for m in states for s in m.status if s.name == 'recorder: bag']
+
+
+def figures(state):
+    """Return the figures of a state."""
+    return {value.key: value.value for value in state.values}
 
 
 def finish(ros, node, *publishers):
@@ -238,6 +249,25 @@ def test_a_disk_that_fails_is_an_error_and_nothing_is_lost_when_it_works_again(
     losses = bag.metadata()['recording']
     assert (losses['faults'], losses['received./ts/heading']) == ('1', '20')
     assert losses['lost_on_the_way./ts/heading'] == losses['not_written./ts/heading'] == '0'
+
+
+def test_what_waits_at_the_end_and_cannot_be_written_is_in_the_bag_as_not_written(
+        ros, tmp_path, monkeypatch):
+    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    sensor = sensor_of(ros)
+    end_chunk = ChunkWriter.end_chunk
+
+    def fail(writer):
+        if writer.pending:
+            raise OSError(28, 'No space left on device', 'bag_0.mcap')
+        end_chunk(writer)
+    monkeypatch.setattr(ChunkWriter, 'end_chunk', fail)
+    for message in some_headings(20):
+        sensor.publish(message)
+    ros.spin_until(lambda: of_bag(states)[-1:] and figures(of_bag(states)[-1])['waiting'] == '20')
+    losses = finish(ros, node, sensor).metadata()['recording']
+    assert losses['received./ts/heading'] == losses['not_written./ts/heading'] == '20'
 
 
 def test_a_folder_that_is_removed_is_an_error_at_once_and_recording_goes_on(ros, tmp_path):
