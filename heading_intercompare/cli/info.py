@@ -11,6 +11,7 @@ from typing import Iterator, Mapping, Sequence
 
 from heading_intercompare.bags.check import BagCheck, check
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.losses import missing, RECORDING
 from heading_intercompare.bags.numbering import Numbering
 from heading_intercompare.bags.provenance import (
     is_note,
@@ -26,8 +27,7 @@ from heading_intercompare.report.wording import utc
 
 __all__ = ['add_arguments', 'run']
 
-_RECORDING = 'recording'
-#: Counts of the record `recording` that are by topic, and the heads of their columns.
+#: Counts of the record of losses that are by topic, and the heads of their columns.
 _LOSSES = {'received': 'received', 'lost_on_the_way': 'lost on the way',
            'not_written': 'not written'}
 #: A scenario has many settings, most of them not given.
@@ -68,8 +68,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _whole(reader: BagReader) -> Iterator[str]:
     yield f'bag: {reader.path}'
-    missing = reader.incomplete or reader.recovered
-    yield f'complete: {"yes" if missing is None else f"no: {missing}"}'
+    why = '; '.join(filter(None, (reader.incomplete, reader.recovered,
+                                  missing(reader.metadata().get(RECORDING, {})))))
+    yield f'complete: {f"no: {why}" if why else "yes"}'
     span_s = _span_s(reader)
     if span_s is None:
         yield 'span: no message'
@@ -134,7 +135,7 @@ def _records(metadata: Mapping[str, Mapping[str, str]]) -> Iterator[str]:
             yield f'{name}:'
             entries = {key: value for key, value in entries.items() if value not in _ABSENT}
             groups = []
-        if name == _RECORDING:
+        if name == RECORDING:
             yield from _losses(entries)
             continue
         for key, value in entries.items():

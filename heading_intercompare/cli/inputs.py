@@ -12,6 +12,7 @@ from typing import Any, Callable, Sequence
 
 from heading_intercompare.bags.cdr import decode
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.losses import missing, RECORDING
 from heading_intercompare.bags.pairs_csv import read_pairs_csv
 from heading_intercompare.bags.part import mcap_files
 from heading_intercompare.bags.provenance import notes_in
@@ -150,7 +151,8 @@ def _analyze_bag(path: str, name: str, settings: Settings,
     pairs = comparison.finish()
     for take in takers:
         take(pairs)
-    notes = [f'{name}: {why}' for why in (reader.incomplete, reader.recovered) if why]
+    lost = missing(reader.metadata().get(RECORDING, {}))
+    notes = [f'{name}: {why}' for why in (reader.incomplete, reader.recovered, lost) if why]
     results = comparison.results()
     if kept:
         results = aligned(*(Headings.concatenate(kept[topic]) for topic in (ts, rs)), results,

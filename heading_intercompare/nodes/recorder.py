@@ -11,6 +11,14 @@ from typing import Any, Mapping, Sequence
 
 from rclpy.node import Node
 
+from heading_intercompare.bags.losses import (
+    counted,
+    Counts,
+    loss_record,
+    loss_words,
+    missing,
+    RECORDING,
+)
 from heading_intercompare.bags.provenance import NOTE_TOPIC, Notes, origin, RECORD, REPORT_TOPIC
 from heading_intercompare.bags.recording import Recording
 from heading_intercompare.bags.settings import BagSettings
@@ -93,11 +101,15 @@ class Recorder(Node):
             self._close_if_quiet()
 
     def _note(self) -> None:
-        bag = self._bag
-        level = ERROR if bag.fault else WARN if bag.remark else OK
-        self._health.note('bag', level, bag.fault or bag.remark or f'recording to {self.path}',
-                          latch=True, messages=bag.written, waiting=bag.waiting,
-                          lost=sum(bag.lost.values()), faults=bag.faults, absent=bag.absent)
+        bag, lost = self._bag, sum(self._bag.lost.values())
+        gone = missing({'not_written': lost, 'absent': bag.absent})
+        state = (f'recording again after {counted(bag.faults, "fault")}' if bag.faults else
+                 f'recording to {self.path}')
+        level = ERROR if bag.fault else WARN if bag.remark or bag.faults or gone else OK
+        self._health.note('bag', level,
+                          bag.fault or bag.remark or (f'{state}; {gone}' if gone else state),
+                          messages=bag.written, waiting=bag.waiting, lost=lost,
+                          faults=bag.faults, absent=bag.absent)
 
     def end(self) -> None:
         """Go on until the other nodes are gone or time is up, for the last verdict."""
@@ -116,21 +128,20 @@ class Recorder(Node):
         self._bag.settle()
         for file in report_files(self._report) if self._report else ():
             self._bag.attachment(*file)
-        self._bag.metadata('recording', self._losses())
+        losses = self._losses()
+        if loss_words(losses):
+            self.get_logger().warning(f'bag: {loss_words(losses)}')
+        self._bag.metadata(RECORDING, losses)
         self._bag.close()
         self._note()
         self.ended = True
 
     def _losses(self) -> dict[str, int]:
         """Return what was received and what was lost, by topic and where."""
-        bag, found = self._bag, {'faults': self._bag.faults, 'absent': self._bag.absent}
-        for _, intake, expected in self._topics.values():
-            name = intake.full_name
-            if expected or intake.received:
-                found |= {f'received.{name}': intake.received,
-                          f'lost_on_the_way.{name}': intake.lost,
-                          f'not_written.{name}': bag.lost.get(name, 0)}
-        return found
+        topics = {intake.full_name: Counts(intake.received, intake.lost,
+                                           self._bag.lost.get(intake.full_name, 0))
+                  for _, intake, expected in self._topics.values() if expected or intake.received}
+        return loss_record(self._bag.faults, self._bag.absent, topics)
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -173,6 +173,16 @@ def test_info_of_an_unfinished_bag_says_so(bag, capsys):
     assert '/ts/heading' in text
 
 
+def test_info_of_a_bag_whose_recorder_lost_messages_says_so(tmp_path, capsys):
+    with BagWriter(tmp_path / 'bag') as writer:
+        writer.metadata('recording', {
+            'faults': 2, 'absent': 1, 'not_written./ts/heading': 7, 'not_written./rs/heading': 5,
+            'lost_on_the_way./ts/heading': 3})
+    text = printed(capsys, 'info', tmp_path / 'bag')
+    assert ('\ncomplete: no: 12 messages received but not written, '
+            '1 message in files that were taken away\n') in text
+
+
 def test_info_of_a_bag_without_messages(tmp_path, capsys):
     with BagWriter(tmp_path / 'empty'):
         pass

@@ -32,8 +32,8 @@ NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0
          '--set', 'risk.min_duration_s=0']
 
 
-def write_bag(path, number: int) -> str:
-    """Write two minutes at 10 Hz, TS 0.1° sd, RS exact."""
+def write_bag(path, number: int, **records) -> str:
+    """Write two minutes at 10 Hz, TS 0.1° sd, RS exact; and metadata records."""
     rng = np.random.default_rng(number)
     stamps = (1_400_000_000 + 1000 * number) * S + np.arange(1200) * (S // 10)
     with BagWriter(path, BagSettings(chunk_bytes=50_000)) as writer:
@@ -41,6 +41,8 @@ def write_bag(path, number: int) -> str:
             writer.add_topic(topic, IMU)
             readings = Headings.of(stamps, 100.0 + error * rng.standard_normal(1200))
             writer.write_rows([Rows(topic, encode_imu(readings, 'x'), stamps)])
+        for name, mapping in records.items():
+            writer.metadata(name, mapping)
     return str(path)
 
 
@@ -314,6 +316,12 @@ def test_a_recovered_bag_is_said_to_be_recovered(bags, tmp_path, capsys):
     assert main(['recover', bags[1], '-o', str(tmp_path / 'new')]) == 0
     _, said = judged(capsys, str(tmp_path / 'new'))
     assert 'recovered from a damaged bag' in said
+
+
+def test_a_bag_whose_recorder_lost_messages_is_said_to_have_lost_them(tmp_path, capsys):
+    bag = write_bag(tmp_path / 'bag', 1, recording={'not_written./ts/heading': 7})
+    _, said = judged(capsys, bag)
+    assert said == f'note: {bag}: 7 messages received but not written\n'
 
 
 def test_results_come_in_the_order_given(bags, processes):

@@ -244,6 +244,8 @@ def test_a_disk_that_fails_is_an_error_and_nothing_is_lost_when_it_works_again(
         ros.spin_until(lambda: any('No space left on device' in s.message
                                    for m in states for s in m.status))
     ros.spin_until(lambda: node.written == 20)
+    ros.spin_until(lambda: of_bag(states)[-1].level == WARN)
+    assert of_bag(states)[-1].message == 'recording again after 1 fault'
     bag = finish(ros, node, sensor)
     assert bag.topics['/ts/heading'].count == 20
     losses = bag.metadata()['recording']
@@ -252,7 +254,7 @@ def test_a_disk_that_fails_is_an_error_and_nothing_is_lost_when_it_works_again(
 
 
 def test_what_waits_at_the_end_and_cannot_be_written_is_in_the_bag_as_not_written(
-        ros, tmp_path, monkeypatch):
+        ros, tmp_path, monkeypatch, capfd):
     node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
     sensor = sensor_of(ros)
@@ -267,10 +269,12 @@ def test_what_waits_at_the_end_and_cannot_be_written_is_in_the_bag_as_not_writte
         sensor.publish(message)
     ros.spin_until(lambda: of_bag(states)[-1:] and figures(of_bag(states)[-1])['waiting'] == '20')
     losses = finish(ros, node, sensor).metadata()['recording']
+    assert 'bag: 20 messages received but not written' in capfd.readouterr().err
     assert losses['received./ts/heading'] == losses['not_written./ts/heading'] == '20'
 
 
-def test_a_folder_that_is_removed_is_an_error_at_once_and_recording_goes_on(ros, tmp_path):
+def test_a_folder_that_is_removed_is_an_error_at_once_and_recording_goes_on(
+        ros, tmp_path, capfd):
     node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
     sensor, sent = sensor_of(ros), some_headings(20)
@@ -283,9 +287,15 @@ def test_a_folder_that_is_removed_is_an_error_at_once_and_recording_goes_on(ros,
     for message in sent[10:]:
         sensor.publish(message)
     ros.spin_until(lambda: node.written == 20)
+    ros.spin_until(lambda: figures(of_bag(states)[-1])['messages'] == '20')
     bag = finish(ros, node, sensor)
     kept = [m.sequence for m in bag.messages(['/ts/heading'])]
     assert kept[-10:] == list(range(11, 21))
+    said = f'{20 - len(kept)} messages in files that were taken away'
+    assert capfd.readouterr().err.count(said) == 2  # When it goes on, and at the end.
+    state = of_bag(states)[-1]
+    assert (state.level, state.message) == (WARN, f'recording again after 1 fault; {said}')
+    assert figures(state)['messages'] == '20'
     losses = bag.metadata()['recording']
     assert losses['absent'] == str(20 - len(kept)) and losses['faults'] == '1'
 
