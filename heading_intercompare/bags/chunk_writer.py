@@ -280,10 +280,11 @@ class ChunkWriter:
         try:
             while rest:
                 rest = rest[self._file.write(rest):]
-        except OSError:
+        except OSError as error:
             with suppress(OSError):
                 self._file.truncate(self._end)
             self._file.seek(self._end)
+            error.filename = error.filename or os.fspath(self._file.name)
             raise
         self._end += len(data)
 

@@ -5,10 +5,33 @@
 from __future__ import annotations
 
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from math import inf
 import os
+from pathlib import Path
 
-__all__ = ['Syncing']
+__all__ = ['replace_file', 'Syncing']
+
+
+def replace_file(target: Path, text: str) -> None:
+    """Write a file anew, on the disk; nobody ever sees half of it, and a failure leaves none."""
+    draft = target.with_name(f'{target.name}.part')
+    try:
+        with open(draft, 'w', encoding='utf-8') as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(draft, target)
+    except OSError as error:
+        with suppress(OSError):
+            draft.unlink()
+        error.filename = error.filename or os.fspath(draft)
+        raise
+    folder = os.open(target.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
 
 
 def _sync(descriptor: int) -> None:

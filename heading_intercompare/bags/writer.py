@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 import errno
 import os
@@ -21,7 +21,7 @@ from .errors import BagError
 from .rows import Rows
 from .schemas import Schema, schema_of
 from .settings import BagSettings
-from .syncing import Syncing
+from .syncing import replace_file, Syncing
 
 __all__ = ['BagWriter', 'Rows']
 
@@ -37,6 +37,12 @@ def _checked_time(time_ns: int) -> int:
     if not 0 <= time_ns < 2**63:
         raise BagError(f'a bag holds no time of {time_ns} ns: it must not be before 1970')
     return int(time_ns)
+
+
+def _remove(file: BinaryIO) -> None:
+    with suppress(OSError):
+        file.close()
+        os.unlink(file.name)
 
 
 class BagWriter:
@@ -101,30 +107,33 @@ class BagWriter:
             raise BagError('exists already; a bag is never overwritten', self.path) from None
         self._stem = self.path.resolve().name
         self._number = 0
-        self._file, self._chunks = self._opened(0)
-        try:
+        with ExitStack() as undo:
+            undo.callback(self._withdraw)
+            self._file, self._chunks = self._opened(0)
+            undo.callback(_remove, self._file)
             self._describe_record()
             self.describe()
-        except OSError:
-            self._file.close()
-            raise
+            undo.pop_all()
+
+    def _withdraw(self) -> None:
+        """Remove the folder of a bag that could not be begun."""
+        with suppress(OSError):
+            (self.path / 'metadata.yaml').unlink(missing_ok=True)
+            self.path.rmdir()
 
     def _opened(self, number: int) -> tuple[BinaryIO, ChunkWriter]:
         """Return a new file that knows all topics and has all metadata; the folder is made."""
         self.path.mkdir(parents=True, exist_ok=True)
         file = open(self._place(number), 'xb', buffering=0)
-        try:
+        with ExitStack() as undo:
+            undo.callback(_remove, file)
             chunks = ChunkWriter(file, self._settings.compression, self._settings.chunk_bytes,
                                  self._software)
             for _, *definition in self._rows.values():
                 self._define(chunks, *definition)
             for name, mapping in self._records.items():
                 chunks.add_metadata(name, mapping)
-        except OSError:
-            file.close()
-            with suppress(OSError):
-                os.unlink(file.name)
-            raise
+            undo.pop_all()
         return file, chunks
 
     def _place(self, number: int) -> Path:
@@ -372,18 +381,8 @@ class BagWriter:
         """Write metadata.yaml, for the files that are there."""
         parts = [part for part in (*self._closed, self._part())
                  if (self.path / part.path).exists()]
-        target = self.path / 'metadata.yaml'
-        draft = target.with_suffix('.yaml.part')
-        with open(draft, 'w', encoding='utf-8') as file:
-            file.write(metadata_file(parts, {'software': self._software}))
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(draft, target)
-        folder = os.open(self.path, os.O_RDONLY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
+        replace_file(self.path / 'metadata.yaml',
+                     metadata_file(parts, {'software': self._software}))
         self._described = True
 
     def close(self) -> None:

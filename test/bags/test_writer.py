@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import errno
+from io import FileIO, TextIOWrapper
 import shutil
 
 from mcap.reader import make_reader
@@ -13,6 +14,7 @@ from mcap.stream_reader import StreamReader
 import numpy as np
 import pytest
 
+from heading_intercompare.bags import syncing, writer
 from heading_intercompare.bags.bag_yaml import Qos
 from heading_intercompare.bags.cdr import decode, encode
 from heading_intercompare.bags.chunk_writer import ChunkWriter
@@ -237,6 +239,41 @@ def test_a_folder_that_cannot_be_made_is_an_os_error(tmp_path):
         BagWriter(tmp_path / 'file' / 'bag')
 
 
+class FullFile(FileIO):
+    """A file on a disk that takes `room` bytes."""
+
+    def __init__(self, path, mode, room: int) -> None:
+        super().__init__(path, mode)
+        self.room = room
+
+    def write(self, data) -> int:
+        if self.tell() + len(data) > self.room:
+            raise OSError(errno.ENOSPC, 'No space left on device')
+        return super().write(data)
+
+
+@pytest.mark.parametrize('room, file', [(0, 'bag_0.mcap'), (100, 'bag_0.mcap'),
+                                        (10**6, 'metadata.yaml.part')])
+def test_a_bag_that_cannot_be_begun_names_the_file_and_leaves_nothing(
+        tmp_path, monkeypatch, room, file):
+    with monkeypatch.context() as patch:
+        patch.setattr(writer, 'open', lambda path, mode, **_: FullFile(path, mode, room),
+                      raising=False)
+        patch.setattr(syncing, 'open', lambda path, mode, **_: TextIOWrapper(
+            FullFile(path, mode, 0)), raising=False)
+        with pytest.raises(OSError) as caught:
+            BagWriter(tmp_path / 'bag')
+    assert caught.value.filename == str(tmp_path / 'bag' / file)
+    assert not (tmp_path / 'bag').exists()
+    BagWriter(tmp_path / 'bag').close()
+
+
+def test_a_name_that_is_too_long_for_the_files_leaves_no_folder(tmp_path):
+    with pytest.raises(OSError, match='File name too long'):
+        BagWriter(tmp_path / ('x' * 252))
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_topic_that_was_not_added_is_refused(tmp_path):
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topic('/remark', STRING)
@@ -311,7 +348,7 @@ def test_a_full_disk_leaves_whole_chunks_and_the_rest_can_be_written_later(tmp_p
         try:
             writer.add(number, text(f'{i:03d}'), i, i, i)
         except OSError as error:
-            assert error.errno == errno.ENOSPC
+            assert (error.errno, error.filename) == (errno.ENOSPC, str(path))
             failures += 1
     if failures:
         kept = list(BagReader(path).messages())
