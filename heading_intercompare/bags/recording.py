@@ -10,6 +10,7 @@ the bag. What does not fit into memory is lost and counted.
 from __future__ import annotations
 
 from collections import deque
+from math import inf
 import os
 import shutil
 from typing import Callable, Mapping
@@ -23,6 +24,8 @@ __all__ = ['Recording']
 _MB = 1_000_000
 #: Room beyond `free_space_mb` at which recording is resumed, times that.
 _AGAIN = 1.1
+#: Time from one look after the disk to the next, seconds.
+_LOOK_S = 0.5
 
 
 def _words(error: OSError) -> str:
@@ -79,7 +82,7 @@ class Recording:
         self.lost: dict[str, int] = {}
         self._waiting: deque[tuple[str, bytes, int, int, int]] = deque()
         self._waiting_bytes = 0
-        self._next_s: float | None = None
+        self._next_s = -inf
 
     @property
     def waiting(self) -> int:
@@ -147,17 +150,18 @@ class Recording:
         Parameters
         ----------
         now_s : float
-            A steady clock, seconds. Call it often, at least twice a flush interval.
+            A steady clock, seconds. Call it often, at least twice a flush interval and four times
+            a second.
 
         """
-        if self._next_s is not None and now_s < self._next_s:
-            return
-        self._next_s = now_s + self._settings.flush_interval_s
-        self._try_again()
         if not self.fault:
             self._trying(lambda: self._bag.flush_if_due(now_s))
-            if not self.fault:
-                self._trying(self._look)
+        if now_s < self._next_s:
+            return
+        self._next_s = now_s + _LOOK_S
+        self._try_again()
+        if not self.fault:
+            self._trying(self._look)
         problem = self._bag.problem
         self.remark = '' if problem is None else _words(problem)
 
@@ -204,6 +208,8 @@ class Recording:
 
     def settle(self) -> None:
         """Write all messages that are in memory; what cannot be written now is lost."""
+        if not self.fault:
+            self._trying(self._bag.check)
         self._try_again(last=True)
         self._trying(self._bag.flush)
         for topic, *_ in self._waiting:

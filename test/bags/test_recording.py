@@ -215,6 +215,40 @@ def test_a_removed_folder_is_made_again(tmp_path, disk):
         assert bag.message_count == len(kept)
 
 
+def test_a_removed_folder_is_noticed_however_seldom_is_written(tmp_path, disk):
+    trial = Trial(tmp_path / 'bag', disk, flush_interval_s=3600.0)
+    trial.run(1)
+    shutil.rmtree(tmp_path / 'bag')
+    trial.run(0.5)
+    assert trial.bag.faults == 1 and trial.bag.waiting > 0
+    trial.run(1)
+    assert trial.bag.fault == ''
+    trial.bag.close()
+    assert numbers(tmp_path / 'bag') == list(range(trial.sent))
+
+
+def test_a_folder_removed_just_before_the_end_is_made_again(tmp_path, disk):
+    trial = Trial(tmp_path / 'bag', disk)
+    trial.run(1)
+    shutil.rmtree(tmp_path / 'bag')
+    trial.bag.close()
+    kept = numbers(tmp_path / 'bag')
+    assert BagReader(tmp_path / 'bag').incomplete is None
+    assert kept == list(range(trial.bag.absent, trial.sent))
+    assert (trial.bag.fault, trial.bag.lost, trial.bag.faults) == ('', {}, 1)
+
+
+def test_a_file_replaced_by_another_is_noticed(tmp_path, disk):
+    trial = Trial(tmp_path / 'bag', disk)
+    trial.run(1)
+    (tmp_path / 'bag' / 'bag_0.mcap').unlink()
+    (tmp_path / 'bag' / 'bag_0.mcap').touch()
+    trial.run(0.5)
+    assert trial.bag.fault.endswith('bag_0.mcap: is another file now')
+    trial.run(1)
+    assert trial.bag.fault == '' and trial.bag.faults == 1
+
+
 def test_a_moved_folder_keeps_what_it_has_and_is_closed(tmp_path, disk):
     trial = Trial(tmp_path / 'bag', disk)
     trial.run(10)
