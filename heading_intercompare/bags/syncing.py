@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from math import inf
@@ -43,24 +44,31 @@ def _sync(descriptor: int) -> None:
 
 class Syncing:
     """
-    One sync after the other, at most one an interval.
+    What has to reach the disk, brought there one after the other.
 
     Parameters
     ----------
     interval_s : float
-        Time between the beginnings of two, seconds.
+        Time between the beginnings of two syncs that `begin_if_due` begins, seconds.
+
+    Attributes
+    ----------
+    problem : OSError or None
+        Why the last text could not be written.
 
     """
 
     def __init__(self, interval_s: float) -> None:
         self._interval_s = interval_s
         self._worker = ThreadPoolExecutor(1)
-        self._running: Future | None = None
+        self._running: deque[Future] = deque()
         self._last_s = -inf
+        self._texts: dict[Path, str] = {}
+        self.problem: OSError | None = None
 
     def begin_if_due(self, descriptor: int, now_s: float) -> None:
         """
-        Begin to bring a file to the disk if it is time and the last one is over.
+        Begin to bring a file to the disk if it is time and those before are over.
 
         Parameters
         ----------
@@ -72,18 +80,34 @@ class Syncing:
         Raises
         ------
         OSError
-            If the last one failed.
+            If one before failed.
 
         """
-        if self._running is not None:
-            if not self._running.done():
-                return
-            done, self._running = self._running, None
-            done.result()
-        if now_s - self._last_s >= self._interval_s:
+        while self._running and self._running[0].done():
+            self._running.popleft().result()
+        if not self._running and now_s - self._last_s >= self._interval_s:
             self._last_s = now_s
-            self._running = self._worker.submit(_sync, os.dup(descriptor))
+            self.begin(descriptor)
+
+    def begin(self, descriptor: int) -> None:
+        """Begin to bring a file to the disk; it may be closed meanwhile."""
+        self._running.append(self._worker.submit(_sync, os.dup(descriptor)))
+
+    def replace(self, target: Path, text: str) -> None:
+        """Begin to write a file anew, unless there is a later text before its turn comes."""
+        self._texts[target] = text
+        self._worker.submit(self._replace, target)
+
+    def _replace(self, target: Path) -> None:
+        text = self._texts.pop(target, None)
+        if text is None:
+            return
+        try:
+            replace_file(target, text)
+            self.problem = None
+        except OSError as error:
+            self.problem = error
 
     def close(self) -> None:
-        """Wait for the last one."""
+        """Wait until all is over."""
         self._worker.shutdown()

@@ -62,9 +62,6 @@ class BagWriter:
     ----------
     path : Path
         The directory.
-    problem : OSError or None
-        Why no new file could be begun or metadata.yaml not be written; nothing is lost by that,
-        and it is tried again. At the end it is raised.
 
     Raises
     ------
@@ -99,8 +96,8 @@ class BagWriter:
         self._last_flush_s: float | None = None
         self._syncing = Syncing(self._settings.fsync_interval_s)
         self._closed: list[PartInfo] = []
-        self.problem: OSError | None = None
-        self._described = False
+        self._no_file: OSError | None = None
+        self._described = True
         try:
             self.path.mkdir(parents=True)
         except FileExistsError:
@@ -270,10 +267,8 @@ class BagWriter:
         self._chunks.add_attachment(name, media_type, data, _checked_time(time_ns))
 
     def flush(self) -> None:
-        """End the chunk and return when it is on the disk."""
-        if self._chunks.pending:
-            self._chunks.end_chunk()
-            self._chunks.sync()
+        """Write what is in memory."""
+        self._chunks.end_chunk()
 
     def flush_if_due(self, now_s: float) -> bool:
         """
@@ -293,8 +288,9 @@ class BagWriter:
         self._chunks.end_chunk()
         self._syncing.begin_if_due(self._file.fileno(), now_s)
         self.split_if_due()
-        if self.problem is not None or not self._described:
-            self._describe_later()
+        if not self._described or self._syncing.problem is not None:
+            self._described = True
+            self._syncing.replace(*self._description())
         return True
 
     def take_pending(self) -> list[tuple[str, bytes, int, int, int]]:
@@ -307,6 +303,15 @@ class BagWriter:
         place = self._place(self._number)
         if not os.path.samestat(os.stat(place), os.fstat(self._file.fileno())):
             raise FileNotFoundError(errno.ENOENT, 'is another file now', str(place))
+
+    @property
+    def problem(self) -> OSError | None:
+        """
+        Why no new file could be begun or metadata.yaml not be written.
+
+        Nothing is lost by that, and it is tried again. At the end it is raised.
+        """
+        return self._no_file or self._syncing.problem
 
     @property
     def absent(self) -> int:
@@ -333,16 +338,17 @@ class BagWriter:
             old.end_chunk()
             self._describe_record()
             old.finish()
-            old.sync()
+            self._syncing.begin(self._file.fileno())
         self._closed.append(self._part())
         waiting = old.take_pending()
         with suppress(OSError):
             self._file.close()
         self._file, self._chunks, self._number = file, chunks, number
+        self._no_file = self._syncing.problem = None
         for message in waiting:
             chunks.add(*message)
         self._describe_record()
-        self._describe_later()
+        self._described = False
 
     def split_if_due(self) -> None:
         """Go on in a new file when the settings say so; a failure is a `problem`, no error."""
@@ -354,7 +360,7 @@ class BagWriter:
             try:
                 self.split()
             except OSError as error:
-                self.problem = error
+                self._no_file = error
 
     def _part(self) -> PartInfo:
         """Return what there is to say of the file being written."""
@@ -369,21 +375,15 @@ class BagWriter:
         text = bag_metadata([self._part()], {'software': self._software})
         self._chunks.add_metadata('rosbag2', {'serialized_metadata': text})
 
-    def _describe_later(self) -> None:
-        """Write metadata.yaml, which nobody needs before the end: a failure is a `problem`."""
-        try:
-            self.describe()
-            self.problem = None
-        except OSError as error:
-            self.problem = error
-
-    def describe(self) -> None:
-        """Write metadata.yaml, for the files that are there."""
+    def _description(self) -> tuple[Path, str]:
+        """Return metadata.yaml, for the files that are there."""
         parts = [part for part in (*self._closed, self._part())
                  if (self.path / part.path).exists()]
-        replace_file(self.path / 'metadata.yaml',
-                     metadata_file(parts, {'software': self._software}))
-        self._described = True
+        return self.path / 'metadata.yaml', metadata_file(parts, {'software': self._software})
+
+    def describe(self) -> None:
+        """Write metadata.yaml, and return when it is on the disk."""
+        replace_file(*self._description())
 
     def close(self) -> None:
         """Write what is in memory and the end of the file; a second time does nothing."""
@@ -394,6 +394,6 @@ class BagWriter:
             self._describe_record()
             self._chunks.finish()
             self._chunks.sync()
-            self.describe()
         finally:
             self.abandon()
+        self.describe()

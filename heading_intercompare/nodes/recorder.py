@@ -103,11 +103,10 @@ class Recorder(Node):
     def _note(self) -> None:
         bag, lost = self._bag, sum(self._bag.lost.values())
         gone = missing({'not_written': lost, 'absent': bag.absent})
-        state = (f'recording again after {counted(bag.faults, "fault")}' if bag.faults else
-                 f'recording to {self.path}')
+        state = (bag.remark if bag.remark else f'recording to {self.path}' if not bag.faults else
+                 f'recording again after {counted(bag.faults, "fault")}')
         level = ERROR if bag.fault else WARN if bag.remark or bag.faults or gone else OK
-        self._health.note('bag', level,
-                          bag.fault or bag.remark or (f'{state}; {gone}' if gone else state),
+        self._health.note('bag', level, bag.fault or (f'{state}; {gone}' if gone else state),
                           messages=bag.written, waiting=bag.waiting, lost=lost,
                           faults=bag.faults, absent=bag.absent)
 

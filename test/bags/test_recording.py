@@ -17,6 +17,7 @@ import time
 
 import pytest
 
+from heading_intercompare.bags import syncing, writer
 from heading_intercompare.bags.cdr import decode, encode
 from heading_intercompare.bags.chunk_writer import ChunkWriter
 from heading_intercompare.bags.reader import BagReader
@@ -36,7 +37,7 @@ class Disk:
         self.free_mb = 1000.0
         self.full = self.closed_folder = False
         append, opened = ChunkWriter._append, BagWriter._opened
-        described = BagWriter.describe
+        replaced = syncing.replace_file
 
         def write(writer, data):
             if self.full:
@@ -48,13 +49,14 @@ class Disk:
                 raise PermissionError(errno.EACCES, 'Permission denied', str(writer.path))
             return opened(writer, number)
 
-        def describe(writer):
+        def replace(target, text):
             if self.closed_folder:
-                raise PermissionError(errno.EACCES, 'Permission denied', str(writer.path))
-            described(writer)
+                raise PermissionError(errno.EACCES, 'Permission denied', str(target.parent))
+            replaced(target, text)
         monkeypatch.setattr(ChunkWriter, '_append', write)
         monkeypatch.setattr(BagWriter, '_opened', open_file)
-        monkeypatch.setattr(BagWriter, 'describe', describe)
+        for module in (syncing, writer):
+            monkeypatch.setattr(module, 'replace_file', replace)
 
     def free(self, path) -> int:
         os.stat(path)
@@ -84,6 +86,19 @@ class Trial:
                            10**18 + number, number)
             self.sent += 1
             self.bag.tick(self.sent / 10)
+
+
+    def run_until(self, condition) -> None:
+        """Record until a condition holds."""
+        deadline_s = time.monotonic() + 10.0
+        while not condition():
+            assert time.monotonic() < deadline_s
+            self.run(0.1)
+
+
+def remove(folder: Path) -> None:
+    """Remove a folder, though something may be written into it meanwhile."""
+    shutil.rmtree(folder.rename(folder.with_name('removed')))
 
 
 def numbers(path: Path) -> list[int]:
@@ -201,7 +216,7 @@ def test_a_disk_that_stays_full_loses_only_what_came_after(tmp_path, disk):
 def test_a_removed_folder_is_made_again(tmp_path, disk):
     trial = Trial(tmp_path / 'bag', disk)
     trial.run(10)
-    shutil.rmtree(tmp_path / 'bag')
+    remove(tmp_path / 'bag')
     trial.run(0.5)
     assert 'No such file' in trial.bag.fault and trial.bag.faults == 1
     trial.run(10)
@@ -218,7 +233,7 @@ def test_a_removed_folder_is_made_again(tmp_path, disk):
 def test_a_removed_folder_is_noticed_however_seldom_is_written(tmp_path, disk):
     trial = Trial(tmp_path / 'bag', disk, flush_interval_s=3600.0)
     trial.run(1)
-    shutil.rmtree(tmp_path / 'bag')
+    remove(tmp_path / 'bag')
     trial.run(0.5)
     assert trial.bag.faults == 1 and trial.bag.waiting > 0
     trial.run(1)
@@ -230,7 +245,7 @@ def test_a_removed_folder_is_noticed_however_seldom_is_written(tmp_path, disk):
 def test_a_folder_removed_just_before_the_end_is_made_again(tmp_path, disk):
     trial = Trial(tmp_path / 'bag', disk)
     trial.run(1)
-    shutil.rmtree(tmp_path / 'bag')
+    remove(tmp_path / 'bag')
     trial.bag.close()
     kept = numbers(tmp_path / 'bag')
     assert BagReader(tmp_path / 'bag').incomplete is None
@@ -265,13 +280,26 @@ def test_a_folder_that_is_read_only_does_not_stop_the_file_that_is_open(tmp_path
     trial = Trial(tmp_path / 'bag', disk, split_duration_s=2e-8)
     trial.run(1)
     disk.closed_folder = True
-    trial.run(10)
-    assert trial.bag.fault == '' and trial.bag.remark.endswith('bag: Permission denied')
+    trial.run_until(lambda: trial.bag.remark.endswith('bag: Permission denied'))
+    assert trial.bag.fault == ''
     disk.closed_folder = False
-    trial.run(10)
-    assert trial.bag.remark == ''
+    trial.run_until(lambda: trial.bag.remark == '')
     trial.bag.close()
     assert numbers(tmp_path / 'bag') == list(range(trial.sent))
+
+
+def test_metadata_yaml_is_written_while_recording_and_again_after_a_failure(tmp_path, disk):
+    described = (tmp_path / 'bag' / 'metadata.yaml').read_text
+    trial = Trial(tmp_path / 'bag', disk)
+    trial.run_until(lambda: '/remark' in described())
+    disk.closed_folder = True
+    trial.bag.add_topic('/second', STRING)
+    trial.run_until(lambda: trial.bag.remark)
+    assert '/second' not in described()
+    disk.closed_folder = False
+    trial.run_until(lambda: '/second' in described())
+    trial.run_until(lambda: trial.bag.remark == '')
+    trial.bag.close()
 
 
 def test_a_full_disk_in_a_read_only_folder_resumes_in_the_same_file(tmp_path, disk):
@@ -360,23 +388,35 @@ def test_killed_at_any_moment_at_most_a_second_is_lost(tmp_path, after_s):
 
 
 def test_a_disk_that_takes_long_to_sync_holds_up_nobody(tmp_path, disk, monkeypatch):
-    syncs, over = [], threading.Event()
+    """Nor do topics that come, files that are begun, faults that are over."""
+    trial = Trial(tmp_path / 'bag', disk, split_duration_s=40e-9, fsync_interval_s=0.0)
+    waited, over = [], threading.Event()
     fsync = os.fsync
 
     def slow(descriptor):
-        if threading.current_thread() is not threading.main_thread():
-            syncs.append(descriptor)
-            assert over.wait(30.0)
+        assert threading.current_thread() is not threading.main_thread()
+        waited.append(descriptor)
+        assert over.wait(30.0)
         fsync(descriptor)
-    monkeypatch.setattr(os, 'fsync', slow)
-    trial = Trial(tmp_path / 'bag', disk)
-    trial.run(10)
-    assert len(syncs) == 1 and trial.bag.fault == ''
-    assert numbers(tmp_path / 'bag') == list(range(len(numbers(tmp_path / 'bag'))))
-    assert len(numbers(tmp_path / 'bag')) >= 95
-    over.set()
+    with monkeypatch.context() as patch:
+        patch.setattr(os, 'fsync', slow)
+        try:
+            trial.run(2)
+            trial.bag.add_topic('/second', STRING)
+            trial.run(5)
+            disk.full = True
+            trial.run(1)
+            disk.full = False
+            trial.run(2)
+            assert trial.bag.fault == '' and trial.bag.faults == 1
+            assert numbers(tmp_path / 'bag') == list(range(len(numbers(tmp_path / 'bag'))))
+            assert len(numbers(tmp_path / 'bag')) >= 95
+            assert len(waited) == 1
+        finally:
+            over.set()
     trial.bag.close()
     assert numbers(tmp_path / 'bag') == list(range(100))
+    assert len(list((tmp_path / 'bag').glob('*.mcap'))) > 2
 
 
 def test_a_sync_that_fails_is_a_fault(tmp_path, disk, monkeypatch):
