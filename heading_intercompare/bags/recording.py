@@ -10,8 +10,10 @@ the bag. What does not fit into memory is lost and counted.
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import dataclass
 from math import inf
 import os
+from pathlib import Path
 import shutil
 from typing import Callable, Mapping
 
@@ -31,6 +33,16 @@ _LOOK_S = 0.5
 def _words(error: OSError) -> str:
     where = '' if error.filename is None else f'{os.fspath(error.filename)}: '
     return f'{where}{error.strerror or error}'
+
+
+@dataclass(slots=True)
+class _Attached:
+    """A file in the bag, and which of the bag's files holds it."""
+
+    name: str
+    media_type: str
+    data: bytes
+    file: Path | None = None
 
 
 class Recording:
@@ -83,6 +95,8 @@ class Recording:
         self._waiting: deque[tuple[str, bytes, int, int, int]] = deque()
         self._waiting_bytes = 0
         self._next_s = -inf
+        self._owed: dict[str, Mapping[str, object]] = {}
+        self._attached: list[_Attached] = []
 
     @property
     def waiting(self) -> int:
@@ -101,12 +115,24 @@ class Recording:
     def metadata(self, name: str, mapping: Mapping[str, object]) -> None:
         """Write a metadata record."""
         self._try_again()
-        self._trying(lambda: self._bag.metadata(name, mapping))
+        self._owed[name] = mapping
+        self._pay()
 
     def attachment(self, name: str, media_type: str, data: bytes) -> None:
-        """Write a file into the bag."""
+        """Write a file into the bag, and again if it is taken away with what holds it."""
         self._try_again()
-        self._trying(lambda: self._bag.attachment(name, media_type, data))
+        self._attached.append(_Attached(name, media_type, data))
+        self._pay()
+
+    def _pay(self) -> None:
+        """Write records that could not be written, and attachments that no file holds."""
+        for name, mapping in list(self._owed.items()):
+            if self._trying(self._bag.metadata, name, mapping):
+                del self._owed[name]
+        for one in self._attached:
+            if (one.file is None or not one.file.exists()) and self._trying(
+                    self._bag.attachment, one.name, one.media_type, one.data):
+                one.file = self._bag.file
 
     def write(self, topic: str, data: bytes, log_time_ns: int, publish_time_ns: int,
               sequence: int) -> None:
@@ -115,7 +141,7 @@ class Recording:
             self._wait((topic, data, log_time_ns, publish_time_ns, sequence))
             return
         self.written += 1
-        self._trying(lambda: self._bag.write(topic, data, log_time_ns, publish_time_ns, sequence))
+        self._trying(self._bag.write, topic, data, log_time_ns, publish_time_ns, sequence)
 
     def _wait(self, message: tuple[str, bytes, int, int, int]) -> None:
         size = len(message[1])
@@ -128,12 +154,18 @@ class Recording:
     def _lose(self, topic: str) -> None:
         self.lost[topic] = self.lost.get(topic, 0) + 1
 
-    def _trying(self, action: Callable[[], object]) -> None:
-        """Do something to the bag; an OSError stops the writing and is the fault from then on."""
+    def _trying(self, action: Callable[..., object], *arguments: object) -> bool:
+        """
+        Do something to the bag, and say whether it was done.
+
+        An OSError stops the writing and is the fault from then on.
+        """
         try:
-            action()
+            action(*arguments)
         except OSError as error:
             self._stop(_words(error))
+            return False
+        return True
 
     def _stop(self, fault: str) -> None:
         self.faults += not self.fault
@@ -155,7 +187,7 @@ class Recording:
 
         """
         if not self.fault:
-            self._trying(lambda: self._bag.flush_if_due(now_s))
+            self._trying(self._bag.flush_if_due, now_s)
         if now_s < self._next_s:
             return
         self._next_s = now_s + _LOOK_S
@@ -184,6 +216,7 @@ class Recording:
             if not (last or self._room()):
                 return
             self._bag.split()
+            self._owed.clear()
         except OSError as error:
             self.fault = _words(error)
             try:
@@ -196,6 +229,7 @@ class Recording:
         for message in waiting:
             self.write(*message)
         self._trying(self._bag.flush)
+        self._pay()
         if self.fault:
             self.fault, self.faults = fault, faults
 
@@ -212,6 +246,7 @@ class Recording:
             self._trying(self._bag.check)
         self._try_again(last=True)
         self._trying(self._bag.flush)
+        self._pay()
         for topic, *_ in self._waiting:
             self._lose(topic)
         self._waiting.clear()

@@ -109,7 +109,7 @@ class BagWriter:
             self._file, self._chunks = self._opened(0)
             undo.callback(_remove, self._file)
             self._describe_record()
-            self.describe()
+            replace_file(*self._description())
             undo.pop_all()
 
     def _withdraw(self) -> None:
@@ -157,6 +157,11 @@ class BagWriter:
     def topics(self) -> tuple[str, ...]:
         """Names of the topics added."""
         return tuple(self._rows)
+
+    @property
+    def file(self) -> Path:
+        """Where the file being written was made."""
+        return self._place(self._number)
 
     @property
     def chunks(self) -> ChunkWriter:
@@ -300,9 +305,8 @@ class BagWriter:
 
     def check(self) -> None:
         """Raise FileNotFoundError if the file that is written is not in its place any more."""
-        place = self._place(self._number)
-        if not os.path.samestat(os.stat(place), os.fstat(self._file.fileno())):
-            raise FileNotFoundError(errno.ENOENT, 'is another file now', str(place))
+        if not os.path.samestat(os.stat(self.file), os.fstat(self._file.fileno())):
+            raise FileNotFoundError(errno.ENOENT, 'is another file now', str(self.file))
 
     @property
     def problem(self) -> OSError | None:
@@ -367,7 +371,7 @@ class BagWriter:
         rows = []
         for channel, row, *_ in self._rows.values():
             rows.append(replace(row, count=self._chunks.counts.get(channel, 0)))
-        return PartInfo(self._place(self._number).name, self._chunks.start_ns, self._chunks.end_ns,
+        return PartInfo(self.file.name, self._chunks.start_ns, self._chunks.end_ns,
                         sum(self._chunks.counts.values()), rows)
 
     def _describe_record(self) -> None:
@@ -381,10 +385,6 @@ class BagWriter:
                  if (self.path / part.path).exists()]
         return self.path / 'metadata.yaml', metadata_file(parts, {'software': self._software})
 
-    def describe(self) -> None:
-        """Write metadata.yaml, and return when it is on the disk."""
-        replace_file(*self._description())
-
     def close(self) -> None:
         """Write what is in memory and the end of the file; a second time does nothing."""
         if self._file.closed:
@@ -396,4 +396,4 @@ class BagWriter:
             self._chunks.sync()
         finally:
             self.abandon()
-        self.describe()
+        replace_file(*self._description())

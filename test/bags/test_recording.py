@@ -157,11 +157,11 @@ def test_writing_stops_before_the_disk_is_full_and_goes_on_when_there_is_room(tm
     disk.free_mb = 49.0
     trial.run(5)
     assert trial.bag.fault.startswith('less than 50 MB free on the disk of ')
-    size = sum(p.stat().st_size for p in (tmp_path / 'bag').iterdir())
+    size = (tmp_path / 'bag' / 'bag_0.mcap').stat().st_size
     disk.free_mb = 51.0
     trial.run(5)
     assert trial.bag.fault
-    assert sum(p.stat().st_size for p in (tmp_path / 'bag').iterdir()) == size
+    assert (tmp_path / 'bag' / 'bag_0.mcap').stat().st_size == size
     disk.free_mb = 56.0
     trial.run(1)
     assert trial.bag.fault == ''
@@ -262,6 +262,52 @@ def test_a_file_replaced_by_another_is_noticed(tmp_path, disk):
     assert trial.bag.fault.endswith('bag_0.mcap: is another file now')
     trial.run(1)
     assert trial.bag.fault == '' and trial.bag.faults == 1
+
+
+def test_what_is_attached_and_noted_survives_a_removed_folder(tmp_path, disk):
+    trial = Trial(tmp_path / 'bag', disk, split_duration_s=50e-9)
+    trial.bag.attachment('mine.yaml', 'application/yaml', b'mine')
+    trial.bag.metadata('note.1', {'text': 'calm sea'})
+    trial.run(1)
+    remove(tmp_path / 'bag')
+    trial.run(2)
+    trial.bag.close()
+    reader = BagReader(tmp_path / 'bag')
+    assert [(a.name, a.data) for a in reader.attachments()] == [('mine.yaml', b'mine')]
+    assert reader.metadata()['note.1'] == {'text': 'calm sea'}
+
+
+def test_what_is_attached_is_in_one_file_and_in_another_if_that_is_taken_away(tmp_path, disk):
+    trial = Trial(tmp_path / 'bag', disk, split_duration_s=50e-9)
+    trial.bag.attachment('mine.yaml', 'application/yaml', b'mine')
+    trial.run(20)
+    (tmp_path / 'bag' / 'bag_0.mcap').unlink()
+    trial.bag.attachment('report.json', 'application/json', b'{}')
+    trial.bag.close()
+    attached = [a.name for a in BagReader(tmp_path / 'bag').attachments()]
+    assert attached == ['mine.yaml', 'report.json']
+
+
+@pytest.mark.parametrize('same_file', [True, False])
+def test_what_is_attached_and_noted_on_a_full_disk_is_written_later_once(
+        tmp_path, disk, same_file):
+    trial = Trial(tmp_path / 'bag', disk)
+    trial.run(1)
+    disk.full, disk.closed_folder = True, same_file
+    trial.bag.metadata('note.1', {'text': 'gale'})
+    trial.bag.metadata('note.2', {'text': 'storm'})
+    trial.bag.attachment('mine.yaml', 'application/yaml', b'mine')
+    trial.run(1)
+    disk.full = False
+    trial.run(1)
+    assert trial.bag.fault == ''
+    disk.closed_folder = False
+    trial.bag.close()
+    files = [BagReader(file) for file in sorted((tmp_path / 'bag').glob('*.mcap'))]
+    assert len(files) == (1 if same_file else 2)
+    assert [len(file.attachments()) for file in files] == ([1] if same_file else [0, 1])
+    found = files[-1].metadata()
+    assert (found['note.1'], found['note.2']) == ({'text': 'gale'}, {'text': 'storm'})
 
 
 def test_a_moved_folder_keeps_what_it_has_and_is_closed(tmp_path, disk):
