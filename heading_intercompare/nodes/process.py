@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-A node as a process: one line for a user's mistake, a clean end on SIGINT and SIGTERM.
+A node as a process: one line for a user's mistake, a clean end on a signal.
 
 The handlers of rclpy would end the context before the last verdict could be published, so they
 are left out, and a flag ends the loop instead.
@@ -54,14 +54,20 @@ class Ending(Protocol):
 
 
 class Stop:
-    """Notes SIGINT and SIGTERM while entered; `requested` says whether one came."""
+    """
+    Notes SIGINT, SIGTERM and SIGHUP while entered; `requested` says whether one came.
+
+    SIGHUP, of a terminal that is closed, stays ignored where it is, as by `nohup`.
+    """
 
     def __init__(self) -> None:
         self.requested = False
         self._before: dict[int, Any] = {}
 
     def __enter__(self) -> 'Stop':
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            if number == signal.SIGHUP and signal.getsignal(number) == signal.SIG_IGN:
+                continue
             self._before[number] = signal.signal(number, self._note)
         return self
 

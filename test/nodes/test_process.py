@@ -10,6 +10,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -36,7 +37,7 @@ def signalled(make, *numbers, **values):
     return made
 
 
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 @pytest.mark.parametrize('make', [Synchronizer, Compliance, Recorder])
 def test_a_signal_ends_a_node_with_exit_code_0(make, number, tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
@@ -103,6 +104,35 @@ def test_stop_restores_the_handlers_that_were_there():
         os.kill(os.getpid(), signal.SIGTERM)
         assert stop.requested
     assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_a_terminal_that_is_closed_is_ignored_where_it_was_before():
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with Stop() as stop:
+            os.kill(os.getpid(), signal.SIGHUP)
+            assert not stop.requested
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+def test_a_recorder_whose_terminal_is_closed_closes_its_bag(tmp_path):
+    """What it says can then be written nowhere."""
+    bag, (mine, its) = tmp_path / 'bag', os.openpty()
+    with subprocess.Popen([sys.executable, '-m', 'heading_intercompare', 'record', '-o', str(bag)],
+                          stdin=its, stdout=its, stderr=its, start_new_session=True) as process:
+        os.close(its)
+        try:
+            deadline_s = time.monotonic() + 30.0
+            while not (bag / 'metadata.yaml').exists():
+                assert time.monotonic() < deadline_s and process.poll() is None
+                os.sched_yield()
+            os.close(mine)
+            process.send_signal(signal.SIGHUP)
+            assert process.wait(timeout=15.0) == 0
+        finally:
+            process.kill()
+    assert BagReader(bag).incomplete is None
 
 
 @pytest.mark.parametrize('name', ['nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance',
