@@ -18,8 +18,8 @@ from heading_intercompare.core.version import VERSION
 from .cdr import decode
 from .reader import BagReader
 
-__all__ = ['is_note', 'Note', 'NOTE_TOPIC', 'NOTE_TYPE', 'Notes', 'notes_in', 'origin', 'RECORD',
-           'REPORT_TOPIC', 'texts', 'TRUTH_TOPIC']
+__all__ = ['is_note', 'Note', 'note_lines', 'NOTE_TOPIC', 'NOTE_TYPE', 'Notes', 'notes_in',
+           'origin', 'RECORD', 'REPORT_TOPIC', 'texts', 'TRUTH_TOPIC']
 
 RECORD = 'heading_intercompare'
 """The metadata record with version, settings and sources."""
@@ -84,6 +84,13 @@ def _time(stamp_ns: int) -> str:
     return f'{datetime.fromtimestamp(seconds, timezone.utc):%Y-%m-%dT%H:%M:%S}.{ns:09d}Z'
 
 
+def note_lines(text: str) -> list[str]:
+    """Return the notes in a text, one a line: what can be printed, if there is anything."""
+    lines = (' '.join(''.join(c if c.isprintable() else ' ' for c in line).split())
+             for line in text.splitlines())
+    return [line for line in lines if line]
+
+
 class Notes:
     """
     The operator's notes of a bag that is written.
@@ -118,10 +125,9 @@ class Notes:
 
         """
         written = []
-        for line in text.splitlines():
-            line = ' '.join(''.join(c if c.isprintable() else ' ' for c in line).split())
-            if not line or self._count == _MOST:
-                continue
+        for line in note_lines(text):
+            if self._count == _MOST:
+                break
             self._count += 1
             note = _timed(line, now_ns)
             if self._count == _MOST:

@@ -17,7 +17,7 @@ from heading_intercompare.core.version import VERSION
 
 from .bag_yaml import bag_metadata, metadata_file, PartInfo, Qos, TopicRow
 from .chunk_writer import ChunkWriter
-from .errors import BagError
+from .errors import BagError, utf8
 from .rows import Rows
 from .schemas import Schema, schema_of
 from .settings import BagSettings
@@ -98,11 +98,11 @@ class BagWriter:
         self._closed: list[PartInfo] = []
         self._no_file: OSError | None = None
         self._described = True
+        self._stem = utf8(self.path.resolve().name, 'name of the bag')
         try:
             self.path.mkdir(parents=True)
         except FileExistsError:
             raise BagError('exists already; a bag is never overwritten', self.path) from None
-        self._stem = self.path.resolve().name
         self._number = 0
         with ExitStack() as undo:
             undo.callback(self._withdraw)

@@ -6,6 +6,9 @@ from __future__ import annotations
 
 import argparse
 
+from heading_intercompare.bags.errors import utf8
+from heading_intercompare.bags.provenance import note_lines
+
 __all__ = ['add_arguments', 'add_note_argument', 'noted', 'run']
 
 _TIMED = 'one that begins with a time such as 2026-03-01T09:00:00Z is of that time'
@@ -25,13 +28,16 @@ def noted(arguments: argparse.Namespace) -> str:
     Raises
     ------
     ValueError
-        If one is empty.
+        If one is empty, or not UTF-8.
 
     """
-    for note in arguments.note:
-        if not note.strip():
-            raise ValueError(f'--note {note!r}: must not be empty')
-    return '\n'.join(arguments.note)
+    return '\n'.join(_checked('--note', note) for note in arguments.note)
+
+
+def _checked(option: str, text: str) -> str:
+    if not note_lines(utf8(text, option)):
+        raise ValueError(f'{option} {text!r}: must not be empty')
+    return text
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,9 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Publish a note; say so once it has been taken."""
-    text = ' '.join(arguments.text).strip()
-    if not text:
-        raise ValueError("TEXT '': must not be empty")
+    text = _checked('TEXT', ' '.join(arguments.text).strip())
     from heading_intercompare.nodes.note import publish_note
 
     publish_note(text)

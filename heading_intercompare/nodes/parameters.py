@@ -11,6 +11,7 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from heading_intercompare.bags.errors import utf8
 from heading_intercompare.core.settings import declared, from_mapping, SettingsError, to_mapping
 
 __all__ = ['declare', 'OVERRIDES', 'overrides', 'resolved']
@@ -80,4 +81,8 @@ def resolved(node: Node, topic: str) -> str:
 
 def overrides(values: Mapping[str, Any]) -> list[Parameter]:
     """Return values, by dotted name, as `parameter_overrides` of a node; None is not given."""
-    return [Parameter(name, value=value) for name, value in values.items() if value is not None]
+    given = {name: value for name, value in values.items() if value is not None}
+    for name, value in given.items():
+        if isinstance(value, str):
+            utf8(value, name)
+    return [Parameter(name, value=value) for name, value in given.items()]

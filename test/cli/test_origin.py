@@ -83,9 +83,21 @@ def test_a_simulation_names_scenario_and_seed_and_holds_the_truth(tmp_path, caps
 @pytest.mark.parametrize('command', [
     ['import-nmea', '--ts', 'x', '--rs', 'y', '-o', 'z'], ['record'],
     ['simulate', '--scenario', 'demo', '-o', 'z'], ['note']])
-def test_an_empty_note_is_refused_before_anything_is_done(command, tmp_path, capsys, monkeypatch):
+@pytest.mark.parametrize('note, why', [
+    (' ', 'must not be empty'), ('\t\x01', 'must not be empty'), ('a\udcff', 'must be UTF-8')])
+def test_a_note_that_says_nothing_is_refused_before_anything_is_done(
+        command, note, why, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert main([*command, *([] if command == ['note'] else ['--note']), ' ']) == 2
+    option = 'TEXT' if command == ['note'] else '--note'
+    assert main([*command, *([] if command == ['note'] else ['--note']), note]) == 2
     err = capsys.readouterr().err
-    assert 'must not be empty' in err and err.count('\n') == 1
+    assert option in err and why in err and err.count('\n') == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize('command', [['record'], ['simulate', '--scenario', 'demo']])
+def test_a_bag_whose_name_is_not_utf_8_is_refused(command, tmp_path, capsys):
+    assert main([*command, '-o', str(tmp_path / 'b\udcff')]) == 2
+    err = capsys.readouterr().err
+    assert "b\\udcff' must be UTF-8" in err and err.count('\n') == 1
     assert list(tmp_path.iterdir()) == []
