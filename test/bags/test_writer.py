@@ -349,6 +349,7 @@ def test_a_full_disk_leaves_whole_chunks_and_the_rest_can_be_written_later(tmp_p
             writer.add(number, text(f'{i:03d}'), i, i, i)
         except OSError as error:
             assert (error.errno, error.filename) == (errno.ENOSPC, str(path))
+            assert path.stat().st_size == writer.size
             failures += 1
     if failures:
         kept = list(BagReader(path).messages())
@@ -374,6 +375,41 @@ def test_a_full_disk_at_the_end_is_an_os_error(tmp_path, monkeypatch):
     with pytest.raises(OSError, match='No space left'):
         bag.close()
     assert BagReader(bag.path).topics['/remark'].count == 1
+
+
+def test_a_file_of_somebody_else_is_left_alone_by_a_split(tmp_path):
+    with BagWriter(tmp_path / 'bag') as bag:
+        (bag.path / 'bag_1.mcap').write_bytes(b'mine')
+        bag.split()
+    assert (bag.path / 'bag_1.mcap').read_bytes() == b'mine'
+    assert (bag.path / 'bag_2.mcap').exists()
+
+
+def test_what_was_taken_out_of_memory_leaves_the_definitions_there(tmp_path):
+    bag = BagWriter(tmp_path / 'bag')
+    bag.add_topic('/remark', STRING)
+    bag.write('/remark', text('x'), 1)
+    taken, = bag.take_pending()
+    bag.write(*taken)
+    bag.flush()
+    # A file without a summary, as after a kill.
+    assert [m.data for m in BagReader(bag.path).messages()] == [text('x')]
+    bag.close()
+
+
+def test_a_split_takes_what_is_in_memory_along(tmp_path, monkeypatch):
+    with BagWriter(tmp_path / 'bag') as bag:
+        bag.add_topic('/remark', STRING)
+        bag.write('/remark', text('x'), 1)
+        old, end_chunk = bag.chunks, ChunkWriter.end_chunk
+
+        def fail(chunks):
+            if chunks is old:
+                raise OSError(errno.ENOSPC, 'No space left on device')
+            end_chunk(chunks)
+        monkeypatch.setattr(ChunkWriter, 'end_chunk', fail)
+        bag.split()
+    assert [m.data for m in BagReader(bag.path / 'bag_1.mcap').messages()] == [text('x')]
 
 
 def test_headings_come_back_from_the_bag(write_bag, two_sensors):
