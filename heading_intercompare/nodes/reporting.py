@@ -14,6 +14,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from std_msgs.msg import String
 
+from heading_intercompare.bags.syncing import replace_file
 from heading_intercompare.core.early import EarlyVerdict
 from heading_intercompare.core.intercomparison import Compliance
 from heading_intercompare.core.ledger import Ledger
@@ -24,17 +25,7 @@ from .health import Health
 from .settings import ComplianceNode
 from .status_messages import ERROR, OK, OUTCOME_LEVELS, report_message, verdict_message, WARN
 
-__all__ = ['Reporting', 'write_atomically']
-
-
-def write_atomically(path: Path, text: str) -> None:
-    """Write a file so that it is either there as a whole or not at all."""
-    draft = path.with_name(path.name + '.part')
-    with open(draft, 'w', encoding='utf-8') as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(draft, path)
+__all__ = ['Reporting']
 
 
 class Reporting:
@@ -137,7 +128,7 @@ class Reporting:
                                         timezone.utc)
         path = Path(self._own.report_dir, f'verdict_{moment:%Y%m%dT%H%M%S}Z.json')
         try:
-            write_atomically(path, text)
+            replace_file(path, text)
         except OSError as error:
             self._health.note('report', ERROR, f'{path}: {error.strerror}', latch=True)
         else:
