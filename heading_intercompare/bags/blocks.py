@@ -20,13 +20,18 @@ from numpy.typing import DTypeLike
 
 from .errors import BagError
 
-__all__ = ['Block', 'HEAD', 'MESSAGE_HEAD', 'MESSAGE_HEADS', 'Record', 'block_of', 'gathered',
-           'walk', 'whole']
+__all__ = ['Block', 'ENTRY_BYTES', 'HEAD', 'INDEX_HEAD', 'INDEX_LEAST', 'MESSAGE_HEAD',
+           'MESSAGE_HEADS', 'Record', 'block_of', 'gathered', 'walk', 'whole']
 
 #: Opcode and length of a record.
 HEAD = struct.Struct('<BQ')
 #: The same of a message, then channel, sequence, log time, publish time; the payload follows.
 MESSAGE_HEAD = struct.Struct('<BQHIQQ')
+
+#: Opcode and length of a message index, then channel and bytes of its entries.
+INDEX_HEAD = struct.Struct('<BQHI')
+#: Length of a message index without entries, and of an entry: log time and place of a message.
+INDEX_LEAST, ENTRY_BYTES = INDEX_HEAD.size - HEAD.size, 16
 
 _FIXED = MESSAGE_HEAD.size - HEAD.size
 #: Other records looked at before the first message.

@@ -16,22 +16,26 @@ from mcap.opcode import Opcode
 import numpy as np
 import zstandard
 
-from .blocks import Block, block_of, HEAD, MESSAGE_HEAD
+from .blocks import (
+    Block,
+    block_of,
+    ENTRY_BYTES,
+    HEAD,
+    INDEX_HEAD,
+    INDEX_LEAST,
+    MESSAGE_HEAD,
+)
 from .checksum import crc32
 from .chunks import CHUNK_HEAD, unpacked
 from .errors import BagError
 from .fragments import begun, CHUNK_BYTES, chunk_head, ChunkHead, HEAD_BYTES
-from .summary import ENTRY_BYTES, INDEX_HEAD
 
-__all__ = ['Chunk', 'ChunkRun', 'ChunkRuns', 'counted', 'Counts', 'INDEX_LEAST',
-           'records_of']
+__all__ = ['Chunk', 'ChunkRun', 'ChunkRuns', 'counted', 'Counts', 'records_of']
 
 #: Small chunks are looked at together until their records are so long, or they are so many.
 _RUN_BYTES, _RUN_CHUNKS = 2**20, 256
 #: Records of a chunk that claims more are decompressed by pieces.
 _LARGE = 2**26
-#: Length of a message index without entries.
-INDEX_LEAST = 6
 #: Read behind a chunk at once.
 _INDEX_BYTES = 2**13
 

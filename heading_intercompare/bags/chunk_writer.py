@@ -22,13 +22,13 @@ from mcap.opcode import Opcode
 import numpy as np
 import zstandard
 
-from .blocks import HEAD, MESSAGE_HEAD, Record, walk
+from .blocks import ENTRY_BYTES, HEAD, MESSAGE_HEAD, Record, walk
 from .checksum import crc32
 from .chunk_runs import Chunk
 from .forms import attached
 from .rows import Records
 from .stream import MAGIC, parsed
-from .summary import built, chunk_index, ending, ENTRY_BYTES, message_index
+from .summary import built, chunk_index, ending, message_index
 
 __all__ = ['ChunkWriter', 'COMPRESSIONS']
 

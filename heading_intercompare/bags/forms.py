@@ -9,7 +9,7 @@ from typing import Callable
 from mcap import records as mcap
 from mcap.opcode import Opcode
 
-from .blocks import Record
+from .blocks import INDEX_LEAST, Record
 from .errors import BagError
 from .stream import parsed
 
@@ -22,7 +22,7 @@ SMALL = {Opcode.HEADER: mcap.Header, Opcode.SCHEMA: mcap.Schema, Opcode.CHANNEL:
 _SMALL_BYTES = 2**26
 _FIXED = {Opcode.DATA_END: 4, Opcode.FOOTER: 20}
 #: Where records with one field of variable length have its length, and where it begins.
-_FIELD = {Opcode.MESSAGE_INDEX: (2, 6), Opcode.METADATA_INDEX: (16, 20)}
+_FIELD = {Opcode.MESSAGE_INDEX: (2, INDEX_LEAST), Opcode.METADATA_INDEX: (16, 20)}
 #: Records that one wrong bit turns into a message.
 _LIKE_MESSAGES = (Opcode.HEADER, Opcode.CHANNEL, Opcode.MESSAGE_INDEX, Opcode.METADATA_INDEX)
 

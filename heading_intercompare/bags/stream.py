@@ -14,7 +14,7 @@ from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
-from .blocks import Block, block_of, HEAD, Record, whole
+from .blocks import Block, block_of, ENTRY_BYTES, HEAD, INDEX_LEAST, Record, whole
 from .chunks import Gathering
 from .errors import BagError
 
@@ -25,9 +25,6 @@ MAGIC = b'\x89MCAP0\r\n'
 _BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
 #: Messages outside chunks are read by this many bytes.
 _BARE_BYTES = 1048576
-#: Channel and bytes of entries of a message index, which are of so many bytes each.
-_INDEX = struct.Struct('<HI')
-_ENTRY_BYTES = 16
 #: No record is read that claims to be larger.
 _RECORD_LIMIT = 2**31
 
@@ -98,9 +95,9 @@ class RecordStream:
         at = record.start - HEAD.size
         if not behind_chunk:
             raise BagError('damaged: a message index follows no chunk', offset=at)
-        size = record.length - _INDEX.size
-        if size < 0 or size % _ENTRY_BYTES or _INDEX.unpack(
-                self._file.read(_INDEX.size))[1] != size:
+        size = record.length - INDEX_LEAST
+        if size < 0 or size % ENTRY_BYTES or int.from_bytes(
+                self._file.read(INDEX_LEAST)[2:], 'little') != size:
             raise BagError('message index damaged: its lengths do not agree', offset=at)
 
     def pieces(self, at: int, end: int, least: int, start_ns: int = 0,
@@ -134,7 +131,7 @@ class RecordStream:
                 if opcode == Opcode.MESSAGE_INDEX:
                     self._check_index(record, behind_chunk)
                     if wanted:
-                        chunks.add_index(self._read(start + _INDEX.size, length - _INDEX.size))
+                        chunks.add_index(self._read(start + INDEX_LEAST, length - INDEX_LEAST))
                     at = start + length
                     continue
             except BagError:

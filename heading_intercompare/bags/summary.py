@@ -12,16 +12,10 @@ from mcap import records as mcap
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 
-from .blocks import HEAD
+from .blocks import ENTRY_BYTES, HEAD, INDEX_HEAD
 from .stream import MAGIC
 
-__all__ = ['built', 'chunk_index', 'ENTRY_BYTES', 'ending', 'INDEX_HEAD',
-           'message_index']
-
-#: Log time and place of a message in a message index.
-ENTRY_BYTES = 16
-#: Opcode, length, channel and bytes of entries of a message index.
-INDEX_HEAD = struct.Struct('<BQHI')
+__all__ = ['built', 'chunk_index', 'ending', 'message_index']
 
 _CHUNK_INDEX = struct.Struct('<BQQQQQI')
 _OFFSET = struct.Struct('<HQ')

@@ -14,13 +14,12 @@ from mcap import records as mcap
 from mcap.opcode import Opcode
 import numpy as np
 
-from .blocks import Block, HEAD, MESSAGE_HEAD
-from .chunk_runs import Chunk, ChunkRun, counted, Counts, INDEX_LEAST
+from .blocks import Block, ENTRY_BYTES, HEAD, INDEX_LEAST, MESSAGE_HEAD
+from .chunk_runs import Chunk, ChunkRun, counted, Counts
 from .definitions import Definitions
 from .rough import opened
 from .salvage import Gap, Salvage, Sound
 from .stream import parsed
-from .summary import ENTRY_BYTES
 
 __all__ = ['Damage', 'Kind', 'Piece', 'Pieces', 'Section', 'Survey', 'segments', 'survey']
 
