@@ -34,6 +34,13 @@ def log(path, n, start='2014-08-01T00:00:', rate_hz=10):
     return f'file:{path}'
 
 
+def free_port():
+    """Return a port of UDP that nobody listens to."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(('127.0.0.1', 0))
+        return probe.getsockname()[1]
+
+
 def test_a_log_is_published_whole_with_its_stamps_and_then_the_node_is_done(ros, tmp_path):
     node = ros.ours(NmeaDriver, source=log(tmp_path / 'gyro.log', 300), speed=0.0)
     heard = ros.listen(Imu, 'ts/heading', qos.PAIRS)
@@ -79,9 +86,7 @@ def test_logs_that_begin_apart_are_played_in_step_from_one_origin(ros, tmp_path)
 
 
 def test_sentences_over_udp_are_stamped_when_they_come(ros):
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(('127.0.0.1', 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{port}', sentence='HDT')
     heard = ros.listen(Imu, 'ts/heading', qos.PAIRS)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
@@ -98,9 +103,7 @@ def test_sentences_over_udp_are_stamped_when_they_come(ros):
 
 def test_what_was_held_back_until_the_sentence_was_chosen_overruns_nobody(ros):
     """A subscription holds 1000 messages."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(('127.0.0.1', 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     node = ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{port}', learn_s=2.0, max_rate_hz=1000.0)
     heard = ros.listen(Imu, 'ts/heading', qos.HEADINGS_IN)
     ros.spin_until(lambda: node.count_subscribers('ts/heading'))
