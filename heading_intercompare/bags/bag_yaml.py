@@ -10,7 +10,10 @@ from pathlib import Path
 import re
 from typing import Any, Iterator, Mapping, Sequence
 
-__all__ = ['bag_metadata', 'listed_parts', 'metadata_file', 'PartInfo', 'Qos', 'TopicRow']
+from .texts import decimal
+
+__all__ = ['absent_parts', 'bag_metadata', 'listed_parts', 'metadata_file', 'PartInfo', 'Qos',
+           'TopicRow']
 
 _VERSION = 9
 _DISTRIBUTION = 'jazzy'
@@ -69,8 +72,8 @@ class Qos:
             if match is not None:
                 word = match[1]
                 if name == 'depth':
-                    known = word.isdecimal() and len(word) <= _DIGITS
-                    found[name] = int(word) if known else _DEPTH
+                    depth = decimal(word, _DIGITS)
+                    found[name] = _DEPTH if depth is None else depth
                 else:
                     found[name] = _NUMBERED[name].get(word, word)
         return cls(**found)
@@ -231,3 +234,9 @@ def listed_parts(path: Path) -> list[str]:
     begin = re.search(r'^ *relative_file_paths: *', text, re.MULTILINE)
     return [] if begin is None else list(filter(None, map(_file_name,
                                                           _entries(text[begin.end():]))))
+
+
+def absent_parts(folder: Path) -> list[str]:
+    """Return the names of files that the metadata.yaml of a bag lists and that are not there."""
+    return [name for name in listed_parts(folder / 'metadata.yaml')
+            if not (folder / name).is_file()]

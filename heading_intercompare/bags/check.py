@@ -14,7 +14,7 @@ from mcap import records as mcap
 from mcap.opcode import Opcode
 import numpy as np
 
-from .bag_yaml import listed_parts
+from .bag_yaml import absent_parts
 from .blocks import Block, HEAD, Record
 from .checksum import crc32
 from .chunks import CHUNK_HEAD
@@ -79,9 +79,7 @@ def check(path: str | os.PathLike[str],
     found = BagCheck()
     place = Path(path)
     files = mcap_files(place)
-    if place.is_dir():
-        found.faults += [f'{name} is missing' for name in listed_parts(place / 'metadata.yaml')
-                         if not (place / name).is_file()]
+    found.faults += [f'{name} is missing' for name in absent_parts(place)]
     for file in files:
         found.files += 1
         found.faults += _faults(file, found, progress)

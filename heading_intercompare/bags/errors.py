@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 
-__all__ = ['BagError', 'utf8']
+__all__ = ['BagError']
 
 
 class BagError(ValueError):
@@ -36,12 +36,3 @@ class BagError(ValueError):
     def at(self, path: str | os.PathLike[str], offset: int | None = None) -> 'BagError':
         """Return the same error with its place."""
         return BagError(self.problem, path, offset)
-
-
-def utf8(text: str, what: str) -> str:
-    """Return a text as it is; BagError, with what it is, if its bytes were not UTF-8."""
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        raise BagError(f'{text!r} must be UTF-8', what) from None
-    return text

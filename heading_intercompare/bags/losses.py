@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from typing import Mapping, NamedTuple
 
+from .texts import decimal
+
 __all__ = ['Counts', 'counted', 'loss_record', 'loss_words', 'missing', 'RECORDING']
 
 RECORDING = 'recording'
@@ -46,8 +48,8 @@ def counted(count: int, noun: str) -> str:
 
 def _total(record: Mapping[str, object], kind: str) -> int:
     """Return the sum over all topics; what is no number, in a record of others, is nothing."""
-    return sum(int(str(value)) for key, value in record.items()
-               if key.partition('.')[0] == kind and str(value).isdecimal())
+    return sum(decimal(str(value)) or 0 for key, value in record.items()
+               if key.partition('.')[0] == kind)
 
 
 def missing(record: Mapping[str, object]) -> str:

@@ -14,7 +14,7 @@ from typing import Iterable, Iterator, Mapping, NamedTuple, Sequence
 from heading_intercompare.core.records import Headings
 
 from .ahead import ahead
-from .bag_yaml import listed_parts, Qos
+from .bag_yaml import absent_parts, Qos
 from .decoding import Decoded, Decoder, Kind
 from .errors import BagError
 from .fields import full_name
@@ -74,8 +74,7 @@ def _opened(path: Path) -> tuple[list[Part], list[str]]:
     if not path.is_dir():
         return [Part(path)], []
     paths = mcap_files(path)
-    absent = [f'{name} is missing' for name in listed_parts(path / 'metadata.yaml')
-              if not (path / name).is_file()]
+    absent = [f'{name} is missing' for name in absent_parts(path)]
     parts, refused = [], []
     for each in paths:
         try:
@@ -124,6 +123,7 @@ class BagReader:
         self._parts, absent = _opened(self.path)
         reasons = absent + [part.incomplete for part in self._parts if part.incomplete]
         self.incomplete = '; '.join(reasons) or None
+        self._metadata: dict[str, dict[str, str]] | None = None
         self.start_ns = min((p.start_ns for p in self._parts if p.start_ns is not None),
                             default=None)
         self.end_ns = max((p.end_ns for p in self._parts if p.end_ns is not None), default=None)
@@ -316,9 +316,11 @@ class BagReader:
                 f'and {found.get("bytes_lost", "?")} bytes were lost')
 
     def metadata(self) -> dict[str, dict[str, str]]:
-        """Return the metadata records by name; the last of a name counts."""
-        return {record.name: dict(record.metadata) for part in self._parts
-                for record in part.metadata()}
+        """Return the metadata records by name, read once; the last of a name counts."""
+        if self._metadata is None:
+            self._metadata = {record.name: dict(record.metadata) for part in self._parts
+                              for record in part.metadata()}
+        return self._metadata
 
     def attachments(self) -> list[Attachment]:
         """Return the files inside the bag, in file order."""

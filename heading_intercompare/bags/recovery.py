@@ -15,15 +15,15 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 import os
 from pathlib import Path
-import re
 from typing import Callable
 
-from .bag_yaml import listed_parts
+from .bag_yaml import absent_parts
 from .chunk_writer import COMPRESSIONS
 from .errors import BagError
 from .part import mcap_files
 from .settings import BagSettings
 from .survey import Survey, survey
+from .texts import decimal
 from .transfer import Transfer
 from .writer import BagWriter
 
@@ -163,8 +163,7 @@ def _record(source: Path, total: Recovered,
         if before in earlier[:number]:
             continue
         for name in _LOSSES:
-            text = before.get(name, '')
-            losses[name] += int(text) if re.fullmatch('[0-9]{1,18}', text) else 0
+            losses[name] += decimal(before.get(name, '')) or 0
         known = known and before.get('messages_lost_is') == 'all'
         notes += [text for name, text in before.items() if name.startswith('note.')]
     notes = (notes + total.notes)[:_NOTES]
@@ -235,11 +234,9 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
     for path, problem in others:
         total.note(path, problem)
         total.messages_known = False
-    if source.is_dir():
-        for name in listed_parts(source / 'metadata.yaml'):
-            if not (source / name).is_file():
-                total.note(source / name, 'is missing')
-                total.messages_known = False
+    for name in absent_parts(source):
+        total.note(source / name, 'is missing')
+        total.messages_known = False
     if not total.messages and (total.messages_lost or not any(
             found.extras or found.closed and not found.damage for found in files)):
         raise BagError('nothing in it is readable: '

@@ -17,11 +17,12 @@ from heading_intercompare.core.version import VERSION
 
 from .bag_yaml import bag_metadata, metadata_file, PartInfo, Qos, TopicRow
 from .chunk_writer import ChunkWriter
-from .errors import BagError, utf8
+from .errors import BagError
 from .rows import Rows
 from .schemas import Schema, schema_of
 from .settings import BagSettings
 from .syncing import replace_file, Syncing
+from .texts import utf8
 
 __all__ = ['BagWriter', 'Rows']
 

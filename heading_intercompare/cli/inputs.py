@@ -83,12 +83,14 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
             # Not earlier: helpers are started by a process that has one thread.
             digest.append(beside.submit(sha256, path))
         if Path(path).suffix == '.csv':
+            bag = None
             results, notes, ledger = _analyze_csv(path, name, settings, runs, takers, progress,
                                                   all_read)
         else:
-            results, notes, ledger = _analyze_bag(path, name, settings, runs, takers, progress,
+            bag = BagReader(path)
+            results, notes, ledger = _analyze_bag(bag, name, settings, runs, takers, progress,
                                                   all_read, helpers)
-        described = _described(path, name, settings, digest[0].result())
+        described = _described(bag, name, settings, digest[0].result())
     if not results:
         described['no_run'] = _no_run(ledger, settings, runs)
         notes.append(f'{name}: no run: {described["no_run"]}')
@@ -125,13 +127,12 @@ def _analyze_csv(path: str, name: str, settings: Settings,
     return compliance.results(ledger), [], ledger
 
 
-def _analyze_bag(path: str, name: str, settings: Settings,
+def _analyze_bag(reader: BagReader, name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                  all_read: Callable[[], None],
                  helpers: int) -> tuple[list[RunResult], list[str], Ledger]:
     comparison = Intercomparison(settings, source=name, table=runs)
-    reader = BagReader(path)
     ts, rs = settings.ts_topic, settings.rs_topic
     conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
     if runs is None:
@@ -194,12 +195,12 @@ def _set_marks(comparison: Intercomparison, reader: BagReader) -> None:
                            reader.path) from error
 
 
-def _described(path: str, name: str, settings: Settings, digest: str) -> dict[str, Any]:
-    is_bag = Path(path).suffix != '.csv'
-    notes = notes_in(BagReader(path)) if is_bag else []
+def _described(bag: BagReader | None, name: str, settings: Settings,
+               digest: str) -> dict[str, Any]:
+    notes = [] if bag is None else notes_in(bag)
     return {'path': name, 'sha256': digest,
-            'ts_topic': settings.ts_topic if is_bag else None,
-            'rs_topic': settings.rs_topic if is_bag else None,
+            'ts_topic': None if bag is None else settings.ts_topic,
+            'rs_topic': None if bag is None else settings.rs_topic,
             **({'notes': [note._asdict() for note in notes]} if notes else {})}
 
 

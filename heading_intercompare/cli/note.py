@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import argparse
 
-from heading_intercompare.bags.errors import utf8
 from heading_intercompare.bags.provenance import note_lines
+from heading_intercompare.bags.texts import utf8
 
 __all__ = ['add_arguments', 'add_note_argument', 'noted', 'run']
 

@@ -11,7 +11,7 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from heading_intercompare.bags.errors import utf8
+from heading_intercompare.bags.texts import utf8
 from heading_intercompare.core.settings import declared, from_mapping, SettingsError, to_mapping
 
 __all__ = ['declare', 'OVERRIDES', 'overrides', 'resolved']

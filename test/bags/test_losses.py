@@ -23,4 +23,5 @@ def test_losses_of_all_topics_are_added():
 
 def test_a_record_of_somebody_else_is_understood_as_far_as_it_is_one():
     assert missing({}) == missing({'absent': 'often', 'not_written': '', 'by': 'hand'}) == ''
+    assert missing({'not_written': '9' * 5000, 'absent': '²'}) == ''
     assert missing({'not_written': '2'}) == '2 messages received but not written'
