@@ -136,7 +136,7 @@ def flattened(mapping: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[st
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> SettingsError:
-    """Return the error of a name that is no setting: what it may have meant, or what became of it."""
+    """Return the error of a name that is no setting: what it may mean, or what became of it."""
     if name in _GONE:
         return SettingsError(f'{kind} {name!r} {_GONE[name]}')
     close = difflib.get_close_matches(name, known, n=1)
