@@ -10,12 +10,15 @@ import math
 import numpy as np
 from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike
+from scipy.special import stdtrit
 
 from .blocks import block_means, block_size
+from .cells import Cells
 from .noise import sokal_times
+from .squares import MEAN_DOF, spread
 
-__all__ = ['bic_of', 'blocked', 'HIGHEST_ORDER', 'Order', 'Polynomial', 'remove_polynomial',
-           'rounding_floor', 'select_order', 'Slope', 'slope']
+__all__ = ['bic_of', 'blocked', 'drift_left_deg2', 'HIGHEST_ORDER', 'Order', 'Polynomial',
+           'remove_polynomial', 'rounding_floor', 'select_order', 'Slope', 'slope']
 
 HIGHEST_ORDER = 3
 """Largest order of a polynomial that may be removed."""
@@ -207,6 +210,45 @@ def select_order(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Order | None:
     order = int(np.argmin(values[:HIGHEST_ORDER + 1]))
     return Order(order, tuple(v if math.isfinite(v) else None for v in values), z.size,
                  values[-1] < values[order])
+
+
+def drift_left_deg2(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> float | None:
+    """
+    Return an upper bound of the variance that a drift makes where it is not taken out.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    x_deg : array_like, shape (n,)
+        Differences, finite, degrees.
+    order : int
+        Of the polynomial that describes the drift; a slope at least is fitted.
+
+    Returns
+    -------
+    float or None
+        One-sided 95 % bound, square degrees; None for fewer than 128 differences.
+
+    Notes
+    -----
+    The part of order k of the polynomial has the variance c_k^2 / (2k + 1), with its Legendre
+    coefficient c_k; where nothing drifts, errors make that as large as the variance v of the
+    mean, S.1. The bound is (r + t sqrt(v))^2 with r^2 the variance of all parts and Student's t.
+
+    References
+    ----------
+    S.16 of ``docs/risk.md``.
+
+    """
+    fit = remove_polynomial(stamp_ns, x_deg, max(1, order))
+    found = spread(Cells.of(fit.residual_deg, stamp_ns), fit.order)
+    if found is None:
+        return None
+    r = math.sqrt(math.fsum(c * c / (2 * k + 1) for k, c in enumerate(fit.coefficients_deg)
+                            if k > 0))
+    t = -float(stdtrit(MEAN_DOF, 0.05))
+    return (r + t * math.sqrt(found.mean_variance_deg2)) ** 2
 
 
 @dataclass(frozen=True, slots=True)
