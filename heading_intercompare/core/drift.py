@@ -12,7 +12,7 @@ from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike
 from scipy.special import stdtrit
 
-from .blocks import block_means, block_size
+from .blocks import block_means, block_size, student_95
 from .cells import Cells
 from .noise import sokal_times
 from .squares import MEAN_DOF, spread
@@ -265,7 +265,11 @@ class Slope:
     u_naive_deg_per_h : float or None
         Standard error as if the residuals were uncorrelated; None for n < 3.
     u_deg_per_h : float or None
-        The same times the root of the correlation time of the residuals, if above 1.
+        Standard uncertainty that allows for correlation, by the power of the residuals at the
+        lowest half-periods of the record; for fewer than 128 differences the naive one times the
+        root of the correlation time.
+    interval_deg_per_h : pair of float or None
+        95 % interval of the slope.
     tau_samples : float
         Correlation time of the residuals, in samples.
     residual_std_deg : float or None
@@ -277,6 +281,7 @@ class Slope:
     intercept_deg: float
     u_naive_deg_per_h: float | None
     u_deg_per_h: float | None
+    interval_deg_per_h: tuple[float, float] | None
     tau_samples: float
     residual_std_deg: float | None
 
@@ -299,7 +304,8 @@ def slope(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Slope | None:
 
     References
     ----------
-    Ordinary least squares; correlation time with the window of Sokal 1997.
+    Ordinary least squares; with the variance v of the mean by S.1, that of the slope is 12 v
+    over the square of the span. Correlation time with the window of Sokal 1997.
 
     """
     stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
@@ -315,8 +321,14 @@ def slope(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Slope | None:
     residual -= b * t_h
     tau = sokal_times(residual).tau_1
     if n < 3:
-        return Slope(b, mean_deg - b * mean_h, None, None, tau, None)
+        return Slope(b, mean_deg - b * mean_h, None, None, None, tau, None)
     rss = float(residual @ residual)
     naive = math.sqrt(rss / (n - 2) / power)
-    return Slope(b, mean_deg - b * mean_h, naive, naive * math.sqrt(max(1.0, tau)), tau,
+    u, dof = naive * math.sqrt(max(1.0, tau)), n - 2
+    found = spread(Cells.of(residual, stamps), 1)
+    if found is not None:
+        span_h = (int(stamps[-1]) - int(stamps[0])) / 3.6e12
+        u, dof = math.sqrt(12.0 * found.mean_variance_deg2) / span_h, MEAN_DOF
+    half = student_95(dof) * u
+    return Slope(b, mean_deg - b * mean_h, naive, u, (b - half, b + half), tau,
                  math.sqrt(rss / (n - 1)))

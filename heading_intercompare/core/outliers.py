@@ -16,7 +16,7 @@ __all__ = ['Outlier', 'outliers', 'Outliers']
 
 _LOOKED_AT = 200_000
 _LEAST = 30
-_INNER, _OUTER = 0.5, 0.9
+_QUANTILE = 0.9
 _SURPLUS = 5.0
 _GRAIN = 3.0
 _BESIDE = 15
@@ -99,7 +99,8 @@ def outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3.0,
         Longest excursion that is isolated, seconds: one bad reading of an interpolated RS
         disturbs all pairs of two brackets. Three differences in a row always are.
     step_deg : float, optional
-        Step in which the differences are known; default the one found in them.
+        Step in which the coarser sensor reports, degrees; default the one found in x, which takes
+        20 changes.
 
     Returns
     -------
@@ -107,12 +108,12 @@ def outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3.0,
 
     Notes
     -----
-    Beyond the median and the 90 % quantile of the distance from the median the tail is taken for
-    exponential. A difference beyond the point that n differences of that law exceed with a
-    probability of e^-5, and beyond three steps, is an outlier if it is that far, too, from the
-    median of the 30 differences beside its excursion: a slow excursion is none. Normal errors
-    reach that point, about 9 standard deviations for 12000 differences, never; the tail is that
-    of Laplace's law. As many as a tenth of the differences may be outliers without moving it.
+    The tail of the distance from the median is taken for exponential, with the 90 % quantile q
+    that the distances have. A difference beyond q (1 + (ln(n/10) + 5)/ln 10), which n distances
+    of that law exceed with a probability of e^-5, and beyond three steps, is an outlier if it is
+    that far, too, from the median of the 30 differences beside its excursion: a slow excursion
+    is none. For 12000 normal errors the point is 10 standard deviations; the tail is that of
+    Laplace's law. As many as a tenth of the differences may be outliers without moving it much.
 
     References
     ----------
@@ -131,9 +132,9 @@ def outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3.0,
     none = np.empty(0, np.int64)
     if x.size < _LEAST:
         return Outliers('not_testable', none)
-    centre, inner, outer = _quantiles(x)
-    slope = (outer - inner) / math.log((1.0 - _INNER) / (1.0 - _OUTER))
-    beyond = slope * (math.log(max(1.0, (1.0 - _OUTER) * x.size)) + _SURPLUS)
+    centre, outer = _quantile(x)
+    slope = outer / -math.log(1.0 - _QUANTILE)
+    beyond = slope * (math.log((1.0 - _QUANTILE) * x.size) + _SURPLUS)
     if step_deg is None:
         step_deg = resolution(x).step_deg or 0.0
     threshold = max(outer + beyond, _GRAIN * step_deg)
@@ -150,12 +151,11 @@ def outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3.0,
                     without, min(1.0, max(0.0, share)), excursions)
 
 
-def _quantiles(x: np.ndarray) -> tuple[float, float, float]:
-    """Return the median, and the median and the 90 % quantile of the distance from it."""
+def _quantile(x: np.ndarray) -> tuple[float, float]:
+    """Return the median, and the 90 % quantile of the distance from it."""
     some = x[::max(1, x.size // _LOOKED_AT)]
     centre = float(np.median(some))
-    inner, outer = np.quantile(np.abs(some - centre), [_INNER, _OUTER])
-    return centre, float(inner), float(outer)
+    return centre, float(np.quantile(np.abs(some - centre), _QUANTILE))
 
 
 def _isolated(stamps: np.ndarray, x: np.ndarray, centre: float, far: np.ndarray,

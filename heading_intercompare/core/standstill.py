@@ -18,6 +18,7 @@ __all__ = ['Frozen', 'frozen', 'resolution_of', 'standstill', 'Standstill']
 _EQUAL_DEG = 1e-7
 _DECIMAL_DEG = 1e-6
 _MOST_DECIMALS = 4
+_REPEATED = 0.9
 _MARGIN_S = 2.0
 _PART_S = 1.0
 _MOST_PARTS = 512
@@ -88,9 +89,10 @@ def resolution_of(heading_deg: ArrayLike) -> float | None:
     Returns
     -------
     float or None
-        The step of its changes; where they are too few to tell, the last decimal that a thousand
-        readings show: those that occur more than once, if any, for others may be interpolated.
-        None without readings, or beyond four decimals.
+        The step of its changes; where they are too few to tell, or fewer than a tenth of the
+        readings, the last decimal that a thousand readings show: those that occur more than
+        once, if any, for others may be interpolated. None without readings, or beyond four
+        decimals.
 
     Examples
     --------
@@ -99,17 +101,17 @@ def resolution_of(heading_deg: ArrayLike) -> float | None:
 
     """
     heading = np.asarray(heading_deg, dtype=np.float64)
-    step = resolution(heading).step_deg
-    if step is not None or not heading.size:
-        return step
+    found = resolution(heading)
+    if found.step_deg is not None and found.repeated_share < _REPEATED:
+        return found.step_deg
     some, often = np.unique(np.round(heading[::max(1, heading.size // 1000)], 7),
                             return_counts=True)
     some = some[often > 1] if (often > 1).any() else some
     for decimals in range(_MOST_DECIMALS + 1):
         scaled = some * 10.0 ** decimals
         if (np.abs(scaled - np.rint(scaled)) <= _DECIMAL_DEG * 10.0 ** decimals).all():
-            return 10.0 ** -decimals
-    return None
+            return 10.0 ** -decimals if some.size else None
+    return found.step_deg
 
 
 def frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
@@ -144,10 +146,11 @@ def frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
     values into and out of a turn. A sensor that works may repeat a value while the ship stays
     within two of its steps; the errors of both add twice the range that the difference has in
     nine of ten other windows as long. Of normal errors twice that range is exceeded with a
-    probability below 1e-6. Nothing is added where in nine of ten windows as long, in which the
-    other moved about as much (half to twice), the sensor followed by 0.3 of it or more: then
-    the difference ranges because of a skew. Windows that overlap a long repetition are left
-    out. Where fewer than eight are left, 8 `sigma_deg` are added instead.
+    probability below 1e-6. Nothing is added where in nine of ten windows as long, of 16
+    seconds or more, in which the other moved about as much (half to twice), the sensor followed
+    by 0.3 of it or more: then the difference ranges because of a skew. Windows that overlap a
+    long repetition are left out. Where fewer than eight are left, 8 `sigma_deg` are added
+    instead.
 
     References
     ----------
