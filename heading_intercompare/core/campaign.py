@@ -9,6 +9,7 @@ import math
 from typing import Sequence
 
 from .bounds import rate_lower
+from .coverage import least_duration_s
 from .criteria import Limits
 from .guarded import count_risk, Evidence, variance_risk
 from .outcome import Outcome, worst
@@ -27,12 +28,13 @@ CAMPAIGN_REASONS = {
     'a_run_non_compliant': "a run is rejected, at its share of the producer's risk",
     'no_run_rejected_at_its_share':
         "a run is rejected on its own, but not at its share of the producer's risk",
+    'a_run_void': 'a run is void, so it says nothing of the sensor',
     'a_run_indeterminate': 'not every run complies, and none is rejected',
     'insufficient_data': 'no run has 128 differences',
     'lower_bound_above_rejection_limit':
         'the variance that the runs share is above the rejection limit, at the stated risk',
     'count_lower_bound_above_allowed': 'too many extreme differences, at the stated risk',
-    'insufficient_duration': 'the runs together are shorter than risk.min_duration_s',
+    'insufficient_duration': 'the runs together are shorter than a run must be to comply',
     'upper_bound_within_acceptance_limit':
         'the variance that the runs share is within the acceptance limit, at the stated risk',
     'total_error_not_within_norm': 'the total error of a run is not shown to be within its norm',
@@ -193,7 +195,7 @@ def conclude_sensor(found: Together | None, limits: Sequence[Limits], totals_met
         return Outcome.NON_COMPLIANT, 'lower_bound_above_rejection_limit'
     if found.rate_plus_lower > float(limits[0].allowed(1)):
         return Outcome.NON_COMPLIANT, 'count_lower_bound_above_allowed'
-    if found.span_s < risk.min_duration_s:
+    if found.between_upper_bound_deg2 is None and found.span_s < least_duration_s(risk):
         return Outcome.INDETERMINATE, 'insufficient_duration'
     if found.upper_bound_deg2 <= accept:
         if totals_met:

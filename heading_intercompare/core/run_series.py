@@ -30,8 +30,8 @@ class RunSeries:
     settings : Settings
         Installation offset, wrap centre, stabilisation and plan of looks are used.
     on_look : callable, optional
-        ``on_look(run, look)`` is called when a look is due, with the run holding just the
-        differences that belong to it.
+        ``on_look(run, look, looks)`` is called when one of so many looks is due, with the run
+        holding just the differences that belong to it.
     keep : Keep, optional
         Where full pages of the columns go; see `Column`.
 
@@ -53,7 +53,7 @@ class RunSeries:
     """
 
     def __init__(self, cut_ns: int, settings: Settings,
-                 on_look: Callable[['RunSeries', Look], None] | None = None,
+                 on_look: Callable[['RunSeries', Look, int], None] | None = None,
                  keep: Keep | None = None) -> None:
         self.cut_ns = cut_ns
         self.start_ns: int | None = None
@@ -100,7 +100,7 @@ class RunSeries:
             lo = 0
             for hi, look in self._due(x.stamp_ns):
                 self._append(x[lo:hi], pairs[lo:hi])
-                self._on_look(self, look)
+                self._on_look(self, look, len(self._looks.plan))
                 lo = hi
             self._append(x[lo:], pairs[lo:])
         return x

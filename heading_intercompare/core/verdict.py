@@ -4,27 +4,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 import math
 from typing import Any, Mapping, Sequence
 
 from .assumptions import Assumption
 from .campaign import Together
+from .coverage import Coverage
 from .criteria import CountCriterion, TotalError, VarianceCriterion
 from .deviation import HeadingDependence
 from .ergodicity import Homogeneity
 from .guarded import Guarded
+from .headline import headline
 from .ledger import LedgerSegment, REASONS
 from .normality import Normality
 from .outcome import Outcome, worst
 from .run_blocks import Allan, Correlation, Drift, RunSkew
+from .sequential import LookVerdict
 from .settings import Settings
 from .stationarity import Stationarity
+from .validity import Finding, worst_effect
 from .version import VERSION
 
 __all__ = ['Campaign', 'PairingFigures', 'plain', 'RunVerdict', 'SCHEMA', 'Verdict']
 
-SCHEMA = 'heading_intercompare/verdict/1'
+SCHEMA = 'heading_intercompare/verdict/2'
 
 
 def plain(value: Any) -> Any:
@@ -113,6 +117,11 @@ class RunVerdict:
     total_error: TotalError
     outcome: Outcome
     reason: str
+    headline: str
+    validity: Sequence[Finding]
+    validity_effect: str
+    coverage: Coverage
+    looks: Sequence[LookVerdict]
     paper_outcome: Outcome
     guarded: Guarded
     skew: RunSkew
@@ -183,6 +192,10 @@ class Verdict:
     ----------
     outcome : Outcome
         The guarded decision by `campaign.rule`.
+    headline : str
+        The same in one line, with what binds it and what it covers.
+    validity_effect : {'holds', 'doubtful', 'void'}
+        The gravest effect of a finding in any run.
     paper_outcome : Outcome
         GK as printed, worst of runs.
     settings : Settings
@@ -194,6 +207,8 @@ class Verdict:
     """
 
     outcome: Outcome
+    headline: str
+    validity_effect: str
     paper_outcome: Outcome
     settings: Settings
     inputs: Sequence[Mapping[str, Any]]
@@ -202,16 +217,22 @@ class Verdict:
 
     @classmethod
     def of(cls, runs: Sequence[RunVerdict], outcome: Outcome, campaign: Campaign,
-           settings: Settings, inputs: Sequence[Mapping[str, Any]]) -> 'Verdict':
+           coverage: Coverage | None, settings: Settings,
+           inputs: Sequence[Mapping[str, Any]]) -> 'Verdict':
         """Return the verdict on runs and on what they say together."""
-        return cls(outcome, worst(r.paper_outcome for r in runs), settings, tuple(inputs),
-                   campaign, tuple(runs))
+        findings = [f if len(runs) == 1 else replace(f, words=f'run {r.run}: {f.words}')
+                    for r in runs for f in r.validity]
+        return cls(outcome, headline(outcome, findings, coverage), worst_effect(findings),
+                   worst(r.paper_outcome for r in runs), settings, tuple(inputs), campaign,
+                   tuple(runs))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the verdict as plain dictionaries and lists, ready for JSON."""
         return {
             'schema': SCHEMA,
             'outcome': self.outcome.value,
+            'headline': self.headline,
+            'validity_effect': self.validity_effect,
             'paper_outcome': self.paper_outcome.value,
             'software': {'name': 'heading_intercompare', 'version': VERSION},
             'settings': plain(self.settings.to_mapping()),
