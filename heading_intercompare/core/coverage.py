@@ -83,6 +83,8 @@ class Coverage:
 
     Attributes
     ----------
+    span_s : float
+        Length of the record, seconds.
     longest_s : float
         Slowest errors for which the risks hold: a twentieth of the record; seconds.
     stated_s : float or None
@@ -94,6 +96,7 @@ class Coverage:
 
     """
 
+    span_s: float
     longest_s: float
     stated_s: float | None
     least_duration_s: float
@@ -171,4 +174,4 @@ def least_duration_s(risk: Risk) -> float:
 def coverage_of(span_s: float, risk: Risk, *, by_run_means: bool = False) -> Coverage:
     """Return what a record of this length covers."""
     longest = math.inf if by_run_means else span_s / LEAST_TIMES
-    return Coverage(longest, slowest_error_s(risk), least_duration_s(risk), by_run_means)
+    return Coverage(span_s, longest, slowest_error_s(risk), least_duration_s(risk), by_run_means)
