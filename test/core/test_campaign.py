@@ -97,8 +97,15 @@ def test_too_many_extreme_differences_of_all_runs_reject(rng):
 
 def test_the_lengths_of_the_runs_add_up(rng):
     runs = white(rng, 5)
-    assert concluded(runs, Risk(min_duration_s=10_000.0))[0] is GOOD
-    assert concluded(runs, Risk(min_duration_s=10_000.1)) == (OPEN, 'insufficient_duration')
+    assert concluded(runs, Risk(min_duration_s=10_000.0), 'C')[0] is GOOD
+    assert concluded(runs, Risk(slowest_error_s=500.1), 'C') == (OPEN, 'insufficient_duration')
+
+
+def test_the_means_of_five_runs_stand_in_for_length(rng):
+    """In variant B they show whatever is slower than a run, so no length is asked for."""
+    runs = white(rng, 5)
+    assert concluded(runs, Risk(min_duration_s=10_000.1))[0] is GOOD
+    assert concluded(runs[:4], Risk(min_duration_s=10_000.1)) == (OPEN, 'insufficient_duration')
 
 
 def test_a_total_error_out_of_its_norm_keeps_the_sensor_open(rng):
@@ -193,6 +200,7 @@ def test_runs_too_short_are_not_among_the_five(rng):
 def settings(**names):
     return Settings.from_mapping({
         'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1, 'norms.m_low': 0.0,
+        'risk.min_duration_s': 0.0,
         **{k.replace('__', '.'): v for k, v in names.items()}})
 
 
@@ -245,6 +253,18 @@ def test_a_total_error_of_one_run_keeps_the_sensor_open(rng):
     found = analyze([ts[0], moved], rs, settings(**given))
     assert (found.outcome, found.campaign.reason) == (OPEN, 'total_error_not_within_norm')
     assert analyze(ts, rs, settings(**given)).outcome is GOOD
+
+
+@pytest.mark.parametrize('rule', ['every_run', 'sensor'])
+def test_a_void_run_leaves_the_campaign_open_unless_the_others_reject(rule, rng):
+    """A TS 90 degrees off is no measurement, and takes no part in the shared variance."""
+    ts, rs = inputs(rng, [0.2] * 3)
+    ts[1] = Headings.of(ts[1].stamp_ns, (ts[1].heading_deg + 90.0) % 360.0)
+    found = analyze(ts, rs, settings(campaign__rule=rule))
+    assert (found.outcome, found.campaign.reason) == (OPEN, 'a_run_void')
+    assert found.campaign.sensor.runs == 2
+    worse = analyze(ts, rs, settings(campaign__rule=rule, norms__sigma_max_deg=0.1))
+    assert worse.outcome is BAD
 
 
 @pytest.mark.parametrize('rule', ['every_run', 'sensor'])

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 import math
 
 import numpy as np
@@ -41,6 +41,10 @@ count_outcome outcome reason
 """.split()
 
 
+ANY = Risk(min_duration_s=0.0)
+"""Risks where a run may be as short as it likes."""
+
+
 def limits_of(sigma=1.0, ref=0.5, m_low=0.9, m_up=1.0, p=0.997, factor=1.0):
     return Limits.of(Norms(sigma_max_deg=sigma, sigma_ref_max_deg=ref, m_low=m_low, m_up=m_up,
                            probability=p), 'NN', factor)
@@ -49,7 +53,7 @@ def limits_of(sigma=1.0, ref=0.5, m_low=0.9, m_up=1.0, p=0.997, factor=1.0):
 def judged(x, limits=None, risk=None, span_s=None, **given):
     """Return the decision on differences, counts made about their mean."""
     x = np.asarray(x, dtype=np.float64)
-    limits, risk = limits or limits_of(), risk or Risk()
+    limits, risk = limits or limits_of(), risk or ANY
     deviation = np.abs(x - x.mean()) if x.size else x
     evidence = evidence_of(
         Cells.of(x), n_plus=int(np.sum(deviation > limits.count_limit_deg)),
@@ -79,7 +83,7 @@ def test_the_fields_are_the_keys_of_the_json():
 
 
 def test_all_reasons_are_codes_with_words():
-    assert len(REASONS) == 7
+    assert len(REASONS) == 8
     assert all(text and code == code.lower() for code, text in REASONS.items())
 
 
@@ -101,6 +105,28 @@ def test_lower_bound_above_the_rejection_limit_does_not_comply(rng):
     assert got.outcome is Outcome.NON_COMPLIANT
     assert got.reason == 'lower_bound_above_rejection_limit'
     assert got.confidence_non_compliant >= 0.95
+
+
+def test_a_run_is_as_long_as_its_slowest_error_asks():
+    """Twenty times 100 s; 600 s where nothing is stated. How much longer is said."""
+    x = scaled(np.random.default_rng(1).standard_normal(20_000), 1.0)
+    for risk, least_s in ((Risk(), 600.0), (Risk(slowest_error_s=100.0), 2000.0),
+                          (Risk(slowest_error_s=1.0, min_duration_s=50.0), 50.0)):
+        short, long = (judged(x, risk=risk, span_s=s) for s in (0.5 * least_s, least_s))
+        assert short.reason == 'insufficient_duration' and long.outcome is Outcome.COMPLIANT
+        assert short.duration_factor == pytest.approx(2.0)
+        assert short.hours_needed == pytest.approx(least_s / 3600.0)
+        assert long.duration_factor == 1.0
+
+
+def test_a_drift_left_in_that_may_break_the_norm_by_itself_does_not_comply(rng):
+    """D = 1.0 and A = 1.2025: a bound of the drift of 0.2 leaves room, one of 0.21 does not."""
+    x = scaled(rng.standard_normal(20_000), 1.0)
+    assert judged(x, drift_left_deg2=0.2).outcome is Outcome.COMPLIANT
+    got = judged(x, drift_left_deg2=0.21)
+    assert (got.outcome, got.reason) == (Outcome.INDETERMINATE, 'drift_left_in')
+    bad = judged(scaled(x, 1.5), drift_left_deg2=9.0)
+    assert bad.outcome is Outcome.NON_COMPLIANT
 
 
 def test_a_variance_above_its_limit_within_its_own_error_stays_open(rng):
@@ -156,7 +182,7 @@ def test_a_slow_error_far_above_the_limit_is_rejected():
 def test_figures_follow_from_the_spread(rng):
     x = 0.4 + ar1(1, 20_000, 5.0, rng)[0]
     limits = limits_of(factor=2.0 / 3.0)
-    risk = Risk(alpha_consumer=0.02, alpha_producer=0.1, count_share=0.25)
+    risk = replace(ANY, alpha_consumer=0.02, alpha_producer=0.1, count_share=0.25)
     got = judged(x, limits, risk, offset_u_deg=0.05)
     s = spread(Cells.of(x))
     assert (got.d_hat_deg2, got.nu, got.f, got.corner_j) == (s.d_deg2, s.nu, s.f, s.corner_j)
@@ -197,8 +223,8 @@ def test_chunks_say_the_same_as_the_whole(rng):
     for lo in range(0, 5000, 777):
         parts.update(x[lo:lo + 777])
     limits = limits_of()
-    assert decide(evidence_of(parts, **given), limits, Risk()) == \
-        decide(evidence_of(Cells.of(x), **given), limits, Risk())
+    assert decide(evidence_of(parts, **given), limits, ANY) == \
+        decide(evidence_of(Cells.of(x), **given), limits, ANY)
 
 
 def test_residuals_of_a_polynomial_lose_its_degrees_of_freedom(rng):
@@ -233,7 +259,7 @@ def evidence(n_plus, n_plus_plus, rng, n=200_000):
     (620, 640, Outcome.INDETERMINATE), (800, 900, Outcome.NON_COMPLIANT)])
 def test_counts_decide_with_their_bounds(n_plus, n_plus_plus, outcome, rng):
     """600 of 200 000 is the rate allowed; its standard error is at least 24."""
-    got = decide(evidence(n_plus, n_plus_plus, rng), limits_of(), Risk())
+    got = decide(evidence(n_plus, n_plus_plus, rng), limits_of(), ANY)
     assert got.count_outcome is outcome
     assert (got.rate_plus, got.rate_plus_plus) == (n_plus / 2e5, n_plus_plus / 2e5)
     assert got.rate_plus_lower <= got.rate_plus and got.rate_plus_plus_upper > got.rate_plus_plus
@@ -243,7 +269,7 @@ def test_correlation_widens_the_bounds_of_counts(rng):
     """The same rates in 16 384 samples: white, and with two hundred per correlation time."""
     white, slow = rng.standard_normal(16_384), ar1(1, 16_384, 30.0, rng)[0]
     given = {'n_plus': 80, 'n_plus_plus': 90, 'span_s': 1e4, 'mean_deg': 0.0}
-    a, b = (decide(evidence_of(Cells.of(x), **given), limits_of(), Risk())
+    a, b = (decide(evidence_of(Cells.of(x), **given), limits_of(), ANY)
             for x in (white, slow))
     assert a.rate_plus_lower > 2.0 * b.rate_plus_lower
     assert b.rate_plus_plus_upper - b.rate_plus_plus > \
@@ -340,7 +366,7 @@ def test_less_risk_never_turns_a_verdict_over(rng):
     rank = {Outcome.COMPLIANT: 1, Outcome.INDETERMINATE: 0, Outcome.NON_COMPLIANT: -1}
     for variance in (0.9, 1.1, 1.2, 1.3, 1.6):
         x = scaled(rng.standard_normal(2000), variance)
-        ranks = [rank[judged(x, risk=Risk(alpha_consumer=a, alpha_producer=a)).outcome]
+        ranks = [rank[judged(x, risk=replace(ANY, alpha_consumer=a, alpha_producer=a)).outcome]
                  for a in (0.3, 0.05, 0.001, 1e-6)]
         assert len({r for r in ranks if r}) <= 1
         assert np.all(np.diff(np.abs(ranks)) <= 0)
