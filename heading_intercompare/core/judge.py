@@ -296,7 +296,7 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
     risk = risk_at_the_end(settings)
     sound = [r for r in results if r.verdict.validity_effect != VOID]
     shared = together([r.evidence for r in sound], [r.limits for r in sound], risk,
-                      settings.variant)
+                      settings.variant, _apart_s([r.verdict for r in sound]))
     if settings.campaign.rule == 'sensor':
         met = all(r.printed.total.outcome in (None, Outcome.COMPLIANT) for r in results)
         outcome, reason = conclude_sensor(shared, [r.limits for r in results], met, risk)
@@ -312,3 +312,10 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
         outcome, reason = Outcome.INDETERMINATE, 'a_run_void'
     verdicts = [r.verdict for r in results]
     return outcome, coverage, Campaign.of(verdicts, runs, settings.campaign.rule, reason, shared)
+
+
+def _apart_s(runs: Sequence[RunVerdict]) -> float:
+    """Return the shortest time from the end of a run to the start of the next, seconds."""
+    spans = sorted((run.start_ns, run.end_ns) for run in runs)
+    return min((after[0] - before[1] for before, after in zip(spans, spans[1:])),
+               default=math.inf) / 1e9

@@ -27,7 +27,7 @@ SKEWED = Skew(5000, rs_rate_std_deg_s=0.5, rate_std_deg_s=0.5, strength=400.0, s
               std_deg=0.2, std_aligned_deg=0.13)
 STEADY = Stationarity(20, 30.0, 0.3, 0.7, -0.2, 0.8, 0.1, 11, 0.6)
 WARM = WarmUp(0.0, 1.0, 300.0, 0.02, 1173.6, True, 3600.0)
-LINE = Slope(0.1, 0.0, 0.02, 0.05, 4.0, 0.1)
+LINE = Slope(0.1, 0.0, 0.02, 0.05, (-0.02, 0.22), 4.0, 0.1)
 NOT_ROUND = HeadingDependence(5000, 'headings_too_narrow', 300.0, 1e6)
 TWO = SameSource(False, 0.1, 0.03)
 
