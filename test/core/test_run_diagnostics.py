@@ -17,6 +17,7 @@ import pytest
 from heading_intercompare.core.alignment import Skew
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.assumptions import Assumption, MET, NOT_TESTABLE, VIOLATED
+from heading_intercompare.core.campaign import Together
 from heading_intercompare.core.cells import Cells
 from heading_intercompare.core.criteria import Limits
 from heading_intercompare.core.detectors import StampSteps
@@ -214,7 +215,7 @@ BLOCKS = {'skew': RunSkew, 'skew.estimate': Skew, 'skew.scan': Scan, 'drift': Dr
           'normality.difference': Shape, 'stationarity': Stationarity,
           'correlation': Correlation, 'correlation.stamps': StampSteps, 'allan': Allan,
           'allan.reference_noise': ReferenceNoise, 'assumptions': Assumption,
-          'homogeneity': Homogeneity}
+          'homogeneity': Homogeneity, 'sensor': Together}
 
 
 @pytest.mark.parametrize('name', BLOCKS)
