@@ -112,8 +112,8 @@ def _analyze_csv(path: str, name: str, settings: Settings,
         for stream in ('ts', 'rs'):
             ledger.add(f'{stream}_rejected.stamp_not_increasing', pairs.stamp_ns[~rises])
         pairs = pairs[rises]
-        ledger.add('paired', pairs.stamp_ns)
-        ledger.add('rs_used', pairs.stamp_ns)
+        for key in ('paired', 'ts_paired', 'rs_used'):
+            ledger.add(key, pairs.stamp_ns)
         if len(pairs):
             newest_ns = int(pairs.stamp_ns[-1])
         compliance.update(pairs)

@@ -101,7 +101,7 @@ def look_at(run: RunSeries, look: Look, settings: Settings) -> EarlyVerdict | No
     """
     if look.index == settings.sequential.looks - 1:
         return None
-    limits = Limits.of(settings.norms, settings.model, run.rs_variance_factor)
+    limits = run.limits(settings.norms, settings.model)
     printed = _printed_so_far(run, limits, settings)
     evidence = _evidence(run.x_deg.values, settings.risk.method, printed, run.span_s, settings)
     outcome, reason = conclude(decide(evidence, limits, look.risk), printed)

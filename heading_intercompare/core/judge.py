@@ -43,7 +43,8 @@ class RunResult:
     def with_pairing(self, share: LedgerSegment, warnings: Sequence[str] = ()) -> 'RunResult':
         """Return the result with its share of the pairing ledger."""
         old = self.verdict.pairing
-        pairing = PairingFigures.of(share, old.mean_lag_s, old.max_lag_s, old.rs_variance_factor)
+        pairing = PairingFigures.of(share, old.mean_lag_s, old.max_lag_s,
+                                    old.rs_variance_factor, old.ts_variance_factor)
         return replace(self, verdict=replace(
             self.verdict, pairing=pairing, warnings=(*self.verdict.warnings, *warnings)))
 
@@ -93,8 +94,7 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str,
     GK (4)-(7); ``docs/verdict.md`` for the guarded decision.
 
     """
-    factor = run.rs_variance_factor
-    limits = Limits.of(settings.norms, settings.model, 1.0 if factor is None else factor)
+    limits = run.limits(settings.norms, settings.model)
     data = analysed(run, limits, settings)
     moments = data.moments
     n = moments.n
@@ -114,7 +114,8 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str,
     verdict = RunVerdict(
         run=number, source=source, start_ns=run.start_ns, end_ns=run.end_ns,
         duration_s=(run.end_ns - run.start_ns) / 1e9,
-        pairing=PairingFigures.of(LedgerSegment(None), run.mean_lag_s, run.max_lag_s, factor),
+        pairing=PairingFigures.of(LedgerSegment(None), run.mean_lag_s, run.max_lag_s,
+                                  run.rs_variance_factor, run.ts_variance_factor),
         n_input=run.n_input, n_invalid=run.n_invalid,
         n_stabilization=run.n_stabilization + data.n_left_out, n=n,
         mean_deg=moments.mean_deg if n else None,

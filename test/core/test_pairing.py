@@ -18,11 +18,11 @@ from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 
 S = 1_000_000_000
-METHODS = ['interpolate', 'nearest']
+METHODS = ['auto', 'interpolate', 'interpolate_ts', 'nearest']
 
 
 def rules(method='interpolate', **more):
-    names = {'gap_s': 'runs.gap_s'}
+    names = {'gap_s': 'runs.gap_s', 'skew_s': 'alignment.skew_s'}
     mapping = {names.get(k, f'pairing.{k}'): v for k, v in more.items()}
     return Settings.from_mapping({'pairing.method': method, **mapping})
 
@@ -92,6 +92,17 @@ def test_interpolated_pairs_are_those_of_the_slow_way(ts, rs):
     assert pairs.ts_deg.tolist() == [h for _, h, _ in slow]
 
 
+@given(streams, streams)
+def test_a_ts_put_onto_the_rs_is_the_rs_put_onto_the_ts_with_names_exchanged(ts, rs):
+    pairs, ledger = pair(ts, rs, rules('interpolate_ts', max_gap_s=1.5))
+    other, exchanged = pair(rs, ts, rules('interpolate', max_gap_s=1.5))
+    assert pairs == Pairs(other.stamp_ns, other.rs_deg, other.ts_deg, other.lag_ns,
+                          other.ts_variance_factor, other.rs_variance_factor)
+    counts, others = ledger.total.counts, exchanged.total.counts
+    assert counts.get('rs_used', 0) == others.get('ts_paired', 0) == len(pairs)
+    assert counts.get('ts_paired', 0) + counts.get('ts_used', 0) == others.get('rs_used', 0)
+
+
 @given(streams, streams, st.sampled_from([0.0, 0.25, 1.0, 5.0]))
 def test_nearest_pairs_are_those_of_the_slow_way(ts, rs, tolerance_s):
     pairs, _ = pair(ts, rs, rules('nearest', tolerance_s=tolerance_s))
@@ -113,8 +124,7 @@ def test_the_ledger_accounts_for_every_reading(method, ts, rs):
         for reason, n in reasons.items():
             assert counts[f'{name}_rejected.{reason}'] == n
         booked = sum(n for key, n in counts.items()
-                     if key == {'ts': 'paired', 'rs': 'rs_used'}[name]
-                     or (key.startswith(name) and 'rejected' not in key and key != 'rs_used'))
+                     if key.startswith(f'{name}_') and 'rejected' not in key)
         assert booked == len(kept)
 
 
@@ -122,8 +132,10 @@ def test_the_ledger_accounts_for_every_reading(method, ts, rs):
 @hypothesis_settings(max_examples=60)
 @given(ts=sorted_streams, rs=sorted_streams, data=st.data())
 def test_chunks_and_order_of_arrival_do_not_matter(method, ts, rs, data):
-    whole, ledger = pair(ts, rs, rules(method, tolerance_s=0.3, gap_s=5.0))
-    pairer = Pairer(rules(method, tolerance_s=0.3, gap_s=5.0))
+    # Streams of up to 80 s: several stretches, each watched for 4 s.
+    some = rules(method, tolerance_s=0.3, gap_s=5.0, auto_s=4.0)
+    whole, ledger = pair(ts, rs, some)
+    pairer = Pairer(some)
     chunks, at = [], {'ts': 0, 'rs': 0}
     streams_ = {'ts': ts, 'rs': rs}
     while at['ts'] < len(ts) or at['rs'] < len(rs):
@@ -242,8 +254,9 @@ def test_a_silence_of_the_pairs_divides_the_ledger():
     _, ledger = pair(ts, rs, rules(gap_s=60.0))
     first, second = ledger.segments
     assert second.start_ns == 100 * S
-    assert first.counts == {'paired': 2, 'ts_unpaired': 1, 'rs_used': 2, 'rs_unused': 2}
-    assert second.counts == {'paired': 2, 'rs_used': 2}
+    assert first.counts == {'paired': 2, 'ts_paired': 2, 'ts_unpaired': 1, 'rs_used': 2,
+                            'rs_unused': 2}
+    assert second.counts == {'paired': 2, 'ts_paired': 2, 'rs_used': 2}
 
 
 def test_a_ledger_survives_its_segments():
