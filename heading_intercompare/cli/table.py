@@ -7,7 +7,12 @@ from __future__ import annotations
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.report.wording import NO_RUN, unjudged, utc
-from heading_intercompare.report.words import OUTCOME_WORDS, REASON_WORDS
+from heading_intercompare.report.words import (
+    CAMPAIGN_WORDS,
+    EFFECT_WORDS,
+    OUTCOME_WORDS,
+    REASON_WORDS,
+)
 
 __all__ = ['verdict_text']
 
@@ -93,8 +98,9 @@ def verdict_text(verdict: Mapping[str, Any]) -> str:
 
     """
     settings, runs = verdict['settings'], verdict['runs']
-    lines = [f'VERDICT: {OUTCOME_WORDS[verdict["outcome"]]}'
-             f'   (GK as printed: {OUTCOME_WORDS[verdict["paper_outcome"]]})']
+    campaign = verdict['campaign']
+    lines = [f'VERDICT: {verdict["headline"]}',
+             f'GK as printed: {OUTCOME_WORDS[verdict["paper_outcome"]]}']
     norm = (f'by {settings["norms.preset"]}' if settings['norms.preset'] is not None
             else f'{settings["norms.sigma_max_deg"]:g} deg')
     lines.append(f'norms: sigma_max {norm}, sigma_ref_max '
@@ -107,9 +113,15 @@ def verdict_text(verdict: Mapping[str, Any]) -> str:
         lines += ['', *_table(runs[first:first + _COLUMNS])]
     lines.append('')
     several = len(verdict['inputs']) > 1
+    if len(runs) > 1:
+        lines.append(f'together ({campaign["rule"]}): {CAMPAIGN_WORDS[campaign["reason"]]}')
     for run in runs:
         of = f' of {run["source"]}' if several else ''
         lines.append(f'run {run["run"]}{of}: {REASON_WORDS.get(run["reason"], run["reason"])}')
+        lines += [f'  {EFFECT_WORDS[found["effect"]]}: {found["evidence"]}'
+                  for found in run['validity'] if found['effect'] in ('doubtful', 'void')]
+        lines += [f'  look {look["look"]} of {look["looks"]} at {look["span_s"]:.0f} s: '
+                  f'{OUTCOME_WORDS[look["outcome"]]}' for look in run['looks']]
         lines += [f'  warning: {warning}' for warning in run['warnings']]
     reasons = [f'not judged: {given["path"]}: {why}' for given in verdict['inputs']
                if (why := unjudged(given))]

@@ -331,13 +331,15 @@ def total_error(mean_deg: float | None, variance_deg2: float | None, limits: Lim
         Mean and variance of the differences; None with too few of them.
     limits : Limits
     norms : Norms
-        `probability`, `k_total_rule` and `total_error_max_deg` are used.
+        `probability`, `k_rule`, `k_total_rule` and `total_error_max_deg` are used.
     model : {'NN', 'UN', 'NU', 'UU'}
 
     Notes
     -----
     A variance of the differences below that of the RS gives a TS standard deviation of 0. For
-    the wide limits an interpolated TS has had errors larger by the root of its factor.
+    the wide limits an interpolated TS has had errors larger by the root of its factor. The
+    rule of K is that of the counts: a number is taken as it is, 'three' is 3 where the law that K
+    belongs to is normal.
 
     References
     ----------
@@ -352,6 +354,11 @@ def total_error(mean_deg: float | None, variance_deg2: float | None, limits: Lim
     def sigma_and_k(m: float, ts_variance_factor: float) -> tuple[float, float]:
         ref = m * limits.sigma_ref_max_deg
         sigma = math.sqrt(max(0.0, variance_deg2 - ref ** 2) / ts_variance_factor)
+        rule = norms.k_rule
+        if isinstance(rule, float):
+            return sigma, rule
+        if rule == 'three' and (model == 'NN' or norms.k_total_rule == 'ts' and model[0] == 'N'):
+            return sigma, 3.0
         if norms.k_total_rule == 'ts':
             return sigma, ts_factor(model, norms.probability)
         ratio = ref / sigma if sigma > 0.0 else math.inf

@@ -9,15 +9,15 @@ from typing import Any, Callable, Iterable, Mapping, Sequence
 from .columns import Keep
 from .criteria import Limits
 from .difference import difference
-from .early import EarlyVerdict, figures, look_at
-from .judge import compare_runs, judge, RunResult
+from .figures import figures
+from .judge import compare_runs, conclude_campaign, judge, look_at, RunResult
 from .ledger import Ledger, LedgerSegment
 from .pairing import Pairer
 from .records import Headings, Pairs
 from .rolling import Rolling
 from .run_series import RunSeries
 from .runs import RunCutter
-from .sequential import Look
+from .sequential import Look, LookVerdict, standing
 from .settings import Settings
 from .verdict import Verdict
 
@@ -64,7 +64,7 @@ class Compliance:
         self._cutter = RunCutter(settings.runs, table)
         self._run: RunSeries | None = None
         self._run_key: int | None = None
-        self._early: EarlyVerdict | None = None
+        self._looks: list[LookVerdict] = []
         self._finished: list[tuple[RunResult, int]] = []
         self._n_short = 0
         self._rolling = Rolling(settings.window_s)
@@ -89,36 +89,39 @@ class Compliance:
         """Start or stop a run behind the pair of a stamp; see `RunCutter.mark`."""
         if self._cutter.mark(kind, stamp_ns):
             self._finished.clear()
-            self._run = self._run_key = self._early = None
+            self._run = self._run_key = None
+            self._looks = []
         self._end_run_if_cut()
 
     def finish(self) -> None:
         """End the run in progress and judge it."""
         self._end_run()
 
-    def _look(self, run: RunSeries, look: Look) -> None:
-        """Let a look decide on the run in progress, unless an earlier one has."""
-        if self._early is None:
-            self._early = look_at(run, look, self.settings)
+    def _look(self, run: RunSeries, look: Look, looks: int) -> None:
+        """Judge the run in progress; the last look of a plan is the end of the run."""
+        if look.index < looks - 1:
+            self._looks.append(look_at(run, look, looks, self.settings))
 
     @property
-    def early(self) -> EarlyVerdict | None:
-        """What a look has decided on the run in progress; it stands."""
-        return self._early
+    def early(self) -> LookVerdict | None:
+        """What the looks at the run in progress leave standing; None before one decides."""
+        return standing(self._looks)
 
     def _end_run_if_cut(self) -> None:
         if self._run is not None and self._cutter.current != self._run_key:
             self._end_run()
 
     def _end_run(self) -> None:
-        run, early = self._run, self._early
-        self._run = self._run_key = self._early = None
+        run, looks = self._run, self._looks
+        self._run = self._run_key = None
+        self._looks = []
         if run is None or run.start_ns is None:
             return
         if run.end_ns - run.start_ns < round(self.settings.runs.min_duration_s * 1e9):
             self._n_short += 1
             return
-        result = judge(run, self.settings, len(self._finished) + 1, self._source, early)
+        result = judge(run, self.settings, len(self._finished) + 1, self._source,
+                       looks=looks)
         self._limits = result.limits
         self._finished.append((result, run.cut_ns))
 
@@ -202,9 +205,9 @@ def join(results: Sequence[RunResult], settings: Settings,
     """
     runs = compare_runs(results)
     results = [r.among(at + 1, runs) for at, r in enumerate(results)]
-    return Verdict.of([r.verdict for r in results],
-                      [r.outcome_among(len(results), settings) for r in results],
-                      settings, tuple(inputs), runs)
+    verdicts = [r.verdict for r in results]
+    outcome, coverage, campaign = conclude_campaign(results, runs, settings)
+    return Verdict.of(verdicts, outcome, campaign, coverage, settings, tuple(inputs))
 
 
 class Intercomparison:

@@ -8,10 +8,10 @@ from typing import Callable
 
 import numpy as np
 
+from .cells import Cells
 from .columns import Column, Keep, Tails
 from .criteria import Limits
 from .difference import difference
-from .dyadic import Dyadic
 from .records import Differences, Pairs
 from .sequential import Look, Looks
 from .settings import Norms, Settings
@@ -31,8 +31,8 @@ class RunSeries:
     settings : Settings
         Installation offset, wrap centre, stabilisation and plan of looks are used.
     on_look : callable, optional
-        ``on_look(run, look)`` is called when a look is due, with the run holding just the
-        differences that belong to it.
+        ``on_look(run, look, looks)`` is called when one of so many looks is due, with the run
+        holding just the differences that belong to it.
     keep : Keep, optional
         Where full pages of the columns go; see `Column`.
 
@@ -54,7 +54,7 @@ class RunSeries:
     """
 
     def __init__(self, cut_ns: int, settings: Settings,
-                 on_look: Callable[['RunSeries', Look], None] | None = None,
+                 on_look: Callable[['RunSeries', Look, int], None] | None = None,
                  keep: Keep | None = None) -> None:
         self.cut_ns = cut_ns
         self.start_ns: int | None = None
@@ -69,7 +69,7 @@ class RunSeries:
         rule = settings.runs.stabilization_s
         self._stabilization_ns = 0 if rule == 'auto' else round(rule * 1e9)
         self._moments = Moments()
-        self._blocks = Dyadic()
+        self._cells = Cells()
         plan = settings.sequential
         self._on_look = on_look
         self._looks = None if plan.plan_s is None or on_look is None else Looks(
@@ -101,7 +101,7 @@ class RunSeries:
             lo = 0
             for hi, look in self._due(x.stamp_ns):
                 self._append(x[lo:hi], pairs[lo:hi])
-                self._on_look(self, look)
+                self._on_look(self, look, len(self._looks.plan))
                 lo = hi
             self._append(x[lo:], pairs[lo:])
         return x
@@ -119,7 +119,7 @@ class RunSeries:
         self.x_deg.append(x.x_deg)
         self.rs_deg.append(pairs.rs_deg)
         self._moments += Moments.of(x.x_deg)
-        self._blocks.update(x.x_deg)
+        self._cells.update(x.x_deg, x.stamp_ns)
         self._lag_sum_ns += int(pairs.lag_ns.sum())
         self._lag_max_ns = max(self._lag_max_ns, int(np.abs(pairs.lag_ns).max()))
         self._factor_sum += float(pairs.rs_variance_factor.sum())
@@ -129,9 +129,9 @@ class RunSeries:
         """Return the moments of the analysed differences so far."""
         return self._moments
 
-    def blocks(self) -> Dyadic:
-        """Return block summaries of the analysed differences so far."""
-        return self._blocks
+    def cells(self) -> Cells:
+        """Return the analysed differences so far, summed up over cells."""
+        return self._cells
 
     def count_outside(self, center_deg: float, limit_deg: float) -> int:
         """Return how many analysed differences deviate from the centre by more."""
