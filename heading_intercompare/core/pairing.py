@@ -325,9 +325,9 @@ class Pairer:
             late = (stream.came_s < before_s) & (stream.stamp_ns <= before_ns)
             if self._method != 'nearest' or stream is self._rs:
                 # What the other sensor has come up to waits for nothing but a choice, and with it
-                # the end of the last bracket.
+                # the reading that ends the last bracket.
                 come = int(np.searchsorted(stream.stamp_ns, other.last_ns, side='right'))
-                late[:come + is_open] = False
+                late[:come + 1 if is_open and come else come] = False
             late = np.flatnonzero(late)
             if late.size:
                 if self._direction:

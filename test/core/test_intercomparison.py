@@ -217,12 +217,25 @@ def test_the_figures_of_the_run_in_progress_are_those_at_its_end(rng):
 
 def test_interpolation_is_taken_into_account(rng):
     ts, rs = sensors(rng, ts_rate_hz=10.0, rs_rate_hz=1.0)
-    (run,) = analyze(ts, rs, settings(norms__m_low=0.9)).runs
+    (run,) = analyze(ts, rs, settings(norms__m_low=0.9, pairing__method='interpolate')).runs
     factor = run.pairing.rs_variance_factor
     assert factor == pytest.approx(np.mean([(1 - w) ** 2 + w ** 2 for w in
                                             np.arange(10) / 10]), rel=1e-3)
     assert run.variance_criterion.tightened_limit_deg2 == pytest.approx(
         0.3 ** 2 + factor * 0.9 ** 2 * 0.1 ** 2)
+    # The TS put onto the stamps of the RS: each of these meets a reading of the TS.
+    (run,) = analyze(ts, rs, settings(norms__m_low=0.9)).runs
+    assert (run.pairing.rs_variance_factor, run.pairing.ts_variance_factor) == (1.0, 1.0)
+    assert (run.pairing.paired, run.pairing.ts_paired, run.pairing.ts_used) == (300, 300, 0)
+    # With stamps of its own it lies between two, halfway: 0.5^2 + 0.5^2 of its noise are left.
+    late = Headings.of(ts.stamp_ns + 50_000_000, ts.heading_deg)
+    (run,) = analyze(late, rs, settings(norms__m_low=0.9)).runs
+    assert run.pairing.ts_variance_factor == pytest.approx(0.5)
+    assert (run.pairing.paired, run.pairing.ts_paired, run.pairing.ts_used) == (299, 0, 598)
+    assert run.pairing.ts_received == 598 + run.pairing.ts_unpaired
+    assert run.variance_criterion.tightened_limit_deg2 == pytest.approx(
+        0.5 * 0.3 ** 2 + 0.9 ** 2 * 0.1 ** 2)
+    assert run.variance_criterion.limit_deg2 == pytest.approx(0.3 ** 2 + 0.1 ** 2)
 
 
 def test_no_input_at_all_is_indeterminate():
