@@ -18,7 +18,6 @@ estimate is above 0.06, or by two standard errors above 0.05.
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
 import math
 import sys
 from typing import Iterator
@@ -108,15 +107,19 @@ def acceptance(ts_hz: float, rs_hz: float, errors, replications: int,
         ts = headings(t_s, 10.0 + NORM_DEG * errors(t_s.size, 1.0 / ts_hz, rng))
         t_s = times_s(rs_hz, span_s, rng)
         rs = headings(t_s, 10.0 + M_LOW * REF_DEG * rng.standard_normal(t_s.size))
+        before = None
         for method in ('interpolate_ts', 'auto'):
             settings = Settings.from_mapping({**NORMS, 'pairing.method': method})
             pairs, _ = pair(ts, rs, settings)
-            count[method] += accepts(figures(pairs, settings))
-            if method == 'auto':
-                count['factor'] += float(pairs.ts_variance_factor.mean())
-            else:
-                plain = replace(pairs, ts_variance_factor=np.ones(len(pairs)))
-                count['unfactored'] += accepts(figures(plain, settings))
+            if before is None or pairs != before:
+                found = figures(pairs, settings)
+            count[method] += accepts(found)
+            factor = float(pairs.ts_variance_factor.mean())
+            if before is None:
+                limit_deg2 = found['acceptance_limit_deg2'] + (1.0 - factor) * NORM_DEG ** 2
+                count['unfactored'] += found['upper_bound_deg2'] <= limit_deg2
+            before = pairs
+        count['factor'] += factor
     return {name: n / replications for name, n in count.items()}
 
 

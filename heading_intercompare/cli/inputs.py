@@ -22,9 +22,9 @@ from heading_intercompare.core.analysis import aligned
 from heading_intercompare.core.intercomparison import Compliance, Intercomparison
 from heading_intercompare.core.judge import RunResult
 from heading_intercompare.core.ledger import Ledger
-from heading_intercompare.core.pairing import rising
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.stream import rising
 
 __all__ = ['analyze_input', 'sha256']
 

@@ -16,121 +16,9 @@ from .direction import Direction
 from .ledger import Ledger
 from .records import Headings, Pairs
 from .settings import Settings
+from .stream import BRACKET, NEVER, PAIRED, Stream
 
-__all__ = ['pair', 'Pairer', 'rising']
-
-_NEVER = np.iinfo(np.int64).min
-
-
-def rising(stamp_ns: np.ndarray, newest_ns: int | None = None) -> np.ndarray:
-    """
-    Tell which stamps are above all before them; the others are to be rejected.
-
-    Parameters
-    ----------
-    stamp_ns : ndarray of int64, shape (n,)
-        Stamps in the order in which they came, nanoseconds.
-    newest_ns : int, optional
-        Largest stamp accepted before.
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-
-    Examples
-    --------
-    >>> rising(np.array([3, 3, 2, 4]), 1).tolist()
-    [True, False, False, True]
-
-    """
-    before = np.concatenate(([_NEVER if newest_ns is None else newest_ns], stamp_ns[:-1]))
-    return stamp_ns > np.maximum.accumulate(before)[:len(stamp_ns)]
-
-
-# What a reading was good for; a pair as it is outranks a bracket.
-_BRACKET, _PAIRED = 1, 2
-_KEYS = {'ts': ('ts_unpaired', 'ts_used', 'ts_paired'), 'rs': ('rs_unused', 'rs_used', 'rs_used')}
-
-
-class _Stream:
-    """The accepted readings of one sensor that may still be needed, and when they came."""
-
-    def __init__(self, name: str, shift_ns: int, ledger: Ledger) -> None:
-        self.name = name
-        self.shift_ns = shift_ns
-        self.ledger = ledger
-        self.last_ns = _NEVER
-        self.stamp_ns = np.empty(0, np.int64)
-        self.heading_deg = np.empty(0)
-        self.came_s = np.empty(0)
-        self.role = np.empty(0, np.uint8)
-        self.broken = np.empty(0, bool)
-        self._lost = False
-
-    def __len__(self) -> int:
-        return len(self.stamp_ns)
-
-    def take(self, headings: Headings, now_s: float) -> np.ndarray:
-        """Reject what cannot be used, keep the rest; return the stamps of the rest."""
-        stamp = headings.stamp_ns
-        heading = headings.heading_deg
-        self.ledger.receive(self.name, stamp)
-        good = self._reject('no_stamp', stamp > 0, stamp)
-        good = self._reject('invalid', np.isfinite(heading), stamp, good)
-        good = self._reject('out_of_range', (heading >= 0.0) & (heading <= 360.0), stamp, good)
-        stamp, heading = stamp[good] - self.shift_ns, heading[good]
-        if stamp.size:
-            rises = rising(stamp, self.last_ns)
-            if not rises.all():
-                self.ledger.add(f'{self.name}_rejected.stamp_not_increasing', stamp[~rises])
-                stamp, heading = stamp[rises], heading[rises]
-        if stamp.size:
-            self.last_ns = int(stamp[-1])
-            self.stamp_ns = np.concatenate((self.stamp_ns, stamp))
-            self.heading_deg = np.concatenate((self.heading_deg, wrap360(heading)))
-            self.came_s = np.concatenate((self.came_s, np.full(stamp.shape, now_s)))
-            self.role = np.concatenate((self.role, np.zeros(stamp.shape, np.uint8)))
-            broken = np.zeros(stamp.shape, bool)
-            broken[0], self._lost = self._lost, False
-            self.broken = np.concatenate((self.broken, broken))
-        return stamp
-
-    def _reject(self, reason: str, passes: np.ndarray, stamp: np.ndarray,
-                among: np.ndarray | None = None) -> np.ndarray:
-        fails = ~passes if among is None else among & ~passes
-        if fails.any():
-            self.ledger.add(f'{self.name}_rejected.{reason}', stamp[fails] - self.shift_ns)
-        return passes if among is None else among & passes
-
-    def release(self, n: int) -> np.ndarray:
-        """Book and drop the n oldest readings; return their stamps."""
-        stamps = self._book(slice(0, n))
-        self._keep(slice(n, None))
-        return stamps
-
-    def give_up(self, late: np.ndarray) -> np.ndarray:
-        """Book and drop readings in a row that waited too long; no bracket reaches over them."""
-        lo, hi = int(late[0]), int(late[-1]) + 1
-        stamps = self._book(slice(lo, hi))
-        if hi < len(self):
-            self.broken[hi] = True
-        else:
-            self._lost = True
-        self._keep(np.r_[:lo, hi:len(self)])
-        return stamps
-
-    def _book(self, which: slice) -> np.ndarray:
-        stamps, role = self.stamp_ns[which], self.role[which]
-        for number, key in enumerate(_KEYS[self.name]):
-            self.ledger.add(key, stamps[role == number])
-        return stamps
-
-    def _keep(self, which: slice | np.ndarray) -> None:
-        self.stamp_ns = self.stamp_ns[which]
-        self.heading_deg = self.heading_deg[which]
-        self.came_s = self.came_s[which]
-        self.role = self.role[which]
-        self.broken = self.broken[which]
+__all__ = ['pair', 'Pairer']
 
 
 class Pairer:
@@ -172,13 +60,13 @@ class Pairer:
         self._max_wait_s = rule.max_wait_s
         self._max_wait_ns = round(rule.max_wait_s * 1e9)
         self._run_gap_ns = round(settings.runs.gap_s * 1e9)
-        self._ts = _Stream('ts', round(settings.alignment.skew_s * 1e9), self.ledger)
-        self._rs = _Stream('rs', 0, self.ledger)
+        self._ts = Stream('ts', round(settings.alignment.skew_s * 1e9), self.ledger)
+        self._rs = Stream('rs', 0, self.ledger)
         self._direction = Direction(rule, self._run_gap_ns) if rule.method == 'auto' else None
         self._at, self._of = self._ts, self._rs
         if rule.method == 'interpolate_ts':
             self._at, self._of = self._rs, self._ts
-        self._last_settled_ns = _NEVER
+        self._last_settled_ns = NEVER
         self._last_pair_ns: int | None = None
 
     def update(self, ts: Headings | None = None, rs: Headings | None = None,
@@ -245,7 +133,7 @@ class Pairer:
         at, of = (self._rs, self._ts) if choice.interpolates_ts else (self._ts, self._rs)
         if at is not self._at:
             self._at, self._of = at, of
-            if self._last_settled_ns != _NEVER:
+            if self._last_settled_ns != NEVER:
                 # Both sensors give up what they had before: no bracket reaches over the change.
                 for stream in (at, of):
                     stream.release(int(np.searchsorted(stream.stamp_ns, choice.start_ns)))
@@ -273,8 +161,8 @@ class Pairer:
         step = wrap180(of.heading_deg[right] - of.heading_deg[left])
         of_deg = wrap360(of.heading_deg[left] + w * step)
         for ends in (left[~node], right[~node]):
-            of.role[ends] = np.maximum(of.role[ends], _BRACKET)
-        of.role[left[node]] = _PAIRED
+            of.role[ends] = np.maximum(of.role[ends], BRACKET)
+        of.role[left[node]] = PAIRED
         at_deg, lag_ns = at.heading_deg[which], np.zeros(t.shape, np.int64)
         factor, one = (1.0 - w) ** 2 + w ** 2, np.ones(t.shape)
         if at is self._ts:
@@ -289,7 +177,7 @@ class Pairer:
             return (len(t) if end else 0), np.empty(0, np.int64), Pairs.empty()
         partner, closed = _nearest_index(r, t)
         rivals = np.concatenate(([self._last_settled_ns], t)) \
-            if self._last_settled_ns != _NEVER else t
+            if self._last_settled_ns != NEVER else t
         offset = len(rivals) - len(t)
         wanted, heard = _nearest_index(rivals, r[partner])
         decided = closed & heard
@@ -297,7 +185,7 @@ class Pairer:
         lag = r[partner] - t
         good = (wanted == np.arange(len(t)) + offset) & (np.abs(lag) <= self._tolerance_ns)
         which = np.flatnonzero(good[:ready])
-        rs.role[partner[which]] = _PAIRED
+        rs.role[partner[which]] = PAIRED
         pairs = Pairs.of(t[which], ts.heading_deg[which], rs.heading_deg[partner[which]],
                          lag[which])
         return ready, which, pairs
@@ -306,7 +194,7 @@ class Pairer:
         """Book the decided readings and cut the ledger where the pairs fall silent."""
         if ready == 0:
             return pairs
-        self._at.role[which] = _PAIRED
+        self._at.role[which] = PAIRED
         self._last_settled_ns = int(self._at.release(ready)[-1])
         if len(pairs):
             self.ledger.add('paired', pairs.stamp_ns)
@@ -348,7 +236,7 @@ class Pairer:
             of.release(max(0, int(np.searchsorted(of.stamp_ns, oldest, side='right')) - 1))
         self.ledger.pending('ts', len(self._ts))
         self.ledger.pending('rs', len(self._rs))
-        if self._last_settled_ns != _NEVER:
+        if self._last_settled_ns != NEVER:
             self.ledger.settle(self._last_settled_ns)
 
 

@@ -238,6 +238,15 @@ def test_interpolation_is_taken_into_account(rng):
     assert run.variance_criterion.limit_deg2 == pytest.approx(0.3 ** 2 + 0.1 ** 2)
 
 
+def test_the_largest_lag_of_a_run_has_no_sign():
+    compliance = Compliance(settings())
+    lags = np.array([1, -3, 2]) * (S // 100)
+    compliance.update(Pairs.of(T0 + np.arange(3) * S, np.full(3, 9.0), np.full(3, 9.0), lags))
+    compliance.finish()
+    (run,) = compliance.verdict().runs
+    assert (run.pairing.max_lag_s, run.pairing.mean_lag_s) == (0.03, 0.0)
+
+
 def test_no_input_at_all_is_indeterminate():
     verdict = join([], settings())
     assert verdict.outcome is Outcome.INDETERMINATE and verdict.to_dict()['runs'] == []

@@ -179,6 +179,36 @@ def test_a_gap_is_not_interpolated_over_but_its_ends_pair():
     assert ledger.total.counts['ts_unpaired'] == 1
 
 
+@pytest.mark.parametrize('method', ['interpolate', 'interpolate_ts'])
+def test_a_bracket_of_just_the_longest_gap_is_used_and_a_longer_one_is_not(method):
+    for gap_ns, n in ((3 * S, 1), (3 * S + 1, 0)):
+        bracket, inside = headings((S, 10.0), (S + gap_ns, 10.0)), headings((2 * S, 10.0))
+        ts, rs = (inside, bracket) if method == 'interpolate' else (bracket, inside)
+        assert len(pair(ts, rs, rules(method, max_gap_s=3.0))[0]) == n
+
+
+@pytest.mark.parametrize('lag_ns', [S // 2, -S // 2])
+def test_a_lag_counts_without_its_sign(lag_ns):
+    ts, rs = headings((10 * S, 1.0)), headings((10 * S + lag_ns, 2.0))
+    (lag,) = pair(ts, rs, rules('nearest', tolerance_s=0.5))[0].lag_ns.tolist()
+    assert lag == lag_ns
+    assert len(pair(ts, rs, rules('nearest', tolerance_s=0.499))[0]) == 0
+
+
+def test_a_ts_put_onto_the_rs_by_hand():
+    """TS 350 and 20 degrees at 1 and 2 s: at 4/3 s 360 = 0 degrees; at 2 s the reading itself."""
+    ts = headings((S, 350.0), (2 * S, 20.0), (3 * S, 30.0), (5 * S, 50.0))
+    rs = headings((S // 2, 5.0), (S + S // 3, 5.0), (2 * S, 6.0), (6 * S, 7.0))
+    pairs, ledger = pair(ts, rs, rules('interpolate_ts'))
+    assert pairs.stamp_ns.tolist() == rs.stamp_ns[1:3].tolist()
+    assert wrap180(pairs.ts_deg) == pytest.approx([0.0, 20.0], abs=1e-6)
+    assert pairs.rs_deg.tolist() == [5.0, 6.0]
+    assert pairs.ts_variance_factor == pytest.approx([5 / 9, 1.0], rel=1e-6)
+    assert pairs.rs_variance_factor.tolist() == [1.0, 1.0] and pairs.lag_ns.tolist() == [0, 0]
+    assert ledger.total.counts == {'paired': 2, 'ts_used': 1, 'ts_paired': 1, 'ts_unpaired': 2,
+                                   'rs_used': 2, 'rs_unused': 2}
+
+
 def test_nothing_is_extrapolated():
     pairs, ledger = pair(headings((S, 1.0), (4 * S, 1.0)), headings((2 * S, 1.0), (3 * S, 1.0)))
     assert len(pairs) == 0
