@@ -78,12 +78,9 @@ def _again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
 
 def _as_paired(result: RunResult, rule: Pairing) -> Pairing:
     """Return the rule with the sensor that 'auto' interpolated in a run named."""
-    pairing = result.verdict.pairing
-    if rule.method != 'auto' or pairing.rs_variance_factor == pairing.ts_variance_factor:
-        return rule
-    if pairing.rs_variance_factor == 1.0:
-        return replace(rule, method='interpolate_ts')
-    return replace(rule, method='interpolate') if pairing.ts_variance_factor == 1.0 else rule
+    sensor = result.verdict.pairing.interpolated(rule.method)
+    return replace(rule, method={'rs': 'interpolate', 'ts': 'interpolate_ts'}.get(
+        sensor, rule.method))
 
 
 def _readings_of(ts: Headings, rs: Headings, result: RunResult,

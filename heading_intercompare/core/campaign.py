@@ -9,7 +9,7 @@ import math
 from typing import Sequence
 
 from .bounds import rate_lower
-from .coverage import least_duration_s
+from .coverage import least_duration_s, slowest_error_s
 from .criteria import Limits
 from .guarded import count_risk, Evidence, variance_risk
 from .outcome import Outcome, worst
@@ -70,7 +70,7 @@ class Together:
         Upper bound from what each run shows within itself, square degrees. S.12.
     between_upper_bound_deg2 : float or None
         Upper bound that takes the slow part from the means of the runs, square degrees; None in
-        variants A and C, and for fewer than five runs. S.13.
+        variants A and C, for fewer than five runs, and for runs too close to each other. S.13.
     upper_bound_deg2, lower_bound_deg2 : float
         The bounds that decide, square degrees; the upper one is S.13 where there is one.
     acceptance_limit_deg2, rejection_limit_deg2 : float
@@ -96,8 +96,8 @@ class Together:
     rate_plus_lower: float
 
 
-def together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk,
-             variant: str) -> Together | None:
+def together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk, variant: str,
+             apart_s: float = math.inf) -> Together | None:
     """
     Return what the runs say of one variance that they share.
 
@@ -110,6 +110,9 @@ def together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk,
         Not shared among runs: they are judged once, together.
     variant : {'A', 'B', 'C'}
         Of GK Table I; only in B is the mean one constant that the means of runs estimate.
+    apart_s : float
+        Shortest time between two runs, seconds. Means of runs that are no further apart than the
+        slowest error that is stated are not independent, and do not count.
 
     Returns
     -------
@@ -128,7 +131,8 @@ def together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk,
     pooled = pool(spreads)
     upper = upper_bound(pooled, risk.alpha_consumer)
     between = None
-    if variant == 'B' and len(some) >= LEAST_RUNS:
+    slowest = slowest_error_s(risk)
+    if variant == 'B' and len(some) >= LEAST_RUNS and (slowest is None or apart_s > slowest):
         between = between_runs(spreads, [e.mean_deg for e, _ in some], risk.alpha_consumer)
     n_plus = sum(e.n_plus for e, _ in some)
     return Together(

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import math
 from typing import Mapping
 
-from .settings import Risk, SettingsError
+from .settings import Risk
 
-__all__ = ['Coverage', 'coverage_of', 'LEAST_TIMES', 'least_duration_s', 'SENSOR_CLASSES',
-           'SensorClass', 'slowest_error_s', 'UNSTATED_LEAST_S']
+__all__ = ['Coverage', 'coverage_of', 'least_duration_s', 'least_duration_words', 'LEAST_TIMES',
+           'SENSOR_CLASSES', 'SensorClass', 'slowest_error_s', 'span_words', 'UNSTATED_LEAST_S']
 
 LEAST_TIMES = 20.0
 """Correlation times that a record must hold for the risks to be kept."""
@@ -83,6 +83,8 @@ class Coverage:
 
     Attributes
     ----------
+    span_s : float
+        Length of the record, seconds.
     longest_s : float
         Slowest errors for which the risks hold: a twentieth of the record; seconds.
     stated_s : float or None
@@ -94,6 +96,7 @@ class Coverage:
 
     """
 
+    span_s: float
     longest_s: float
     stated_s: float | None
     least_duration_s: float
@@ -103,7 +106,7 @@ class Coverage:
     def words(self) -> str:
         """What a certificate says of itself in its own line."""
         if self.by_run_means:
-            return 'for errors of any slowness that differ from run to run'
+            return 'for errors that change within a run or from run to run'
         covered = f'for errors that change within {span_words(self.longest_s)}'
         if self.stated_s is None:
             return f'{covered}; slower errors are not covered'
@@ -128,22 +131,11 @@ def span_words(span_s: float) -> str:
 
 
 def slowest_error_s(risk: Risk) -> float | None:
-    """
-    Return the slowest error that the settings state, seconds; None if they state none.
-
-    Raises
-    ------
-    SettingsError
-        If the class of the sensor is unknown.
-
-    """
+    """Return the slowest error that the settings state, seconds; None if they state none."""
     if risk.slowest_error_s is not None:
         return risk.slowest_error_s
     if risk.sensor_class is None:
         return None
-    if risk.sensor_class not in SENSOR_CLASSES:
-        raise SettingsError(f'risk.sensor_class = {risk.sensor_class!r}: must be one of '
-                            f'{", ".join(SENSOR_CLASSES)}')
     return SENSOR_CLASSES[risk.sensor_class].slowest_s
 
 
@@ -168,7 +160,26 @@ def least_duration_s(risk: Risk) -> float:
     return max(stated, default=UNSTATED_LEAST_S)
 
 
+def least_duration_words(risk: Risk) -> str:
+    """
+    Return how long a run must be to comply, and why, to be said before the trial.
+
+    Examples
+    --------
+    >>> least_duration_words(Risk(slowest_error_s=300.0))
+    'a run must last 100 min to comply: 20 times its slowest error, 5 min'
+
+    """
+    text = f'a run must last {span_words(least_duration_s(risk))} to comply'
+    slowest = slowest_error_s(risk)
+    if slowest is None:
+        return f'{text}; its slowest error is not stated (risk.slowest_error_s)'
+    if risk.min_duration_s is not None and risk.min_duration_s > LEAST_TIMES * slowest:
+        return f'{text} (risk.min_duration_s)'
+    return f'{text}: {LEAST_TIMES:g} times its slowest error, {span_words(slowest)}'
+
+
 def coverage_of(span_s: float, risk: Risk, *, by_run_means: bool = False) -> Coverage:
     """Return what a record of this length covers."""
     longest = math.inf if by_run_means else span_s / LEAST_TIMES
-    return Coverage(longest, slowest_error_s(risk), least_duration_s(risk), by_run_means)
+    return Coverage(span_s, longest, slowest_error_s(risk), least_duration_s(risk), by_run_means)

@@ -270,13 +270,17 @@ def count_criterion(n: int, n_plus: int, n_plus_plus: int, limits: Limits) -> Co
     -----
     n (1 - P) is compared exactly, as a fraction: in binary 10 (1 - 0.9) is less than 1.
 
+    Fewer than two differences are indeterminate, as for the variance: one deviates from its own
+    mean by nothing, whatever the TS. For n < 1 / (1 - P) not a single deviation is allowed, and
+    (6') as printed is met by none; that says no more than that, and certifies no rate.
+
     References
     ----------
     GK (6), (6'), (6'').
 
     """
     allowed = limits.allowed(n)
-    if n == 0:
+    if n < 2:
         outcome = Outcome.INDETERMINATE
     elif n_plus > allowed:
         outcome = Outcome.NON_COMPLIANT

@@ -27,7 +27,7 @@ _TERMS = 5
 _PIECE = 1 << 13
 _LEAST_SAMPLES = 64
 _TURNS = 4.0
-_OUTLAST = 0.06
+_OUTLAST = 0.03
 _WIDER = 60.0
 _LOOKED_AT = 1 << 14
 
@@ -140,9 +140,10 @@ def deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
     residual, so that it survives correlation. The 16 to 31 blocks have lost five degrees of
     freedom to the fit, one to each term; the joint test allows for what is left (Hotelling).
     Where the ship turned round less than four times the terms are as slow as the blocks, and the
-    scatter of these is too small: the covariance is then multiplied by 1 + 60 r, with r the
-    correlation time of the residuals over the length of the run, which gives intervals of 93 to
-    98 % (measured, AR(1) over 20 to 200 correlation times); above r = 0.06 nothing is given.
+    scatter of these is too small: the covariance is then multiplied by 1 + 60 r max(1, 2.5 / k),
+    with k the number of turns and r the correlation time of the residuals over the length of the
+    run. That gives intervals of 90 to 99 % (measured, AR(1) over 20 to 200 correlation times).
+    Above r = 0.03 k, at most 0.06, nothing is given.
 
     References
     ----------
@@ -201,7 +202,8 @@ def _widening(x: np.ndarray, psi: np.ndarray, beta: np.ndarray, first: float) ->
     """Return by what the covariance is too small for want of turns; None if that is too much."""
     size = max(1, block_size(x.size, _LEAST_SAMPLES))
     ends = unwrap_deg(psi)[::size]
-    if float(np.abs(np.diff(ends)).sum()) >= _TURNS * 360.0:
+    turns = float(np.abs(np.diff(ends)).sum()) / 360.0
+    if turns >= _TURNS:
         return 1.0
     every = max(1, x.size // _LOOKED_AT)
     residual = np.concatenate([
@@ -209,7 +211,9 @@ def _widening(x: np.ndarray, psi: np.ndarray, beta: np.ndarray, first: float) ->
     if every > 1:
         residual = block_means(residual, every)
     ratio = sokal_times(residual).tau_1 / residual.size
-    return None if ratio > _OUTLAST else 1.0 + _WIDER * ratio
+    if ratio > _OUTLAST * min(2.0, turns):
+        return None
+    return 1.0 + _WIDER * max(1.0, 2.5 / turns) * ratio
 
 
 def _joint(beta: np.ndarray, covariance: np.ndarray,

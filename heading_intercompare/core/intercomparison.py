@@ -174,14 +174,16 @@ class Compliance:
             shares = [LedgerSegment(cut_ns, dict.fromkeys(('paired', 'ts_paired', 'rs_used'),
                                                           r.verdict.n_input))
                       for r, cut_ns in self._finished]
+            inside = shares
         else:
             # The run in progress has its share too; it is not among the results yet.
             in_progress = [] if self._run is None else [self._run.cut_ns]
             shares = ledger.shares([*self.cuts, *in_progress])
+            inside = [ledger.between(cut_ns, r.verdict.end_ns) for r, cut_ns in self._finished]
         short = (f'{self._n_short} pieces shorter than runs.min_duration_s were left out',) \
             if self._n_short else ()
-        return [r.with_pairing(share, short if at == 0 else ())
-                for at, (r, share) in enumerate(zip(results, shares))]
+        return [r.with_pairing(share, within, short if at == 0 else ())
+                for at, (r, share, within) in enumerate(zip(results, shares, inside))]
 
     def verdict(self, ledger: Ledger | None = None,
                 inputs: Iterable[Mapping[str, Any]] = ()) -> Verdict:

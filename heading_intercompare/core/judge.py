@@ -29,7 +29,7 @@ from .run_diagnostics import diagnose, SETTLED_SHARE, with_runs
 from .run_series import RunSeries
 from .sequential import Look, LookVerdict, risk_at_the_end
 from .settings import Risk, Settings
-from .validity import examine, Examined, VOID, worst_effect
+from .validity import examine, Examined, Finding, losses, VOID, worst_effect
 from .verdict import Campaign, PairingFigures, RunVerdict
 
 __all__ = ['compare_runs', 'conclude_campaign', 'judge', 'look_at', 'RunResult']
@@ -43,14 +43,33 @@ class RunResult:
     evidence: Evidence
     limits: Limits
     printed: Printed
+    alone: tuple[Outcome, str]
+    settings: Settings
 
-    def with_pairing(self, share: LedgerSegment, warnings: Sequence[str] = ()) -> 'RunResult':
-        """Return the result with its share of the pairing ledger."""
+    def with_pairing(self, share: LedgerSegment, inside: LedgerSegment,
+                     warnings: Sequence[str] = ()) -> 'RunResult':
+        """
+        Return the result with its share of the pairing ledger, and what that leaves of it.
+
+        Parameters
+        ----------
+        share : LedgerSegment
+            Of the whole ledger, for every reading belongs to a run.
+        inside : LedgerSegment
+            Of that, what lies between the first and the last pair of the run.
+        warnings : sequence of str
+            To be added.
+
+        """
         old = self.verdict.pairing
         pairing = PairingFigures.of(share, old.mean_lag_s, old.max_lag_s,
                                     old.rs_variance_factor, old.ts_variance_factor)
-        return replace(self, verdict=replace(
-            self.verdict, pairing=pairing, warnings=(*self.verdict.warnings, *warnings)))
+        verdict = replace(self.verdict, pairing=pairing,
+                          warnings=(*self.verdict.warnings, *warnings))
+        lost = losses(_lost_shares(verdict, inside, self.settings), self.settings)
+        return replace(self, verdict=_concluded(
+            verdict, self.alone, (*(f for f in verdict.validity if f.condition != 'losses'),
+                                  lost)))
 
     def among(self, run: int, runs: Homogeneity) -> 'RunResult':
         """Return the result with its number among the runs, and what they say of each other."""
@@ -64,6 +83,39 @@ class RunResult:
         risk = risk_at_the_end(settings)
         shared = replace(risk, alpha_producer=risk.alpha_producer / m)
         return conclude(decide(self.evidence, self.limits, shared), self.printed)[0]
+
+
+def _concluded(verdict: RunVerdict, alone: tuple[Outcome, str],
+               findings: Sequence[Finding]) -> RunVerdict:
+    """Return a verdict as findings and looks leave it."""
+    outcome, reason = with_looks(*with_findings(*alone, findings), verdict.looks)
+    return replace(verdict, outcome=outcome, reason=reason, validity=tuple(findings),
+                   validity_effect=worst_effect(findings),
+                   headline=headline(outcome, findings, verdict.coverage))
+
+
+def _lost_shares(verdict: RunVerdict, inside: LedgerSegment,
+                 settings: Settings) -> list[tuple[str, float]]:
+    """Return what a run could not use, in words, and its share of the readings in the run."""
+    counts, stamps = inside.counts, verdict.correlation.stamps
+    shares = []
+    if stamps.typical_s and verdict.n > 1:
+        expected = verdict.coverage.span_s / stamps.typical_s
+        shares.append(('lost', max(0.0, 1.0 - (verdict.n - 1) / expected)))
+    for stream in ('ts', 'rs'):
+        if received := inside.received(stream):
+            rejected = sum(n for key, n in counts.items()
+                           if key.startswith(f'{stream}_rejected.'))
+            shares.append((f'of the {stream.upper()} rejected', rejected / received))
+    unpaired = {stream: counts.get(key, 0) / inside.received(stream)
+                for stream, key in (('ts', 'ts_unpaired'), ('rs', 'rs_unused'))
+                if inside.received(stream)}
+    if unpaired:
+        # Of a sensor that is interpolated, most readings may lie between two stamps of the other.
+        other = {'rs': 'ts', 'ts': 'rs'}.get(
+            verdict.pairing.interpolated(settings.pairing.method))
+        shares.append(('without partner', unpaired.get(other, min(unpaired.values()))))
+    return shares
 
 
 class _Decision:
@@ -148,7 +200,6 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
         data, found, limits, settings, outcome,
         lambda stamp_ns, x_deg: decision.outcome(stamp_ns, x_deg, left),
         guarded.lower_bound_deg2))
-    outcome, reason = with_looks(*with_findings(outcome, reason, validity), looks)
     coverage = coverage_of(data.span_s, risk)
     direction, length = circular_mean(data.x_deg) if n else (None, None)
     verdict = RunVerdict(
@@ -167,16 +218,17 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
         drift_coefficients_deg=data.coefficients_deg, variance_deg2=data.variance_deg2,
         std_deg=None if data.variance_deg2 is None else math.sqrt(data.variance_deg2),
         variance_criterion=printed.variance, count_criterion=printed.counts,
-        total_error=printed.total, outcome=outcome, reason=reason,
-        headline=headline(outcome, validity, coverage), validity=validity,
-        validity_effect=worst_effect(validity), coverage=coverage,
+        total_error=printed.total, outcome=outcome, reason=reason, headline='',
+        validity=(), validity_effect='', coverage=coverage,
         looks=tuple(looks),
         paper_outcome=printed.outcome, guarded=guarded, skew=found.skew, drift=found.drift,
         heading_dependence=found.heading_dependence, normality=found.normality,
         stationarity=found.stationarity, correlation=found.correlation, allan=found.allan,
         assumptions=found.assumptions,
         warnings=(*_warnings(data, limits, guarded, settings), *found.warnings))
-    return RunResult(verdict, evidence, limits, printed)
+    alone = outcome, reason
+    return RunResult(_concluded(verdict, alone, validity), evidence, limits, printed, alone,
+                     settings)
 
 
 def look_at(run: RunSeries, look: Look, looks: int, settings: Settings) -> LookVerdict:
@@ -247,7 +299,7 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
     risk = risk_at_the_end(settings)
     sound = [r for r in results if r.verdict.validity_effect != VOID]
     shared = together([r.evidence for r in sound], [r.limits for r in sound], risk,
-                      settings.variant)
+                      settings.variant, _apart_s([r.verdict for r in sound]))
     if settings.campaign.rule == 'sensor':
         met = all(r.printed.total.outcome in (None, Outcome.COMPLIANT) for r in results)
         outcome, reason = conclude_sensor(shared, [r.limits for r in results], met, risk)
@@ -263,3 +315,10 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
         outcome, reason = Outcome.INDETERMINATE, 'a_run_void'
     verdicts = [r.verdict for r in results]
     return outcome, coverage, Campaign.of(verdicts, runs, settings.campaign.rule, reason, shared)
+
+
+def _apart_s(runs: Sequence[RunVerdict]) -> float:
+    """Return the shortest time from the end of a run to the start of the next, seconds."""
+    spans = sorted((run.start_ns, run.end_ns) for run in runs)
+    return min((after[0] - before[1] for before, after in zip(spans, spans[1:])),
+               default=math.inf) / 1e9

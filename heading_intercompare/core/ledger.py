@@ -151,6 +151,15 @@ class Ledger:
         total = self.total
         return {s: self._received[s] - total.received(s) for s in ('ts', 'rs')}
 
+    def between(self, start_ns: int, end_ns: int) -> LedgerSegment:
+        """Return the counts of the segments that start within two stamps, both included."""
+        counts = Counter()
+        for segment in self.segments:
+            if segment.start_ns is not None and start_ns <= segment.start_ns <= end_ns:
+                counts.update({key: n for key, n in segment.counts.items()
+                               if not key.endswith('_pending')})
+        return LedgerSegment(start_ns, dict(counts))
+
     def shares(self, start_ns: ArrayLike) -> list[LedgerSegment]:
         """
         Divide the ledger among runs.

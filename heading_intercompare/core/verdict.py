@@ -72,6 +72,14 @@ class PairingFigures:
     rs_variance_factor: float | None
     ts_variance_factor: float | None
 
+    def interpolated(self, method: str) -> str | None:
+        """Return the sensor, 'ts' or 'rs', that a method interpolated; None for none, or both."""
+        found = {'interpolate': 'rs', 'interpolate_ts': 'ts'}.get(method)
+        if method == 'auto' and self.rs_variance_factor != self.ts_variance_factor:
+            alone = 1.0 in (self.rs_variance_factor, self.ts_variance_factor)
+            found = None if not alone else 'ts' if self.rs_variance_factor == 1.0 else 'rs'
+        return found
+
     @classmethod
     def of(cls, share: LedgerSegment, mean_lag_s: float | None, max_lag_s: float | None,
            rs_variance_factor: float | None,

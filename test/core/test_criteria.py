@@ -120,7 +120,13 @@ def test_the_allowed_number_is_exact():
 def test_one_exceedance_is_bad_in_a_short_run():
     assert count_criterion(333, 1, 1, limits()).outcome is BAD
     assert count_criterion(334, 1, 1, limits()).outcome is GOOD
-    assert count_criterion(0, 0, 0, limits()).outcome is OPEN
+    assert count_criterion(2, 0, 0, limits()).outcome is GOOD
+
+
+@pytest.mark.parametrize('n, n_plus', [(0, 0), (1, 0), (1, 1)])
+def test_a_single_difference_meets_no_count(n, n_plus):
+    """It deviates from its own mean by nothing: GK (6') as printed would call it compliant."""
+    assert count_criterion(n, n_plus, n_plus, limits()).outcome is OPEN
 
 
 def test_total_error_by_hand():

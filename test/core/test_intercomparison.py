@@ -215,6 +215,44 @@ def test_the_figures_of_the_run_in_progress_are_those_at_its_end(rng):
     assert comparison.compliance.run_figures() == {'run': 0, 'n': 0}
 
 
+LIVE = ('nu', 'f', 'slow_allowance_deg2', 'lower_bound_deg2', 'upper_bound_deg2',
+        'acceptance_limit_deg2', 'rejection_limit_deg2', 'sigma_ts_lower_deg',
+        'sigma_ts_upper_deg', 'bias_u_deg')
+
+
+@pytest.mark.parametrize('chunk', [1, 700, 10_000])
+def test_live_and_final_bounds_are_the_same_to_the_bit(rng, chunk):
+    """With no drift removed and a fixed stabilisation; a gap and lost readings in between."""
+    ts, rs = sensors(rng)
+    kept = (rng.random(len(ts)) < 0.9) & ((ts.stamp_ns < T0 + 100 * S)
+                                          | (ts.stamp_ns > T0 + 120 * S))
+    given = settings(runs__stabilization_s=10.0, runs__gap_s=60.0)
+    pairs, _ = pair(ts[kept], rs, given)
+    compliance = Compliance(given)
+    for k in range(0, len(pairs), chunk):
+        compliance.update(pairs[k:k + chunk])
+    live = compliance.run_figures()
+    compliance.finish()
+    (run,) = compliance.verdict().runs
+    assert run.n == live['n'] > 2000
+    assert [live[name] for name in LIVE] == [getattr(run.guarded, name) for name in LIVE]
+
+
+def test_a_drift_removed_is_allowed_for_and_live_figures_are_about_the_mean(rng):
+    ts, rs = sensors(rng)
+    given = settings(drift_order='auto')
+    compliance = Compliance(given)
+    compliance.update(pair(ts, rs, given)[0])
+    live = compliance.run_figures()
+    compliance.finish()
+    (auto,) = compliance.verdict().runs
+    assert auto.drift_coefficients_deg == ()
+    # Third order is allowed for, whatever order the data have chosen.
+    assert auto.guarded.lower_bound_deg2 != live['lower_bound_deg2']
+    (fixed,) = analyze(ts, rs, settings()).runs
+    assert live['lower_bound_deg2'] == fixed.guarded.lower_bound_deg2
+
+
 def test_interpolation_is_taken_into_account(rng):
     ts, rs = sensors(rng, ts_rate_hz=10.0, rs_rate_hz=1.0)
     (run,) = analyze(ts, rs, settings(norms__m_low=0.9, pairing__method='interpolate')).runs

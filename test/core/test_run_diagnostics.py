@@ -17,6 +17,7 @@ import pytest
 from heading_intercompare.core.alignment import Skew
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.assumptions import Assumption, MET, NOT_TESTABLE, VIOLATED
+from heading_intercompare.core.cells import Cells
 from heading_intercompare.core.criteria import Limits
 from heading_intercompare.core.detectors import StampSteps
 from heading_intercompare.core.deviation import HeadingDependence
@@ -39,12 +40,17 @@ SETTINGS = Settings.from_mapping(
     {'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1, 'm_low': 0.5}})
 
 
+def judged(x, stamps, span_s, limits, settings=SETTINGS):
+    evidence = evidence_of(Cells.of(x, stamps), n_plus=0, n_plus_plus=0, span_s=span_s,
+                           mean_deg=float(x.mean()) if x.size else None)
+    return decide(evidence, limits, settings.risk)
+
+
 def run(x, rs, step_s=0.1, settings=SETTINGS, **given):
     stamps = 10 ** 18 + np.arange(x.size) * round(step_s * 1e9)
     limits = Limits.of(settings.norms, settings.model)
     span_s = (x.size - 1) * step_s if x.size else 0.0
-    guarded = decide(evidence_of(x, n_plus=0, n_plus_plus=0, span_s=span_s), limits,
-                     settings.risk)
+    guarded = judged(x, stamps, span_s, limits, settings)
     return diagnose(stamps, x, np.asarray(rs), settings, guarded, limits, **given)
 
 
@@ -93,7 +99,7 @@ def test_the_palmer_turns_from_non_compliant_to_compliant(real):
     """Norms 0.2 and 0.1 deg: sd 0.299 as logged, 0.143 aligned."""
     pairs, x = real('gyr1-s330')
     limits = Limits.of(SETTINGS.norms)
-    guarded = decide(evidence_of(x, n_plus=0, n_plus_plus=0, span_s=600.0), limits, SETTINGS.risk)
+    guarded = judged(x, pairs.stamp_ns, 600.0, limits)
     found = diagnose(pairs.stamp_ns, x, pairs.rs_deg, SETTINGS, guarded, limits)
     assert found.skew.outcome_as_paired.value == 'non_compliant'
     assert found.skew.outcome_aligned.value == 'compliant'
@@ -148,7 +154,7 @@ def test_silences_are_warned_of(good):
     stamps = np.arange(x.size) * 10 ** 8
     stamps[x.size // 2:] += 30 * 10 ** 9
     limits = Limits.of(SETTINGS.norms)
-    guarded = decide(evidence_of(x, n_plus=0, n_plus_plus=0, span_s=3600.0), limits, SETTINGS.risk)
+    guarded = judged(x, stamps, 3600.0, limits)
     found = diagnose(stamps, x, rs, SETTINGS, guarded, limits)
     assert found.correlation.stamps.silences == 1
     assert any(w.startswith('silence: the pairs fall silent 1 times, for up to 30.1 s')
@@ -165,7 +171,8 @@ def test_ergodicity_is_filled_in_from_all_runs(good):
 
 
 @pytest.mark.filterwarnings('error')
-@pytest.mark.parametrize('n', [0, 1, 2, 3, 7, 8, 10, 16, 20, 31, 32, 63, 64, 65, 100, 128])
+@pytest.mark.parametrize('n', [0, 1, 2, 3, 7, 8, 10, 16, 20, 31, 32, 63, 64, 65, 100, 127,
+                               128, 129])
 def test_any_number_of_pairs_gives_figures_or_none(n, rng):
     """Not a number in the JSON, and no warning of numpy; frozen, turning, noisy."""
     with np.errstate(divide='raise', over='raise', invalid='raise'):

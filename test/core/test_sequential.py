@@ -9,6 +9,7 @@ import math
 import numpy as np
 import pytest
 
+from heading_intercompare.core.cells import Cells
 from heading_intercompare.core.criteria import Limits
 from heading_intercompare.core.guarded import decide, evidence_of
 from heading_intercompare.core.outcome import Outcome
@@ -27,12 +28,12 @@ def test_seven_looks_at_ten_hours_by_hand():
 
 @pytest.mark.parametrize('looks', [2, 3, 7, 20])
 def test_the_shares_add_up_to_the_risk(looks):
-    risk = Risk(alpha_consumer=0.04, alpha_producer=0.1, nu_min=21.0)
+    risk = Risk(alpha_consumer=0.04, alpha_producer=0.1, count_share=0.2)
     plan = Looks(1000.0, looks, risk).plan
     assert sum(look.risk.alpha_consumer for look in plan) == pytest.approx(0.04, rel=1e-14)
     assert sum(look.risk.alpha_producer for look in plan) == pytest.approx(0.1, rel=1e-14)
     assert plan[-1].risk.alpha_consumer == 0.02
-    assert {look.risk.nu_min for look in plan} == {21.0}
+    assert {look.risk.count_share for look in plan} == {0.2}
 
 
 def test_each_look_is_taken_once_and_at_its_time():
@@ -82,11 +83,11 @@ def test_looking_often_keeps_the_risk_of_white_errors(rng):
     limits = Limits.of(Norms(sigma_max_deg=1.0, sigma_ref_max_deg=0.0))
     accepted = 0
     for _ in range(400):
-        x = rng.standard_normal(1600)
-        for look in Looks(1600.0, 5, Risk()).due(1600.0):
+        x = rng.standard_normal(3200)
+        for look in Looks(3200.0, 5, Risk()).due(3200.0):
             n = look.span_ns // 10 ** 9
-            evidence = evidence_of(x[:n], n_plus=0, n_plus_plus=0, span_s=float(n),
-                                   method='dyadic')
+            evidence = evidence_of(Cells.of(x[:n]), n_plus=0, n_plus_plus=0, span_s=float(n),
+                                   mean_deg=0.0)
             if decide(evidence, limits, look.risk).outcome is Outcome.COMPLIANT:
                 accepted += 1
                 break
