@@ -98,6 +98,17 @@ def test_a_silence_makes_two_runs_and_divides_the_ledger(rng):
     assert verdict.campaign.worst_variance_deg2 == max(r.variance_deg2 for r in verdict.runs)
 
 
+def test_readings_of_a_ts_between_two_stamps_of_a_slow_rs_are_not_lost(rng):
+    ts, rs = sensors(rng, rs_rate_hz=1.0)
+    ts = Headings.of(ts.stamp_ns + 13_000_000, ts.heading_deg)
+    both = [Headings.concatenate((h, Headings.of(h.stamp_ns + 400 * S, h.heading_deg)))
+            for h in (ts, rs)]
+    run = analyze(*both, settings()).runs[1]
+    assert run.pairing.ts_unpaired > 0.7 * run.pairing.ts_received
+    (found,) = (f for f in run.validity if f.condition == 'losses')
+    assert found.effect == 'holds'
+
+
 def test_marks_set_early_or_live_give_the_same_runs(rng):
     ts, rs = sensors(rng)
     # Live, the method 'auto' makes no pair for a minute that could be marked.
