@@ -10,7 +10,7 @@ from typing import Sequence
 from .intercomparison import Intercomparison, join
 from .judge import RunResult
 from .records import Headings
-from .settings import Settings
+from .settings import Pairing, Settings
 from .skew_scan import Scan, scan
 from .verdict import Verdict
 
@@ -63,7 +63,8 @@ def _again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
     shift_ns = round(estimate.skew_s * 1e9)
     skew_s = settings.alignment.skew_s + shift_ns / 1e9
     table = [(result.verdict.start_ns - shift_ns, result.verdict.end_ns - shift_ns + 1)]
-    moved = replace(settings, alignment=replace(settings.alignment, skew_s=skew_s))
+    moved = replace(settings, alignment=replace(settings.alignment, skew_s=skew_s),
+                    pairing=_as_paired(result, settings.pairing))
     comparison = Intercomparison(moved, source=source, table=table)
     comparison.update(ts, rs)
     comparison.finish()
@@ -73,6 +74,13 @@ def _again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
                      'judged as its stamps say')
     return _said(now[0], found, f'aligned: {skew_s:.3f} s are taken from the stamps of '
                  f'the TS; unaligned the outcome was {result.verdict.outcome}')
+
+
+def _as_paired(result: RunResult, rule: Pairing) -> Pairing:
+    """Return the rule with the sensor that 'auto' interpolated in a run named."""
+    sensor = result.verdict.pairing.interpolated(rule.method)
+    return replace(rule, method={'rs': 'interpolate', 'ts': 'interpolate_ts'}.get(
+        sensor, rule.method))
 
 
 def _readings_of(ts: Headings, rs: Headings, result: RunResult,

@@ -58,6 +58,7 @@ class Compliance:
         self.settings = settings
         self._keeper = keeper
         self.newest_ns: int | None = None
+        # Of the newest run: for the rolling window, in which it is the last one at least.
         self._limits = Limits.of(settings.norms, settings.model)
         self._source = source
         self._cutter = RunCutter(settings.runs, table)
@@ -121,6 +122,7 @@ class Compliance:
             return
         result = judge(run, self.settings, len(self._finished) + 1, self._source,
                        looks=looks)
+        self._limits = result.limits
         self._finished.append((result, run.cut_ns))
 
     @property
@@ -143,13 +145,15 @@ class Compliance:
                    'n_invalid': run.n_invalid, 'n_stabilization': run.n_stabilization}
         if not len(run):
             return {**result, 'n': 0}
-        limits = Limits.of(self.settings.norms, self.settings.model, run.rs_variance_factor)
+        limits = run.limits(self.settings.norms, self.settings.model)
         return result | figures(run, limits, self.settings)
 
     def rolling_figures(self) -> dict[str, Any]:
         """Return the figures of the rolling window; ``n`` is 0 before the first pair."""
         if self._rolling.start_ns is None:
             return {'n': 0}
+        if self._run is not None and len(self._run):
+            self._limits = self._run.limits(self.settings.norms, self.settings.model)
         return {'start_ns': self._rolling.start_ns, 'newest_ns': self.newest_ns,
                 **figures(self._rolling, self._limits, self.settings)}
 
@@ -167,8 +171,8 @@ class Compliance:
         if not results:
             return []
         if ledger is None:
-            shares = [LedgerSegment(cut_ns, {'paired': r.verdict.n_input,
-                                             'rs_used': r.verdict.n_input})
+            shares = [LedgerSegment(cut_ns, dict.fromkeys(('paired', 'ts_paired', 'rs_used'),
+                                                          r.verdict.n_input))
                       for r, cut_ns in self._finished]
             inside = shares
         else:

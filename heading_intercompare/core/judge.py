@@ -62,7 +62,8 @@ class RunResult:
 
         """
         old = self.verdict.pairing
-        pairing = PairingFigures.of(share, old.mean_lag_s, old.max_lag_s, old.rs_variance_factor)
+        pairing = PairingFigures.of(share, old.mean_lag_s, old.max_lag_s,
+                                    old.rs_variance_factor, old.ts_variance_factor)
         verdict = replace(self.verdict, pairing=pairing,
                           warnings=(*self.verdict.warnings, *warnings))
         lost = losses(_lost_shares(verdict, inside, self.settings), self.settings)
@@ -106,12 +107,14 @@ def _lost_shares(verdict: RunVerdict, inside: LedgerSegment,
             rejected = sum(n for key, n in counts.items()
                            if key.startswith(f'{stream}_rejected.'))
             shares.append((f'of the {stream.upper()} rejected', rejected / received))
-    unpaired = [counts.get(key, 0) / inside.received(stream)
+    unpaired = {stream: counts.get(key, 0) / inside.received(stream)
                 for stream, key in (('ts', 'ts_unpaired'), ('rs', 'rs_unused'))
-                if inside.received(stream)]
+                if inside.received(stream)}
     if unpaired:
-        nearest = settings.pairing.method == 'nearest'
-        shares.append(('without partner', min(unpaired) if nearest else unpaired[0]))
+        # Of a sensor that is interpolated, most readings may lie between two stamps of the other.
+        other = {'rs': 'ts', 'ts': 'rs'}.get(
+            verdict.pairing.interpolated(settings.pairing.method))
+        shares.append(('without partner', unpaired.get(other, min(unpaired.values()))))
     return shares
 
 
@@ -177,9 +180,8 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
     GK (4)-(7); ``docs/verdict.md`` for the guarded decision.
 
     """
-    factor = run.rs_variance_factor
     risk = risk_at_the_end(settings) if risk is None else risk
-    limits = Limits.of(settings.norms, settings.model, 1.0 if factor is None else factor)
+    limits = run.limits(settings.norms, settings.model)
     data = analysed(run, limits, settings)
     moments = data.moments
     n = moments.n
@@ -203,7 +205,8 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
     verdict = RunVerdict(
         run=number, source=source, start_ns=run.start_ns, end_ns=run.end_ns,
         duration_s=(run.end_ns - run.start_ns) / 1e9,
-        pairing=PairingFigures.of(LedgerSegment(None), run.mean_lag_s, run.max_lag_s, factor),
+        pairing=PairingFigures.of(LedgerSegment(None), run.mean_lag_s, run.max_lag_s,
+                                  run.rs_variance_factor, run.ts_variance_factor),
         n_input=run.n_input, n_invalid=run.n_invalid,
         n_stabilization=run.n_stabilization + data.n_left_out, n=n,
         mean_deg=moments.mean_deg if n else None,

@@ -10,10 +10,11 @@ import numpy as np
 
 from .cells import Cells
 from .columns import Column, Keep, Tails
+from .criteria import Limits
 from .difference import difference
 from .records import Differences, Pairs
 from .sequential import Look, Looks
-from .settings import Settings
+from .settings import Norms, Settings
 from .statistics import count_outside, Moments
 
 __all__ = ['RunSeries']
@@ -75,7 +76,7 @@ class RunSeries:
             plan.plan_s, plan.looks, settings.risk)
         self._lag_sum_ns = 0
         self._lag_max_ns = 0
-        self._factor_sum = 0.0
+        self._factor_sum = self._ts_factor_sum = 0.0
 
     def __len__(self) -> int:
         return len(self.x_deg)
@@ -122,6 +123,7 @@ class RunSeries:
         self._lag_sum_ns += int(pairs.lag_ns.sum())
         self._lag_max_ns = max(self._lag_max_ns, int(np.abs(pairs.lag_ns).max()))
         self._factor_sum += float(pairs.rs_variance_factor.sum())
+        self._ts_factor_sum += float(pairs.ts_variance_factor.sum())
 
     def moments(self) -> Moments:
         """Return the moments of the analysed differences so far."""
@@ -157,3 +159,14 @@ class RunSeries:
     def rs_variance_factor(self) -> float | None:
         """Mean factor by which interpolation shrank the white noise of the RS."""
         return self._factor_sum / len(self) if len(self) else None
+
+    @property
+    def ts_variance_factor(self) -> float | None:
+        """Mean factor by which interpolation shrank the white noise of the TS."""
+        return self._ts_factor_sum / len(self) if len(self) else None
+
+    def limits(self, norms: Norms, model: str) -> Limits:
+        """Return the limits of the run so far; without differences those of no interpolation."""
+        if not len(self):
+            return Limits.of(norms, model)
+        return Limits.of(norms, model, self.rs_variance_factor, self.ts_variance_factor)

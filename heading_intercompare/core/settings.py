@@ -254,10 +254,13 @@ class Pairing(Checked):
     """How TS and RS readings are paired."""
 
     method: str = setting(
-        'interpolate', "'interpolate': RS interpolated to the TS stamp; 'nearest': mutual "
-        'nearest stamps, ties to the earlier', choices=('interpolate', 'nearest'))
-    max_gap_s: float = setting(3.0, 'longest bracket of RS readings interpolated over [s]',
-                               0.0, 3600.0)
+        'auto', "'interpolate': RS interpolated to the TS stamp; 'interpolate_ts': TS to that of "
+        "the RS; 'auto': this if the RS is slow, else that; 'nearest': mutual nearest stamps, "
+        'ties to the earlier', choices=('auto', 'interpolate', 'interpolate_ts', 'nearest'))
+    auto_s: float = setting(60.0, "start of a run by which 'auto' chooses [s]", 1.0, 600.0)
+    slow_rs_s: float = setting(
+        0.25, 'an RS is slow if its step is longer, and above 1.5 TS steps [s]', 0.0, 3600.0)
+    max_gap_s: float = setting(3.0, 'longest bracket interpolated, inclusive [s]', 0.0, 3600.0)
     tolerance_s: float = setting(0.05, "largest lag of a pair, method 'nearest' [s]", 0.0, 60.0)
     max_wait_s: float = setting(
         5.0, 'live only: how long a reading waits for its partner [s]', 0.0, 600.0)

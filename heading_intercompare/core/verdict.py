@@ -61,6 +61,8 @@ class PairingFigures:
     ts_received: int
     rs_received: int
     paired: int
+    ts_paired: int
+    ts_used: int
     ts_unpaired: int
     rs_used: int
     rs_unused: int
@@ -68,19 +70,29 @@ class PairingFigures:
     mean_lag_s: float | None
     max_lag_s: float | None
     rs_variance_factor: float | None
+    ts_variance_factor: float | None
+
+    def interpolated(self, method: str) -> str | None:
+        """Return the sensor, 'ts' or 'rs', that a method interpolated; None for none, or both."""
+        found = {'interpolate': 'rs', 'interpolate_ts': 'ts'}.get(method)
+        if method == 'auto' and self.rs_variance_factor != self.ts_variance_factor:
+            alone = 1.0 in (self.rs_variance_factor, self.ts_variance_factor)
+            found = None if not alone else 'ts' if self.rs_variance_factor == 1.0 else 'rs'
+        return found
 
     @classmethod
     def of(cls, share: LedgerSegment, mean_lag_s: float | None, max_lag_s: float | None,
-           rs_variance_factor: float | None) -> 'PairingFigures':
+           rs_variance_factor: float | None,
+           ts_variance_factor: float | None) -> 'PairingFigures':
         """Return the figures; readings still pending count as not yet received."""
         counts = share.counts
         rejected = {s: {r: counts[f'{s}_rejected.{r}'] for r in REASONS
                         if counts.get(f'{s}_rejected.{r}')} for s in ('ts', 'rs')}
         return cls(share.received('ts') - counts.get('ts_pending', 0),
                    share.received('rs') - counts.get('rs_pending', 0),
-                   *(counts.get(k, 0) for k in ('paired', 'ts_unpaired', 'rs_used',
-                                                'rs_unused')),
-                   rejected, mean_lag_s, max_lag_s, rs_variance_factor)
+                   *(counts.get(k, 0) for k in ('paired', 'ts_paired', 'ts_used', 'ts_unpaired',
+                                                'rs_used', 'rs_unused')),
+                   rejected, mean_lag_s, max_lag_s, rs_variance_factor, ts_variance_factor)
 
 
 @dataclass(frozen=True, slots=True)

@@ -170,7 +170,8 @@ def _ledger(verdict: Mapped) -> Markup:
     if not verdict['runs']:
         return _paragraph(NO_RUN)
     return joined((_paragraph('Every reading received stands in exactly one row of its sensor: '
-                              'paired (used), without partner (not used) or rejected.'),
+                              'paired, interpolated between, without partner (not used) or '
+                              'rejected.'),
                    rows_by_run(LEDGER, verdict['runs'])))
 
 

@@ -92,20 +92,32 @@ def test_a_silence_makes_two_runs_and_divides_the_ledger(rng):
     assert [r.run for r in verdict.runs] == [1, 2]
     for run in verdict.runs:
         assert run.pairing.ts_received == 3000 and run.pairing.paired == run.n_input
-        assert run.pairing.ts_received == run.pairing.paired + run.pairing.ts_unpaired
+        assert run.pairing.ts_received == run.pairing.ts_paired + run.pairing.ts_unpaired
         assert run.pairing.rs_received == run.pairing.rs_used + run.pairing.rs_unused
     assert verdict.campaign.m == 2
     assert verdict.campaign.worst_variance_deg2 == max(r.variance_deg2 for r in verdict.runs)
 
 
+def test_readings_of_a_ts_between_two_stamps_of_a_slow_rs_are_not_lost(rng):
+    ts, rs = sensors(rng, rs_rate_hz=1.0)
+    ts = Headings.of(ts.stamp_ns + 13_000_000, ts.heading_deg)
+    both = [Headings.concatenate((h, Headings.of(h.stamp_ns + 400 * S, h.heading_deg)))
+            for h in (ts, rs)]
+    run = analyze(*both, settings()).runs[1]
+    assert run.pairing.ts_unpaired > 0.7 * run.pairing.ts_received
+    (found,) = (f for f in run.validity if f.condition == 'losses')
+    assert found.effect == 'holds'
+
+
 def test_marks_set_early_or_live_give_the_same_runs(rng):
     ts, rs = sensors(rng)
-    early = Intercomparison(settings())
+    # Live, the method 'auto' makes no pair for a minute that could be marked.
+    early = Intercomparison(settings(pairing__method='interpolate'))
     early.mark('start', T0 + 50 * S)
     early.mark('stop', T0 + 150 * S)
     early.update(ts, rs)
     early.finish()
-    live = Intercomparison(settings())
+    live = Intercomparison(settings(pairing__method='interpolate'))
     for at, kind in ((50, 'start'), (150, 'stop'), (400, None)):
         until = T0 + at * S
         # Live, a mark is set when the pair of its stamp has come.
@@ -254,12 +266,34 @@ def test_a_drift_removed_is_allowed_for_and_live_figures_are_about_the_mean(rng)
 
 def test_interpolation_is_taken_into_account(rng):
     ts, rs = sensors(rng, ts_rate_hz=10.0, rs_rate_hz=1.0)
-    (run,) = analyze(ts, rs, settings(norms__m_low=0.9)).runs
+    (run,) = analyze(ts, rs, settings(norms__m_low=0.9, pairing__method='interpolate')).runs
     factor = run.pairing.rs_variance_factor
     assert factor == pytest.approx(np.mean([(1 - w) ** 2 + w ** 2 for w in
                                             np.arange(10) / 10]), rel=1e-3)
     assert run.variance_criterion.tightened_limit_deg2 == pytest.approx(
         0.3 ** 2 + factor * 0.9 ** 2 * 0.1 ** 2)
+    # The TS put onto the stamps of the RS: each of these meets a reading of the TS.
+    (run,) = analyze(ts, rs, settings(norms__m_low=0.9)).runs
+    assert (run.pairing.rs_variance_factor, run.pairing.ts_variance_factor) == (1.0, 1.0)
+    assert (run.pairing.paired, run.pairing.ts_paired, run.pairing.ts_used) == (300, 300, 0)
+    # With stamps of its own it lies between two, halfway: 0.5^2 + 0.5^2 of its noise are left.
+    late = Headings.of(ts.stamp_ns + 50_000_000, ts.heading_deg)
+    (run,) = analyze(late, rs, settings(norms__m_low=0.9)).runs
+    assert run.pairing.ts_variance_factor == pytest.approx(0.5)
+    assert (run.pairing.paired, run.pairing.ts_paired, run.pairing.ts_used) == (299, 0, 598)
+    assert run.pairing.ts_received == 598 + run.pairing.ts_unpaired
+    assert run.variance_criterion.tightened_limit_deg2 == pytest.approx(
+        0.5 * 0.3 ** 2 + 0.9 ** 2 * 0.1 ** 2)
+    assert run.variance_criterion.limit_deg2 == pytest.approx(0.3 ** 2 + 0.1 ** 2)
+
+
+def test_the_largest_lag_of_a_run_has_no_sign():
+    compliance = Compliance(settings())
+    lags = np.array([1, -3, 2]) * (S // 100)
+    compliance.update(Pairs.of(T0 + np.arange(3) * S, np.full(3, 9.0), np.full(3, 9.0), lags))
+    compliance.finish()
+    (run,) = compliance.verdict().runs
+    assert (run.pairing.max_lag_s, run.pairing.mean_lag_s) == (0.03, 0.0)
 
 
 def test_no_input_at_all_is_indeterminate():
