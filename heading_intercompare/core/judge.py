@@ -195,11 +195,12 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
     outcome, reason = conclude(guarded, printed)
     found = diagnose(data.stamp_ns, data.x_deg, data.rs_deg, settings, guarded, limits,
                      drift=drift, rest_deg=rest_deg, residual_deg=data.residual_deg,
-                     times=correlation_times(data.series_deg))
+                     times=correlation_times(data.series_deg),
+                     rs_variance_factor=run.rs_variance_factor or 1.0)
     validity = examine(Examined(
         data, found, limits, settings, outcome,
         lambda stamp_ns, x_deg: decision.outcome(stamp_ns, x_deg, left),
-        guarded.lower_bound_deg2))
+        guarded.lower_bound_deg2, guarded.upper_bound_deg2))
     coverage = coverage_of(data.span_s, risk)
     direction, length = circular_mean(data.x_deg) if n else (None, None)
     verdict = RunVerdict(
