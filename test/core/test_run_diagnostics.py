@@ -200,9 +200,10 @@ def test_any_number_of_pairs_gives_figures_or_none(n, rng):
                                           if a.id != 'j')
 
 
+@pytest.mark.slow
 def test_a_long_run_takes_little_memory(ar1, yaw):
     """Ten numbers a pair besides the columns; six, 220 MB, for 12 h at 100 Hz."""
-    n = 400_000
+    n = 1_000_000
     x, rs = 0.1 * ar1(n, 1000.0), yaw(np.arange(n) / 100.0)
     tracemalloc.start()
     run(x, rs, 0.01)
