@@ -99,8 +99,9 @@ def _lost_shares(verdict: RunVerdict, inside: LedgerSegment,
     """Return what a run could not use, in words, and its share of the readings in the run."""
     counts, stamps = inside.counts, verdict.correlation.stamps
     shares = []
-    if stamps.typical_s and verdict.n > 1:
-        expected = verdict.coverage.span_s / stamps.typical_s
+    step_s = stamps.nominal_s or stamps.typical_s
+    if step_s and verdict.n > 1:
+        expected = verdict.coverage.span_s / step_s
         shares.append(('lost', max(0.0, 1.0 - (verdict.n - 1) / expected)))
     for stream in ('ts', 'rs'):
         if received := inside.received(stream):
