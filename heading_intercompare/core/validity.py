@@ -101,7 +101,8 @@ class Examined:
     outcome : Outcome
         Of the run as it is.
     decided : callable
-        ``decided(stamp_ns, x_deg)``: the outcome of other differences under the same rule.
+        ``decided(stamp_ns, x_deg, rs_factor=1.0)``: the outcome of other differences under the
+        same rule, where interpolation has left that share of the variance of the RS noise.
     lower_bound_deg2, upper_bound_deg2 : float or None
         Of the variance.
 
@@ -112,7 +113,7 @@ class Examined:
     limits: Limits
     settings: Settings
     outcome: Outcome
-    decided: Callable[[np.ndarray, np.ndarray], Outcome]
+    decided: Callable[..., Outcome]
     lower_bound_deg2: float | None
     upper_bound_deg2: float | None
 
@@ -239,18 +240,21 @@ def _clocks(e: Examined) -> Finding:
     figures = f'the skew is {estimate.skew_s:.3f} s (standard uncertainty {estimate.u_s:.3f} s)'
     if not estimate.significant:
         return Finding('clocks', HOLDS, '', figures)
-    aligned = e.decided(e.data.stamp_ns, _aligned(e.data, estimate.skew_s))
+    aligned = e.decided(e.data.stamp_ns, *_aligned(e.data, estimate.skew_s))
     if aligned is e.outcome:
         return Finding('clocks', HOLDS, '', f'{figures}; the outcome is the same without it')
     return Finding('clocks', DOUBTFUL, f'a skew of {estimate.skew_s:.2f} s decides, without it '
                    f'{aligned}', f'{figures}; with it taken out the outcome is {aligned}')
 
 
-def _aligned(data: Analysed, skew_s: float) -> np.ndarray:
-    """Return the differences as they are with the RS read so much earlier."""
+def _aligned(data: Analysed, skew_s: float) -> tuple[np.ndarray, float]:
+    """Return the differences with the RS read so much earlier, and the factor of its noise."""
     t = (data.stamp_ns - data.stamp_ns[0]) / 1e9
     rs = unwrap_deg(data.rs_deg)
-    return data.x_deg + rs - np.interp(t - skew_s, t, rs)
+    place = np.interp(t - skew_s, t, np.arange(t.size, dtype=np.float64))
+    w = place - np.floor(place)
+    return (data.x_deg + rs - np.interp(t - skew_s, t, rs),
+            float(np.mean((1.0 - w) ** 2 + w ** 2)))
 
 
 def _interpolation(e: Examined) -> Finding:

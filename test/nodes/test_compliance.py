@@ -230,6 +230,11 @@ def test_a_bad_verdict_stays_in_the_diagnostics_until_it_is_acknowledged(ros, rn
     ros.spin_until(lambda: any(s.name == 'compliance: verdict' and s.level == b'\2'
                                for m in states for s in m.status))
     assert graph.call('acknowledge').message == '1 alerts acknowledged'
+    # The newest verdict is what it was: acknowledged or not, it is not OK.
+    states.clear()
+    ros.spin_until(lambda: states)
+    assert next(s.level for m in states[-1:] for s in m.status
+                if s.name == 'compliance: verdict') == b'\2'
 
 
 def test_figures_of_the_window_and_of_the_run_come_every_second(ros, rng):
