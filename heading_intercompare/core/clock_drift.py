@@ -144,7 +144,7 @@ def clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
             found.append(one)
     if len(found) < _FEWEST_PARTS:
         return ClockDrift('not_testable', tuple(found))
-    return _line(found)
+    return _line(found, float(ts_track.t_s[0]) + 0.5 * span)
 
 
 def _cut(track: Track, lo: int, hi: int) -> Track:
@@ -195,8 +195,8 @@ def _settle(instrument: Instrument, start_s: float, range_s: float) -> tuple[flo
     return None
 
 
-def _line(found: list[SkewOfPart]) -> ClockDrift:
-    """Return the weighted line through the skews."""
+def _line(found: list[SkewOfPart], middle_s: float) -> ClockDrift:
+    """Return the weighted line through the skews; its level is in the middle of the run."""
     t = np.array([one.time_s for one in found]) / 3600.0
     d = np.array([one.skew_s for one in found])
     u = np.array([one.u_s for one in found])
@@ -212,7 +212,6 @@ def _line(found: list[SkewOfPart]) -> ClockDrift:
     half = student_95(dof) * u_slope
     drifting = abs(slope) > -float(stdtrit(dof, 0.5 * _RISK)) * u_slope
     rate2 = float(np.mean([one.rate_std_deg_s ** 2 for one in found]))
-    middle = 0.5 * float(t[0] + t[-1])
     return ClockDrift('drifting' if drifting else 'steady', tuple(found),
-                      level + slope * (middle - t0), slope, u_slope,
+                      level + slope * (middle_s / 3600.0 - t0), slope, u_slope,
                       (slope - half, slope + half), slope ** 2 * float(np.var(t)) * rate2)

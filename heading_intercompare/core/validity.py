@@ -239,7 +239,7 @@ def _clocks(e: Examined) -> Finding:
         slope = (f'the clocks drift apart by {clock.slope_s_per_h:.2g} s/h (95 % interval '
                  f'{clock.interval_s_per_h[0]:.2g} to {clock.interval_s_per_h[1]:.2g})')
         steady = e.decided(e.data.stamp_ns, *_aligned(e.data, clock.skew_s, clock.slope_s_per_h))
-        if steady is not e.outcome:
+        if steady is not e.outcome and e.outcome is not Outcome.COMPLIANT:
             return Finding('clocks', VOID, f'the clocks drift apart by {clock.slope_s_per_h:.2g} '
                            's/h', f'{slope}; with that taken out the outcome is {steady}')
         return Finding('clocks', HOLDS, '', f'{slope}; the outcome is the same without')
@@ -250,13 +250,15 @@ def _clocks(e: Examined) -> Finding:
     if not estimate.significant:
         return Finding('clocks', HOLDS, '', figures)
     aligned = e.decided(e.data.stamp_ns, *_aligned(e.data, estimate.skew_s))
-    if aligned is e.outcome:
+    # A skew only adds to the variance: what complies with it complies without.
+    if aligned is e.outcome or e.outcome is Outcome.COMPLIANT:
         return Finding('clocks', HOLDS, '', f'{figures}; the outcome is the same without it')
     return Finding('clocks', DOUBTFUL, f'a skew of {estimate.skew_s:.2f} s decides, without it '
                    f'{aligned}', f'{figures}; with it taken out the outcome is {aligned}')
 
 
-def _aligned(data: Analysed, skew_s: float, slope_s_per_h: float = 0.0) -> tuple[np.ndarray, float]:
+def _aligned(data: Analysed, skew_s: float,
+             slope_s_per_h: float = 0.0) -> tuple[np.ndarray, float]:
     """Return the differences with the RS read so much earlier, and the factor of its noise."""
     t = (data.stamp_ns - data.stamp_ns[0]) / 1e9
     rs = unwrap_deg(data.rs_deg)
@@ -272,7 +274,7 @@ def _interpolation(e: Examined) -> Finding:
     if found.kind == 'none':
         return Finding(name, HOLDS, '', 'every reading is taken as it is')
     if found.kind == 'not_testable':
-        return Finding(name, NOT_TESTABLE, '', 'there are too few pairs to tell what '
+        return Finding(name, NOT_TESTABLE, '', 'these pairs do not tell what '
                        'interpolation adds')
     evidence = (f'interpolation adds {found.variance_deg2:.2g} deg2 to the variance, '
                 f'{found.upper_deg2:.2g} deg2 at most')
