@@ -187,7 +187,8 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
                      rs_factor=None if interpolates_ts else factor,
                      rs_step_deg=steps[1].step_deg, ts_step_deg=steps[0].step_deg),
         frozen(stamp_ns, ts_deg, rs_deg, **limits), frozen(stamp_ns, rs_deg, ts_deg, **limits),
-        standstill(ts_deg, rs_deg), outliers(stamp_ns, residual_deg),
+        standstill(ts_deg, rs_deg), outliers(
+            stamp_ns, residual_deg, step_deg=max((s.step_deg or 0.0) for s in steps)),
         ClockDrift('not_testable') if settings.alignment.skew == 'off' else clock_drift(
             stamp_ns, x_deg, rs_deg, range_s=settings.alignment.skew_range_s,
             max_gap_s=settings.pairing.max_gap_s),
