@@ -129,7 +129,9 @@ def duration_factor(found: Spread, accept_deg2: float, reject_deg2: float,
     d, s = found.d_deg2, found.s_deg2
     if d > reject_deg2:
         t = -float(stdtrit(found.student_dof, alpha_producer))
-        return max(1.0, (t * found.cv / math.log(d / reject_deg2)) ** 2)
+        a = (t * found.cv / math.log(d / reject_deg2)) ** 2
+        # The root of r^2 = a (r + 1 / f), from exp(-t cv sqrt((1 + 1 / (r f)) / r)).
+        return max(1.0, 0.5 * (a + math.sqrt(a * a + 4.0 * a / found.f)))
     room = accept_deg2 - d - found.slow_allowance_deg2
     if s == 0.0:
         return 1.0 if room >= 0.0 else math.inf

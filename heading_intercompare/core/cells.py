@@ -48,6 +48,8 @@ class CellValues:
         Sum of the deviations, and of their squares, in each complete cell, times K over the
         number of differences in all of them: their means if the cells are equally full. An
         empty cell has 0 and q.
+    occupied : float
+        Share of these cells that hold a difference.
 
     """
 
@@ -58,6 +60,7 @@ class CellValues:
     rounding_deg: float
     b_deg: np.ndarray
     y_deg2: np.ndarray
+    occupied: float = 1.0
 
 
 def _joined(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -361,7 +364,8 @@ class Cells:
         b, y = np.zeros(k), np.full(k, q)
         b[index] = scale * counts * off
         y[index] = scale * (rows[_M2] + counts * (off * off - q)) + q
-        return CellValues(self.n, self._shift + mean, q, kurtosis, 1e-13 * self._largest, b, y)
+        return CellValues(self.n, self._shift + mean, q, kurtosis, 1e-13 * self._largest, b, y,
+                          index.size / k)
 
 
 def _level_at(place: int) -> int:

@@ -33,6 +33,8 @@ _LOW_MODES = 4
 _MIDDLE = 12, 28
 _WINDOWS = 64, 128
 _LEAST_CORNER = 8.0
+_PER_CORNER = 0.45
+_FEW = 30.0
 _NORMAL_KURTOSIS = 3.0
 # 1 / chi-square quantile of one degree of freedom at 0.05.
 _MOST_ALLOWANCE = 254.3
@@ -133,7 +135,7 @@ def spread(cells: Cells | CellValues, order: int = 0) -> Spread | None:
     --------
     >>> found = spread(Cells.of([1.0, -1.0] * 500))
     >>> round(found.d_deg2, 3), round(found.nu, 6)
-    (1.0, 1000.0)
+    (1.0, 970.873786)
 
     """
     record = cells.values() if isinstance(cells, Cells) else cells
@@ -152,11 +154,13 @@ def spread(cells: Cells | CellValues, order: int = 0) -> Spread | None:
         free = float(n - lost)
         return Spread(n, order, 0.0, v, 0.0, free, free, math.inf, low, middle)
     # Relative to D, for the squares of small variances are 0.
-    relative = max(w / k / d / d + 6.0 * (lost * v / d) ** 2, 2.0 / n)
+    relative = (1.0 + _FEW / n) * max(
+        w / k / d / d + 6.0 * (lost * v / d) ** 2 / record.occupied, 2.0 / n)
     s, nu = d * math.sqrt(relative), 2.0 / relative
     corner, slow = _corner(c)
     heavy = max(1.0, record.kurtosis / _NORMAL_KURTOSIS)
-    return Spread(n, order, d, v, s, nu, min(nu, slow / heavy ** 2), corner, low, middle)
+    return Spread(n, order, d, v, s, nu, min(nu, slow * record.occupied / heavy ** 2), corner, low,
+                  middle)
 
 
 def _power(values: np.ndarray, floor: float = 0.0) -> np.ndarray:
@@ -166,7 +170,7 @@ def _power(values: np.ndarray, floor: float = 0.0) -> np.ndarray:
 
 
 def _corner(c: np.ndarray) -> tuple[float, float]:
-    """Return the corner of the spectrum of the squares, and J / 2h; the least of the windows."""
+    """Return the corner of the spectrum of the squares, and 0.45 J / h; least of the windows."""
     plateau = float(c[:_PLATEAU].mean())
     corner = least = math.inf
     for w in {*(w for w in _WINDOWS if w <= c.size), c.size}:
@@ -175,7 +179,7 @@ def _corner(c: np.ndarray) -> tuple[float, float]:
         if area > 0.0 and plateau > floor:
             j = max(_LEAST_CORNER, 2.0 / math.pi * area / (plateau - floor))
             corner = min(corner, j)
-            least = min(least, 0.5 * j * plateau / (plateau - floor))
+            least = min(least, _PER_CORNER * j * plateau / (plateau - floor))
     return corner, least
 
 
@@ -242,7 +246,8 @@ def upper_bound(found: Spread, alpha: float) -> float:
 
 def lower_bound(found: Spread, alpha: float) -> float:
     """Return the lower confidence bound of the variance, square degrees; S.11."""
-    return found.d_deg2 * math.exp(float(stdtrit(found.student_dof, alpha)) * found.cv)
+    cv = found.cv * math.sqrt(1.0 + 1.0 / found.f)
+    return found.d_deg2 * math.exp(float(stdtrit(found.student_dof, alpha)) * cv)
 
 
 def pool(runs: Sequence[Spread]) -> Spread:

@@ -70,7 +70,7 @@ def by_the_page(values, order, alpha):
     low, middle = a(p + 1, p + 4), a(p + 13, p + 28)
     d = q + v if p == 0 else q + (1 + p) * low / k
     w = max(c(1, 6), c(1, 12), c(1, 24))
-    s = math.sqrt(max(w / k + 6.0 * (1 + p) ** 2 * v ** 2, 2.0 * d ** 2 / n))
+    s = math.sqrt((1.0 + 30.0 / n) * max(w / k + 6.0 * (1 + p) ** 2 * v ** 2, 2.0 * d ** 2 / n))
     nu = 2.0 * d ** 2 / s ** 2
     corners, slow = [], []
     for width in {64, min(128, m), m}:
@@ -80,7 +80,7 @@ def by_the_page(values, order, alpha):
         area = width * c(1, width) - width * floor
         if area > 0.0 and h > 0.0:
             corners.append(max(8.0, 2.0 / math.pi * area / (plateau - floor)))
-            slow.append(corners[-1] / (2.0 * h * max(1.0, values.kurtosis / 3.0) ** 2))
+            slow.append(0.45 * corners[-1] / (h * max(1.0, values.kurtosis / 3.0) ** 2))
     f = min([nu, *slow])
     t = student.ppf(1.0 - alpha, 12)
     x = math.sqrt(f / 2.0) * (f / chi2.ppf(norm.cdf(-t), f) - 1.0)
@@ -89,7 +89,7 @@ def by_the_page(values, order, alpha):
     return {'d_deg2': d, 'mean_variance_deg2': v, 's_deg2': s, 'nu': nu, 'f': f,
             'corner_j': min(corners, default=math.inf), 'r_slow': r,
             'slow_variance_deg2': slow_variance, 'slow_allowance_deg2': allowance,
-            'upper': d + x * s + allowance, 'lower': d * math.exp(-t * s / d)}
+            'upper': d + x * s + allowance, 'lower': d * math.exp(-t * s / d * math.sqrt(1.0 + 1.0 / f))}
 
 
 # --- by hand ---
@@ -105,31 +105,32 @@ def test_the_standard_error_by_hand():
     """
     S.3, S.4: means of C over 6, 12 and 24 modes: 32, 32, (16 * 32 + 8 * 2)/24 = 22.
 
-    s^2 = 32/128 + 6 * 0.1^2 = 0.31; nu = 2 * 1.1^2 / 0.31.
+    s^2 = (32/128 + 6 * 0.1^2)(1 + 30/1280) = 0.31 * 1.0234375; nu = 2 * 1.1^2 / s^2.
     """
     found = spread(record(FLAT, LOW))
-    assert found.s_deg2 == pytest.approx(math.sqrt(0.31), rel=1e-12)
-    assert found.nu == pytest.approx(2.42 / 0.31, rel=1e-12)
+    assert found.s_deg2 == pytest.approx(math.sqrt(0.31 * 1.0234375), rel=1e-12)
+    assert found.nu == pytest.approx(2.42 / 0.31 / 1.0234375, rel=1e-12)
     late = spread(record(FLAT, [0.0] * 20 + [64.0] * 4 + [0.0] * 103))
-    assert late.s_deg2 ** 2 == pytest.approx(64.0 * 4 / 24 / 128 + 0.06, rel=1e-12)
+    assert late.s_deg2 ** 2 == pytest.approx(
+        1.0234375 * (64.0 * 4 / 24 / 128 + 0.06), rel=1e-12)
 
 
 def test_no_sum_of_squares_is_known_better_than_that_of_white_errors():
-    """S.4: s^2 is at least 2 D^2 / n, so nu is at most n."""
+    """S.4: s^2 is at least 2 D^2 (1 + 30/n) / n, so nu is at most n / (1 + 30/n)."""
     found = spread(record([0.0] * 127, [0.0] * 127))
-    assert found.s_deg2 ** 2 == pytest.approx(2.0 / 1280, rel=1e-12)
-    assert found.nu == found.f == 1280.0
+    assert found.s_deg2 ** 2 == pytest.approx(1.0234375 * 2.0 / 1280, rel=1e-12)
+    assert found.nu == found.f == pytest.approx(1280.0 / 1.0234375)
 
 
 def test_the_corner_by_hand():
     """
     S.5, S.6: P = 32, F = 2, h = 30/32; M = 16 * 30 = 480 in every window.
 
-    J = 2/pi * 480/30 = 32/pi = 10.19; f = J / 2h = 10.19 / 1.875; a quarter of it for k4 = 6.
+    J = 2/pi * 480/30 = 32/pi = 10.19; f = 0.45 J / h; a quarter of it for k4 = 6.
     """
     found, tails = (spread(record(FLAT, LOW, kurtosis=k4)) for k4 in (3.0, 6.0))
     assert found.corner_j == tails.corner_j == pytest.approx(32.0 / math.pi, rel=1e-12)
-    assert found.f == pytest.approx(32.0 / math.pi / 1.875, rel=1e-12)
+    assert found.f == pytest.approx(0.45 * 32.0 / math.pi / 0.9375, rel=1e-12)
     assert tails.f == pytest.approx(found.f / 4.0, rel=1e-12)
     assert spread(record(FLAT, LOW, kurtosis=1.0)).f == found.f
 
@@ -197,7 +198,8 @@ def test_a_polynomial_takes_its_modes_and_gives_them_back():
     v = (2 * 12.8 + 6 * 25.6) / 8 / 128
     assert found.mean_variance_deg2 == pytest.approx(v, rel=1e-12)
     assert found.d_deg2 == pytest.approx(1.45, rel=1e-12)
-    assert found.s_deg2 ** 2 == pytest.approx(0.25 + 6.0 * 9.0 * v * v, rel=1e-12)
+    assert found.s_deg2 ** 2 == pytest.approx(
+        1.0234375 * (0.25 + 6.0 * 9.0 * v * v), rel=1e-12)
     assert found.low_deg2 == pytest.approx(0.15) and found.middle_deg2 == pytest.approx(0.2)
 
 
