@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.report.wording import NO_RUN, unjudged, utc
-from heading_intercompare.report.words import OUTCOME_WORDS, REASON_WORDS
+from heading_intercompare.report.words import CAMPAIGN_WORDS, OUTCOME_WORDS, REASON_WORDS
 
 __all__ = ['verdict_text']
 
@@ -89,6 +89,7 @@ def verdict_text(verdict: Mapping[str, Any]) -> str:
 
     """
     settings, runs = verdict['settings'], verdict['runs']
+    campaign = verdict['campaign']
     lines = [f'VERDICT: {OUTCOME_WORDS[verdict["outcome"]]}'
              f'   (GK as printed: {OUTCOME_WORDS[verdict["paper_outcome"]]})']
     norm = (f'by {settings["norms.preset"]}' if settings['norms.preset'] is not None
@@ -103,6 +104,8 @@ def verdict_text(verdict: Mapping[str, Any]) -> str:
         lines += ['', *_table(runs[first:first + _COLUMNS])]
     lines.append('')
     several = len(verdict['inputs']) > 1
+    if len(runs) > 1:
+        lines.append(f'together ({campaign["rule"]}): {CAMPAIGN_WORDS[campaign["reason"]]}')
     for run in runs:
         of = f' of {run["source"]}' if several else ''
         lines.append(f'run {run["run"]}{of}: {REASON_WORDS.get(run["reason"], run["reason"])}')

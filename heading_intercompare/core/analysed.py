@@ -16,7 +16,10 @@ from .settings import Settings
 from .settling import warm_up
 from .statistics import Moments
 
-__all__ = ['Analysed', 'analysed']
+__all__ = ['Analysed', 'analysed', 'HIGHEST_ORDER_REMOVED']
+
+HIGHEST_ORDER_REMOVED = 3
+"""Of the polynomials that `drift_order` may take out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +100,7 @@ def analysed(run: RunSeries, limits: Limits, settings: Settings) -> Analysed:
     order = settings.drift_order
     if order == 'auto':
         chosen = select_order(stamps, x)
-        order = 0 if chosen is None else min(chosen.order, 3)
+        order = 0 if chosen is None else min(chosen.order, HIGHEST_ORDER_REMOVED)
     moments = Moments.of(x)
     if order == 0 or moments.n < 2 + order:
         variance = moments.variance_deg2 if moments.n >= 2 + order else None

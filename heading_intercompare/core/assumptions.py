@@ -18,11 +18,12 @@ from .drift import Order, Slope
 from .ergodicity import Homogeneity
 from .normality import Shape
 from .settling import WarmUp
+from .squares import Spread
 from .stationarity import Stationarity
 
 __all__ = ['Assumption', 'constant_moments', 'correlated_errors', 'drift_and_stationary',
            'ergodic', 'installation', 'large_n', 'laws', 'MET', 'model_kurtosis', 'NOT_TESTABLE',
-           'reference_norm', 'stabilized', 'STATEMENTS', 'synchronous', 'VIOLATED']
+           'reference_norm', 'resolved', 'stabilized', 'STATEMENTS', 'synchronous', 'VIOLATED']
 
 MET, VIOLATED, NOT_TESTABLE = 'met', 'violated', 'not_testable'
 
@@ -48,6 +49,13 @@ DEPENDENT = 0.001
 
 SKEW_SHARE = 0.05
 """Share of the variance that a skew may add while the readings count as simultaneous."""
+
+ENOUGH = 15.0
+"""Fewest effectively independent differences that count as many."""
+
+SLOW_RATIO, SLOW_SHARE = 2.0, 0.05
+"""A slow error and a change look alike where the four lowest half-periods of a record have so many
+times the power of the middle ones, and so much of the variance."""
 
 SMALL_OFFSET = 1.0 / 3.0
 """Share of sigma_max up to which a mean difference is small."""
@@ -84,17 +92,24 @@ def _of(key: str, state: str, evidence: str) -> Assumption:
     return Assumption(key, STATEMENTS[key], state, evidence)
 
 
-def large_n(n: int, nu: float | None, resolved: bool | None, nu_min: float) -> Assumption:
+def resolved(found: Spread | None) -> bool:
+    """Tell whether a record is long enough to tell its slow errors from a change."""
+    return found is not None and not (found.r_slow > SLOW_RATIO and
+                                      found.slow_variance_deg2 > SLOW_SHARE * found.d_deg2)
+
+
+def large_n(n: int, nu: float | None, resolved: bool) -> Assumption:
     """Judge (a) by the number of differences and what they are worth for the variance."""
     if n == 0:
         return _of('a', NOT_TESTABLE, 'there are no differences')
     if nu is None:
-        return _of('a', VIOLATED, f'{n} differences are fewer than 64')
-    if nu >= nu_min and not resolved:
+        return _of('a', VIOLATED, f'{n} differences are fewer than 128, or too unevenly '
+                   'spread in time')
+    if nu >= ENOUGH and not resolved:
         return _of('a', NOT_TESTABLE, f'{n} differences, but {_UNRESOLVED}: how many '
                    'independent ones they are worth cannot be told')
-    return _of('a', MET if nu >= nu_min else VIOLATED,
-               f'{n} differences are worth {nu:.4g} independent ones; {nu_min:.4g} are needed')
+    return _of('a', MET if nu >= ENOUGH else VIOLATED,
+               f'{n} differences are worth {nu:.4g} independent ones; {ENOUGH:.4g} are needed')
 
 
 def synchronous(skew: Skew, range_s: float) -> Assumption:
@@ -309,8 +324,7 @@ def model_kurtosis(model: str, rs_share: float) -> float:
     return ts * (1.0 - rs_share) ** 2 + rs * rs_share ** 2
 
 
-def laws(shape: Shape, model: str, reference_deg: tuple[float, float],
-         nu_min: float) -> Assumption:
+def laws(shape: Shape, model: str, reference_deg: tuple[float, float]) -> Assumption:
     """
     Judge (j) by skewness and kurtosis at the effective size.
 
@@ -322,8 +336,6 @@ def laws(shape: Shape, model: str, reference_deg: tuple[float, float],
     reference_deg : pair of float
         Least and largest standard deviation of the RS, degrees; any kurtosis that the model
         gives between them is taken.
-    nu_min : float
-        Least effective size to tell.
 
     """
     if shape.p is None:
@@ -337,6 +349,6 @@ def laws(shape: Shape, model: str, reference_deg: tuple[float, float],
     figures = (f'skewness {shape.skewness:.3g}, excess kurtosis {shape.excess_kurtosis:.3g} '
                f'(model {model}: {nearest:.3g}) of {shape.n_effective:.4g} effective differences: '
                f'p = {p:.2g}')
-    if shape.n_effective < nu_min:
+    if shape.n_effective < ENOUGH:
         return _of('j', NOT_TESTABLE, f'{figures}; too few to tell')
     return _of('j', VIOLATED if p < SIGNIFICANT else MET, figures)

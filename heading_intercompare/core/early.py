@@ -103,7 +103,7 @@ def look_at(run: RunSeries, look: Look, settings: Settings) -> EarlyVerdict | No
         return None
     limits = Limits.of(settings.norms, settings.model, run.rs_variance_factor)
     printed = _printed_so_far(run, limits, settings)
-    evidence = _evidence(run.x_deg.values, settings.risk.method, printed, run.span_s, settings)
+    evidence = _evidence(run, printed, settings)
     outcome, reason = conclude(decide(evidence, limits, look.risk), printed)
     if outcome is Outcome.INDETERMINATE:
         return None
@@ -117,10 +117,10 @@ def _printed_so_far(part: RunSeries | Rolling, limits: Limits, settings: Setting
                       lambda limit: part.count_outside(center, limit), limits, settings)
 
 
-def _evidence(x: Any, method: str, printed: Printed, span_s: float,
-              settings: Settings) -> Evidence:
-    return evidence_of(x, method=method, n_plus=printed.counts.n_plus,
-                       n_plus_plus=printed.counts.n_plus_plus, span_s=span_s,
+def _evidence(part: RunSeries | Rolling, printed: Printed, settings: Settings) -> Evidence:
+    return evidence_of(part.cells(), n_plus=printed.counts.n_plus,
+                       n_plus_plus=printed.counts.n_plus_plus, span_s=part.span_s,
+                       mean_deg=part.moments().mean_deg,
                        offset_u_deg=settings.installation_offset_u_deg)
 
 
@@ -143,7 +143,7 @@ def figures(part: RunSeries | Rolling, limits: Limits, settings: Settings) -> di
     """
     moments = part.moments()
     printed = _printed_so_far(part, limits, settings)
-    evidence = _evidence(part.blocks(), 'dyadic', printed, part.span_s, settings)
+    evidence = _evidence(part, printed, settings)
     now = decide(evidence, limits, settings.risk)
     return {
         'n': moments.n, 'mean_deg': moments.mean_deg, 'std_deg': moments.std_deg,
@@ -155,5 +155,6 @@ def figures(part: RunSeries | Rolling, limits: Limits, settings: Settings) -> di
         'total_error_low_deg': printed.total.low_deg, 'total_error_up_deg': printed.total.up_deg,
         'paper_outcome': printed.outcome.value,
         **{key: getattr(now, key) for key in (
-            'nu', 'resolved', 'lower_bound_deg2', 'upper_bound_deg2', 'acceptance_limit_deg2',
-            'rejection_limit_deg2', 'sigma_ts_lower_deg', 'sigma_ts_upper_deg', 'bias_u_deg')}}
+            'nu', 'f', 'slow_allowance_deg2', 'lower_bound_deg2', 'upper_bound_deg2',
+            'acceptance_limit_deg2', 'rejection_limit_deg2', 'sigma_ts_lower_deg',
+            'sigma_ts_upper_deg', 'bias_u_deg')}}

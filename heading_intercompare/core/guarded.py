@@ -7,38 +7,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 import math
 
-import numpy as np
-from numpy.typing import ArrayLike
-from scipy.special import gammainccinv, stdtrit
+from scipy.special import stdtrit
 
-from .bounds import (
-    confidence,
-    lower_bound,
-    mean_confidence,
-    nu_needed,
-    rate_lower,
-    rate_upper,
-    upper_bound,
-)
+from .bounds import confidence, duration_factor, mean_confidence, rate_lower, rate_upper
+from .cells import Cells
 from .criteria import Limits
-from .dyadic import Components, Dyadic
-from .noise import correlation_times, CorrelationTimes
 from .outcome import Outcome
 from .settings import Risk
+from .squares import lower_bound, MEAN_DOF, Spread, spread, upper_bound
 
-__all__ = ['decide', 'Evidence', 'evidence_of', 'Guarded', 'REASONS']
+__all__ = ['count_risk', 'decide', 'Evidence', 'evidence_of', 'Guarded', 'REASONS',
+           'variance_risk']
 
 REASONS = {
-    'insufficient_data': 'fewer than 64 differences',
-    'unresolved_but_far_above_rejection_limit':
-        'the errors change slowly, but lie far above the rejection limit',
-    'insufficient_effective_data':
-        'the errors change too slowly for this record: measure longer',
+    'insufficient_data': 'fewer than 128 differences, or too unevenly spread in time',
     'lower_bound_above_rejection_limit':
         'the variance is above the rejection limit, at the stated risk',
     'insufficient_duration': 'shorter than risk.min_duration_s',
     'upper_bound_within_acceptance_limit':
         'the variance is within the acceptance limit, at the stated risk',
+    'slow_errors_not_resolved':
+        'the errors have a slow part that this record cannot measure: measure longer',
     'reference_limited': 'only better knowledge of sigma_ref can decide, not more data',
     'data_limited': 'more data can decide',
 }
@@ -54,10 +43,8 @@ class Evidence:
     ----------
     n : int
         Number of differences.
-    components : Components or None
-        Of their variance; None for fewer than 64.
-    nu_acf : float or None
-        Effective degrees of freedom by the autocorrelation; None if not used.
+    spread : Spread or None
+        Their variance and how well it is known; None for fewer than 128.
     mean_deg : float or None
         Mean difference, degrees; None for n = 0.
     offset_u_deg : float
@@ -70,8 +57,7 @@ class Evidence:
     """
 
     n: int
-    components: Components | None
-    nu_acf: float | None
+    spread: Spread | None
     mean_deg: float | None
     offset_u_deg: float
     span_s: float
@@ -84,22 +70,22 @@ class Guarded:
     """
     The guarded decision on one run; the fields are the keys of the JSON, in its order.
 
-    None where there is no figure (fewer than 64 differences); infinite where a figure has no
-    bound. Angles in degrees, variances in square degrees. All confidences hold only if
-    `resolved`.
+    None where there is no figure (fewer than 128 differences); infinite where a figure has no
+    bound. Angles in degrees, variances in square degrees.
 
     Attributes
     ----------
     d_hat_deg2 : float or None
-        Variance with what the removed mean has swallowed. G.3.
-    nu, nu_batch, nu_acf, nu_components : float or None
-        Effective degrees of freedom: those used, and the estimates. G.4, G.6, G.7.
-    resolved : bool or None
-        Whether the record is long enough to see the slow part of the errors. G.5.
-    r1_blocks, slow_share : float or None
-        What `resolved` follows from.
+        Variance D with what the removed mean has swallowed. S.2.
+    nu, f : float or None
+        Effective degrees of freedom of the variance, and of its slow part. S.4, S.6.
+    corner_j : float or None
+        Half-periods in the record at which the power of the squares falls off. S.5.
+    r_slow, slow_variance_deg2, slow_allowance_deg2 : float or None
+        How far the lowest half-periods stand out, the variance in that, and what the upper bound
+        allows for it. S.8, S.9.
     upper_bound_deg2, lower_bound_deg2 : float or None
-        Bounds U at the consumer's and L at the producer's risk. G.10.
+        Bounds U at the consumer's and L at the producer's risk. S.10, S.11.
     acceptance_limit_deg2, rejection_limit_deg2 : float
         The limits A and R that they are compared with.
     sigma_ts_lower_deg, sigma_ts_upper_deg : float or None
@@ -108,15 +94,14 @@ class Guarded:
         That the variance is at most A; that it is above R.
     conformance_probability : float or None
         That the TS meets its norm, the RS uniform between its bounds. E.10.
-    nu_needed, duration_factor : float or None
-        Degrees of freedom that would decide if the variance stays; how many times longer the
-        run would have to be. G.12.
+    duration_factor, hours_needed : float or None
+        How many times as long a run would decide if everything stayed as it is, and its length.
     bias_u_deg, bias_interval_deg, bias_significant : float, pair of float, bool or None
         Standard uncertainty of the mean, its 95 % interval, whether that excludes 0.
     rate_plus, rate_plus_plus : float or None
         Rates of extreme deviations; None for n = 0.
     rate_plus_lower, rate_plus_plus_upper : float or None
-        Their bounds. G.14.
+        Their bounds. S.14.
     count_outcome, outcome : Outcome
         On the counts; on the variance.
     reason : str
@@ -126,12 +111,11 @@ class Guarded:
 
     d_hat_deg2: float | None
     nu: float | None
-    nu_batch: float | None
-    nu_acf: float | None
-    nu_components: float | None
-    resolved: bool | None
-    r1_blocks: float | None
-    slow_share: float | None
+    f: float | None
+    corner_j: float | None
+    r_slow: float | None
+    slow_variance_deg2: float | None
+    slow_allowance_deg2: float | None
     upper_bound_deg2: float | None
     lower_bound_deg2: float | None
     acceptance_limit_deg2: float
@@ -141,8 +125,8 @@ class Guarded:
     confidence_compliant: float | None
     confidence_non_compliant: float | None
     conformance_probability: float | None
-    nu_needed: float | None
     duration_factor: float | None
+    hours_needed: float | None
     bias_u_deg: float | None
     bias_interval_deg: tuple[float, float] | None
     bias_significant: bool | None
@@ -155,52 +139,39 @@ class Guarded:
     reason: str
 
 
-def evidence_of(x: ArrayLike | Dyadic, *, n_plus: int, n_plus_plus: int, span_s: float,
-                method: str = 'dyadic+acf', offset_u_deg: float = 0.0, order: int = 0,
-                mean_deg: float | None = None,
-                times: CorrelationTimes | None = None) -> Evidence:
+def evidence_of(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: float,
+                mean_deg: float | None, offset_u_deg: float = 0.0, order: int = 0) -> Evidence:
     """
     Return what a run says.
 
     Parameters
     ----------
-    x : array_like, shape (n,), or Dyadic
-        Differences in sample order, finite, degrees; or their residuals about a polynomial; or,
-        for the method 'dyadic', summaries of them.
+    cells : Cells
+        Of the differences, or of their residuals about a polynomial.
     n_plus, n_plus_plus : int
         How many deviations exceed the limits of GK (*) and (**).
     span_s : float
         Time from the first to the last difference, seconds.
-    method : {'dyadic+acf', 'dyadic'}
-        Whether the autocorrelation is used too, which takes all samples at once.
+    mean_deg : float or None
+        Mean difference, degrees; None for n = 0.
     offset_u_deg : float
         Standard uncertainty of the installation offset, degrees.
     order : int
-        Order of the polynomial whose residuals `x` are; 0 for none.
-    mean_deg : float, optional
-        Mean difference; default that of `x`. Needed where `x` are residuals.
-    times : CorrelationTimes, optional
-        `correlation_times` of `x`, if known already.
-
-    Raises
-    ------
-    ValueError
-        If the autocorrelation is asked of summaries.
+        Order of the polynomial to allow for; see `spread`.
 
     """
-    if isinstance(x, Dyadic):
-        if method != 'dyadic':
-            raise ValueError(f"method = {method!r}: summaries allow 'dyadic' only")
-        blocks = x
-    else:
-        x = np.asarray(x, dtype=np.float64).reshape(-1)
-        blocks = Dyadic.of(x)
-    components = blocks.components(order)
-    nu_acf = None
-    if components and method == 'dyadic+acf':
-        nu_acf = (times or correlation_times(x)).effective_size
-    return Evidence(blocks.n, components, nu_acf, blocks.mean if mean_deg is None else mean_deg,
-                    offset_u_deg, span_s, n_plus, n_plus_plus)
+    return Evidence(cells.n, spread(cells, order), mean_deg, offset_u_deg, span_s, n_plus,
+                    n_plus_plus)
+
+
+def variance_risk(risk: Risk) -> float:
+    """Return the producer's risk that the variance may take."""
+    return risk.alpha_producer * (1.0 - risk.count_share)
+
+
+def count_risk(risk: Risk) -> float:
+    """Return the producer's risk that the counts may take."""
+    return risk.alpha_producer * risk.count_share
 
 
 def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
@@ -210,11 +181,11 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
     Parameters
     ----------
     evidence : Evidence
-        Of one run.
+        Of one run, or of several together.
     limits : Limits
         Acceptance limit `tightened_limit_deg2` and rejection limit `rejection_limit_deg2`.
     risk : Risk
-        Risks and gates. Among m runs divide `alpha_producer` by m: any of them may reject.
+        Among m runs divide `alpha_producer` by m: any of them may reject.
 
     Returns
     -------
@@ -222,51 +193,47 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
 
     Notes
     -----
-    While the slow part of the errors is not resolved or `nu` is below `risk.nu_min`, neither
-    variance nor counts accept, and only the variance may reject, if it is far above its limit.
+    Variance and counts may both reject, so they share the producer's risk; the variance alone
+    certifies, so it has all of the consumer's.
 
     References
     ----------
-    G.5, G.7, G.11 and the table of ``docs/risk.md``; JCGM 106:2012, guarded acceptance and
+    S.10, S.11, S.14 and the table of ``docs/risk.md``; JCGM 106:2012, guarded acceptance and
     rejection.
 
     """
-    c = evidence.components
+    found = evidence.spread
     accept, reject = limits.tightened_limit_deg2, limits.rejection_limit_deg2
     rates = _rates(evidence)
-    if c is None:
+    if found is None:
         unknown = Outcome.INDETERMINATE
-        return Guarded(*(None,) * 10, accept, reject, *(None,) * 10, *rates, None, None,
+        return Guarded(*(None,) * 9, accept, reject, *(None,) * 10, *rates, None, None,
                        unknown, unknown, 'insufficient_data')
-    nu = min(c.nu_batch, math.inf if evidence.nu_acf is None else evidence.nu_acf,
-             float(c.n - 1 - c.order))
-    resolved = not (c.r1_blocks > risk.r1_max and c.slow_share > risk.share_max)
-    is_open = resolved and nu >= risk.nu_min
-    upper = upper_bound(c, nu, risk.alpha_consumer)
-    lower = lower_bound(c, nu, risk.alpha_producer)
-    outcome, reason = _variance_outcome(c, lower, upper, accept, reject, is_open,
-                                        evidence.span_s, risk)
-    trials = min(nu, c.nu_components)
-    needed = nu_needed(c.d_hat_deg2, accept, reject, risk.alpha_consumer, risk.alpha_producer)
+    producer = variance_risk(risk)
+    upper = upper_bound(found, risk.alpha_consumer)
+    lower = lower_bound(found, producer)
+    is_long = evidence.span_s >= risk.min_duration_s
+    outcome, reason = _variance_outcome(lower, upper, found.slow_allowance_deg2, limits, is_long)
     low_deg, up_deg = (m * limits.sigma_ref_max_deg for m in (limits.m_low, limits.m_up))
-    rate_low = rate_lower(trials * rates[0], trials, risk.alpha_producer)
-    rate_up = rate_upper(trials * rates[1], trials, risk.alpha_consumer)
+    rate_low = rate_lower(found.nu * rates[0], found.nu, count_risk(risk))
+    rate_up = rate_upper(found.nu * rates[1], found.nu, risk.alpha_consumer)
+    factor = duration_factor(found, accept, reject, risk.alpha_consumer, producer)
     return Guarded(
-        d_hat_deg2=c.d_hat_deg2, nu=nu, nu_batch=c.nu_batch, nu_acf=evidence.nu_acf,
-        nu_components=c.nu_components, resolved=resolved, r1_blocks=c.r1_blocks,
-        slow_share=c.slow_share, upper_bound_deg2=upper, lower_bound_deg2=lower,
+        d_hat_deg2=found.d_deg2, nu=found.nu, f=found.f, corner_j=found.corner_j,
+        r_slow=found.r_slow, slow_variance_deg2=found.slow_variance_deg2,
+        slow_allowance_deg2=found.slow_allowance_deg2,
+        upper_bound_deg2=upper, lower_bound_deg2=lower,
         acceptance_limit_deg2=accept, rejection_limit_deg2=reject,
         sigma_ts_lower_deg=math.sqrt(max(0.0, lower - up_deg ** 2)),
         sigma_ts_upper_deg=math.sqrt(max(0.0, upper - low_deg ** 2)),
-        confidence_compliant=confidence(c, nu, accept),
-        confidence_non_compliant=1.0 - confidence(c, nu, reject),
-        conformance_probability=mean_confidence(c, nu, limits.sigma_max_deg, low_deg, up_deg),
-        nu_needed=needed, duration_factor=needed / trials,
-        **_bias(evidence, c),
+        confidence_compliant=confidence(found, accept),
+        confidence_non_compliant=1.0 - confidence(found, reject),
+        conformance_probability=mean_confidence(found, limits.sigma_max_deg, low_deg, up_deg),
+        duration_factor=factor, hours_needed=factor * evidence.span_s / 3600.0,
+        **_bias(evidence, found),
         rate_plus=rates[0], rate_plus_plus=rates[1],
         rate_plus_lower=rate_low, rate_plus_plus_upper=rate_up,
-        count_outcome=_count_outcome(rate_low, rate_up, float(limits.allowed(1)), is_open,
-                                     evidence.span_s >= risk.min_duration_s),
+        count_outcome=_count_outcome(rate_low, rate_up, float(limits.allowed(1)), is_long),
         outcome=outcome, reason=reason)
 
 
@@ -276,38 +243,32 @@ def _rates(evidence: Evidence) -> tuple[float | None, float | None]:
     return evidence.n_plus / evidence.n, evidence.n_plus_plus / evidence.n
 
 
-def _variance_outcome(c: Components, lower: float, upper: float, accept: float, reject: float,
-                      is_open: bool, span_s: float, risk: Risk) -> tuple[Outcome, str]:
+def _variance_outcome(lower: float, upper: float, allowance: float, limits: Limits,
+                      is_long: bool) -> tuple[Outcome, str]:
     """Apply the rows of the table of ``docs/risk.md`` in their order."""
-    if not is_open:
-        # chi-square of one degree of freedom: as if all variance were one slow component.
-        least = c.d_hat_deg2 / (2.0 * float(gammainccinv(0.5, risk.alpha_producer)))
-        if least > reject:
-            return Outcome.NON_COMPLIANT, 'unresolved_but_far_above_rejection_limit'
-        return Outcome.INDETERMINATE, 'insufficient_effective_data'
+    accept, reject = limits.tightened_limit_deg2, limits.rejection_limit_deg2
     if lower > reject:
         return Outcome.NON_COMPLIANT, 'lower_bound_above_rejection_limit'
-    if span_s < risk.min_duration_s:
+    if not is_long:
         return Outcome.INDETERMINATE, 'insufficient_duration'
     if upper <= accept:
         return Outcome.COMPLIANT, 'upper_bound_within_acceptance_limit'
+    if upper - allowance <= accept:
+        return Outcome.INDETERMINATE, 'slow_errors_not_resolved'
     if lower > accept and upper <= reject:
         return Outcome.INDETERMINATE, 'reference_limited'
     return Outcome.INDETERMINATE, 'data_limited'
 
 
-def _bias(evidence: Evidence, c: Components) -> dict[str, float | tuple[float, float] | bool]:
-    u = math.sqrt(c.mean_variance_deg2 + evidence.offset_u_deg ** 2)
-    half = -float(stdtrit(c.slow_dof, 0.025)) * u
+def _bias(evidence: Evidence, found: Spread) -> dict[str, float | tuple[float, float] | bool]:
+    u = math.sqrt(found.mean_variance_deg2 + evidence.offset_u_deg ** 2)
+    half = -float(stdtrit(MEAN_DOF, 0.025)) * u
     low, up = evidence.mean_deg - half, evidence.mean_deg + half
     return {'bias_u_deg': u, 'bias_interval_deg': (low, up),
             'bias_significant': not low <= 0.0 <= up}
 
 
-def _count_outcome(low: float, up: float, allowed: float, is_open: bool,
-                   is_long: bool) -> Outcome:
-    if not is_open:
-        return Outcome.INDETERMINATE
+def _count_outcome(low: float, up: float, allowed: float, is_long: bool) -> Outcome:
     if low > allowed:
         return Outcome.NON_COMPLIANT
     if up <= allowed and is_long:

@@ -6,12 +6,14 @@ from __future__ import annotations
 
 from typing import Any, Callable, Iterable, Mapping, Sequence
 
+from .campaign import conclude_every_run, conclude_sensor, together
 from .columns import Keep
 from .criteria import Limits
 from .difference import difference
-from .early import EarlyVerdict, figures, look_at
+from .early import EarlyVerdict, figures, look_at, risk_at_the_end
 from .judge import compare_runs, judge, RunResult
 from .ledger import Ledger, LedgerSegment
+from .outcome import Outcome
 from .pairing import Pairer
 from .records import Headings, Pairs
 from .rolling import Rolling
@@ -19,7 +21,7 @@ from .run_series import RunSeries
 from .runs import RunCutter
 from .sequential import Look
 from .settings import Settings
-from .verdict import Verdict
+from .verdict import Campaign, Verdict
 
 __all__ = ['Compliance', 'Intercomparison', 'join']
 
@@ -198,9 +200,19 @@ def join(results: Sequence[RunResult], settings: Settings,
     """
     runs = compare_runs(results)
     results = [r.among(at + 1, runs) for at, r in enumerate(results)]
-    return Verdict.of([r.verdict for r in results],
-                      [r.outcome_among(len(results), settings) for r in results],
-                      settings, tuple(inputs), runs)
+    risk, limits = risk_at_the_end(settings), [r.limits for r in results]
+    shared = together([r.evidence for r in results], limits, risk, settings.variant)
+    if settings.campaign.rule == 'sensor':
+        met = all(r.printed.total.outcome in (None, Outcome.COMPLIANT) for r in results)
+        outcome, reason = conclude_sensor(shared, limits, met, risk)
+    else:
+        outcome, reason = conclude_every_run(
+            [r.verdict.outcome for r in results],
+            [r.outcome_among(len(results), settings) for r in results])
+    verdicts = [r.verdict for r in results]
+    return Verdict.of(verdicts, outcome,
+                      Campaign.of(verdicts, runs, settings.campaign.rule, reason, shared),
+                      settings, tuple(inputs))
 
 
 class Intercomparison:

@@ -10,8 +10,9 @@ from typing import Iterator, Sequence
 
 import numpy as np
 
-from .analysed import Analysed, analysed
+from .analysed import Analysed, analysed, HIGHEST_ORDER_REMOVED
 from .angles import circular_mean
+from .cells import Cells
 from .criteria import Limits
 from .early import conclude, EarlyVerdict, risk_at_the_end
 from .ergodicity import Homogeneity, homogeneity, RunFigures
@@ -100,16 +101,18 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str,
     n = moments.n
     printed = _printed(data, limits, settings)
     series = data.x_deg if data.residual_deg is None else data.residual_deg
-    times = correlation_times(series)
+    # Live figures come from the same sums, so they are the same to the bit.
+    as_it_came = data.residual_deg is None and not data.n_left_out
     evidence = evidence_of(
-        series, times=times, method=settings.risk.method,
+        run.cells() if as_it_came else Cells.of(series, data.stamp_ns),
         n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
-        span_s=data.span_s, offset_u_deg=settings.installation_offset_u_deg, order=data.order,
+        span_s=data.span_s, offset_u_deg=settings.installation_offset_u_deg,
+        order=HIGHEST_ORDER_REMOVED if settings.drift_order == 'auto' else data.order,
         mean_deg=moments.mean_deg if n else None)
     guarded = decide(evidence, limits, risk_at_the_end(settings))
     outcome, reason = (early.outcome, early.reason) if early else conclude(guarded, printed)
     found = diagnose(data.stamp_ns, data.x_deg, data.rs_deg, settings, guarded, limits,
-                     residual_deg=data.residual_deg, times=times)
+                     residual_deg=data.residual_deg, times=correlation_times(series))
     direction, length = circular_mean(data.x_deg) if n else (None, None)
     verdict = RunVerdict(
         run=number, source=source, start_ns=run.start_ns, end_ns=run.end_ns,
@@ -166,6 +169,6 @@ def _warnings(data: Analysed, limits: Limits, guarded: Guarded,
 def compare_runs(results: Sequence[RunResult]) -> Homogeneity:
     """Return what the runs say of each other."""
     return homogeneity([
-        RunFigures(r.verdict.mean_deg, r.evidence.components.mean_variance_deg2,
-                   r.evidence.components.d_hat_deg2, r.verdict.guarded.nu)
-        for r in results if r.evidence.components is not None])
+        RunFigures(r.verdict.mean_deg, r.evidence.spread.mean_variance_deg2,
+                   r.evidence.spread.d_deg2, r.evidence.spread.nu)
+        for r in results if r.evidence.spread is not None])

@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from .dyadic import Dyadic
+from .cells import Cells
 from .records import Differences
 from .statistics import Moments
 
@@ -28,13 +28,13 @@ _PANES = 64
 @dataclass(frozen=True)
 class _Pane:
     key: int
-    start_ns: int
+    stamp_ns: np.ndarray
     x_deg: np.ndarray
 
     @classmethod
     def of(cls, key: int, chunks: list[Differences]) -> '_Pane':
         joined = Differences.concatenate(chunks)
-        return cls(key, int(joined.stamp_ns[0]), joined.x_deg)
+        return cls(key, joined.stamp_ns, joined.x_deg)
 
     @cached_property
     def moments(self) -> Moments:
@@ -102,20 +102,20 @@ class Rolling:
     def start_ns(self) -> int | None:
         """First stamp in the window, None when it is empty."""
         panes = self._all()
-        return panes[0].start_ns if panes else None
+        return int(panes[0].stamp_ns[0]) if panes else None
 
-    def blocks(self) -> Dyadic:
-        """Return block summaries of the differences in the window, in their order."""
-        blocks = Dyadic()
+    def cells(self) -> Cells:
+        """Return the differences in the window, summed up over cells."""
+        cells = Cells()
         for pane in self._all():
-            blocks.update(pane.x_deg)
-        return blocks
+            cells.update(pane.x_deg, pane.stamp_ns)
+        return cells
 
     @property
     def span_s(self) -> float:
         """Time from the first to the last difference in the window, seconds."""
         panes = self._all()
-        return (self._newest_ns - panes[0].start_ns) / 1e9 if panes else 0.0
+        return (self._newest_ns - int(panes[0].stamp_ns[0])) / 1e9 if panes else 0.0
 
     def moments(self) -> Moments:
         """Return the moments of the differences in the window."""

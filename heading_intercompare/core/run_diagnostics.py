@@ -14,6 +14,7 @@ from . import assumptions
 from .alignment import Skew, skew
 from .angles import unwrap_deg, wrap360
 from .assumptions import Assumption
+from .cells import Cells
 from .criteria import Limits
 from .detectors import (
     Convention,
@@ -25,7 +26,6 @@ from .detectors import (
     stamp_steps,
 )
 from .deviation import deviation, HeadingDependence
-from .dyadic import Dyadic
 from .ergodicity import Homogeneity
 from .guarded import Guarded
 from .noise import correlation_times, CorrelationTimes
@@ -44,6 +44,7 @@ from .run_blocks import (
 )
 from .settings import Detectors, Settings
 from .skew_scan import Scan
+from .squares import spread
 from .stationarity import Stationarity, stationarity
 
 __all__ = ['diagnose', 'Diagnostics', 'Signs', 'with_runs']
@@ -145,10 +146,8 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     result = Diagnostics(block, drift, deviation(x_deg, rs_deg), normal,
                          stationarity(residual, stamps.typical_s or 0.0), correlation, allan, (),
                          (), signs)
-    risk = settings.risk
-    blocks = Dyadic.of(rest).components(drift.order.order if drift.order else 0)
-    resolved = blocks is not None and not (
-        blocks.r1_blocks > risk.r1_max and blocks.slow_share > risk.share_max)
+    resolved = assumptions.resolved(
+        spread(Cells.of(rest, stamp_ns), drift.order.order if drift.order else 0))
     rest_found = result.stationarity if rest is residual else stationarity(
         rest, stamps.typical_s or 0.0)
     return replace(result, warnings=tuple(_warnings(result)),
@@ -188,13 +187,11 @@ def _noise_of_rs(x_deg: np.ndarray, rs_deg: np.ndarray, estimate: Skew,
 def _assumptions(found: Diagnostics, n: int, settings: Settings, guarded: Guarded,
                  limits: Limits, rest: Stationarity, resolved: bool,
                  is_whole: bool) -> tuple[Assumption, ...]:
-    risk = settings.risk
-    trusted = bool(guarded.resolved) and guarded.nu >= risk.nu_min
-    upper = guarded.upper_bound_deg2 if trusted else None
+    upper = guarded.upper_bound_deg2
     least, most = (m * limits.sigma_ref_max_deg for m in (limits.m_low, limits.m_up))
     drift = found.drift
     return (
-        assumptions.large_n(n, guarded.nu, guarded.resolved, risk.nu_min),
+        assumptions.large_n(n, guarded.nu, resolved),
         assumptions.synchronous(found.skew.estimate, settings.alignment.skew_range_s),
         assumptions.stabilized(drift.warm_up),
         assumptions.reference_norm(found.allan.reference_noise.sigma_ref_lower_deg,
@@ -206,7 +203,7 @@ def _assumptions(found: Diagnostics, n: int, settings: Settings, guarded: Guarde
         assumptions.constant_moments(found.stationarity, drift.line if is_whole else None,
                                      drift.span_h, found.heading_dependence, resolved),
         assumptions.correlated_errors(upper, least, found.signs.source),
-        assumptions.laws(found.normality.difference, settings.model, (least, most), risk.nu_min))
+        assumptions.laws(found.normality.difference, settings.model, (least, most)))
 
 
 def with_runs(checked: Sequence[Assumption], runs: Homogeneity) -> tuple[Assumption, ...]:

@@ -8,9 +8,9 @@ from typing import Callable
 
 import numpy as np
 
+from .cells import Cells
 from .columns import Column, Keep, Tails
 from .difference import difference
-from .dyadic import Dyadic
 from .records import Differences, Pairs
 from .sequential import Look, Looks
 from .settings import Settings
@@ -68,7 +68,7 @@ class RunSeries:
         rule = settings.runs.stabilization_s
         self._stabilization_ns = 0 if rule == 'auto' else round(rule * 1e9)
         self._moments = Moments()
-        self._blocks = Dyadic()
+        self._cells = Cells()
         plan = settings.sequential
         self._on_look = on_look
         self._looks = None if plan.plan_s is None or on_look is None else Looks(
@@ -118,7 +118,7 @@ class RunSeries:
         self.x_deg.append(x.x_deg)
         self.rs_deg.append(pairs.rs_deg)
         self._moments += Moments.of(x.x_deg)
-        self._blocks.update(x.x_deg)
+        self._cells.update(x.x_deg, x.stamp_ns)
         self._lag_sum_ns += int(pairs.lag_ns.sum())
         self._lag_max_ns = max(self._lag_max_ns, int(np.abs(pairs.lag_ns).max()))
         self._factor_sum += float(pairs.rs_variance_factor.sum())
@@ -127,9 +127,9 @@ class RunSeries:
         """Return the moments of the analysed differences so far."""
         return self._moments
 
-    def blocks(self) -> Dyadic:
-        """Return block summaries of the analysed differences so far."""
-        return self._blocks
+    def cells(self) -> Cells:
+        """Return the analysed differences so far, summed up over cells."""
+        return self._cells
 
     def count_outside(self, center_deg: float, limit_deg: float) -> int:
         """Return how many analysed differences deviate from the centre by more."""

@@ -13,11 +13,21 @@ from dataclasses import dataclass, field, fields, is_dataclass, MISSING
 import difflib
 import math
 import types
-from typing import Any, get_args, get_origin, get_type_hints, Iterator, Mapping, Union
+from typing import Any, get_args, get_origin, get_type_hints, Iterable, Iterator, Mapping, Union
 
-__all__ = ['Alignment', 'Checked', 'Detectors', 'Norms', 'Pairing', 'Risk', 'RunCutting',
-           'Sequential', 'Setting', 'Settings', 'SettingsError', 'declared', 'flattened',
-           'from_mapping', 'setting', 'to_mapping']
+__all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'Norms', 'Pairing', 'Risk',
+           'RunCutting', 'Sequential', 'Setting', 'Settings', 'SettingsError', 'declared',
+           'flattened', 'from_mapping', 'setting', 'to_mapping', 'unknown']
+
+
+_NO_GATE = ('is gone: the decision has no gate any more, its bounds grow where the record says '
+            'little; leave it out (risk.min_duration_s states the least length of a run)')
+
+_GONE = {
+    'risk.method': 'is gone: there is one rule, live and at the end; leave it out',
+    'risk.nu_min': _NO_GATE, 'risk.r1_max': _NO_GATE, 'risk.share_max': _NO_GATE,
+}
+"""Settings of earlier versions, and what to do instead."""
 
 
 class SettingsError(ValueError):
@@ -125,6 +135,15 @@ def flattened(mapping: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[st
             yield f'{prefix}{name}', value
 
 
+def unknown(kind: str, name: str, known: Iterable[str]) -> SettingsError:
+    """Return the error of a name that is no setting: what it may have meant, or what became of it."""
+    if name in _GONE:
+        return SettingsError(f'{kind} {name!r} {_GONE[name]}')
+    close = difflib.get_close_matches(name, known, n=1)
+    hint = f'; did you mean {close[0]!r}?' if close else ''
+    return SettingsError(f'unknown {kind} {name!r}{hint}')
+
+
 def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
     """
     Return settings made from a mapping.
@@ -147,9 +166,7 @@ def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
     values = {}
     for name, value in flattened(mapping):
         if name not in rules:
-            close = difflib.get_close_matches(name, rules, n=1)
-            hint = f'; did you mean {close[0]!r}?' if close else ''
-            raise SettingsError(f'unknown setting {name!r}{hint}')
+            raise unknown('setting', name, rules)
         values[name] = _checked(rules[name], value)
     return _build(settings_class, values, '')
 
@@ -279,18 +296,23 @@ class Sequential(Checked):
 
 @dataclass(frozen=True, slots=True)
 class Risk(Checked):
-    """Risks and gates of the guarded decision."""
+    """Risks of the guarded decision."""
 
     alpha_consumer: float = setting(0.05, 'risk to certify a TS at its norm', 1e-9, 0.5)
     alpha_producer: float = setting(0.05, 'risk to reject a TS at its norm', 1e-9, 0.5)
-    method: str = setting(
-        'dyadic+acf', "effective degrees of freedom: 'dyadic+acf', or 'dyadic' (the live view)",
-        choices=('dyadic+acf', 'dyadic'))
-    nu_min: float = setting(15.0, 'least effective degrees of freedom for a verdict', 1.0)
-    r1_max: float = setting(0.4, 'lag-1 correlation of blocks above which the slow part of the '
-                            'errors is not resolved', -1.0, 1.0)
-    share_max: float = setting(0.05, 'share of the variance above which that matters', 0.0, 1.0)
+    count_share: float = setting(
+        0.1, "share of the producer's risk that the counts may take; the rest is for the "
+        'variance', 0.001, 0.999)
     min_duration_s: float = setting(0.0, 'shortest run that may comply [s]', 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignRule(Checked):
+    """How several runs are judged together; chosen before the data."""
+
+    rule: str = setting(
+        'every_run', "'every_run': each run must comply; 'sensor': the runs share one variance, "
+        'which must comply', choices=('every_run', 'sensor'))
 
 
 @dataclass(frozen=True, slots=True)
@@ -338,6 +360,7 @@ class Settings(Checked):
     rs_convention: str = setting('enu', 'world axes of the RS orientation',
                                  choices=('enu', 'ned'))
     risk: Risk = field(default_factory=Risk)
+    campaign: CampaignRule = field(default_factory=CampaignRule)
     window_s: float = setting(600.0, 'length of the rolling window [s]', 1.0)
     detectors: Detectors = field(default_factory=Detectors)
 

@@ -214,7 +214,7 @@ def stationarity(x_deg: ArrayLike, step_s: float) -> Stationarity:
     Notes
     -----
     The blocks must be long compared with the correlation of the errors; where the record is too
-    short for that (`Guarded.resolved`), a slow error and a change of the mean look alike.
+    short for that (`assumptions.resolved`), a slow error and a change of the mean look alike.
 
     References
     ----------

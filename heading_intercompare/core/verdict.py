@@ -9,6 +9,7 @@ import math
 from typing import Any, Mapping, Sequence
 
 from .assumptions import Assumption
+from .campaign import Together
 from .criteria import CountCriterion, TotalError, VarianceCriterion
 from .deviation import HeadingDependence
 from .ergodicity import Homogeneity
@@ -127,8 +128,15 @@ class RunVerdict:
 
 @dataclass(frozen=True, slots=True)
 class Campaign:
-    """The worst of m runs, GK variant C; None where no run has the figure."""
+    """
+    What the runs say together; keys of the JSON, None where no run has the figure.
 
+    The rule that decides and its reason; the worst of m runs, GK variant C; how many runs there
+    are of each outcome; the variance that all share.
+    """
+
+    rule: str
+    reason: str
     m: int
     worst_variance_deg2: float | None
     worst_variance_run: int | None
@@ -139,10 +147,13 @@ class Campaign:
     low_worst_deg: float | None
     up_worst_deg: float | None
     homogeneity: Homogeneity
+    runs_by_outcome: Mapping[str, int]
+    sensor: Together | None
 
     @classmethod
-    def of(cls, runs: Sequence[RunVerdict], homogeneity: Homogeneity) -> 'Campaign':
-        """Return the worst figures of the runs."""
+    def of(cls, runs: Sequence[RunVerdict], homogeneity: Homogeneity, rule: str, reason: str,
+           sensor: Together | None) -> 'Campaign':
+        """Return what the runs say together."""
         def over(pick, values):
             present = [v for v in values if v is not None]
             return pick(present) if present else None
@@ -151,7 +162,7 @@ class Campaign:
         worst_run = max(with_variance, key=lambda r: r.variance_deg2, default=None)
         counted = [r for r in runs if r.n]
         return cls(
-            len(runs),
+            rule, reason, len(runs),
             worst_run.variance_deg2 if worst_run else None,
             worst_run.run if worst_run else None,
             over(max, [r.count_criterion.n_plus / r.n for r in counted]),
@@ -160,7 +171,7 @@ class Campaign:
             over(max, [r.mean_deg for r in runs]),
             over(min, [r.total_error.low_deg for r in runs]),
             over(max, [r.total_error.up_deg for r in runs]),
-            homogeneity)
+            homogeneity, {o.value: sum(r.outcome is o for r in runs) for o in Outcome}, sensor)
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,8 +182,7 @@ class Verdict:
     Attributes
     ----------
     outcome : Outcome
-        The guarded decision, worst of runs; a run rejects for the campaign at the producer's
-        risk divided by the number of runs.
+        The guarded decision by `campaign.rule`.
     paper_outcome : Outcome
         GK as printed, worst of runs.
     settings : Settings
@@ -191,12 +201,11 @@ class Verdict:
     runs: Sequence[RunVerdict]
 
     @classmethod
-    def of(cls, runs: Sequence[RunVerdict], campaign_outcomes: Sequence[Outcome],
-           settings: Settings, inputs: Sequence[Mapping[str, Any]],
-           homogeneity: Homogeneity) -> 'Verdict':
-        """Return the verdict on runs and on their outcomes at the shared producer's risk."""
-        return cls(worst(campaign_outcomes), worst(r.paper_outcome for r in runs),
-                   settings, tuple(inputs), Campaign.of(runs, homogeneity), tuple(runs))
+    def of(cls, runs: Sequence[RunVerdict], outcome: Outcome, campaign: Campaign,
+           settings: Settings, inputs: Sequence[Mapping[str, Any]]) -> 'Verdict':
+        """Return the verdict on runs and on what they say together."""
+        return cls(outcome, worst(r.paper_outcome for r in runs), settings, tuple(inputs),
+                   campaign, tuple(runs))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the verdict as plain dictionaries and lists, ready for JSON."""

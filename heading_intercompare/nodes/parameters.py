@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import difflib
 from typing import Any, Mapping
 
 from rcl_interfaces.msg import ParameterDescriptor
@@ -12,7 +11,13 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from heading_intercompare.bags.texts import utf8
-from heading_intercompare.core.settings import declared, from_mapping, SettingsError, to_mapping
+from heading_intercompare.core.settings import (
+    declared,
+    from_mapping,
+    SettingsError,
+    to_mapping,
+    unknown,
+)
 
 __all__ = ['declare', 'OVERRIDES', 'overrides', 'resolved']
 
@@ -51,9 +56,7 @@ def declare(node: Node, *classes: type) -> tuple[Any, ...]:
     known = [name for names in rules.values() for name in names]
     for name in given:
         if name not in known:
-            close = difflib.get_close_matches(name, known, n=1)
-            hint = f'; did you mean {close[0]!r}?' if close else ''
-            raise SettingsError(f'unknown parameter {name!r}{hint}')
+            raise unknown('parameter', name, known)
     made = []
     for cls, names in rules.items():
         settings = from_mapping(cls, {n: v for n, v in given.items() if n in names})

@@ -15,9 +15,9 @@ from .figures import graphs
 from .markup import element, joined, Markup
 from .rule import rule, uncertainty
 from .series import SeriesSketch
-from .tables import facts, GUARDED, LEDGER, RESULTS, rows_by_run, table, WORST
+from .tables import facts, GUARDED, LEDGER, RESULTS, rows_by_run, SENSOR, table, WORST
 from .wording import exact, flat, NO_RUN, outcome, unjudged, utc, value
-from .words import REASON_WORDS, STATE_WORDS
+from .words import CAMPAIGN_WORDS, REASON_WORDS, STATE_WORDS
 
 __all__ = ['render', 'settings_sha256', 'write']
 
@@ -91,7 +91,7 @@ def render(verdict: Mapped, sketches: Sequence[SeriesSketch] = ()) -> str:
         raise ValueError(f'schema = {verdict.get("schema")!r}: must be {SCHEMA!r}')
     sections = (('Identification', _identification), ('Norms and decision rule', rule),
                 ('Pairing ledger', _ledger), ('Results', _results),
-                ('Worst of runs', _campaign), ('Guarded decision', _guarded),
+                ('The runs together', _campaign), ('Guarded decision', _guarded),
                 ('Assumptions', _assumptions), ('Warnings', _warnings),
                 ('Uncertainty', uncertainty))
     parts = [(title, make(verdict)) for title, make in sections]
@@ -127,10 +127,9 @@ def _headline(verdict: Mapped) -> Markup:
     runs = verdict['runs']
     reasons = [element('li', f'run {run["run"]}: {outcome(run["outcome"])} - {_reason(run)}')
                for run in runs]
-    if runs and verdict['outcome'] != 'non_compliant' and any(
-            run['outcome'] == 'non_compliant' for run in runs):
-        reasons.append(element('li', "among several runs a single one is not rejected at its "
-                                     "share of the producer's risk"))
+    if len(runs) > 1:
+        words = CAMPAIGN_WORDS[verdict['campaign']['reason']]
+        reasons.insert(0, element('li', f'together: {words}'))
     return element(
         'div', element('strong', outcome(verdict['outcome'])),
         _paragraph(f'GK as printed: {outcome(verdict["paper_outcome"])}'),
@@ -187,14 +186,18 @@ def _campaign(verdict: Mapped) -> Markup:
     rows = [[name, unit, text(campaign)] for name, unit, text in WORST]
     rows += [[f'homogeneity: {name}', '', value(thing)]
              for name, thing in flat(campaign['homogeneity'])]
-    return table(['', 'unit', 'worst of runs'], rows)
+    parts = [table(['', 'unit', 'worst of runs'], rows)]
+    if campaign['sensor'] is not None:
+        shared = [[name, unit, text(campaign['sensor'])] for name, unit, text in SENSOR]
+        parts.append(table(['', 'unit', 'the variance that the runs share'], shared))
+    return joined(parts)
 
 
 def _guarded(verdict: Mapped) -> Markup:
     if not verdict['runs']:
         return _paragraph(NO_RUN)
-    return joined((_paragraph('The confidences and the bounds hold only if the slow part of the '
-                              'errors is resolved.'),
+    return joined((_paragraph('The bounds hold for errors that change within a twentieth of the '
+                              'run; of slower ones they allow for what shows in it.'),
                    rows_by_run(GUARDED, verdict['runs'])))
 
 

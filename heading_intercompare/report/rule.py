@@ -79,8 +79,9 @@ def _statement(verdict: Mapped) -> Markup:
     consumer = number(settings['risk.alpha_consumer'])
     producer = number(settings['risk.alpha_producer'])
     m = len(runs)
+    share = settings['risk.count_share']
     reject = ('The counts of extreme differences may reject too, if the lower bound of their '
-              'rate exceeds 1 - P.')
+              f"rate exceeds 1 - P; they take {number(share)} of the producer's risk, L the rest.")
     if settings['norms.total_error_max_deg'] is not None:
         reject += (' Unless the total error by GK (7) is within its norm, the specification is '
                    'not found met.')
@@ -96,22 +97,27 @@ def _statement(verdict: Mapped) -> Markup:
          f'indeterminate. {reject} U and L allow for the correlation of the errors in time. '
          'In A, M_low is multiplied by the root of the factor by which interpolation shrinks '
          'the noise variance of the RS.'),
-        ('several runs', 'The worst run decides. All must comply; one rejects the TS if it does '
-         f"so at the producer's risk divided by the number of runs, "
-         f'{producer} / {m or "m"}'
-         + (f' = {number(settings["risk.alpha_producer"] / m, 3)}.' if m else '.')),
+        ('several runs', _several(settings, m)),
         ("consumer's risk [1]", f'{consumer}, nominal: at most so often a TS just at its norm '
                                 'is found compliant, if the assumptions hold.' + looks),
         ("producer's risk [1]", f'{producer}, nominal: at most so often a TS just at its norm '
                                 'is found non-compliant, if the assumptions hold.'),
-        ('least effective degrees of freedom for a verdict [1]',
-         number(settings['risk.nu_min'])),
         ('results covered', _covered(runs)),
         ('specification', 'sigma_max of the TS: ' + _MET[verdict['outcome']]),
         ('the same by GK as printed',
          f'{outcome(verdict["paper_outcome"])} (no allowance for the sampling error)')]
     return joined((element('p', 'Statement of conformity after ISO/IEC 17025, 7.8.6:'),
                    facts(rows)))
+
+
+def _several(settings: Mapped, m: int) -> str:
+    producer = number(settings['risk.alpha_producer'])
+    if settings['campaign.rule'] == 'sensor':
+        return ('The runs are judged as one sensor: U and L are bounds of the variance that they '
+                'share. No single run rejects.')
+    return ('The worst run decides. All must comply; one rejects the TS if it does so at the '
+            f"producer's risk divided by the number of runs, {producer} / {m or 'm'}"
+            + (f' = {number(settings["risk.alpha_producer"] / m, 3)}.' if m else '.'))
 
 
 def _covered(runs: list[Mapped]) -> str:

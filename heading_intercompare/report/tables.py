@@ -9,7 +9,8 @@ from typing import Any, Callable, Iterable, Mapping, Sequence
 from .markup import element, joined, Markup
 from .wording import ABSENT, interval, number, outcome, utc, value
 
-__all__ = ['facts', 'GUARDED', 'LEDGER', 'RESULTS', 'Row', 'rows_by_run', 'table', 'WORST']
+__all__ = ['facts', 'GUARDED', 'LEDGER', 'RESULTS', 'Row', 'rows_by_run', 'SENSOR', 'table',
+           'WORST']
 
 _COLUMNS = 5
 
@@ -115,18 +116,17 @@ GUARDED: tuple[Row, ...] = (
     ('TS standard deviation, bounds', 'deg',
      _interval('guarded', 'sigma_ts_lower_deg', 'sigma_ts_upper_deg')),
     ('effective degrees of freedom', '1', _figure('guarded.nu')),
-    ('by batch means', '1', _figure('guarded.nu_batch')),
-    ('by autocorrelation', '1', _figure('guarded.nu_acf')),
-    ('by components', '1', _figure('guarded.nu_components')),
-    ('slow part of the errors resolved', '', _figure('guarded.resolved')),
-    ('lag-1 correlation of blocks', '1', _figure('guarded.r1_blocks')),
-    ('share of the slow part in the variance', '1', _figure('guarded.slow_share')),
+    ('degrees of freedom of the slow part, f', '1', _figure('guarded.f')),
+    ('corner of the spectrum of the squares, half-periods', '1', _figure('guarded.corner_j')),
+    ('lowest half-periods over the middle ones', '1', _figure('guarded.r_slow')),
+    ('variance of the slow part that shows', 'deg²', _figure('guarded.slow_variance_deg2')),
+    ('allowance for it in U', 'deg²', _figure('guarded.slow_allowance_deg2')),
     ('confidence that the variance is at most A', '1', _figure('guarded.confidence_compliant')),
     ('confidence that the variance is above R', '1',
      _figure('guarded.confidence_non_compliant')),
     ('conformance probability', '1', _figure('guarded.conformance_probability')),
-    ('degrees of freedom that would decide', '1', _figure('guarded.nu_needed')),
     ('times the duration that would decide', '1', _figure('guarded.duration_factor')),
+    ('duration that would decide', 'h', _figure('guarded.hours_needed')),
     ('mean difference: standard uncertainty', 'deg', _figure('guarded.bias_u_deg')),
     ('mean difference: 95 % interval', 'deg',
      lambda run: interval(*(run['guarded']['bias_interval_deg'] or (None, None)))),
@@ -147,6 +147,23 @@ WORST: tuple[Row, ...] = (
     ('mean difference, largest', 'deg', _figure('a_up_deg')),
     ('total TS error, least', 'deg', _figure('low_worst_deg')),
     ('total TS error, largest', 'deg', _figure('up_worst_deg')),
+)
+
+SENSOR: tuple[Row, ...] = (
+    ('runs with 128 differences or more', '1', _figure('runs')),
+    ('their differences', '1', _figure('n')),
+    ('their lengths added up', 's', _figure('span_s')),
+    ('mean variance, weighted', 'deg²', _figure('d_hat_deg2')),
+    ('effective degrees of freedom', '1', _figure('nu')),
+    ('degrees of freedom of the slow part', '1', _figure('f')),
+    ('allowance for a slow part that shows', 'deg²', _figure('slow_allowance_deg2')),
+    ('upper bound from within the runs', 'deg²', _figure('pooled_upper_bound_deg2')),
+    ('upper bound from the means of the runs', 'deg²', _figure('between_upper_bound_deg2')),
+    ('upper bound U in force', 'deg²', _figure('upper_bound_deg2')),
+    ('acceptance limit A', 'deg²', _figure('acceptance_limit_deg2')),
+    ('lower bound L', 'deg²', _figure('lower_bound_deg2')),
+    ('rejection limit R', 'deg²', _figure('rejection_limit_deg2')),
+    ('lower bound of the rate beyond the limit', '1', _figure('rate_plus_lower')),
 )
 
 

@@ -4,12 +4,15 @@
 
 from __future__ import annotations
 
+from heading_intercompare.core.campaign import CAMPAIGN_REASONS
 from heading_intercompare.core.early import ALL_REASONS
 
-__all__ = ['OUTCOME_WORDS', 'REASON_WORDS', 'STATE_WORDS']
+__all__ = ['CAMPAIGN_WORDS', 'OUTCOME_WORDS', 'REASON_WORDS', 'STATE_WORDS']
 
 OUTCOME_WORDS = {'compliant': 'COMPLIANT', 'indeterminate': 'INDETERMINATE',
                  'non_compliant': 'NON-COMPLIANT'}
+
+CAMPAIGN_WORDS = CAMPAIGN_REASONS
 
 REASON_WORDS = ALL_REASONS
 

@@ -1,0 +1,373 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Differences summed up over 512 to 1023 cells of equal time, for chunks as they come.
+
+A cell holds the count, the mean and the second to fourth central moments of its differences. As
+the record grows, cells are joined two by two. What is summed with what depends on the place of a
+difference in the record alone, so the result does not depend on the chunks, to the bit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+__all__ = ['Cells', 'CellValues', 'LEAST_CELLS']
+
+LEAST_CELLS = 128
+"""Fewest differences, and fewest cells, of which anything is said."""
+
+_MOST_CELLS = 1023
+_HALF = 512
+_ROWS = 5
+_N, _MEAN, _M2, _M3, _M4 = range(_ROWS)
+
+
+@dataclass(frozen=True, slots=True)
+class CellValues:
+    """
+    The record as its cells show it.
+
+    Attributes
+    ----------
+    n : int
+        Number of differences, also those of the incomplete last cell.
+    mean_deg : float
+        Their mean, degrees.
+    mean_square_deg2 : float
+        Mean square of the deviations from it, q of S.2; square degrees.
+    kurtosis : float
+        Mean fourth power of the deviations over q squared, k4 of S.6; 3 where q is 0.
+    rounding_deg : float
+        Deviations smaller than this are rounding, degrees.
+    b_deg, y_deg2 : ndarray, shape (K,)
+        Sum of the deviations, and of their squares, in each complete cell, times K over the
+        number of differences in all of them: their means if the cells are equally full. An
+        empty cell has 0 and q.
+
+    """
+
+    n: int
+    mean_deg: float
+    mean_square_deg2: float
+    kurtosis: float
+    rounding_deg: float
+    b_deg: np.ndarray
+    y_deg2: np.ndarray
+
+
+def _joined(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return the moments of neighbouring cells together; Pebay 2008."""
+    na, nb = a[_N], b[_N]
+    n = na + nb
+    d = b[_MEAN] - a[_MEAN]
+    result = a + b
+    result[_MEAN] = a[_MEAN] + d * (nb / n)
+    result[_M2] += d ** 2 * (na * nb / n)
+    result[_M3] += (d ** 3 * (na * nb * (na - nb) / n ** 2)
+                    + 3.0 * d * (na * b[_M2] - nb * a[_M2]) / n)
+    result[_M4] += (d ** 4 * (na * nb * (na * na - na * nb + nb * nb) / n ** 3)
+                    + 6.0 * d ** 2 * (na * na * b[_M2] + nb * nb * a[_M2]) / n ** 2
+                    + 4.0 * d * (na * b[_M3] - nb * a[_M3]) / n)
+    return result
+
+
+def _coarser(index: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Join the cells two by two; a cell whose partner is empty stays as it is."""
+    index = index >> 1
+    pairs = np.flatnonzero(index[1:] == index[:-1])
+    if pairs.size:
+        rows = rows.copy()
+        rows[:, pairs] = _joined(rows[:, pairs], rows[:, pairs + 1])
+        keep = np.ones(index.size, bool)
+        keep[pairs + 1] = False
+        index, rows = index[keep], rows[:, keep]
+    return index, rows
+
+
+def _united(index: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Join cells that stand next to each other under one number."""
+    return _coarser(2 * index, rows)
+
+
+def _summed(x: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Return the moments of consecutive groups of values, one column a group."""
+    rows = np.empty((_ROWS, starts.size))
+    counts = np.diff(starts, append=x.size)
+    rows[_N] = counts
+    rows[_MEAN] = np.add.reduceat(x, starts) / counts
+    e = x - np.repeat(rows[_MEAN], counts)
+    power = e * e
+    rows[_M2] = np.add.reduceat(power, starts)
+    e *= power
+    rows[_M3] = np.add.reduceat(e, starts)
+    power *= power
+    rows[_M4] = np.add.reduceat(power, starts)
+    return rows
+
+
+class Cells:
+    """
+    Sums over cells of equal time of a series that grows.
+
+    Attributes
+    ----------
+    n : int
+        Number of differences taken.
+
+    Notes
+    -----
+    A difference has a place in the record. It is the place of the one before plus 1 if the step
+    of the stamps is within half a usual step of the usual one, so that places count differences
+    as long as the record is regular. After any other step the place follows from the time since
+    the last regular difference: a gap leaves places empty, a burst shares one. The usual step is
+    the median of the first 127; so many differences are held until it is known. A cell is 2^l
+    consecutive places, with the smallest l that gives at most 1023 cells.
+
+    References
+    ----------
+    S.1 to S.6 and the section on cells of ``docs/risk.md``; moments joined by Pebay 2008.
+
+    Examples
+    --------
+    >>> whole, parts = Cells.of(range(2000)), Cells()
+    >>> parts.update(range(30))
+    >>> parts.update(range(30, 2000))
+    >>> bool((whole.values().y_deg2 == parts.values().y_deg2).all())
+    True
+
+    """
+
+    def __init__(self) -> None:
+        self.n = 0
+        self._shift = 0.0
+        self._largest = 0.0
+        self._level = 0
+        self._index = np.empty(0, np.int64)
+        self._rows = np.empty((_ROWS, 0))
+        # Differences of the cell in progress, as they came: places and values.
+        self._open: list[tuple[np.ndarray, np.ndarray]] = []
+        self._last_place = -1
+        # Of stamped differences: those held until the usual step is known; then that step, the
+        # first and newest stamp, the stamp of the last regular difference and the places since.
+        self._held: list[tuple[np.ndarray, np.ndarray]] = []
+        self._step_ns: int | None = None
+        self._first_ns = self._newest_ns = self._anchor_ns = 0
+        self._since_anchor = 0
+
+    @classmethod
+    def of(cls, x_deg: ArrayLike, stamp_ns: ArrayLike | None = None) -> 'Cells':
+        """Return the sums of a whole series; see `update`."""
+        result = cls()
+        result.update(x_deg, stamp_ns)
+        return result
+
+    def update(self, x_deg: ArrayLike, stamp_ns: ArrayLike | None = None) -> None:
+        """
+        Take the next differences.
+
+        Parameters
+        ----------
+        x_deg : array_like, shape (n,)
+            In the order of their stamps, degrees, finite; n = 0 changes nothing.
+        stamp_ns : array_like of int, shape (n,), optional
+            Their stamps, nanoseconds, increasing. Without them the steps are taken for equal;
+            a series has them always or never.
+
+        Raises
+        ------
+        ValueError
+            If a value is not finite; nothing is taken then.
+
+        """
+        x = np.array(x_deg, dtype=np.float64).reshape(-1)
+        if not np.isfinite(x).all():
+            raise ValueError('x_deg holds values that are not finite: leave them out and count '
+                             'them')
+        if not x.size:
+            return
+        if self.n == 0:
+            self._shift = float(x[0])
+        self.n += x.size
+        self._largest = max(self._largest, float(x.max()), -float(x.min()))
+        x -= self._shift
+        if stamp_ns is None:
+            self._take(np.arange(self._last_place + 1, self._last_place + 1 + x.size), x)
+            return
+        stamps = np.asarray(stamp_ns, dtype=np.int64).reshape(-1)
+        if self._step_ns is None:
+            self._held.append((stamps.copy(), x))
+            if self.n < LEAST_CELLS:
+                return
+            stamps, x = (np.concatenate(c) for c in zip(*self._held))
+            self._held = []
+            self._step_ns = int(np.median(np.diff(stamps[:LEAST_CELLS])))
+            self._first_ns = self._newest_ns = self._anchor_ns = int(stamps[0])
+            self._take(np.zeros(1, np.int64), x[:1])
+            stamps, x = stamps[1:], x[1:]
+        self._take(self._places(stamps), x)
+
+    def _places(self, stamps: np.ndarray) -> np.ndarray:
+        """Return the places of stamped differences."""
+        steps = np.diff(stamps, prepend=self._newest_ns)
+        usual = self._step_ns
+        regular = (2 * steps >= usual) & (2 * steps <= 3 * usual)
+        if regular.all():
+            places = np.arange(self._last_place + 1, self._last_place + 1 + stamps.size)
+            self._anchor_ns, self._since_anchor = int(stamps[-1]), 0
+        else:
+            anchor = np.maximum.accumulate(np.where(regular, np.arange(stamps.size), -1))
+            since = stamps - np.where(anchor >= 0, stamps[anchor], self._anchor_ns)
+            since = (2 * since + usual) // (2 * usual)
+            before = np.concatenate(([self._since_anchor], since[:-1]))
+            places = self._last_place + np.cumsum(np.where(regular, 1, since - before))
+            if anchor[-1] >= 0:
+                self._anchor_ns = int(stamps[anchor[-1]])
+            self._since_anchor = int(since[-1])
+        self._newest_ns = int(stamps[-1])
+        return places
+
+    def _take(self, places: np.ndarray, x: np.ndarray) -> None:
+        """Put differences into cells: of the level that their own place calls for."""
+        lo = 0
+        while lo < x.size:
+            level = _level_at(int(places[lo]))
+            hi = int(np.searchsorted(places, _HALF << (level + 1)))
+            if level > self._level:
+                self._close()
+                self._raise_to(level)
+            self._add(places[lo:hi], x[lo:hi])
+            lo = hi
+        self._last_place = int(places[-1])
+
+    def _add(self, places: np.ndarray, x: np.ndarray) -> None:
+        """Add differences of one level; the cell of the last one stays open."""
+        last = int(places[-1]) >> self._level
+        if self._open and int(self._open[0][0][0]) >> self._level == last:
+            self._open.append((places, x))
+            return
+        first = int(np.searchsorted(places, last << self._level))
+        self._open.append((places[:first], x[:first]))
+        self._close()
+        self._open = [(places[first:], x[first:])]
+
+    def _opened(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the cell in progress, and what came with it, as cells."""
+        if not self._open:
+            return np.empty(0, np.int64), np.empty((_ROWS, 0))
+        places, x = (np.concatenate(c) for c in zip(*self._open))
+        if not x.size:
+            return np.empty(0, np.int64), np.empty((_ROWS, 0))
+        index = places >> self._level
+        starts = np.concatenate(([0], 1 + np.flatnonzero(np.diff(index))))
+        return index[starts], _summed(x, starts)
+
+    def _close(self) -> None:
+        index, rows = self._opened()
+        self._index = np.concatenate((self._index, index))
+        self._rows = np.concatenate((self._rows, rows), axis=1)
+        self._open = []
+
+    def _raise_to(self, level: int) -> None:
+        while self._level < level:
+            self._index, self._rows = _coarser(self._index, self._rows)
+            self._level += 1
+
+    def __add__(self, other: 'Cells') -> 'Cells':
+        """
+        Return the sums of this series followed by another one.
+
+        Raises
+        ------
+        ValueError
+            If the cells of the other one would straddle those of this one, or one has stamps
+            and the other has none or another usual step: then feed its differences to `update`.
+
+        """
+        if not isinstance(other, Cells):
+            return NotImplemented
+        if not self.n or not other.n:
+            return self._copy() if self.n else other._copy()
+        if self._held or other._held or self._step_ns != other._step_ns:
+            raise ValueError('the usual steps of the two series differ or are not known yet: '
+                             'update with the differences instead')
+        offset = self._last_place + 1
+        if self._step_ns is not None:
+            gap = other._first_ns - self._newest_ns
+            offset = self._last_place + max(1, round(gap / self._step_ns))
+        size = 1 << other._level
+        if offset % size:
+            raise ValueError(f'{offset} places cannot be followed by cells of {size}: the number '
+                             'must be a multiple; update with the differences instead')
+        result = self._copy()
+        result._close()
+        index, rows = other._opened()
+        index = np.concatenate((other._index, index)) + offset // size
+        rows = np.concatenate((other._rows, rows), axis=1)
+        rows[_MEAN] += other._shift - self._shift
+        last = other._last_place + offset
+        result._raise_to(max(other._level, _level_at(last)))
+        for _ in range(result._level - other._level):
+            index, rows = _coarser(index, rows)
+        index, rows = (np.concatenate((result._index, index)),
+                       np.concatenate((result._rows, rows), axis=1))
+        result._index, result._rows = _united(index, rows)
+        result.n += other.n
+        result._largest = max(self._largest, other._largest)
+        result._last_place, result._newest_ns = last, other._newest_ns
+        result._anchor_ns, result._since_anchor = other._anchor_ns, other._since_anchor
+        return result
+
+    def _copy(self) -> 'Cells':
+        """Return an independent copy; arrays are replaced, never changed, so they are shared."""
+        result = Cells()
+        result.__dict__.update(self.__dict__, _open=list(self._open), _held=list(self._held))
+        return result
+
+    def values(self) -> CellValues | None:
+        """
+        Return the record as its cells show it.
+
+        Returns
+        -------
+        CellValues or None
+            None for fewer than 128 differences or cells.
+
+        """
+        if self.n < LEAST_CELLS or self._last_place + 1 < LEAST_CELLS:
+            return None
+        index, rows = self._opened()
+        index, rows = np.concatenate((self._index, index)), np.concatenate((self._rows, rows), 1)
+        level, k = self._level, (self._last_place + 1) >> self._level
+        if k > _MOST_CELLS:
+            index, rows = _coarser(index, rows)
+            level, k = level + 1, k >> 1
+        whole = _whole(index, rows)
+        mean, q = float(whole[_MEAN]), float(whole[_M2]) / self.n
+        kurtosis = self.n * float(whole[_M4]) / float(whole[_M2]) ** 2 \
+            if float(whole[_M2]) ** 2 > 0.0 else 3.0
+        full = index < k
+        index, rows = index[full], rows[:, full]
+        counts = rows[_N]
+        scale = k / float(counts.sum())
+        off = rows[_MEAN] - mean
+        b, y = np.zeros(k), np.full(k, q)
+        b[index] = scale * counts * off
+        y[index] = scale * (rows[_M2] + counts * (off * off - q)) + q
+        return CellValues(self.n, self._shift + mean, q, kurtosis, 1e-13 * self._largest, b, y)
+
+
+def _level_at(place: int) -> int:
+    """Return the level of the cell that a place belongs to when it is the newest."""
+    return max(0, place.bit_length() - _HALF.bit_length())
+
+
+def _whole(index: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Return the moments of all cells together."""
+    index = index.copy()
+    while rows.shape[1] > 1:
+        index, rows = _coarser(index, rows)
+    return rows[:, 0]
