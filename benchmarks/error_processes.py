@@ -191,7 +191,8 @@ def one_missing(rng: np.random.Generator, n: int) -> np.ndarray:
 
 def jittered(rng: np.random.Generator, n: int) -> np.ndarray:
     """Return every tenth of n instants, each up to four steps early or late."""
-    return np.arange(5, n, 10) + rng.integers(-4, 5, size=len(range(5, n, 10)))
+    middle = np.arange(5, n - 4, 10)
+    return middle + rng.integers(-4, 5, size=middle.size)
 
 
 def seconds_on_and_off(rng: np.random.Generator, n: int) -> np.ndarray:

@@ -34,35 +34,40 @@ class Plain:
     slow_allowance_deg2: float
     mean_variance_deg2: float
     low_deg2: float
-    mid_deg2: float
-    dof_t: int = 12
+    middle_deg2: float
+    student_dof: int = 12
+
+
+def _places(n: int, stamp_ns: np.ndarray | None) -> list[int]:
+    """Return the place of each difference in the record."""
+    if stamp_ns is None:
+        return list(range(n))
+    stamps = [int(stamp) for stamp in stamp_ns]
+    usual = int(np.median(np.diff(stamps[:128])))
+    places, regular_ns, regular_place = [0], stamps[0], 0
+    for before, stamp in zip(stamps, stamps[1:]):
+        if 0.5 * usual <= stamp - before <= 1.5 * usual:
+            regular_ns, regular_place = stamp, places[-1] + 1
+        places.append(regular_place + math.floor((stamp - regular_ns) / usual + 0.5))
+    return places
 
 
 def _cells(e: np.ndarray, stamp_ns: np.ndarray | None, q: float,
            ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return b and y of each block or cell."""
-    n = e.size
-    index = np.arange(n)
-    if stamp_ns is not None:
-        steps = np.diff(stamp_ns)
-        delta = float(np.median(steps[:127]))
-        if not np.all((steps >= 0.5 * delta) & (steps <= 1.5 * delta)):
-            index = np.floor((stamp_ns - stamp_ns[0]) / delta + 0.5).astype(np.int64)
+    """Return b and y of each complete cell; None for fewer than 128."""
+    places = _places(e.size, stamp_ns)
     size = 1
-    while (int(index[-1]) + 1) // size > 1023:
+    while (places[-1] + 1) // size > 1023:
         size *= 2
-    count = (int(index[-1]) + 1) // size
+    count = (places[-1] + 1) // size
     if count < 128:
         return None
+    ends = np.searchsorted(places, size * np.arange(count + 1))
     b, y = np.empty(count), np.empty(count)
-    ends = np.searchsorted(index, size * np.arange(count + 1))
     for k in range(count):
         part = e[ends[k]:ends[k + 1]]
-        if index[-1] == n - 1:
-            b[k], y[k] = np.sum(part) / size, np.sum(part ** 2) / size
-        else:
-            b[k] = count * np.sum(part) / n
-            y[k] = count * (np.sum(part ** 2) - part.size * q) / n + q
+        b[k] = count * np.sum(part) / ends[-1]
+        y[k] = count * (np.sum(part ** 2) - part.size * q) / ends[-1] + q
     return b, y
 
 
@@ -139,7 +144,7 @@ def upper_bound(figures: Plain, alpha: float) -> float:
     """Return U. S.10."""
     if figures.d_deg2 == 0.0:
         return 0.0
-    return (figures.d_deg2 + _x(figures.f, alpha, figures.dof_t) * figures.s_deg2
+    return (figures.d_deg2 + _x(figures.f, alpha, figures.student_dof) * figures.s_deg2
             + figures.slow_allowance_deg2)
 
 
@@ -147,7 +152,7 @@ def lower_bound(figures: Plain, alpha: float) -> float:
     """Return L. S.11."""
     if figures.d_deg2 == 0.0:
         return 0.0
-    t = float(student.ppf(1.0 - alpha, figures.dof_t))
+    t = float(student.ppf(1.0 - alpha, figures.student_dof))
     return figures.d_deg2 * math.exp(-t * figures.s_deg2 / figures.d_deg2)
 
 
@@ -163,7 +168,7 @@ def pool(runs: list[Plain]) -> Plain:
     s = math.sqrt(sum((w[i] * r.s_deg2) ** 2 for i, r in enumerate(runs)))
     gamma = sum((w[i] * r.s_deg2) ** 3 * math.sqrt(8.0 / r.f)
                 for i, r in enumerate(runs)) / s ** 3
-    low, mid = mean('low_deg2'), mean('mid_deg2')
+    low, mid = mean('low_deg2'), mean('middle_deg2')
     return Plain(sum(r.n for r in runs), d, s, 8.0 / gamma ** 2, 2.0 * (d / s) ** 2,
                  math.nan, *_slow(low, mid), mean('mean_variance_deg2'), low, mid,
                  12 * len(runs))
