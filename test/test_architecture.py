@@ -130,7 +130,7 @@ TEXTS = SOURCES + sorted(
                                                  'benchmarks', 'test')
                                    for q in (ROOT / top).rglob('*'))]
     if p.is_file() and p.suffix in ('', '.md', '.rst', '.txt', '.toml', '.cfg', '.xml', '.yaml')
-    and '__pycache__' not in p.parts)
+    and '__pycache__' not in p.parts and p.name != '.git')
 
 
 def relative(path: Path) -> str:

@@ -13,24 +13,24 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 TEXT = (ROOT / 'docs' / 'equations.md').read_text(encoding='utf-8')
-ROW = re.compile(r'^\| (GK \(\S+\)|[GKE]\.\d+) \| (.+?) \| (.+?) \| (.+?) \|$', re.MULTILINE)
+ROW = re.compile(r'^\| (GK \(\S+\)|[SKE]\.\d+) \| (.+?) \| (.+?) \| (.+?) \|$', re.MULTILINE)
 ROWS = [(number.replace('\\', ''), *rest) for number, *rest in ROW.findall(TEXT)]
 USED = [row for row in ROWS if row[2] != 'not used']
 UNUSED = [row for row in ROWS if row[2] == 'not used']
 
 PRINTED = ['1', '2', '2a', '2b', '2c', '2d', '3', '4', '5', "5'", "5''", '*', '**', '6', "6'",
            "6''", '7']
-NUMBERS = [*(f'GK ({n})' for n in PRINTED), 'K.1', 'K.2', *(f'G.{n}' for n in range(1, 15)),
-           *(f'E.{n}' for n in range(1, 17))]
+NUMBERS = [*(f'GK ({n})' for n in PRINTED), 'K.1', 'K.2', *(f'S.{n}' for n in range(1, 17)),
+           *(f'E.{n}' for n in range(1, 21))]
 
 ONE = r"\((?:\d+[a-z]?'*|\*+)\)"
 CHAIN = re.compile(rf'\bGK ({ONE}(?:(?:, and |, | and | to |-)(?:GK )?{ONE})*)')
 LINK = re.compile(rf'({ONE})(?:(?:-| to )(?:GK )?({ONE}))?')
-OWN = re.compile(r'\b([GKE])\.(\d+)(?: to \1\.(\d+))?')
+OWN = re.compile(r'\b([SKE])\.(\d+)(?: to \1\.(\d+))?')
 
 
 def named_in(text):
-    """Return the numbers named as GK (5), (5'), GK (4)-(7), G.4 or G.8 to G.10."""
+    """Return the numbers named as GK (5), (5'), GK (4)-(7), S.4 or S.8 to S.10."""
     text, found = ' '.join((text or '').split()), set()
     for chain in CHAIN.findall(text):
         for first, last in LINK.findall(chain):
@@ -69,7 +69,7 @@ def docstrings():
     ('GK (2)-(2d) for', {'GK (2)', 'GK (2a)', 'GK (2b)', 'GK (2c)', 'GK (2d)'}),
     ('GK (6)-(7)', {'GK (6)', "GK (6')", "GK (6'')", 'GK (7)'}),
     ('GK (9)', {'GK (9)'}),
-    ('G.8 to G.10 of a page; E.3, K.1.', {'G.8', 'G.9', 'G.10', 'E.3', 'K.1'}),
+    ('S.8 to S.10 of a page; E.3, K.1.', {'S.8', 'S.9', 'S.10', 'E.3', 'K.1'}),
     ('GK, e.g. variant C. E.', set()),
     (None, set())])
 def test_numbers_are_read_as_they_are_written(text, numbers):

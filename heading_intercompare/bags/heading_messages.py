@@ -125,8 +125,8 @@ def encode_pairs(pairs: Pairs, frame_id: str = '') -> np.ndarray:
     Returns
     -------
     ndarray of uint8, shape (n, size)
-        One CDR message a row, stamped with the TS. Linear: TS - RS wrapped, RS heading, TS
-        heading, degrees; angular: lag in seconds, variance factor, 0.
+        One CDR message a row, with the stamp of the pair. Linear: TS - RS wrapped, RS heading,
+        TS heading, degrees; angular: lag in seconds, variance factors of RS and TS.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def encode_pairs(pairs: Pairs, frame_id: str = '') -> np.ndarray:
     """
     rows, at = _rows(PAIRS_TYPE, pairs.stamp_ns, frame_id)
     columns = (angles.wrap180(pairs.ts_deg - pairs.rs_deg), pairs.rs_deg, pairs.ts_deg,
-               pairs.lag_ns / _SECOND_NS, pairs.rs_variance_factor)
+               pairs.lag_ns / _SECOND_NS, pairs.rs_variance_factor, pairs.ts_variance_factor)
     for number, column in enumerate(columns):
         _put_reals(rows, at + 8 * number, column)
     return rows

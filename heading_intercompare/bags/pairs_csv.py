@@ -17,8 +17,10 @@ from .errors import BagError
 
 __all__ = ['COLUMNS', 'PairsCsvWriter', 'read_pairs_csv', 'write_pairs_csv']
 
-#: Columns that are written; the reader takes a stamp, ts_deg and rs_deg.
-COLUMNS = ('stamp_ns', 'ts_deg', 'rs_deg', 'difference_deg', 'lag_s', 'rs_variance_factor')
+#: Columns that are written; the reader takes all but the difference and the lag.
+COLUMNS = ('stamp_ns', 'ts_deg', 'rs_deg', 'difference_deg', 'lag_s', 'rs_variance_factor',
+           'ts_variance_factor')
+_FACTORS = COLUMNS[-2:]
 
 _ROWS = 65536
 _SECOND_NS = 1_000_000_000
@@ -50,8 +52,16 @@ _STAMPS: dict[str, tuple[Callable[[str], int], str]] = {
 }
 
 
-def _columns(path: str, header: list[str]) -> tuple[str, int, int, int]:
-    """Return the name of the stamp column, and where stamp, TS and RS are."""
+def _factor(text: str) -> float:
+    """Return a variance factor; 1 where none is given."""
+    factor = float(text) if text.strip() else 1.0
+    if not 0.0 < factor <= 1.0:
+        raise ValueError
+    return factor
+
+
+def _columns(path: str, header: list[str]) -> tuple[str, list[int], list[int | None]]:
+    """Return the name of the stamp column, where stamp, TS and RS are, and the factors if any."""
     names = [name.strip() for name in header]
     stamp = next((name for name in _STAMPS if name in names), None)
     absent = [name for name in ('ts_deg', 'rs_deg') if name not in names]
@@ -61,7 +71,8 @@ def _columns(path: str, header: list[str]) -> tuple[str, int, int, int]:
         raise BagError(f'line 1 is {",".join(header)[:80]!r}: a header with the columns stamp_s '
                        f'or stamp_ns, ts_deg, rs_deg belongs there; missing: '
                        f'{", ".join(absent)}', path)
-    return stamp, names.index(stamp), names.index('ts_deg'), names.index('rs_deg')
+    return (stamp, [names.index(name) for name in (stamp, 'ts_deg', 'rs_deg')],
+            [names.index(name) if name in names else None for name in _FACTORS])
 
 
 def read_pairs_csv(path: str | os.PathLike[str]) -> Iterator[Pairs]:
@@ -72,13 +83,14 @@ def read_pairs_csv(path: str | os.PathLike[str]) -> Iterator[Pairs]:
     ----------
     path : str or path
         A header, then a row per pair. Columns `stamp_ns` or `stamp_s` (decimal, read exactly to
-        the nanosecond), `ts_deg`, `rs_deg` in any order; others are ignored.
+        the nanosecond), `ts_deg`, `rs_deg` in any order; `rs_variance_factor` and
+        `ts_variance_factor` if they are there; others are ignored.
 
     Yields
     ------
     Pairs
         At most 65536 rows each, in file order. A heading that is empty or not finite is nan. Lags
-        are 0 and variance factors 1.
+        are 0; variance factors are 1 where they are empty or absent.
 
     Raises
     ------
@@ -95,16 +107,15 @@ def read_pairs_csv(path: str | os.PathLike[str]) -> Iterator[Pairs]:
         if header is None:
             raise BagError('is empty; a header with the columns stamp_s or stamp_ns, ts_deg, '
                            'rs_deg belongs there', path)
-        name, *places = _columns(path, header)
+        name, places, factors = _columns(path, header)
         stamp_of, allowed = _STAMPS[name]
-        stamps: list[int] = []
-        ts: list[float] = []
-        rs: list[float] = []
+        last = max(*places, *(place for place in factors if place is not None))
+        chunk: tuple[list, ...] = ([], [], [], [], [])
         try:
             for row in rows:
                 if not row:
                     continue
-                if len(row) <= max(places):
+                if len(row) <= last:
                     raise BagError(f'line {rows.line_num} has {len(row)} columns, fewer than the '
                                    'header', path)
                 stamp, ts_text, rs_text = (row[place] for place in places)
@@ -120,16 +131,28 @@ def read_pairs_csv(path: str | os.PathLike[str]) -> Iterator[Pairs]:
                 except ValueError:
                     raise BagError(f'line {rows.line_num}: ts_deg = {ts_text[:40]!r}, rs_deg = '
                                    f'{rs_text[:40]!r} must be numbers', path) from None
-                stamps.append(stamp_ns)
-                ts.append(heading[0])
-                rs.append(heading[1])
-                if len(stamps) == _ROWS:
-                    yield Pairs.of(stamps, ts, rs)
-                    stamps, ts, rs = [], [], []
+                texts = ['' if place is None else row[place] for place in factors]
+                try:
+                    shrunk = [_factor(text) for text in texts]
+                except ValueError:
+                    given = ', '.join(f'{name} = {text[:40]!r}'
+                                      for name, text in zip(_FACTORS, texts))
+                    raise BagError(f'line {rows.line_num}: {given} must be above 0 and at most '
+                                   '1, or empty', path) from None
+                for column, value in zip(chunk, (stamp_ns, *heading, *shrunk)):
+                    column.append(value)
+                if len(chunk[0]) == _ROWS:
+                    yield _pairs(chunk)
+                    chunk = ([], [], [], [], [])
         except csv.Error as error:
             raise BagError(f'line {rows.line_num}: {error}', path) from None
-        if stamps:
-            yield Pairs.of(stamps, ts, rs)
+        if chunk[0]:
+            yield _pairs(chunk)
+
+
+def _pairs(columns: tuple[list, ...]) -> Pairs:
+    stamps, ts_deg, rs_deg, rs_factor, ts_factor = columns
+    return Pairs.of(stamps, ts_deg, rs_deg, None, rs_factor, ts_factor)
 
 
 class PairsCsvWriter:
@@ -165,7 +188,7 @@ class PairsCsvWriter:
         """Append a row per pair; the installation offset is not removed from the difference."""
         columns = (pairs.stamp_ns, pairs.ts_deg, pairs.rs_deg,
                    wrap180(pairs.ts_deg - pairs.rs_deg, self._center_deg),
-                   pairs.lag_ns / _SECOND_NS, pairs.rs_variance_factor)
+                   pairs.lag_ns / _SECOND_NS, pairs.rs_variance_factor, pairs.ts_variance_factor)
         for row in zip(*(column.tolist() for column in columns)):
             self._file.write(','.join(map(repr, row)) + '\n')
 

@@ -22,6 +22,7 @@ from heading_intercompare.report import json, write, WRITERS
 __all__ = ['add_arguments', 'add_settings_arguments', 'add_verdict_arguments', 'conclude', 'run']
 
 _CHECK_CODES = {'compliant': 0, 'non_compliant': 1, 'indeterminate': 3}
+_DOUBTFUL_CODE = 4
 
 
 def add_settings_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +36,8 @@ def add_verdict_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of every command that ends with a verdict; see `conclude`."""
     parser.add_argument('--json', metavar='F', help="write the verdict as JSON; '-' for stdout")
     parser.add_argument('--check', action='store_true',
-                        help='exit code 1 if non-compliant, 3 if indeterminate')
+                        help='exit code 1 if non-compliant, 3 if indeterminate, 4 if the '
+                        'outcome is doubtful')
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -126,4 +128,9 @@ def conclude(verdict: Mapping[str, Any], arguments: argparse.Namespace) -> int:
         if arguments.json:
             with naming(arguments.json):
                 json.write(verdict, arguments.json)
-    return _CHECK_CODES[verdict['outcome']] if arguments.check else 0
+    if not arguments.check:
+        return 0
+    decided = verdict['outcome'] != 'indeterminate'
+    if decided and verdict['validity_effect'] == 'doubtful':
+        return _DOUBTFUL_CODE
+    return _CHECK_CODES[verdict['outcome']]

@@ -10,7 +10,7 @@ from typing import Any, Mapping, Sequence
 
 import yaml
 
-from heading_intercompare.cli.yaml_file import parse_yaml
+from heading_intercompare.cli.yaml_file import load_yaml, parse_yaml
 from heading_intercompare.core.settings import declared, flattened, Settings, SettingsError
 
 __all__ = ['Config', 'load_config', 'parse_assignments', 'settings_for']
@@ -92,7 +92,7 @@ def parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
             raise SettingsError(f'--set {assignment}: must be name=value, '
                                 'e.g. --set norms.sigma_max_deg=0.2')
         try:
-            values[name] = text if name in words else yaml.safe_load(text)
+            values[name] = text if name in words else load_yaml(text)
         except yaml.YAMLError as error:
             raise SettingsError(f'--set {assignment}: the value cannot be read') from error
     return values

@@ -22,9 +22,9 @@ from heading_intercompare.core.analysis import aligned
 from heading_intercompare.core.intercomparison import Compliance, Intercomparison
 from heading_intercompare.core.judge import RunResult
 from heading_intercompare.core.ledger import Ledger
-from heading_intercompare.core.pairing import rising
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.stream import rising
 
 __all__ = ['analyze_input', 'sha256']
 
@@ -112,8 +112,8 @@ def _analyze_csv(path: str, name: str, settings: Settings,
         for stream in ('ts', 'rs'):
             ledger.add(f'{stream}_rejected.stamp_not_increasing', pairs.stamp_ns[~rises])
         pairs = pairs[rises]
-        ledger.add('paired', pairs.stamp_ns)
-        ledger.add('rs_used', pairs.stamp_ns)
+        for key in ('paired', 'ts_paired', 'rs_used'):
+            ledger.add(key, pairs.stamp_ns)
         if len(pairs):
             newest_ns = int(pairs.stamp_ns[-1])
         compliance.update(pairs)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 from datetime import datetime, timezone
+import sys
 
 from heading_intercompare.cli.analyze import (
     add_settings_arguments,
@@ -15,6 +16,7 @@ from heading_intercompare.cli.analyze import (
 from heading_intercompare.cli.config import load_config, settings_for
 from heading_intercompare.cli.note import add_note_argument, noted
 from heading_intercompare.cli.progress import Progress
+from heading_intercompare.core.coverage import least_duration_words
 from heading_intercompare.core.criteria import Limits
 from heading_intercompare.core.settings import SettingsError
 
@@ -56,6 +58,8 @@ def run(arguments: argparse.Namespace) -> int:
     from heading_intercompare.nodes.graph import intercompare, Source
     from heading_intercompare.nodes.nmea_driver import NmeaDriver
 
+    if not arguments.quiet:
+        print(f'note: {least_duration_words(settings.risk)}', file=sys.stderr)
     with Progress(output, arguments.quiet) as progress:
         report = intercompare(
             [Source(NmeaDriver, name, driver) for name, driver in drivers.items()],

@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``norms``: the named norms with their sources."""
+"""The command ``norms``: the named norms, and the slowest errors by class of sensor."""
 
 from __future__ import annotations
 
 import argparse
 
+from heading_intercompare.core.coverage import SENSOR_CLASSES, span_words
 from heading_intercompare.core.presets import PRESETS
 
 __all__ = ['add_arguments', 'run']
@@ -16,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print every named norm."""
+    """Print every named norm and every class of sensors."""
     for name, preset in PRESETS.items():
         secant = ' sec(lat)' if preset.secant else ''
         if preset.rms_deg is not None:
@@ -27,4 +28,10 @@ def run(arguments: argparse.Namespace) -> int:
         print(f'{name}: {preset.title} [{preset.status}]\n    {rule}\n'
               f'    asks: {preset.content}')
     print('use: --set norms.preset=NAME, with --set norms.latitude_deg=LAT where sec(lat) stands')
+    print('\nclasses of sensors: the slowest error, and the run that follows from it')
+    for name, found in SENSOR_CLASSES.items():
+        print(f'{name}: {found.title}\n    slowest error {span_words(found.slowest_s)}: '
+              f'{found.source}\n    least run: {span_words(found.least_s)}; {found.trial}')
+    print('use: --set risk.sensor_class=NAME, or --set risk.slowest_error_s=S with a figure of '
+          'your own')
     return 0

@@ -7,7 +7,12 @@ from __future__ import annotations
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.report.wording import NO_RUN, unjudged, utc
-from heading_intercompare.report.words import CAMPAIGN_WORDS, OUTCOME_WORDS, REASON_WORDS
+from heading_intercompare.report.words import (
+    CAMPAIGN_WORDS,
+    EFFECT_WORDS,
+    OUTCOME_WORDS,
+    REASON_WORDS,
+)
 
 __all__ = ['verdict_text']
 
@@ -54,10 +59,14 @@ _ROWS: tuple[tuple[str, _Text], ...] = (
     ('GK as printed', _figure('paper_outcome')),
     ('first pair, UTC', lambda r: utc(r['start_ns'])),
     ('duration [s]', _figure('duration_s', 1)),
+    ('pairs', _figure('pairing.paired')),
     ('TS received', _figure('pairing.ts_received')),
+    ('  paired as they are', _figure('pairing.ts_paired')),
+    ('  only interpolated between', _figure('pairing.ts_used')),
+    ('  without partner', _figure('pairing.ts_unpaired')),
     ('RS received', _figure('pairing.rs_received')),
-    ('paired', _figure('pairing.paired')),
-    ('TS without partner', _figure('pairing.ts_unpaired')),
+    ('  paired or interpolated between', _figure('pairing.rs_used')),
+    ('  not used', _figure('pairing.rs_unused')),
     ('rejected', _rejected),
     ('analysed n', _figure('n')),
     ('effective size nu', _figure('guarded.nu', 1)),
@@ -90,8 +99,8 @@ def verdict_text(verdict: Mapping[str, Any]) -> str:
     """
     settings, runs = verdict['settings'], verdict['runs']
     campaign = verdict['campaign']
-    lines = [f'VERDICT: {OUTCOME_WORDS[verdict["outcome"]]}'
-             f'   (GK as printed: {OUTCOME_WORDS[verdict["paper_outcome"]]})']
+    lines = [f'VERDICT: {verdict["headline"]}',
+             f'GK as printed: {OUTCOME_WORDS[verdict["paper_outcome"]]}']
     norm = (f'by {settings["norms.preset"]}' if settings['norms.preset'] is not None
             else f'{settings["norms.sigma_max_deg"]:g} deg')
     lines.append(f'norms: sigma_max {norm}, sigma_ref_max '
@@ -109,6 +118,10 @@ def verdict_text(verdict: Mapping[str, Any]) -> str:
     for run in runs:
         of = f' of {run["source"]}' if several else ''
         lines.append(f'run {run["run"]}{of}: {REASON_WORDS.get(run["reason"], run["reason"])}')
+        lines += [f'  {EFFECT_WORDS[found["effect"]]}: {found["evidence"]}'
+                  for found in run['validity'] if found['effect'] in ('doubtful', 'void')]
+        lines += [f'  look {look["look"]} of {look["looks"]} at {look["span_s"]:.0f} s: '
+                  f'{OUTCOME_WORDS[look["outcome"]]}' for look in run['looks']]
         lines += [f'  warning: {warning}' for warning in run['warnings']]
     reasons = [f'not judged: {given["path"]}: {why}' for given in verdict['inputs']
                if (why := unjudged(given))]

@@ -64,6 +64,28 @@ class Analysed:
             return np.abs(self.residual_deg)
         return np.abs(self.x_deg - self.moments.mean_deg)
 
+    @classmethod
+    def of(cls, stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
+           settings: Settings, n_left_out: int = 0) -> 'Analysed':
+        """Return settled differences with the drift taken out as the settings ask."""
+        order = settings.drift_order
+        if order == 'auto':
+            chosen = select_order(stamp_ns, x_deg)
+            order = 0 if chosen is None else min(chosen.order, HIGHEST_ORDER_REMOVED)
+        moments = Moments.of(x_deg)
+        if order == 0 or moments.n < 2 + order:
+            variance = moments.variance_deg2 if moments.n >= 2 + order else None
+            return cls(stamp_ns, x_deg, rs_deg, None, 0, (), n_left_out, moments, variance)
+        fit = remove_polynomial(stamp_ns, x_deg, order)
+        squares = float(np.dot(fit.residual_deg, fit.residual_deg))
+        return cls(stamp_ns, x_deg, rs_deg, fit.residual_deg, fit.order, fit.coefficients_deg,
+                   n_left_out, moments, squares / (moments.n - 1 - fit.order))
+
+    @property
+    def series_deg(self) -> np.ndarray:
+        """What the variance is taken of: the residuals, or the differences; degrees."""
+        return self.x_deg if self.residual_deg is None else self.residual_deg
+
     @property
     def span_s(self) -> float:
         """Time from the first to the last analysed difference, seconds."""
@@ -97,15 +119,4 @@ def analysed(run: RunSeries, limits: Limits, settings: Settings) -> Analysed:
             until = int(stamps[0]) + round(found.stabilization_s * 1e9)
             lo = int(np.searchsorted(stamps, until))
             stamps, x, rs = stamps[lo:], x[lo:], rs[lo:]
-    order = settings.drift_order
-    if order == 'auto':
-        chosen = select_order(stamps, x)
-        order = 0 if chosen is None else min(chosen.order, HIGHEST_ORDER_REMOVED)
-    moments = Moments.of(x)
-    if order == 0 or moments.n < 2 + order:
-        variance = moments.variance_deg2 if moments.n >= 2 + order else None
-        return Analysed(stamps, x, rs, None, 0, (), lo, moments, variance)
-    fit = remove_polynomial(stamps, x, order)
-    squares = float(np.dot(fit.residual_deg, fit.residual_deg))
-    return Analysed(stamps, x, rs, fit.residual_deg, fit.order, fit.coefficients_deg, lo,
-                    moments, squares / (moments.n - 1 - fit.order))
+    return Analysed.of(stamps, x, rs, settings, lo)

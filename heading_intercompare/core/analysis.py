@@ -10,7 +10,7 @@ from typing import Sequence
 from .intercomparison import Intercomparison, join
 from .judge import RunResult
 from .records import Headings
-from .settings import Settings
+from .settings import Pairing, Settings
 from .skew_scan import Scan, scan
 from .verdict import Verdict
 
@@ -20,7 +20,7 @@ __all__ = ['aligned', 'analyze']
 def aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], settings: Settings, *,
             source: str = '') -> list[RunResult]:
     """
-    Pair each run again at the minimum of its skew scan, and judge it again.
+    Pair each run again with its skew taken out, and judge it again.
 
     Parameters
     ----------
@@ -29,60 +29,70 @@ def aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], settings: 
     results : sequence of RunResult
         Its runs as first judged.
     settings : Settings
-        `alignment.skew_range_s` is scanned, about `alignment.skew_s`.
+        Within `alignment.skew_range_s` of `alignment.skew_s` a skew is looked for.
     source : str
         Name of the input.
 
     Returns
     -------
     list of RunResult
-        In the same order. A run whose scan has no sure minimum stays as it was, and says so.
+        In the same order. A run whose skew is not well determined stays as it was, and says so.
 
     Notes
     -----
-    The runs keep their TS readings: their bounds move with the TS stamps.
+    The skew is that of the regression: the minimum of the scan, which is shown beside it, is
+    drawn away where interpolation averages the noise of the RS. A run keeps its TS readings: its
+    bounds move with the TS stamps. Each run is paired from its own readings alone.
 
     References
     ----------
     ``docs/verdict.md``, time skew.
 
     """
-    return [_again(ts, rs, at, results, settings, source) for at in range(len(results))]
+    return [_again(ts, rs, result, settings, source) for result in results]
 
 
-def _again(ts: Headings, rs: Headings, at: int, results: Sequence[RunResult],
-           settings: Settings, source: str) -> RunResult:
-    result = results[at]
-    found = _scanned(ts, rs, result, settings)
-    if found is None or not found.well_determined:
-        why = 'no minimum within the range' if found is None or found.at_edge else 'not sure'
-        return _said(result, found, f'not_aligned: the skew scan has {why}; the run is judged '
-                     'as its stamps say')
-    # The scan knows nothing of the known skew, so it finds all of it.
-    shift_ns = round(found.skew_s * 1e9) - round(settings.alignment.skew_s * 1e9)
-    table = [(r.verdict.start_ns - shift_ns, r.verdict.end_ns - shift_ns + 1) for r in results]
-    moved = replace(settings, alignment=replace(settings.alignment, skew_s=found.skew_s))
+def _again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
+           source: str) -> RunResult:
+    estimate = result.verdict.skew.estimate
+    ts, rs = _readings_of(ts, rs, result, settings)
+    found = scan(ts, rs, settings.alignment.skew_range_s)
+    if not estimate.well_determined:
+        return _said(result, found, 'not_aligned: the ship did not turn enough to determine a '
+                     'skew; the run is judged as its stamps say')
+    shift_ns = round(estimate.skew_s * 1e9)
+    skew_s = settings.alignment.skew_s + shift_ns / 1e9
+    table = [(result.verdict.start_ns - shift_ns, result.verdict.end_ns - shift_ns + 1)]
+    moved = replace(settings, alignment=replace(settings.alignment, skew_s=skew_s),
+                    pairing=_as_paired(result, settings.pairing))
     comparison = Intercomparison(moved, source=source, table=table)
     comparison.update(ts, rs)
     comparison.finish()
-    starts = [r.verdict.start_ns for r in comparison.results()]
-    now = [r for r, start_ns in zip(comparison.results(), starts)
-           if table[at][0] <= start_ns < table[at][1]]
+    now = comparison.results()
     if len(now) != 1:
         return _said(result, found, 'not_aligned: at the skew found the run falls apart; it is '
                      'judged as its stamps say')
-    return _said(now[0], found, f'aligned: {found.skew_s:.3f} s are taken from the stamps of '
+    return _said(now[0], found, f'aligned: {skew_s:.3f} s are taken from the stamps of '
                  f'the TS; unaligned the outcome was {result.verdict.outcome}')
 
 
-def _scanned(ts: Headings, rs: Headings, result: RunResult, settings: Settings) -> Scan | None:
-    range_ns = round(settings.alignment.skew_range_s * 1e9)
+def _as_paired(result: RunResult, rule: Pairing) -> Pairing:
+    """Return the rule with the sensor that 'auto' interpolated in a run named."""
+    sensor = result.verdict.pairing.interpolated(rule.method)
+    return replace(rule, method={'rs': 'interpolate', 'ts': 'interpolate_ts'}.get(
+        sensor, rule.method))
+
+
+def _readings_of(ts: Headings, rs: Headings, result: RunResult,
+                 settings: Settings) -> tuple[Headings, Headings]:
+    """Return the TS readings of a run, and the RS readings that any skew might need."""
     known_ns = round(settings.alignment.skew_s * 1e9)
     run = result.verdict
-    inside = ((ts.stamp_ns - known_ns >= run.start_ns) & (ts.stamp_ns - known_ns <= run.end_ns))
-    margin_ns = range_ns + round(settings.pairing.max_gap_s * 1e9) + abs(known_ns)
-    near = ((rs.stamp_ns >= run.start_ns - margin_ns) & (rs.stamp_ns <= run.end_ns + margin_ns))
-    return scan(ts[inside], rs[near], settings.alignment.skew_range_s)
+    inside = (ts.stamp_ns - known_ns >= run.start_ns) & (ts.stamp_ns - known_ns <= run.end_ns)
+    margin_ns = (round(settings.alignment.skew_range_s * 1e9) + abs(known_ns)
+                 + round(settings.pairing.max_gap_s * 1e9))
+    near = (rs.stamp_ns >= run.start_ns - margin_ns) & (rs.stamp_ns <= run.end_ns + margin_ns)
+    return ts[inside], rs[near]
 
 
 def _said(result: RunResult, found: Scan | None, words: str) -> RunResult:

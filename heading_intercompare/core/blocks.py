@@ -91,7 +91,7 @@ def sum_covariance(terms: ArrayLike) -> tuple[np.ndarray, int]:
 
     References
     ----------
-    Batch means, Schmeiser 1982; the same blocks as G.2 of ``docs/risk.md``.
+    Batch means, Schmeiser 1982.
 
     """
     terms = np.asarray(terms, dtype=np.float64)

@@ -123,7 +123,7 @@ def duration_factor(found: Spread, accept_deg2: float, reject_deg2: float,
 
     References
     ----------
-    Planning, in ``docs/risk.md``.
+    S.15 of ``docs/risk.md``.
 
     """
     d, s = found.d_deg2, found.s_deg2
@@ -159,12 +159,12 @@ def rate_lower(k: float, trials: float, alpha: float) -> float:
 
     References
     ----------
-    Clopper & Pearson 1934 with real arguments; G.14 of ``docs/risk.md``.
+    Clopper & Pearson 1934 with real arguments; S.14 of ``docs/risk.md``.
 
     """
     return float(betaincinv(k, trials - k + 1.0, alpha)) if k > 0.0 else 0.0
 
 
 def rate_upper(k: float, trials: float, alpha: float) -> float:
-    """Return the upper confidence bound of a rate, G.14; see `rate_lower`."""
+    """Return the upper confidence bound of a rate, S.14; see `rate_lower`."""
     return float(betaincinv(k + 1.0, trials - k, 1.0 - alpha)) if k < trials else 1.0

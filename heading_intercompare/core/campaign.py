@@ -9,6 +9,7 @@ import math
 from typing import Sequence
 
 from .bounds import rate_lower
+from .coverage import least_duration_s, slowest_error_s
 from .criteria import Limits
 from .guarded import count_risk, Evidence, variance_risk
 from .outcome import Outcome, worst
@@ -27,12 +28,13 @@ CAMPAIGN_REASONS = {
     'a_run_non_compliant': "a run is rejected, at its share of the producer's risk",
     'no_run_rejected_at_its_share':
         "a run is rejected on its own, but not at its share of the producer's risk",
+    'a_run_void': 'a run is void, so it says nothing of the sensor',
     'a_run_indeterminate': 'not every run complies, and none is rejected',
     'insufficient_data': 'no run has 128 differences',
     'lower_bound_above_rejection_limit':
         'the variance that the runs share is above the rejection limit, at the stated risk',
     'count_lower_bound_above_allowed': 'too many extreme differences, at the stated risk',
-    'insufficient_duration': 'the runs together are shorter than risk.min_duration_s',
+    'insufficient_duration': 'the runs together are shorter than a run must be to comply',
     'upper_bound_within_acceptance_limit':
         'the variance that the runs share is within the acceptance limit, at the stated risk',
     'total_error_not_within_norm': 'the total error of a run is not shown to be within its norm',
@@ -68,7 +70,7 @@ class Together:
         Upper bound from what each run shows within itself, square degrees. S.12.
     between_upper_bound_deg2 : float or None
         Upper bound that takes the slow part from the means of the runs, square degrees; None in
-        variants A and C, and for fewer than five runs. S.13.
+        variants A and C, for fewer than five runs, and for runs too close to each other. S.13.
     upper_bound_deg2, lower_bound_deg2 : float
         The bounds that decide, square degrees; the upper one is S.13 where there is one.
     acceptance_limit_deg2, rejection_limit_deg2 : float
@@ -94,8 +96,8 @@ class Together:
     rate_plus_lower: float
 
 
-def together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk,
-             variant: str) -> Together | None:
+def together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk, variant: str,
+             apart_s: float = math.inf) -> Together | None:
     """
     Return what the runs say of one variance that they share.
 
@@ -108,6 +110,9 @@ def together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk,
         Not shared among runs: they are judged once, together.
     variant : {'A', 'B', 'C'}
         Of GK Table I; only in B is the mean one constant that the means of runs estimate.
+    apart_s : float
+        Shortest time between two runs, seconds. Means of runs that are no further apart than the
+        slowest error that is stated are not independent, and do not count.
 
     Returns
     -------
@@ -126,7 +131,8 @@ def together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk,
     pooled = pool(spreads)
     upper = upper_bound(pooled, risk.alpha_consumer)
     between = None
-    if variant == 'B' and len(some) >= LEAST_RUNS:
+    slowest = slowest_error_s(risk)
+    if variant == 'B' and len(some) >= LEAST_RUNS and (slowest is None or apart_s > slowest):
         between = between_runs(spreads, [e.mean_deg for e, _ in some], risk.alpha_consumer)
     n_plus = sum(e.n_plus for e, _ in some)
     return Together(
@@ -193,7 +199,7 @@ def conclude_sensor(found: Together | None, limits: Sequence[Limits], totals_met
         return Outcome.NON_COMPLIANT, 'lower_bound_above_rejection_limit'
     if found.rate_plus_lower > float(limits[0].allowed(1)):
         return Outcome.NON_COMPLIANT, 'count_lower_bound_above_allowed'
-    if found.span_s < risk.min_duration_s:
+    if found.between_upper_bound_deg2 is None and found.span_s < least_duration_s(risk):
         return Outcome.INDETERMINATE, 'insufficient_duration'
     if found.upper_bound_deg2 <= accept:
         if totals_met:

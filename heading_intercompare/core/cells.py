@@ -88,9 +88,13 @@ def _coarser(index: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return index, rows
 
 
-def _united(index: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Join cells that stand next to each other under one number."""
-    return _coarser(2 * index, rows)
+def _followed(index: np.ndarray, rows: np.ndarray, next_index: np.ndarray,
+              next_rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return cells and those that follow; the last and the first may be parts of one cell."""
+    shared = index.size and next_index.size and index[-1] == next_index[0]
+    index = np.concatenate((index, next_index))
+    rows = np.concatenate((rows, next_rows), axis=1)
+    return _coarser(2 * index, rows) if shared else (index, rows)
 
 
 def _summed(x: np.ndarray, starts: np.ndarray) -> np.ndarray:
@@ -266,9 +270,7 @@ class Cells:
         return index[starts], _summed(x, starts)
 
     def _close(self) -> None:
-        index, rows = self._opened()
-        self._index = np.concatenate((self._index, index))
-        self._rows = np.concatenate((self._rows, rows), axis=1)
+        self._index, self._rows = _followed(self._index, self._rows, *self._opened())
         self._open = []
 
     def _raise_to(self, level: int) -> None:
@@ -304,17 +306,14 @@ class Cells:
                              'must be a multiple; update with the differences instead')
         result = self._copy()
         result._close()
-        index, rows = other._opened()
-        index = np.concatenate((other._index, index)) + offset // size
-        rows = np.concatenate((other._rows, rows), axis=1)
+        index, rows = _followed(other._index, other._rows, *other._opened())
+        index = index + offset // size
         rows[_MEAN] += other._shift - self._shift
         last = other._last_place + offset
         result._raise_to(max(other._level, _level_at(last)))
         for _ in range(result._level - other._level):
             index, rows = _coarser(index, rows)
-        index, rows = (np.concatenate((result._index, index)),
-                       np.concatenate((result._rows, rows), axis=1))
-        result._index, result._rows = _united(index, rows)
+        result._index, result._rows = _followed(result._index, result._rows, index, rows)
         result.n += other.n
         result._largest = max(self._largest, other._largest)
         result._last_place, result._newest_ns = last, other._newest_ns
@@ -339,8 +338,7 @@ class Cells:
         """
         if self.n < LEAST_CELLS or self._last_place + 1 < LEAST_CELLS:
             return None
-        index, rows = self._opened()
-        index, rows = np.concatenate((self._index, index)), np.concatenate((self._rows, rows), 1)
+        index, rows = _followed(self._index, self._rows, *self._opened())
         level, k = self._level, (self._last_place + 1) >> self._level
         if k > _MOST_CELLS:
             index, rows = _coarser(index, rows)

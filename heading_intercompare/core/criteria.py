@@ -68,6 +68,9 @@ class Limits:
     m_low, m_up : float
         Bounds of M = sigma_ref / sigma_ref_max; `m_low` already holds the square root of the
         factor by which interpolation shrinks the noise of the RS.
+    ts_variance_factor : float
+        Factor by which interpolation shrinks the white noise of the TS; holds where a small
+        variance is to prove compliance.
     limit_deg2, tightened_limit_deg2 : float
         GK (5), (5').
     k, k_tightened : float
@@ -84,6 +87,7 @@ class Limits:
     tightened_limit_deg2: float
     k: float
     k_tightened: float
+    ts_variance_factor: float = 1.0
 
     @property
     def count_limit_deg(self) -> float:
@@ -105,7 +109,8 @@ class Limits:
         return n * (1 - Fraction(repr(self.probability)))
 
     @classmethod
-    def of(cls, norms: Norms, model: str = 'NN', rs_variance_factor: float = 1.0) -> 'Limits':
+    def of(cls, norms: Norms, model: str = 'NN', rs_variance_factor: float = 1.0,
+           ts_variance_factor: float = 1.0) -> 'Limits':
         """
         Return the limits that follow from the norms.
 
@@ -115,13 +120,19 @@ class Limits:
             `sigma_max_deg` or a preset, and `sigma_ref_max_deg`, must be there.
         model : {'NN', 'UN', 'NU', 'UU'}
             Error distributions of TS and RS.
-        rs_variance_factor : float
-            Mean of (1-w)^2 + w^2 over the pairs; 1 without interpolation.
+        rs_variance_factor, ts_variance_factor : float
+            Mean of (1-w)^2 + w^2 over the pairs; 1 where that sensor is not interpolated.
 
         Raises
         ------
         SettingsError
             If a norm is missing.
+
+        Notes
+        -----
+        Interpolation shrinks white errors by the factor, and those that last less. As nothing
+        is known of that, a TS at its norm may show anything from the factor times its variance
+        to all of it: acceptance takes the first, rejection the second. The same with the RS.
 
         References
         ----------
@@ -138,7 +149,9 @@ class Limits:
             low = up = norms.sigma_ref_deg / sigma_ref_max
         low *= math.sqrt(rs_variance_factor)
         ratio = sigma_ref_max / sigma_max
-        tightened, limit = variance_limits(sigma_max, sigma_ref_max, low)
+        shrunk = math.sqrt(ts_variance_factor)
+        limit = variance_limits(sigma_max, sigma_ref_max, low)[1]
+        tightened = variance_limits(shrunk * sigma_max, sigma_ref_max, low)[0]
         rule = norms.k_rule
         if isinstance(rule, float):
             k = k_tightened = rule
@@ -146,9 +159,9 @@ class Limits:
             k = k_tightened = 3.0
         else:
             k = coverage_factor(model, ratio, norms.probability)
-            k_tightened = coverage_factor(model, low * ratio, norms.probability)
+            k_tightened = coverage_factor(model, low * ratio / shrunk, norms.probability)
         return cls(sigma_max, sigma_ref_max, low, up, norms.probability, limit, tightened,
-                   k, k_tightened)
+                   k, k_tightened, ts_variance_factor)
 
 
 @dataclass(frozen=True, slots=True)
@@ -257,13 +270,17 @@ def count_criterion(n: int, n_plus: int, n_plus_plus: int, limits: Limits) -> Co
     -----
     n (1 - P) is compared exactly, as a fraction: in binary 10 (1 - 0.9) is less than 1.
 
+    Fewer than two differences are indeterminate, as for the variance: one deviates from its own
+    mean by nothing, whatever the TS. For n < 1 / (1 - P) not a single deviation is allowed, and
+    (6') as printed is met by none; that says no more than that, and certifies no rate.
+
     References
     ----------
     GK (6), (6'), (6'').
 
     """
     allowed = limits.allowed(n)
-    if n == 0:
+    if n < 2:
         outcome = Outcome.INDETERMINATE
     elif n_plus > allowed:
         outcome = Outcome.NON_COMPLIANT
@@ -318,12 +335,15 @@ def total_error(mean_deg: float | None, variance_deg2: float | None, limits: Lim
         Mean and variance of the differences; None with too few of them.
     limits : Limits
     norms : Norms
-        `probability`, `k_total_rule` and `total_error_max_deg` are used.
+        `probability`, `k_rule`, `k_total_rule` and `total_error_max_deg` are used.
     model : {'NN', 'UN', 'NU', 'UU'}
 
     Notes
     -----
-    A variance of the differences below that of the RS gives a TS standard deviation of 0.
+    A variance of the differences below that of the RS gives a TS standard deviation of 0. For
+    the wide limits an interpolated TS has had errors larger by the root of its factor. The
+    rule of K is that of the counts: a number is taken as it is, 'three' is 3 where the law that K
+    belongs to is normal.
 
     References
     ----------
@@ -335,16 +355,21 @@ def total_error(mean_deg: float | None, variance_deg2: float | None, limits: Lim
         outcome = None if norm is None else Outcome.INDETERMINATE
         return TotalError(None, None, None, None, None, None, None, outcome)
 
-    def sigma_and_k(m: float) -> tuple[float, float]:
+    def sigma_and_k(m: float, ts_variance_factor: float) -> tuple[float, float]:
         ref = m * limits.sigma_ref_max_deg
-        sigma = math.sqrt(max(0.0, variance_deg2 - ref ** 2))
+        sigma = math.sqrt(max(0.0, variance_deg2 - ref ** 2) / ts_variance_factor)
+        rule = norms.k_rule
+        if isinstance(rule, float):
+            return sigma, rule
+        if rule == 'three' and (model == 'NN' or norms.k_total_rule == 'ts' and model[0] == 'N'):
+            return sigma, 3.0
         if norms.k_total_rule == 'ts':
             return sigma, ts_factor(model, norms.probability)
         ratio = ref / sigma if sigma > 0.0 else math.inf
         return sigma, coverage_factor(model, ratio, norms.probability)
 
-    sigma_up, k = sigma_and_k(limits.m_low)
-    sigma_low, k_narrow = sigma_and_k(limits.m_up)
+    sigma_up, k = sigma_and_k(limits.m_low, limits.ts_variance_factor)
+    sigma_low, k_narrow = sigma_and_k(limits.m_up, 1.0)
     wide, narrow = k * sigma_up, k_narrow * sigma_low
     outcome = None
     if norm is not None:

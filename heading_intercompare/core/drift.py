@@ -10,12 +10,15 @@ import math
 import numpy as np
 from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike
+from scipy.special import stdtrit
 
-from .blocks import block_means, block_size
+from .blocks import block_means, block_size, student_95
+from .cells import Cells
 from .noise import sokal_times
+from .squares import MEAN_DOF, spread
 
-__all__ = ['bic_of', 'blocked', 'HIGHEST_ORDER', 'Order', 'Polynomial', 'remove_polynomial',
-           'rounding_floor', 'select_order', 'Slope', 'slope']
+__all__ = ['bic_of', 'blocked', 'drift_left_deg2', 'HIGHEST_ORDER', 'Order', 'Polynomial',
+           'remove_polynomial', 'rounding_floor', 'select_order', 'Slope', 'slope']
 
 HIGHEST_ORDER = 3
 """Largest order of a polynomial that may be removed."""
@@ -209,6 +212,45 @@ def select_order(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Order | None:
                  values[-1] < values[order])
 
 
+def drift_left_deg2(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> float | None:
+    """
+    Return an upper bound of the variance that a drift makes where it is not taken out.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    x_deg : array_like, shape (n,)
+        Differences, finite, degrees.
+    order : int
+        Of the polynomial that describes the drift; a slope at least is fitted.
+
+    Returns
+    -------
+    float or None
+        One-sided 95 % bound, square degrees; None for fewer than 128 differences.
+
+    Notes
+    -----
+    The part of order k of the polynomial has the variance c_k^2 / (2k + 1), with its Legendre
+    coefficient c_k; where nothing drifts, errors make that as large as the variance v of the
+    mean, S.1. The bound is (r + t sqrt(v))^2 with r^2 the variance of all parts and Student's t.
+
+    References
+    ----------
+    S.16 of ``docs/risk.md``.
+
+    """
+    fit = remove_polynomial(stamp_ns, x_deg, max(1, order))
+    found = spread(Cells.of(fit.residual_deg, stamp_ns), fit.order)
+    if found is None:
+        return None
+    r = math.sqrt(math.fsum(c * c / (2 * k + 1) for k, c in enumerate(fit.coefficients_deg)
+                            if k > 0))
+    t = -float(stdtrit(MEAN_DOF, 0.05))
+    return (r + t * math.sqrt(found.mean_variance_deg2)) ** 2
+
+
 @dataclass(frozen=True, slots=True)
 class Slope:
     """
@@ -223,7 +265,11 @@ class Slope:
     u_naive_deg_per_h : float or None
         Standard error as if the residuals were uncorrelated; None for n < 3.
     u_deg_per_h : float or None
-        The same times the root of the correlation time of the residuals, if above 1.
+        Standard uncertainty that allows for correlation, by the power of the residuals at the
+        lowest half-periods of the record; for fewer than 128 differences the naive one times the
+        root of the correlation time.
+    interval_deg_per_h : pair of float or None
+        95 % interval of the slope.
     tau_samples : float
         Correlation time of the residuals, in samples.
     residual_std_deg : float or None
@@ -235,6 +281,7 @@ class Slope:
     intercept_deg: float
     u_naive_deg_per_h: float | None
     u_deg_per_h: float | None
+    interval_deg_per_h: tuple[float, float] | None
     tau_samples: float
     residual_std_deg: float | None
 
@@ -257,7 +304,8 @@ def slope(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Slope | None:
 
     References
     ----------
-    Ordinary least squares; correlation time with the window of Sokal 1997.
+    Ordinary least squares; with the variance v of the mean by S.1, that of the slope is 12 v
+    over the square of the span. Correlation time with the window of Sokal 1997.
 
     """
     stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
@@ -273,8 +321,14 @@ def slope(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Slope | None:
     residual -= b * t_h
     tau = sokal_times(residual).tau_1
     if n < 3:
-        return Slope(b, mean_deg - b * mean_h, None, None, tau, None)
+        return Slope(b, mean_deg - b * mean_h, None, None, None, tau, None)
     rss = float(residual @ residual)
     naive = math.sqrt(rss / (n - 2) / power)
-    return Slope(b, mean_deg - b * mean_h, naive, naive * math.sqrt(max(1.0, tau)), tau,
+    u, dof = naive * math.sqrt(max(1.0, tau)), n - 2
+    found = spread(Cells.of(residual, stamps), 1)
+    if found is not None:
+        span_h = (int(stamps[-1]) - int(stamps[0])) / 3.6e12
+        u, dof = math.sqrt(12.0 * found.mean_variance_deg2) / span_h, MEAN_DOF
+    half = student_95(dof) * u
+    return Slope(b, mean_deg - b * mean_h, naive, u, (b - half, b + half), tau,
                  math.sqrt(rss / (n - 1)))

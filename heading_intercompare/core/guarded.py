@@ -11,6 +11,7 @@ from scipy.special import stdtrit
 
 from .bounds import confidence, duration_factor, mean_confidence, rate_lower, rate_upper
 from .cells import Cells
+from .coverage import least_duration_s
 from .criteria import Limits
 from .outcome import Outcome
 from .settings import Risk
@@ -23,11 +24,14 @@ REASONS = {
     'insufficient_data': 'fewer than 128 differences, or too unevenly spread in time',
     'lower_bound_above_rejection_limit':
         'the variance is above the rejection limit, at the stated risk',
-    'insufficient_duration': 'shorter than risk.min_duration_s',
+    'insufficient_duration': 'shorter than a run must be to comply',
     'upper_bound_within_acceptance_limit':
         'the variance is within the acceptance limit, at the stated risk',
     'slow_errors_not_resolved':
         'the errors have a slow part that this record cannot measure: measure longer',
+    'drift_left_in':
+        'the drift that is left in may by itself break the norm: measure longer, or take it out '
+        '(drift_order)',
     'reference_limited': 'only better knowledge of sigma_ref can decide, not more data',
     'data_limited': 'more data can decide',
 }
@@ -53,6 +57,8 @@ class Evidence:
         Time from the first to the last difference, seconds.
     n_plus, n_plus_plus : int
         How many deviations exceed the limits of GK (*) and (**).
+    drift_left_deg2 : float
+        Upper 95 % bound of the variance of the drift left in, square degrees.
 
     """
 
@@ -63,6 +69,7 @@ class Evidence:
     span_s: float
     n_plus: int
     n_plus_plus: int
+    drift_left_deg2: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +147,8 @@ class Guarded:
 
 
 def evidence_of(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: float,
-                mean_deg: float | None, offset_u_deg: float = 0.0, order: int = 0) -> Evidence:
+                mean_deg: float | None, offset_u_deg: float = 0.0, order: int = 0,
+                drift_left_deg2: float = 0.0) -> Evidence:
     """
     Return what a run says.
 
@@ -158,10 +166,12 @@ def evidence_of(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: float,
         Standard uncertainty of the installation offset, degrees.
     order : int
         Order of the polynomial to allow for; see `spread`.
+    drift_left_deg2 : float
+        Upper 95 % bound of the variance of the drift left in, square degrees.
 
     """
     return Evidence(cells.n, spread(cells, order), mean_deg, offset_u_deg, span_s, n_plus,
-                    n_plus_plus)
+                    n_plus_plus, drift_left_deg2)
 
 
 def variance_risk(risk: Risk) -> float:
@@ -212,12 +222,16 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
     producer = variance_risk(risk)
     upper = upper_bound(found, risk.alpha_consumer)
     lower = lower_bound(found, producer)
-    is_long = evidence.span_s >= risk.min_duration_s
-    outcome, reason = _variance_outcome(lower, upper, found.slow_allowance_deg2, limits, is_long)
+    least_s = least_duration_s(risk)
+    is_long = evidence.span_s >= least_s
+    outcome, reason = _variance_outcome(found, lower, upper, evidence.drift_left_deg2, limits,
+                                        is_long)
     low_deg, up_deg = (m * limits.sigma_ref_max_deg for m in (limits.m_low, limits.m_up))
     rate_low = rate_lower(found.nu * rates[0], found.nu, count_risk(risk))
     rate_up = rate_upper(found.nu * rates[1], found.nu, risk.alpha_consumer)
     factor = duration_factor(found, accept, reject, risk.alpha_consumer, producer)
+    if lower <= reject and evidence.span_s > 0.0:
+        factor = max(factor, least_s / evidence.span_s)
     return Guarded(
         d_hat_deg2=found.d_deg2, nu=found.nu, f=found.f, corner_j=found.corner_j,
         r_slow=found.r_slow, slow_variance_deg2=found.slow_variance_deg2,
@@ -243,8 +257,8 @@ def _rates(evidence: Evidence) -> tuple[float | None, float | None]:
     return evidence.n_plus / evidence.n, evidence.n_plus_plus / evidence.n
 
 
-def _variance_outcome(lower: float, upper: float, allowance: float, limits: Limits,
-                      is_long: bool) -> tuple[Outcome, str]:
+def _variance_outcome(found: Spread, lower: float, upper: float, drift_left_deg2: float,
+                      limits: Limits, is_long: bool) -> tuple[Outcome, str]:
     """Apply the rows of the table of ``docs/risk.md`` in their order."""
     accept, reject = limits.tightened_limit_deg2, limits.rejection_limit_deg2
     if lower > reject:
@@ -252,8 +266,10 @@ def _variance_outcome(lower: float, upper: float, allowance: float, limits: Limi
     if not is_long:
         return Outcome.INDETERMINATE, 'insufficient_duration'
     if upper <= accept:
+        if found.d_deg2 + drift_left_deg2 > accept:
+            return Outcome.INDETERMINATE, 'drift_left_in'
         return Outcome.COMPLIANT, 'upper_bound_within_acceptance_limit'
-    if upper - allowance <= accept:
+    if upper - found.slow_allowance_deg2 <= accept:
         return Outcome.INDETERMINATE, 'slow_errors_not_resolved'
     if lower > accept and upper <= reject:
         return Outcome.INDETERMINATE, 'reference_limited'

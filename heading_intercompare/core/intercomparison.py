@@ -6,22 +6,20 @@ from __future__ import annotations
 
 from typing import Any, Callable, Iterable, Mapping, Sequence
 
-from .campaign import conclude_every_run, conclude_sensor, together
 from .columns import Keep
 from .criteria import Limits
 from .difference import difference
-from .early import EarlyVerdict, figures, look_at, risk_at_the_end
-from .judge import compare_runs, judge, RunResult
+from .figures import figures
+from .judge import compare_runs, conclude_campaign, judge, look_at, RunResult
 from .ledger import Ledger, LedgerSegment
-from .outcome import Outcome
 from .pairing import Pairer
 from .records import Headings, Pairs
 from .rolling import Rolling
 from .run_series import RunSeries
 from .runs import RunCutter
-from .sequential import Look
+from .sequential import Look, LookVerdict, standing
 from .settings import Settings
-from .verdict import Campaign, Verdict
+from .verdict import Verdict
 
 __all__ = ['Compliance', 'Intercomparison', 'join']
 
@@ -60,12 +58,13 @@ class Compliance:
         self.settings = settings
         self._keeper = keeper
         self.newest_ns: int | None = None
+        # Of the newest run: for the rolling window, in which it is the last one at least.
         self._limits = Limits.of(settings.norms, settings.model)
         self._source = source
         self._cutter = RunCutter(settings.runs, table)
         self._run: RunSeries | None = None
         self._run_key: int | None = None
-        self._early: EarlyVerdict | None = None
+        self._looks: list[LookVerdict] = []
         self._finished: list[tuple[RunResult, int]] = []
         self._n_short = 0
         self._rolling = Rolling(settings.window_s)
@@ -90,36 +89,40 @@ class Compliance:
         """Start or stop a run behind the pair of a stamp; see `RunCutter.mark`."""
         if self._cutter.mark(kind, stamp_ns):
             self._finished.clear()
-            self._run = self._run_key = self._early = None
+            self._run = self._run_key = None
+            self._looks = []
         self._end_run_if_cut()
 
     def finish(self) -> None:
         """End the run in progress and judge it."""
         self._end_run()
 
-    def _look(self, run: RunSeries, look: Look) -> None:
-        """Let a look decide on the run in progress, unless an earlier one has."""
-        if self._early is None:
-            self._early = look_at(run, look, self.settings)
+    def _look(self, run: RunSeries, look: Look, looks: int) -> None:
+        """Judge the run in progress; the last look of a plan is the end of the run."""
+        if look.index < looks - 1:
+            self._looks.append(look_at(run, look, looks, self.settings))
 
     @property
-    def early(self) -> EarlyVerdict | None:
-        """What a look has decided on the run in progress; it stands."""
-        return self._early
+    def early(self) -> LookVerdict | None:
+        """What the looks at the run in progress leave standing; None before one decides."""
+        return standing(self._looks)
 
     def _end_run_if_cut(self) -> None:
         if self._run is not None and self._cutter.current != self._run_key:
             self._end_run()
 
     def _end_run(self) -> None:
-        run, early = self._run, self._early
-        self._run = self._run_key = self._early = None
+        run, looks = self._run, self._looks
+        self._run = self._run_key = None
+        self._looks = []
         if run is None or run.start_ns is None:
             return
         if run.end_ns - run.start_ns < round(self.settings.runs.min_duration_s * 1e9):
             self._n_short += 1
             return
-        result = judge(run, self.settings, len(self._finished) + 1, self._source, early)
+        result = judge(run, self.settings, len(self._finished) + 1, self._source,
+                       looks=looks)
+        self._limits = result.limits
         self._finished.append((result, run.cut_ns))
 
     @property
@@ -142,13 +145,15 @@ class Compliance:
                    'n_invalid': run.n_invalid, 'n_stabilization': run.n_stabilization}
         if not len(run):
             return {**result, 'n': 0}
-        limits = Limits.of(self.settings.norms, self.settings.model, run.rs_variance_factor)
+        limits = run.limits(self.settings.norms, self.settings.model)
         return result | figures(run, limits, self.settings)
 
     def rolling_figures(self) -> dict[str, Any]:
         """Return the figures of the rolling window; ``n`` is 0 before the first pair."""
         if self._rolling.start_ns is None:
             return {'n': 0}
+        if self._run is not None and len(self._run):
+            self._limits = self._run.limits(self.settings.norms, self.settings.model)
         return {'start_ns': self._rolling.start_ns, 'newest_ns': self.newest_ns,
                 **figures(self._rolling, self._limits, self.settings)}
 
@@ -166,17 +171,19 @@ class Compliance:
         if not results:
             return []
         if ledger is None:
-            shares = [LedgerSegment(cut_ns, {'paired': r.verdict.n_input,
-                                             'rs_used': r.verdict.n_input})
+            shares = [LedgerSegment(cut_ns, dict.fromkeys(('paired', 'ts_paired', 'rs_used'),
+                                                          r.verdict.n_input))
                       for r, cut_ns in self._finished]
+            inside = shares
         else:
             # The run in progress has its share too; it is not among the results yet.
             in_progress = [] if self._run is None else [self._run.cut_ns]
             shares = ledger.shares([*self.cuts, *in_progress])
+            inside = [ledger.between(cut_ns, r.verdict.end_ns) for r, cut_ns in self._finished]
         short = (f'{self._n_short} pieces shorter than runs.min_duration_s were left out',) \
             if self._n_short else ()
-        return [r.with_pairing(share, short if at == 0 else ())
-                for at, (r, share) in enumerate(zip(results, shares))]
+        return [r.with_pairing(share, within, short if at == 0 else ())
+                for at, (r, share, within) in enumerate(zip(results, shares, inside))]
 
     def verdict(self, ledger: Ledger | None = None,
                 inputs: Iterable[Mapping[str, Any]] = ()) -> Verdict:
@@ -200,19 +207,9 @@ def join(results: Sequence[RunResult], settings: Settings,
     """
     runs = compare_runs(results)
     results = [r.among(at + 1, runs) for at, r in enumerate(results)]
-    risk, limits = risk_at_the_end(settings), [r.limits for r in results]
-    shared = together([r.evidence for r in results], limits, risk, settings.variant)
-    if settings.campaign.rule == 'sensor':
-        met = all(r.printed.total.outcome in (None, Outcome.COMPLIANT) for r in results)
-        outcome, reason = conclude_sensor(shared, limits, met, risk)
-    else:
-        outcome, reason = conclude_every_run(
-            [r.verdict.outcome for r in results],
-            [r.outcome_among(len(results), settings) for r in results])
     verdicts = [r.verdict for r in results]
-    return Verdict.of(verdicts, outcome,
-                      Campaign.of(verdicts, runs, settings.campaign.rule, reason, shared),
-                      settings, tuple(inputs))
+    outcome, coverage, campaign = conclude_campaign(results, runs, settings)
+    return Verdict.of(verdicts, outcome, campaign, coverage, settings, tuple(inputs))
 
 
 class Intercomparison:

@@ -12,24 +12,27 @@ import numpy as np
 
 from .analysed import Analysed, analysed, HIGHEST_ORDER_REMOVED
 from .angles import circular_mean
+from .campaign import conclude_every_run, conclude_sensor, together
 from .cells import Cells
+from .conclusion import conclude, with_findings, with_looks
+from .coverage import Coverage, coverage_of
 from .criteria import Limits
-from .early import conclude, EarlyVerdict, risk_at_the_end
 from .ergodicity import Homogeneity, homogeneity, RunFigures
 from .guarded import decide, Evidence, evidence_of, Guarded
+from .headline import headline
 from .ledger import LedgerSegment
 from .noise import correlation_times
 from .outcome import Outcome
 from .printed import as_printed, Printed
-from .run_diagnostics import diagnose, with_runs
+from .run_blocks import drift_of
+from .run_diagnostics import diagnose, SETTLED_SHARE, with_runs
 from .run_series import RunSeries
-from .settings import Settings
-from .verdict import PairingFigures, RunVerdict
+from .sequential import Look, LookVerdict, risk_at_the_end
+from .settings import Risk, Settings
+from .validity import examine, Examined, Finding, losses, VOID, worst_effect
+from .verdict import Campaign, PairingFigures, RunVerdict
 
-__all__ = ['compare_runs', 'judge', 'RunResult']
-
-CONSTANT_DEG = 1e-9
-"""Peak-to-peak difference up to which two sensors are taken for a frozen pair, degrees."""
+__all__ = ['compare_runs', 'conclude_campaign', 'judge', 'look_at', 'RunResult']
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,13 +43,33 @@ class RunResult:
     evidence: Evidence
     limits: Limits
     printed: Printed
+    alone: tuple[Outcome, str]
+    settings: Settings
 
-    def with_pairing(self, share: LedgerSegment, warnings: Sequence[str] = ()) -> 'RunResult':
-        """Return the result with its share of the pairing ledger."""
+    def with_pairing(self, share: LedgerSegment, inside: LedgerSegment,
+                     warnings: Sequence[str] = ()) -> 'RunResult':
+        """
+        Return the result with its share of the pairing ledger, and what that leaves of it.
+
+        Parameters
+        ----------
+        share : LedgerSegment
+            Of the whole ledger, for every reading belongs to a run.
+        inside : LedgerSegment
+            Of that, what lies between the first and the last pair of the run.
+        warnings : sequence of str
+            To be added.
+
+        """
         old = self.verdict.pairing
-        pairing = PairingFigures.of(share, old.mean_lag_s, old.max_lag_s, old.rs_variance_factor)
-        return replace(self, verdict=replace(
-            self.verdict, pairing=pairing, warnings=(*self.verdict.warnings, *warnings)))
+        pairing = PairingFigures.of(share, old.mean_lag_s, old.max_lag_s,
+                                    old.rs_variance_factor, old.ts_variance_factor)
+        verdict = replace(self.verdict, pairing=pairing,
+                          warnings=(*self.verdict.warnings, *warnings))
+        lost = losses(_lost_shares(verdict, inside, self.settings), self.settings)
+        return replace(self, verdict=_concluded(
+            verdict, self.alone, (*(f for f in verdict.validity if f.condition != 'losses'),
+                                  lost)))
 
     def among(self, run: int, runs: Homogeneity) -> 'RunResult':
         """Return the result with its number among the runs, and what they say of each other."""
@@ -62,10 +85,71 @@ class RunResult:
         return conclude(decide(self.evidence, self.limits, shared), self.printed)[0]
 
 
-def judge(run: RunSeries, settings: Settings, number: int, source: str,
-          early: EarlyVerdict | None = None) -> RunResult:
+def _concluded(verdict: RunVerdict, alone: tuple[Outcome, str],
+               findings: Sequence[Finding]) -> RunVerdict:
+    """Return a verdict as findings and looks leave it."""
+    outcome, reason = with_looks(*with_findings(*alone, findings), verdict.looks)
+    return replace(verdict, outcome=outcome, reason=reason, validity=tuple(findings),
+                   validity_effect=worst_effect(findings),
+                   headline=headline(outcome, findings, verdict.coverage))
+
+
+def _lost_shares(verdict: RunVerdict, inside: LedgerSegment,
+                 settings: Settings) -> list[tuple[str, float]]:
+    """Return what a run could not use, in words, and its share of the readings in the run."""
+    counts, stamps = inside.counts, verdict.correlation.stamps
+    shares = []
+    if stamps.typical_s and verdict.n > 1:
+        expected = verdict.coverage.span_s / stamps.typical_s
+        shares.append(('lost', max(0.0, 1.0 - (verdict.n - 1) / expected)))
+    for stream in ('ts', 'rs'):
+        if received := inside.received(stream):
+            rejected = sum(n for key, n in counts.items()
+                           if key.startswith(f'{stream}_rejected.'))
+            shares.append((f'of the {stream.upper()} rejected', rejected / received))
+    unpaired = {stream: counts.get(key, 0) / inside.received(stream)
+                for stream, key in (('ts', 'ts_unpaired'), ('rs', 'rs_unused'))
+                if inside.received(stream)}
+    if unpaired:
+        # Of a sensor that is interpolated, most readings may lie between two stamps of the other.
+        other = {'rs': 'ts', 'ts': 'rs'}.get(
+            verdict.pairing.interpolated(settings.pairing.method))
+        shares.append(('without partner', unpaired.get(other, min(unpaired.values()))))
+    return shares
+
+
+class _Decision:
+    """The rule of one run, applied to its differences and to variations of them."""
+
+    def __init__(self, limits: Limits, settings: Settings, risk: Risk) -> None:
+        self._limits, self._settings, self._risk = limits, settings, risk
+
+    def __call__(self, data: Analysed, cells: Cells,
+                 drift_left_deg2: float) -> tuple[Evidence, Guarded, Printed]:
+        """Return what the differences say, the guarded decision, and GK as printed."""
+        settings = self._settings
+        printed = _printed(data, self._limits, settings)
+        auto = settings.drift_order == 'auto'
+        evidence = evidence_of(
+            cells, n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
+            span_s=data.span_s, offset_u_deg=settings.installation_offset_u_deg,
+            order=HIGHEST_ORDER_REMOVED if auto else data.order,
+            mean_deg=data.moments.mean_deg if data.moments.n else None,
+            drift_left_deg2=drift_left_deg2)
+        return evidence, decide(evidence, self._limits, self._risk), printed
+
+    def outcome(self, stamp_ns: np.ndarray, x_deg: np.ndarray,
+                drift_left_deg2: float) -> Outcome:
+        """Return the outcome of other differences."""
+        data = Analysed.of(stamp_ns, x_deg, np.zeros_like(x_deg), self._settings)
+        _, guarded, printed = self(data, Cells.of(data.series_deg, stamp_ns), drift_left_deg2)
+        return conclude(guarded, printed)[0]
+
+
+def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
+          risk: Risk | None = None, looks: Sequence[LookVerdict] = ()) -> RunResult:
     """
-    Judge a run that has ended.
+    Judge a run as it is.
 
     Parameters
     ----------
@@ -77,8 +161,10 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str,
         Of the run, from 1.
     source : str
         Name of the input.
-    early : EarlyVerdict, optional
-        What a look has decided already; it stands.
+    risk : Risk, optional
+        Share of the risks that this judgement may take; default that of the end of a run.
+    looks : sequence of LookVerdict
+        What looks said before.
 
     Returns
     -------
@@ -87,37 +173,40 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str,
     Notes
     -----
     With a plan of looks the end of the run is the last look and takes its share, so that all
-    looks together keep to the risks.
+    looks together keep to the risks. A look judges just as the end does.
 
     References
     ----------
     GK (4)-(7); ``docs/verdict.md`` for the guarded decision.
 
     """
-    factor = run.rs_variance_factor
-    limits = Limits.of(settings.norms, settings.model, 1.0 if factor is None else factor)
+    risk = risk_at_the_end(settings) if risk is None else risk
+    limits = run.limits(settings.norms, settings.model)
     data = analysed(run, limits, settings)
     moments = data.moments
     n = moments.n
-    printed = _printed(data, limits, settings)
-    series = data.x_deg if data.residual_deg is None else data.residual_deg
+    drift, rest_deg = drift_of(data.stamp_ns, data.x_deg, SETTLED_SHARE * limits.sigma_max_deg)
+    left = drift.left_deg2 if data.residual_deg is None and drift.left_deg2 is not None else 0.0
     # Live figures come from the same sums, so they are the same to the bit.
     as_it_came = data.residual_deg is None and not data.n_left_out
-    evidence = evidence_of(
-        run.cells() if as_it_came else Cells.of(series, data.stamp_ns),
-        n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
-        span_s=data.span_s, offset_u_deg=settings.installation_offset_u_deg,
-        order=HIGHEST_ORDER_REMOVED if settings.drift_order == 'auto' else data.order,
-        mean_deg=moments.mean_deg if n else None)
-    guarded = decide(evidence, limits, risk_at_the_end(settings))
-    outcome, reason = (early.outcome, early.reason) if early else conclude(guarded, printed)
+    cells = run.cells() if as_it_came else Cells.of(data.series_deg, data.stamp_ns)
+    decision = _Decision(limits, settings, risk)
+    evidence, guarded, printed = decision(data, cells, left)
+    outcome, reason = conclude(guarded, printed)
     found = diagnose(data.stamp_ns, data.x_deg, data.rs_deg, settings, guarded, limits,
-                     residual_deg=data.residual_deg, times=correlation_times(series))
+                     drift=drift, rest_deg=rest_deg, residual_deg=data.residual_deg,
+                     times=correlation_times(data.series_deg))
+    validity = examine(Examined(
+        data, found, limits, settings, outcome,
+        lambda stamp_ns, x_deg: decision.outcome(stamp_ns, x_deg, left),
+        guarded.lower_bound_deg2))
+    coverage = coverage_of(data.span_s, risk)
     direction, length = circular_mean(data.x_deg) if n else (None, None)
     verdict = RunVerdict(
         run=number, source=source, start_ns=run.start_ns, end_ns=run.end_ns,
         duration_s=(run.end_ns - run.start_ns) / 1e9,
-        pairing=PairingFigures.of(LedgerSegment(None), run.mean_lag_s, run.max_lag_s, factor),
+        pairing=PairingFigures.of(LedgerSegment(None), run.mean_lag_s, run.max_lag_s,
+                                  run.rs_variance_factor, run.ts_variance_factor),
         n_input=run.n_input, n_invalid=run.n_invalid,
         n_stabilization=run.n_stabilization + data.n_left_out, n=n,
         mean_deg=moments.mean_deg if n else None,
@@ -129,14 +218,40 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str,
         drift_coefficients_deg=data.coefficients_deg, variance_deg2=data.variance_deg2,
         std_deg=None if data.variance_deg2 is None else math.sqrt(data.variance_deg2),
         variance_criterion=printed.variance, count_criterion=printed.counts,
-        total_error=printed.total, outcome=outcome, reason=reason,
+        total_error=printed.total, outcome=outcome, reason=reason, headline='',
+        validity=(), validity_effect='', coverage=coverage,
+        looks=tuple(looks),
         paper_outcome=printed.outcome, guarded=guarded, skew=found.skew, drift=found.drift,
         heading_dependence=found.heading_dependence, normality=found.normality,
         stationarity=found.stationarity, correlation=found.correlation, allan=found.allan,
         assumptions=found.assumptions,
-        warnings=(*([str(early)] if early else ()),
-                  *_warnings(data, limits, guarded, settings), *found.warnings))
-    return RunResult(verdict, evidence, limits, printed)
+        warnings=(*_warnings(data, limits, guarded, settings), *found.warnings))
+    alone = outcome, reason
+    return RunResult(_concluded(verdict, alone, validity), evidence, limits, printed, alone,
+                     settings)
+
+
+def look_at(run: RunSeries, look: Look, looks: int, settings: Settings) -> LookVerdict:
+    """
+    Judge a run in progress at a look of the plan, just as its end would be judged.
+
+    Parameters
+    ----------
+    run : RunSeries
+        Holding the differences up to the look.
+    look : Look
+        With its share of the risks.
+    looks : int
+        How many the plan has.
+    settings : Settings
+
+    Notes
+    -----
+    Only the ledger is not known yet: what is lost on the way to the pairs counts at the end.
+
+    """
+    found = judge(run, settings, 0, '', risk=look.risk).verdict
+    return LookVerdict(look.index + 1, looks, run.span_s, found.outcome, found.reason)
 
 
 def _printed(data: Analysed, limits: Limits, settings: Settings) -> Printed:
@@ -148,15 +263,11 @@ def _printed(data: Analysed, limits: Limits, settings: Settings) -> Printed:
 
 def _warnings(data: Analysed, limits: Limits, guarded: Guarded,
               settings: Settings) -> Iterator[str]:
-    moments = data.moments
     if settings.norms.preset is not None:
         yield (f'sigma_max = {limits.sigma_max_deg:.6g} deg follows from the norm '
                f'{settings.norms.preset}')
     if data.order:
         yield f'drift_removed: a polynomial of order {data.order} is taken out of the differences'
-    if moments.n > 1 and moments.max_deg - moments.min_deg <= CONSTANT_DEG:
-        yield ('constant_difference: the two sensors never differ by more or less: is one of '
-               'them frozen, or a copy of the other?')
     reference_deg2 = (limits.m_low * limits.sigma_ref_max_deg) ** 2
     if data.variance_deg2 is not None and data.variance_deg2 < reference_deg2:
         yield ('difference_variance_below_reference_variance: the norm of the RS is too large, '
@@ -172,3 +283,42 @@ def compare_runs(results: Sequence[RunResult]) -> Homogeneity:
         RunFigures(r.verdict.mean_deg, r.evidence.spread.mean_variance_deg2,
                    r.evidence.spread.d_deg2, r.evidence.spread.nu)
         for r in results if r.evidence.spread is not None])
+
+
+def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
+                      settings: Settings) -> tuple[Outcome, Coverage | None, Campaign]:
+    """
+    Return what the runs say together: outcome, what it covers, and the figures.
+
+    Notes
+    -----
+    A void run says nothing, so it is not among those that share a variance, and without it
+    the campaign is open, unless the others reject.
+
+    """
+    risk = risk_at_the_end(settings)
+    sound = [r for r in results if r.verdict.validity_effect != VOID]
+    shared = together([r.evidence for r in sound], [r.limits for r in sound], risk,
+                      settings.variant, _apart_s([r.verdict for r in sound]))
+    if settings.campaign.rule == 'sensor':
+        met = all(r.printed.total.outcome in (None, Outcome.COMPLIANT) for r in results)
+        outcome, reason = conclude_sensor(shared, [r.limits for r in results], met, risk)
+        coverage = None if shared is None else coverage_of(
+            shared.span_s, risk, by_run_means=shared.between_upper_bound_deg2 is not None)
+    else:
+        outcome, reason = conclude_every_run(
+            [r.verdict.outcome for r in results],
+            [r.outcome_among(len(results), settings) for r in results])
+        spans = [r.evidence.span_s for r in results]
+        coverage = coverage_of(min(spans), risk) if spans else None
+    if len(sound) < len(results) and outcome is not Outcome.NON_COMPLIANT:
+        outcome, reason = Outcome.INDETERMINATE, 'a_run_void'
+    verdicts = [r.verdict for r in results]
+    return outcome, coverage, Campaign.of(verdicts, runs, settings.campaign.rule, reason, shared)
+
+
+def _apart_s(runs: Sequence[RunVerdict]) -> float:
+    """Return the shortest time from the end of a run to the start of the next, seconds."""
+    spans = sorted((run.start_ns, run.end_ns) for run in runs)
+    return min((after[0] - before[1] for before, after in zip(spans, spans[1:])),
+               default=math.inf) / 1e9

@@ -35,8 +35,10 @@ class LedgerSegment:
     start_ns : int or None
         First stamp of the segment; None for the first segment, which has no beginning.
     counts : dict of str to int
-        Keys ``paired``, ``ts_unpaired``, ``ts_pending``, ``rs_used``, ``rs_unused``,
-        ``rs_pending``, ``ts_rejected.<reason>``, ``rs_rejected.<reason>``; an absent key is 0.
+        ``paired`` counts pairs. Readings: ``ts_paired`` (in a pair as they are), ``ts_used`` (only
+        to interpolate between), ``ts_unpaired``, ``ts_pending``; ``rs_used`` (in a pair, or to
+        interpolate between), ``rs_unused``, ``rs_pending``; ``ts_rejected.<reason>``,
+        ``rs_rejected.<reason>``. An absent key is 0.
 
     """
 
@@ -45,9 +47,7 @@ class LedgerSegment:
 
     def received(self, stream: str) -> int:
         """Return how many readings of ``'ts'`` or ``'rs'`` the segment accounts for."""
-        taken = {'ts': 'paired', 'rs': 'rs_used'}[stream]
-        return sum(n for key, n in self.counts.items()
-                   if key == taken or (key.startswith(stream + '_') and key != taken))
+        return sum(n for key, n in self.counts.items() if key.startswith(f'{stream}_'))
 
 
 class Ledger:
@@ -150,6 +150,15 @@ class Ledger:
         """Return received minus accounted for, per stream; anything but 0 is a defect."""
         total = self.total
         return {s: self._received[s] - total.received(s) for s in ('ts', 'rs')}
+
+    def between(self, start_ns: int, end_ns: int) -> LedgerSegment:
+        """Return the counts of the segments that start within two stamps, both included."""
+        counts = Counter()
+        for segment in self.segments:
+            if segment.start_ns is not None and start_ns <= segment.start_ns <= end_ns:
+                counts.update({key: n for key, n in segment.counts.items()
+                               if not key.endswith('_pending')})
+        return LedgerSegment(start_ns, dict(counts))
 
     def shares(self, start_ns: ArrayLike) -> list[LedgerSegment]:
         """

@@ -106,7 +106,7 @@ class CorrelationTimes:
 
     @property
     def effective_size(self) -> float:
-        """Independent normal samples that would give an equally good variance, G.6."""
+        """Independent normal samples that would give an equally good variance, E.20."""
         return self.n / max(self.tau_2, 1.0)
 
 
@@ -134,7 +134,7 @@ def _windowed(x: ArrayLike, last: Callable[[int], int],
 
 def correlation_times(x: ArrayLike) -> CorrelationTimes:
     """
-    Return correlation times with the wide window of the guarded decision.
+    Return correlation times with the wide window, as wide as the variance asks for.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def correlation_times(x: ArrayLike) -> CorrelationTimes:
     References
     ----------
     Sokal 1997 with a window twice as wide, for a narrow one misses a slow component beneath
-    white noise; G.6 of ``docs/risk.md``.
+    white noise; E.20 of ``docs/diagnostics.md``.
 
     """
     return _windowed(
@@ -174,7 +174,7 @@ def effective_size(x: ArrayLike) -> float:
 
     References
     ----------
-    Bayley & Hammersley 1946; G.6 of ``docs/risk.md``.
+    Bayley & Hammersley 1946; E.20 of ``docs/diagnostics.md``.
 
     """
     return correlation_times(x).effective_size

@@ -12,89 +12,13 @@ from __future__ import annotations
 import numpy as np
 
 from .angles import wrap180, wrap360
+from .direction import Direction
 from .ledger import Ledger
 from .records import Headings, Pairs
 from .settings import Settings
+from .stream import BRACKET, NEVER, PAIRED, Stream
 
-__all__ = ['pair', 'Pairer', 'rising']
-
-_NEVER = np.iinfo(np.int64).min
-
-
-def rising(stamp_ns: np.ndarray, newest_ns: int | None = None) -> np.ndarray:
-    """
-    Tell which stamps are above all before them; the others are to be rejected.
-
-    Parameters
-    ----------
-    stamp_ns : ndarray of int64, shape (n,)
-        Stamps in the order in which they came, nanoseconds.
-    newest_ns : int, optional
-        Largest stamp accepted before.
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-
-    Examples
-    --------
-    >>> rising(np.array([3, 3, 2, 4]), 1).tolist()
-    [True, False, False, True]
-
-    """
-    before = np.concatenate(([_NEVER if newest_ns is None else newest_ns], stamp_ns[:-1]))
-    return stamp_ns > np.maximum.accumulate(before)[:len(stamp_ns)]
-
-
-class _Stream:
-    """The accepted readings of one sensor that may still be needed, and when they came."""
-
-    def __init__(self, name: str, shift_ns: int, ledger: Ledger) -> None:
-        self.name = name
-        self.shift_ns = shift_ns
-        self.ledger = ledger
-        self.last_ns = _NEVER
-        self.stamp_ns = np.empty(0, np.int64)
-        self.heading_deg = np.empty(0)
-        self.came_s = np.empty(0)
-        self.used = np.empty(0, bool)
-
-    def take(self, headings: Headings, now_s: float) -> None:
-        """Reject what cannot be used, keep the rest."""
-        stamp = headings.stamp_ns
-        heading = headings.heading_deg
-        self.ledger.receive(self.name, stamp)
-        good = self._reject('no_stamp', stamp > 0, stamp)
-        good = self._reject('invalid', np.isfinite(heading), stamp, good)
-        good = self._reject('out_of_range', (heading >= 0.0) & (heading <= 360.0), stamp, good)
-        stamp, heading = stamp[good] - self.shift_ns, heading[good]
-        if stamp.size:
-            rises = rising(stamp, self.last_ns)
-            if not rises.all():
-                self.ledger.add(f'{self.name}_rejected.stamp_not_increasing', stamp[~rises])
-                stamp, heading = stamp[rises], heading[rises]
-        if stamp.size:
-            self.last_ns = int(stamp[-1])
-            self.stamp_ns = np.concatenate((self.stamp_ns, stamp))
-            self.heading_deg = np.concatenate((self.heading_deg, wrap360(heading)))
-            self.came_s = np.concatenate((self.came_s, np.full(stamp.shape, now_s)))
-            self.used = np.concatenate((self.used, np.zeros(stamp.shape, bool)))
-
-    def _reject(self, reason: str, passes: np.ndarray, stamp: np.ndarray,
-                among: np.ndarray | None = None) -> np.ndarray:
-        fails = ~passes if among is None else among & ~passes
-        if fails.any():
-            self.ledger.add(f'{self.name}_rejected.{reason}', stamp[fails] - self.shift_ns)
-        return passes if among is None else among & passes
-
-    def release(self, n: int) -> tuple[np.ndarray, np.ndarray]:
-        """Drop the n oldest readings; return their stamps and whether they were used."""
-        released = self.stamp_ns[:n], self.used[:n]
-        self.stamp_ns = self.stamp_ns[n:]
-        self.heading_deg = self.heading_deg[n:]
-        self.came_s = self.came_s[n:]
-        self.used = self.used[n:]
-        return released
+__all__ = ['pair', 'Pairer']
 
 
 class Pairer:
@@ -105,7 +29,7 @@ class Pairer:
     ----------
     settings : Settings
         `pairing`, `alignment.skew_s` (subtracted from the TS stamps) and `runs.gap_s` (where the
-        ledger opens a segment) are used.
+        ledger opens a segment, and 'auto' chooses again) are used.
 
     Attributes
     ----------
@@ -117,6 +41,9 @@ class Pairer:
     ``interpolate``: the RS heading is interpolated linearly on the circle between the two RS
     readings around the TS stamp, at most `pairing.max_gap_s` apart and never beyond the first
     or last one; a TS stamp that meets an RS stamp takes that reading whatever the gap.
+    ``interpolate_ts``: the same with TS and RS exchanged, so the pairs have the stamps of the RS.
+    ``auto``: one of these for each stretch of the streams, see `direction.Direction`; until it
+    is chosen the readings wait, and count as pending.
     ``nearest``: a TS and an RS reading pair if each is the nearest to the other (ties go to the
     earlier one) and they are at most `pairing.tolerance_s` apart.
 
@@ -127,15 +54,19 @@ class Pairer:
     def __init__(self, settings: Settings) -> None:
         rule = settings.pairing
         self.ledger = Ledger()
-        self._match = {'interpolate': self._interpolate, 'nearest': self._nearest}[rule.method]
+        self._method = rule.method
         self._max_gap_ns = round(rule.max_gap_s * 1e9)
         self._tolerance_ns = round(rule.tolerance_s * 1e9)
         self._max_wait_s = rule.max_wait_s
         self._max_wait_ns = round(rule.max_wait_s * 1e9)
         self._run_gap_ns = round(settings.runs.gap_s * 1e9)
-        self._ts = _Stream('ts', round(settings.alignment.skew_s * 1e9), self.ledger)
-        self._rs = _Stream('rs', 0, self.ledger)
-        self._last_settled_ns = _NEVER
+        self._ts = Stream('ts', round(settings.alignment.skew_s * 1e9), self.ledger)
+        self._rs = Stream('rs', 0, self.ledger)
+        self._direction = Direction(rule, self._run_gap_ns) if rule.method == 'auto' else None
+        self._at, self._of = self._ts, self._rs
+        if rule.method == 'interpolate_ts':
+            self._at, self._of = self._rs, self._ts
+        self._last_settled_ns = NEVER
         self._last_pair_ns: int | None = None
 
     def update(self, ts: Headings | None = None, rs: Headings | None = None,
@@ -160,11 +91,12 @@ class Pairer:
 
         """
         came_s = np.nan if now_s is None else now_s
-        if ts is not None and len(ts):
-            self._ts.take(ts, came_s)
-        if rs is not None and len(rs):
-            self._rs.take(rs, came_s)
-        pairs = self._settle(*self._match(end=False))
+        for stream, headings in ((self._ts, ts), (self._rs, rs)):
+            if headings is not None and len(headings):
+                stamp_ns = stream.take(headings, came_s)
+                if self._direction and len(stamp_ns):
+                    self._direction.note(stream.name, stamp_ns)
+        pairs = self._pair(end=False)
         if now_s is not None:
             self._expire(now_s - self._max_wait_s)
         self._forget()
@@ -172,33 +104,70 @@ class Pairer:
 
     def flush(self) -> Pairs:
         """End both streams: decide all that waits and return the last pairs."""
-        pairs = self._settle(*self._match(end=True))
-        self._release_rs(len(self._rs.stamp_ns))
+        pairs = self._pair(end=True)
+        for stream in (self._ts, self._rs):
+            stream.release(len(stream))
         self._forget()
         return pairs
 
+    def _pair(self, end: bool) -> Pairs:
+        """Return the pairs that are decided, one stretch after the other."""
+        if self._method == 'nearest':
+            return self._settle(*self._nearest(end))
+        found = []
+        while self._chosen(end):
+            found.append(self._settle(*self._interpolate(end)))
+            limit_ns = self._direction.limit_ns if self._direction else None
+            if limit_ns is None or not (end or self._direction.heard(limit_ns)):
+                break
+            self._direction.leave()
+        return Pairs.concatenate(found)
+
+    def _chosen(self, end: bool) -> bool:
+        """Tell whether it is known which sensor is interpolated; choose it if it can be."""
+        choice = self._direction
+        if choice is None or choice.interpolates_ts is not None:
+            return True
+        if not choice.choose(end):
+            return False
+        at, of = (self._rs, self._ts) if choice.interpolates_ts else (self._ts, self._rs)
+        if at is not self._at:
+            self._at, self._of = at, of
+            if self._last_settled_ns != NEVER:
+                # Both sensors give up what they had before: no bracket reaches over the change.
+                for stream in (at, of):
+                    stream.release(int(np.searchsorted(stream.stamp_ns, choice.start_ns)))
+        return True
+
     def _interpolate(self, end: bool) -> tuple[int, np.ndarray, Pairs]:
-        """Return how many TS readings are decided, which of them pair, and the pairs."""
-        ts, rs = self._ts, self._rs
-        n = len(rs.stamp_ns)
-        if n == 0:
-            return (len(ts.stamp_ns) if end else 0), np.empty(0, np.int64), Pairs.empty()
-        ready = int(np.searchsorted(ts.stamp_ns, rs.stamp_ns[-1], side='right'))
-        t = ts.stamp_ns[:ready]
-        left = np.searchsorted(rs.stamp_ns, t, side='right') - 1
+        """Return how many readings are decided, which of them pair, and the pairs."""
+        at, of = self._at, self._of
+        ready, n = len(at), len(of)
+        if self._direction and self._direction.limit_ns is not None:
+            ready = int(np.searchsorted(at.stamp_ns, self._direction.limit_ns))
+        if not end:
+            ready = min(ready, int(np.searchsorted(at.stamp_ns, of.last_ns, side='right')))
+        if ready == 0 or n == 0:
+            return ready, np.empty(0, np.int64), Pairs.empty()
+        t = at.stamp_ns[:ready]
+        left = np.searchsorted(of.stamp_ns, t, side='right') - 1
         right = np.minimum(left + 1, n - 1)
-        gap = rs.stamp_ns[right] - rs.stamp_ns[left]
-        node = rs.stamp_ns[left] == t
-        which = np.flatnonzero((left >= 0) & (node | (gap <= self._max_gap_ns)))
+        gap = of.stamp_ns[right] - of.stamp_ns[left]
+        node = of.stamp_ns[left] == t
+        bridged = (right > left) & (gap <= self._max_gap_ns) & ~of.broken[right]
+        which = np.flatnonzero((left >= 0) & (node | bridged))
         left, right, gap, node, t = left[which], right[which], gap[which], node[which], t[which]
-        w = np.where(node, 0.0, (t - rs.stamp_ns[left]) / np.where(gap > 0, gap, 1))
-        step = wrap180(rs.heading_deg[right] - rs.heading_deg[left])
-        rs_deg = wrap360(rs.heading_deg[left] + w * step)
-        rs.used[left] = True
-        rs.used[right[~node]] = True
-        pairs = Pairs(t, ts.heading_deg[which], rs_deg, np.zeros(t.shape, np.int64),
-                      (1.0 - w) ** 2 + w ** 2)
-        return (len(ts.stamp_ns) if end else ready), which, pairs
+        w = np.where(node, 0.0, (t - of.stamp_ns[left]) / np.where(gap > 0, gap, 1))
+        step = wrap180(of.heading_deg[right] - of.heading_deg[left])
+        of_deg = wrap360(of.heading_deg[left] + w * step)
+        for ends in (left[~node], right[~node]):
+            of.role[ends] = np.maximum(of.role[ends], BRACKET)
+        of.role[left[node]] = PAIRED
+        at_deg, lag_ns = at.heading_deg[which], np.zeros(t.shape, np.int64)
+        factor, one = (1.0 - w) ** 2 + w ** 2, np.ones(t.shape)
+        if at is self._ts:
+            return ready, which, Pairs(t, at_deg, of_deg, lag_ns, factor, one)
+        return ready, which, Pairs(t, of_deg, at_deg, lag_ns, one, factor)
 
     def _nearest(self, end: bool) -> tuple[int, np.ndarray, Pairs]:
         """Return how many TS readings are decided, which of them pair, and the pairs."""
@@ -208,7 +177,7 @@ class Pairer:
             return (len(t) if end else 0), np.empty(0, np.int64), Pairs.empty()
         partner, closed = _nearest_index(r, t)
         rivals = np.concatenate(([self._last_settled_ns], t)) \
-            if self._last_settled_ns != _NEVER else t
+            if self._last_settled_ns != NEVER else t
         offset = len(rivals) - len(t)
         wanted, heard = _nearest_index(rivals, r[partner])
         decided = closed & heard
@@ -216,20 +185,17 @@ class Pairer:
         lag = r[partner] - t
         good = (wanted == np.arange(len(t)) + offset) & (np.abs(lag) <= self._tolerance_ns)
         which = np.flatnonzero(good[:ready])
-        rs.used[partner[which]] = True
+        rs.role[partner[which]] = PAIRED
         pairs = Pairs.of(t[which], ts.heading_deg[which], rs.heading_deg[partner[which]],
                          lag[which])
         return ready, which, pairs
 
     def _settle(self, ready: int, which: np.ndarray, pairs: Pairs) -> Pairs:
-        """Book the decided TS readings and cut the ledger where the pairs fall silent."""
+        """Book the decided readings and cut the ledger where the pairs fall silent."""
         if ready == 0:
             return pairs
-        stamps, _ = self._ts.release(ready)
-        self._last_settled_ns = int(stamps[-1])
-        unpaired = np.ones(ready, bool)
-        unpaired[which] = False
-        self.ledger.add('ts_unpaired', stamps[unpaired])
+        self._at.role[which] = PAIRED
+        self._last_settled_ns = int(self._at.release(ready)[-1])
         if len(pairs):
             self.ledger.add('paired', pairs.stamp_ns)
             before = pairs.stamp_ns[0] if self._last_pair_ns is None else self._last_pair_ns
@@ -242,34 +208,36 @@ class Pairer:
     def _expire(self, before_s: float) -> None:
         """Give up readings that came before a time of the steady clock, and are old by stamp."""
         before_ns = max(self._ts.last_ns, self._rs.last_ns) - self._max_wait_ns
-        late = int(np.count_nonzero((self._ts.came_s < before_s)
-                                    & (self._ts.stamp_ns <= before_ns)))
-        if late:
-            stamps, _ = self._ts.release(late)
-            self._last_settled_ns = int(stamps[-1])
-            self.ledger.add('ts_unpaired', stamps)
-        rs = self._rs
-        late = np.flatnonzero((rs.came_s < before_s) & (rs.stamp_ns > self._ts.last_ns)
-                              & (rs.stamp_ns <= before_ns))
-        if late.size:
-            # All up to the last one go: a bracket must never reach over a dropped reading.
-            self._release_rs(int(late[-1]) + 1)
+        is_open = self._direction is not None and self._direction.interpolates_ts is None
+        for stream, other in ((self._ts, self._rs), (self._rs, self._ts)):
+            late = (stream.came_s < before_s) & (stream.stamp_ns <= before_ns)
+            if self._method != 'nearest' or stream is self._rs:
+                # What the other sensor has come up to waits for nothing but a choice, and with it
+                # the reading that ends the last bracket.
+                come = int(np.searchsorted(stream.stamp_ns, other.last_ns, side='right'))
+                late[:come + 1 if is_open and come else come] = False
+            late = np.flatnonzero(late)
+            if late.size:
+                if self._direction:
+                    self._direction.forget()
+                first = int(late[0]) == 0
+                stamps = stream.give_up(late)
+                if stream is self._at and first:
+                    self._last_settled_ns = int(stamps[-1])
 
     def _forget(self) -> None:
-        """Release the RS readings that no present or future TS reading can need."""
-        ts, rs = self._ts, self._rs
-        oldest = int(ts.stamp_ns[0]) if len(ts.stamp_ns) else ts.last_ns
-        self._release_rs(int(np.searchsorted(rs.stamp_ns, oldest, side='right')) - 1)
-        self.ledger.pending('ts', len(ts.stamp_ns))
-        self.ledger.pending('rs', len(rs.stamp_ns))
-        if self._last_settled_ns != _NEVER:
+        """Release the readings that can only be brackets, and of none that may still come."""
+        at, of = self._at, self._of
+        if self._direction is None or self._direction.interpolates_ts is not None:
+            oldest = int(at.stamp_ns[0]) if len(at) else at.last_ns
+            limit_ns = self._direction.limit_ns if self._direction else None
+            if limit_ns is not None:
+                oldest = min(oldest, limit_ns)
+            of.release(max(0, int(np.searchsorted(of.stamp_ns, oldest, side='right')) - 1))
+        self.ledger.pending('ts', len(self._ts))
+        self.ledger.pending('rs', len(self._rs))
+        if self._last_settled_ns != NEVER:
             self.ledger.settle(self._last_settled_ns)
-
-    def _release_rs(self, n: int) -> None:
-        if n > 0:
-            stamps, used = self._rs.release(n)
-            self.ledger.add('rs_used', stamps[used])
-            self.ledger.add('rs_unused', stamps[~used])
 
 
 def _nearest_index(among_ns: np.ndarray, of_ns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

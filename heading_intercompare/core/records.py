@@ -108,14 +108,14 @@ class Pairs(_Columns):
     Attributes
     ----------
     stamp_ns : ndarray of int64, shape (n,)
-        Stamps of the TS samples, nanoseconds.
+        Stamps of the TS readings, nanoseconds; of the RS readings where the TS is interpolated.
     ts_deg, rs_deg : ndarray of float64, shape (n,)
         Headings, degrees.
     lag_ns : ndarray of int64, shape (n,)
-        RS stamp - TS stamp, nanoseconds; 0 when the RS is interpolated.
-    rs_variance_factor : ndarray of float64, shape (n,)
-        Factor by which interpolation has shrunk the white noise of the RS, (1-w)^2 + w^2;
-        1 when it is not interpolated.
+        RS stamp - TS stamp, nanoseconds; 0 where one of them is interpolated.
+    rs_variance_factor, ts_variance_factor : ndarray of float64, shape (n,)
+        Factor by which interpolation has shrunk the white noise of the RS, and of the TS,
+        (1-w)^2 + w^2; 1 where it is not interpolated.
 
     """
 
@@ -124,17 +124,18 @@ class Pairs(_Columns):
     rs_deg: np.ndarray
     lag_ns: np.ndarray
     rs_variance_factor: np.ndarray
+    ts_variance_factor: np.ndarray
 
     @classmethod
     def of(cls, stamp_ns: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike,
-           lag_ns: ArrayLike | None = None,
-           rs_variance_factor: ArrayLike | None = None) -> 'Pairs':
+           lag_ns: ArrayLike | None = None, rs_variance_factor: ArrayLike | None = None,
+           ts_variance_factor: ArrayLike | None = None) -> 'Pairs':
         """Return the chunk of these columns; lags default to 0 and factors to 1."""
         stamps = _stamps(stamp_ns)
         lag = np.zeros(stamps.shape, np.int64) if lag_ns is None else _stamps(lag_ns)
-        factor = (np.ones(stamps.shape) if rs_variance_factor is None
-                  else _reals(rs_variance_factor))
-        return cls(stamps, _reals(ts_deg), _reals(rs_deg), lag, factor)
+        factors = (np.ones(stamps.shape) if factor is None else _reals(factor)
+                   for factor in (rs_variance_factor, ts_variance_factor))
+        return cls(stamps, _reals(ts_deg), _reals(rs_deg), lag, *factors)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -145,7 +146,7 @@ class Differences(_Columns):
     Attributes
     ----------
     stamp_ns : ndarray of int64, shape (n,)
-        Stamps of the TS samples, nanoseconds.
+        Stamps of the pairs, nanoseconds.
     x_deg : ndarray of float64, shape (n,)
         Wrapped differences with the installation offset removed, degrees. GK (1).
 

@@ -12,7 +12,7 @@ import numpy as np
 from .alignment import Skew
 from .criteria import Limits, variance_criterion
 from .detectors import StampSteps
-from .drift import Order, remove_polynomial, select_order, Slope, slope
+from .drift import drift_left_deg2, Order, remove_polynomial, select_order, Slope, slope
 from .noise import allan_deviation, autocorrelation, CorrelationTimes
 from .outcome import Outcome
 from .reference_noise import ReferenceNoise
@@ -59,6 +59,9 @@ class Drift:
         The order that the differences call for, whatever order was removed.
     coefficients_deg : tuple of float or None
         Legendre coefficients of that order.
+    left_deg2 : float or None
+        Upper 95 % bound of the variance that a drift of that order, at least a slope, makes if
+        it is left in; square degrees.
     residual_std_deg : float or None
         Standard deviation about that polynomial, RSS/(n - 1 - order).
     span_h : float
@@ -72,6 +75,7 @@ class Drift:
 
     order: Order | None
     coefficients_deg: tuple[float, ...] | None
+    left_deg2: float | None
     residual_std_deg: float | None
     span_h: float
     line: Slope | None
@@ -188,7 +192,8 @@ def drift_of(stamp_ns: np.ndarray, x_deg: np.ndarray,
     if order is not None:
         rss = float(fit.residual_deg @ fit.residual_deg)
         std = math.sqrt(rss / (n - 1 - order.order))
-    return Drift(order, fit.coefficients_deg if order else None, std, span_h,
+    return Drift(order, fit.coefficients_deg if order else None,
+                 drift_left_deg2(stamp_ns, x_deg, order.order if order else 0), std, span_h,
                  slope(stamp_ns, x_deg), warm_up(stamp_ns, x_deg, tolerance_deg),
                  mser5(stamp_ns, x_deg)), fit.residual_deg
 

@@ -15,21 +15,15 @@ from .alignment import Skew, skew
 from .angles import unwrap_deg, wrap360
 from .assumptions import Assumption
 from .cells import Cells
+from .conventions import Convention, convention, mean_difference, MeanDifference
 from .criteria import Limits
-from .detectors import (
-    Convention,
-    convention,
-    Frozen,
-    frozen,
-    same_source,
-    SameSource,
-    stamp_steps,
-)
+from .detectors import same_source, SameSource, stamp_steps
 from .deviation import deviation, HeadingDependence
 from .ergodicity import Homogeneity
 from .guarded import Guarded
 from .noise import correlation_times, CorrelationTimes
 from .normality import Normality, normality
+from .outliers import Outliers, outliers
 from .reference_noise import reference_noise, ReferenceNoise
 from .resolution import resolution
 from .run_blocks import (
@@ -38,13 +32,13 @@ from .run_blocks import (
     Correlation,
     correlation_of,
     Drift,
-    drift_of,
     run_skew,
     RunSkew,
 )
 from .settings import Detectors, Settings
 from .skew_scan import Scan
 from .squares import spread
+from .standstill import Frozen, frozen, Standstill, standstill
 from .stationarity import Stationarity, stationarity
 
 __all__ = ['diagnose', 'Diagnostics', 'Signs', 'with_runs']
@@ -61,9 +55,12 @@ class Signs:
     """What the detectors found in the pairs of a run; the warnings say it in words."""
 
     convention: Convention
+    mean: MeanDifference
     source: SameSource
     ts_frozen: Frozen
     rs_frozen: Frozen
+    standstill: Standstill
+    outliers: Outliers
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +84,9 @@ class Diagnostics:
 
 
 def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settings: Settings,
-             guarded: Guarded, limits: Limits, *, residual_deg: np.ndarray | None = None,
-             times: CorrelationTimes | None = None, scan: Scan | None = None) -> Diagnostics:
+             guarded: Guarded, limits: Limits, *, drift: Drift, rest_deg: np.ndarray,
+             residual_deg: np.ndarray | None = None, times: CorrelationTimes | None = None,
+             scan: Scan | None = None) -> Diagnostics:
     """
     Examine a run.
 
@@ -104,6 +102,10 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
         The decision on the same differences.
     limits : Limits
         That it was made with.
+    drift : Drift
+        Of the differences, `drift_of`.
+    rest_deg : ndarray, shape (n,)
+        Their residuals about the polynomial of its order, degrees.
     residual_deg : ndarray, shape (n,), optional
         Differences less the polynomial that `drift_order` removed; default the differences.
     times : CorrelationTimes, optional
@@ -138,18 +140,17 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     stamps = stamp_steps(stamp_ns, detectors.silence_steps)
     correlation = correlation_of(residual, stamps, times or correlation_times(residual))
     signs, normal = _examine_headings(stamp_ns, x_deg, rs_deg, residual, settings, detectors,
-                                      correlation)
+                                      math.sqrt(limits.limit_deg2), correlation)
     allan = allan_of(x_deg, stamps.typical_s, _noise_of_rs(x_deg, rs_deg, estimate, range_s))
-    drift, rest = drift_of(stamp_ns, x_deg, SETTLED_SHARE * limits.sigma_max_deg)
     variance = float(np.var(x_deg, ddof=1)) if n > 1 else None
     block = run_skew(estimate, variance, limits, scan)
     result = Diagnostics(block, drift, deviation(x_deg, rs_deg), normal,
                          stationarity(residual, stamps.typical_s or 0.0), correlation, allan, (),
                          (), signs)
     resolved = assumptions.resolved(
-        spread(Cells.of(rest, stamp_ns), drift.order.order if drift.order else 0))
-    rest_found = result.stationarity if rest is residual else stationarity(
-        rest, stamps.typical_s or 0.0)
+        spread(Cells.of(rest_deg, stamp_ns), drift.order.order if drift.order else 0))
+    rest_found = result.stationarity if rest_deg is residual else stationarity(
+        rest_deg, stamps.typical_s or 0.0)
     return replace(result, warnings=tuple(_warnings(result)),
                    assumptions=_assumptions(result, n, settings, guarded, limits, rest_found,
                                             resolved, is_whole))
@@ -157,17 +158,19 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
 
 def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
                       residual_deg: np.ndarray, settings: Settings, detectors: Detectors,
-                      correlation: Correlation) -> tuple[Signs, Normality]:
+                      sigma_deg: float, correlation: Correlation) -> tuple[Signs, Normality]:
     """Look at the headings of both sensors; those of the TS follow from the differences."""
     ts_deg = x_deg + rs_deg
     ts_deg += settings.installation_offset_deg
     ts_deg = wrap360(ts_deg)
-    limits = {'least_s': detectors.frozen_s, 'moved_deg': detectors.frozen_moved_deg}
+    limits = {'least_s': detectors.frozen_s, 'moved_deg': detectors.frozen_moved_deg,
+              'sigma_deg': sigma_deg}
     signs = Signs(
-        convention(x_deg, rs_deg, detectors.convention_tolerance_deg),
+        convention(x_deg, rs_deg, detectors.convention_tolerance_deg), mean_difference(x_deg),
         same_source(x_deg, rs_deg, resolution(ts_deg), resolution(rs_deg),
                     detectors.same_source_ratio),
-        frozen(stamp_ns, ts_deg, rs_deg, **limits), frozen(stamp_ns, rs_deg, ts_deg, **limits))
+        frozen(stamp_ns, ts_deg, rs_deg, **limits), frozen(stamp_ns, rs_deg, ts_deg, **limits),
+        standstill(ts_deg, rs_deg), outliers(stamp_ns, residual_deg))
     step = correlation.stamps.typical_s
     width = 2 * max(1, round(0.5 * MOVING_AVERAGE_S / step)) + 1 if step else 3
     return signs, normality(residual_deg, ts_deg, rs_deg, width=width,
@@ -212,21 +215,6 @@ def with_runs(checked: Sequence[Assumption], runs: Homogeneity) -> tuple[Assumpt
 
 
 def _warnings(found: Diagnostics) -> Iterator[str]:
-    signs = found.signs
-    if signs.convention.kind == 'offset':
-        yield (f'convention: TS - RS is {signs.convention.angle_deg:.1f} deg; is one of them a '
-               'yaw (ENU) taken for a heading, or mounted backwards?')
-    if signs.convention.kind == 'mirrored':
-        yield ('convention: TS turns against RS, their sum stays at '
-               f'{signs.convention.angle_deg:.1f} deg; one of them counts counter-clockwise')
-    if signs.source.suspected:
-        yield ('same_source: the difference is no larger than rounding makes it; do both streams '
-               'come from one sensor?')
-    for name, sign in (('TS', signs.ts_frozen), ('RS', signs.rs_frozen)):
-        if sign.stretches:
-            yield (f'frozen: the {name} repeated its value {sign.stretches} times while the '
-                   f'other sensor turned, for {sign.duration_s:.1f} s by '
-                   f'{sign.other_moved_deg:.2f} deg at {sign.start_ns}')
     estimate = found.skew.estimate
     if estimate.significant and estimate.well_determined:
         share = 1.0 - (estimate.std_aligned_deg / estimate.std_deg) ** 2

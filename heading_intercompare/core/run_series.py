@@ -10,10 +10,11 @@ import numpy as np
 
 from .cells import Cells
 from .columns import Column, Keep, Tails
+from .criteria import Limits
 from .difference import difference
 from .records import Differences, Pairs
 from .sequential import Look, Looks
-from .settings import Settings
+from .settings import Norms, Settings
 from .statistics import count_outside, Moments
 
 __all__ = ['RunSeries']
@@ -30,8 +31,8 @@ class RunSeries:
     settings : Settings
         Installation offset, wrap centre, stabilisation and plan of looks are used.
     on_look : callable, optional
-        ``on_look(run, look)`` is called when a look is due, with the run holding just the
-        differences that belong to it.
+        ``on_look(run, look, looks)`` is called when one of so many looks is due, with the run
+        holding just the differences that belong to it.
     keep : Keep, optional
         Where full pages of the columns go; see `Column`.
 
@@ -53,7 +54,7 @@ class RunSeries:
     """
 
     def __init__(self, cut_ns: int, settings: Settings,
-                 on_look: Callable[['RunSeries', Look], None] | None = None,
+                 on_look: Callable[['RunSeries', Look, int], None] | None = None,
                  keep: Keep | None = None) -> None:
         self.cut_ns = cut_ns
         self.start_ns: int | None = None
@@ -75,7 +76,7 @@ class RunSeries:
             plan.plan_s, plan.looks, settings.risk)
         self._lag_sum_ns = 0
         self._lag_max_ns = 0
-        self._factor_sum = 0.0
+        self._factor_sum = self._ts_factor_sum = 0.0
 
     def __len__(self) -> int:
         return len(self.x_deg)
@@ -100,7 +101,7 @@ class RunSeries:
             lo = 0
             for hi, look in self._due(x.stamp_ns):
                 self._append(x[lo:hi], pairs[lo:hi])
-                self._on_look(self, look)
+                self._on_look(self, look, len(self._looks.plan))
                 lo = hi
             self._append(x[lo:], pairs[lo:])
         return x
@@ -122,6 +123,7 @@ class RunSeries:
         self._lag_sum_ns += int(pairs.lag_ns.sum())
         self._lag_max_ns = max(self._lag_max_ns, int(np.abs(pairs.lag_ns).max()))
         self._factor_sum += float(pairs.rs_variance_factor.sum())
+        self._ts_factor_sum += float(pairs.ts_variance_factor.sum())
 
     def moments(self) -> Moments:
         """Return the moments of the analysed differences so far."""
@@ -157,3 +159,14 @@ class RunSeries:
     def rs_variance_factor(self) -> float | None:
         """Mean factor by which interpolation shrank the white noise of the RS."""
         return self._factor_sum / len(self) if len(self) else None
+
+    @property
+    def ts_variance_factor(self) -> float | None:
+        """Mean factor by which interpolation shrank the white noise of the TS."""
+        return self._ts_factor_sum / len(self) if len(self) else None
+
+    def limits(self, norms: Norms, model: str) -> Limits:
+        """Return the limits of the run so far; without differences those of no interpolation."""
+        if not len(self):
+            return Limits.of(norms, model)
+        return Limits.of(norms, model, self.rs_variance_factor, self.ts_variance_factor)

@@ -5,12 +5,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Sequence
 
 import numpy as np
 
-from .settings import Risk, SettingsError
+from .coverage import least_duration_s
+from .outcome import Outcome
+from .settings import Risk, Settings, SettingsError
 
-__all__ = ['Look', 'Looks']
+__all__ = ['Look', 'Looks', 'LookVerdict', 'risk_at_the_end', 'standing']
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +37,56 @@ class Look:
     risk: Risk
 
 
+@dataclass(frozen=True, slots=True)
+class LookVerdict:
+    """
+    What a look at a run in progress said; keys of the JSON.
+
+    Attributes
+    ----------
+    look, looks : int
+        Which look, from 1, of how many.
+    span_s : float
+        Time since the first difference, seconds.
+    outcome : Outcome
+    reason : str
+        As for a run; or 'not_confirmed', where an earlier look accepted.
+
+    """
+
+    look: int
+    looks: int
+    span_s: float
+    outcome: Outcome
+    reason: str
+
+    def __str__(self) -> str:
+        return (f'look {self.look} of {self.looks}, {self.span_s:.1f} s after the first '
+                f'difference: {self.outcome}')
+
+
+def standing(looks: Sequence[LookVerdict]) -> LookVerdict | None:
+    """
+    Return what the looks taken so far leave standing of a run in progress.
+
+    Returns
+    -------
+    LookVerdict or None
+        The first that rejected; else the last one, if any accepted: where it does not confirm
+        that, it is indeterminate and says so. None while no look has decided.
+
+    """
+    for look in looks:
+        if look.outcome is Outcome.NON_COMPLIANT:
+            return look
+    if not any(look.outcome is Outcome.COMPLIANT for look in looks):
+        return None
+    last = looks[-1]
+    if last.outcome is Outcome.COMPLIANT:
+        return last
+    return replace(last, reason='not_confirmed')
+
+
 class Looks:
     """
     The looks at one run, each taken once.
@@ -43,10 +96,11 @@ class Looks:
     plan_s : float
         Planned length of the run, seconds, greater than 0.
     looks : int
-        How many, at least 2: at plan, plan/2, plan/4, ...
+        How many, at least 2: at plan, plan/2, plan/4, ... Those before the least duration of a
+        run do not exist.
     risk : Risk
         To be shared: half of each alpha for the last look, the other half in equal parts for
-        the earlier ones.
+        the earlier ones; all for the last one if there is no other.
 
     Attributes
     ----------
@@ -73,7 +127,7 @@ class Looks:
 
     Examples
     --------
-    >>> looks = Looks(3600.0, 3, Risk())
+    >>> looks = Looks(3600.0, 7, Risk())
     >>> [look.span_ns // 10 ** 9 for look in looks.plan]
     [900, 1800, 3600]
     >>> [look.risk.alpha_consumer for look in looks.plan]
@@ -89,9 +143,13 @@ class Looks:
         if looks < 2:
             raise SettingsError(f'sequential.looks = {looks!r}: must be at least 2')
         plan_ns = round(plan_s * 1e9)
-        early, last = _shared(risk, 2 * (looks - 1)), _shared(risk, 2)
-        self.plan = tuple(Look(k, plan_ns >> (looks - 1 - k), last if k == looks - 1 else early)
-                          for k in range(looks))
+        least_ns = round(least_duration_s(risk) * 1e9)
+        spans = [plan_ns >> (looks - 1 - k) for k in range(looks)]
+        spans = [span for span in spans[:-1] if span >= least_ns] + spans[-1:]
+        early, last = (_shared(risk, 2 * (len(spans) - 1)), _shared(risk, 2)) \
+            if len(spans) > 1 else (risk, risk)
+        self.plan = tuple(Look(k, span, last if k == len(spans) - 1 else early)
+                          for k, span in enumerate(spans))
         self.taken = 0
 
     def due(self, span_s: float) -> list[Look]:
@@ -140,6 +198,14 @@ class Looks:
         reached = self._reached(int(stamp_ns[-1]) - start_ns)
         return [(int(np.searchsorted(stamp_ns, start_ns + look.span_ns)) + 1, look)
                 for look in reached]
+
+
+def risk_at_the_end(settings: Settings) -> Risk:
+    """Return the risks of the verdict at the end of a run: with a plan, those of its last look."""
+    plan, risk = settings.sequential, settings.risk
+    if plan.plan_s is None:
+        return risk
+    return Looks(plan.plan_s, plan.looks, risk).plan[-1].risk
 
 
 def _shared(risk: Risk, parts: int) -> Risk:

@@ -136,7 +136,7 @@ def flattened(mapping: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[st
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> SettingsError:
-    """Return the error of a name that is no setting: what it may have meant, or what became of it."""
+    """Return the error of a name that is no setting: what it meant, or may have meant."""
     if name in _GONE:
         return SettingsError(f'{kind} {name!r} {_GONE[name]}')
     close = difflib.get_close_matches(name, known, n=1)
@@ -254,10 +254,13 @@ class Pairing(Checked):
     """How TS and RS readings are paired."""
 
     method: str = setting(
-        'interpolate', "'interpolate': RS interpolated to the TS stamp; 'nearest': mutual "
-        'nearest stamps, ties to the earlier', choices=('interpolate', 'nearest'))
-    max_gap_s: float = setting(3.0, 'longest bracket of RS readings interpolated over [s]',
-                               0.0, 3600.0)
+        'auto', "'interpolate': RS interpolated to the TS stamp; 'interpolate_ts': TS to that of "
+        "the RS; 'auto': this if the RS is slow, else that; 'nearest': mutual nearest stamps, "
+        'ties to the earlier', choices=('auto', 'interpolate', 'interpolate_ts', 'nearest'))
+    auto_s: float = setting(60.0, "start of a run by which 'auto' chooses [s]", 1.0, 600.0)
+    slow_rs_s: float = setting(
+        0.25, 'an RS is slow if its step is longer, and above 1.5 TS steps [s]', 0.0, 3600.0)
+    max_gap_s: float = setting(3.0, 'longest bracket interpolated, inclusive [s]', 0.0, 3600.0)
     tolerance_s: float = setting(0.05, "largest lag of a pair, method 'nearest' [s]", 0.0, 60.0)
     max_wait_s: float = setting(
         5.0, 'live only: how long a reading waits for its partner [s]', 0.0, 600.0)
@@ -303,7 +306,15 @@ class Risk(Checked):
     count_share: float = setting(
         0.1, "share of the producer's risk that the counts may take; the rest is for the "
         'variance', 0.001, 0.999)
-    min_duration_s: float = setting(0.0, 'shortest run that may comply [s]', 0.0)
+    slowest_error_s: float | None = setting(
+        None, 'slowest error of the TS: the time in which its correlation falls to 1/e, never a '
+        'period [s]; no run shorter than 20 times that is certified', 0.0)
+    sensor_class: str | None = setting(
+        None, 'class of the TS, which states its slowest error where that is not given (see the '
+        'command norms)', choices=('gyrocompass', 'ins', 'ins_aided', 'gnss_compass'))
+    min_duration_s: float | None = setting(
+        None, 'shortest run that may comply, if longer than what the slowest error asks [s]; '
+        'none: 600 s where no slowest error is stated', 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -317,7 +328,7 @@ class CampaignRule(Checked):
 
 @dataclass(frozen=True, slots=True)
 class Detectors(Checked):
-    """When the detectors speak."""
+    """When the detectors speak, and when a finding binds."""
 
     convention_tolerance_deg: float = setting(
         10.0, 'a mean difference so near to 90, -90 or 180 is a wrong convention [deg]', 0.0, 45.0)
@@ -328,6 +339,14 @@ class Detectors(Checked):
     same_source_ratio: float = setting(
         1.5, 'the sensors are one if the variance of the difference is at most so many times '
         'what rounding alone gives', 1.0)
+    mean_max_deg: float = setting(
+        15.0, 'a larger mean difference makes a run void unless an installation angle is stated '
+        '[deg]', 0.0, 180.0)
+    lost_doubtful: float = setting(
+        0.1, 'a run is doubtful if a larger share of its readings is lost, rejected or without '
+        'partner', 0.0, 1.0)
+    lost_void: float = setting(
+        0.5, 'and void if a larger share is', 0.0, 1.0)
     silence_steps: float = setting(
         10.0, 'a silence is so many times longer than the usual step of the stamps', 1.0)
 

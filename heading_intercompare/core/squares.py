@@ -148,11 +148,12 @@ def spread(cells: Cells | CellValues, order: int = 0) -> Spread | None:
     middle = float(a[order + _MIDDLE[0]:order + _MIDDLE[1]].mean()) / k
     d = q + (v if order == 0 else lost * low)
     w = max(float(c[:band].mean()) for band in _BANDS)
-    s = math.sqrt(max(w / k + 6.0 * (lost * v) ** 2, 2.0 * d * d / n))
     if not d > 0.0:
         free = float(n - lost)
         return Spread(n, order, 0.0, v, 0.0, free, free, math.inf, low, middle)
-    nu = 2.0 * (d / s) ** 2
+    # Relative to D, for the squares of small variances are 0.
+    relative = max(w / k / d / d + 6.0 * (lost * v / d) ** 2, 2.0 / n)
+    s, nu = d * math.sqrt(relative), 2.0 / relative
     corner, slow = _corner(c)
     heavy = max(1.0, record.kurtosis / _NORMAL_KURTOSIS)
     return Spread(n, order, d, v, s, nu, min(nu, slow / heavy ** 2), corner, low, middle)
@@ -264,15 +265,16 @@ def pool(runs: Sequence[Spread]) -> Spread:
     def mean(values: Sequence[float]) -> float:
         return math.fsum(w * value for w, value in zip(weights, values))
 
-    d, s = mean([r.d_deg2 for r in runs]), math.sqrt(
-        math.fsum((w * r.s_deg2) ** 2 for w, r in zip(weights, runs)))
-    third = math.fsum((w * r.s_deg2) ** 3 * math.sqrt(8.0 / r.f) for w, r in zip(weights, runs))
+    d = mean([r.d_deg2 for r in runs])
+    s = math.hypot(*(w * r.s_deg2 for w, r in zip(weights, runs)))
+    skewness = math.fsum((w * r.s_deg2 / s) ** 3 * math.sqrt(8.0 / r.f)
+                         for w, r in zip(weights, runs)) if s > 0.0 else 0.0
     free = math.fsum(r.n - 1 - r.order for r in runs)
     return Spread(
         n, max(r.order for r in runs), d,
         math.fsum(w * w * r.mean_variance_deg2 for w, r in zip(weights, runs)), s,
         2.0 * (d / s) ** 2 if s > 0.0 else free,
-        8.0 * s ** 6 / third ** 2 if third > 0.0 else free,
+        8.0 / skewness ** 2 if skewness > 0.0 else free,
         min(r.corner_j for r in runs), mean([r.low_deg2 for r in runs]),
         mean([r.middle_deg2 for r in runs]), sum(r.student_dof for r in runs))
 

@@ -4,27 +4,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 import math
 from typing import Any, Mapping, Sequence
 
 from .assumptions import Assumption
 from .campaign import Together
+from .coverage import Coverage
 from .criteria import CountCriterion, TotalError, VarianceCriterion
 from .deviation import HeadingDependence
 from .ergodicity import Homogeneity
 from .guarded import Guarded
+from .headline import headline
 from .ledger import LedgerSegment, REASONS
 from .normality import Normality
 from .outcome import Outcome, worst
 from .run_blocks import Allan, Correlation, Drift, RunSkew
+from .sequential import LookVerdict
 from .settings import Settings
 from .stationarity import Stationarity
+from .validity import Finding, worst_effect
 from .version import VERSION
 
 __all__ = ['Campaign', 'PairingFigures', 'plain', 'RunVerdict', 'SCHEMA', 'Verdict']
 
-SCHEMA = 'heading_intercompare/verdict/1'
+SCHEMA = 'heading_intercompare/verdict/2'
 
 
 def plain(value: Any) -> Any:
@@ -57,6 +61,8 @@ class PairingFigures:
     ts_received: int
     rs_received: int
     paired: int
+    ts_paired: int
+    ts_used: int
     ts_unpaired: int
     rs_used: int
     rs_unused: int
@@ -64,19 +70,29 @@ class PairingFigures:
     mean_lag_s: float | None
     max_lag_s: float | None
     rs_variance_factor: float | None
+    ts_variance_factor: float | None
+
+    def interpolated(self, method: str) -> str | None:
+        """Return the sensor, 'ts' or 'rs', that a method interpolated; None for none, or both."""
+        found = {'interpolate': 'rs', 'interpolate_ts': 'ts'}.get(method)
+        if method == 'auto' and self.rs_variance_factor != self.ts_variance_factor:
+            alone = 1.0 in (self.rs_variance_factor, self.ts_variance_factor)
+            found = None if not alone else 'ts' if self.rs_variance_factor == 1.0 else 'rs'
+        return found
 
     @classmethod
     def of(cls, share: LedgerSegment, mean_lag_s: float | None, max_lag_s: float | None,
-           rs_variance_factor: float | None) -> 'PairingFigures':
+           rs_variance_factor: float | None,
+           ts_variance_factor: float | None) -> 'PairingFigures':
         """Return the figures; readings still pending count as not yet received."""
         counts = share.counts
         rejected = {s: {r: counts[f'{s}_rejected.{r}'] for r in REASONS
                         if counts.get(f'{s}_rejected.{r}')} for s in ('ts', 'rs')}
         return cls(share.received('ts') - counts.get('ts_pending', 0),
                    share.received('rs') - counts.get('rs_pending', 0),
-                   *(counts.get(k, 0) for k in ('paired', 'ts_unpaired', 'rs_used',
-                                                'rs_unused')),
-                   rejected, mean_lag_s, max_lag_s, rs_variance_factor)
+                   *(counts.get(k, 0) for k in ('paired', 'ts_paired', 'ts_used', 'ts_unpaired',
+                                                'rs_used', 'rs_unused')),
+                   rejected, mean_lag_s, max_lag_s, rs_variance_factor, ts_variance_factor)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +129,11 @@ class RunVerdict:
     total_error: TotalError
     outcome: Outcome
     reason: str
+    headline: str
+    validity: Sequence[Finding]
+    validity_effect: str
+    coverage: Coverage
+    looks: Sequence[LookVerdict]
     paper_outcome: Outcome
     guarded: Guarded
     skew: RunSkew
@@ -183,6 +204,10 @@ class Verdict:
     ----------
     outcome : Outcome
         The guarded decision by `campaign.rule`.
+    headline : str
+        The same in one line, with what binds it and what it covers.
+    validity_effect : {'holds', 'doubtful', 'void'}
+        The gravest effect of a finding in any run.
     paper_outcome : Outcome
         GK as printed, worst of runs.
     settings : Settings
@@ -194,6 +219,8 @@ class Verdict:
     """
 
     outcome: Outcome
+    headline: str
+    validity_effect: str
     paper_outcome: Outcome
     settings: Settings
     inputs: Sequence[Mapping[str, Any]]
@@ -202,16 +229,22 @@ class Verdict:
 
     @classmethod
     def of(cls, runs: Sequence[RunVerdict], outcome: Outcome, campaign: Campaign,
-           settings: Settings, inputs: Sequence[Mapping[str, Any]]) -> 'Verdict':
+           coverage: Coverage | None, settings: Settings,
+           inputs: Sequence[Mapping[str, Any]]) -> 'Verdict':
         """Return the verdict on runs and on what they say together."""
-        return cls(outcome, worst(r.paper_outcome for r in runs), settings, tuple(inputs),
-                   campaign, tuple(runs))
+        findings = [f if len(runs) == 1 else replace(f, words=f'run {r.run}: {f.words}')
+                    for r in runs for f in r.validity]
+        return cls(outcome, headline(outcome, findings, coverage), worst_effect(findings),
+                   worst(r.paper_outcome for r in runs), settings, tuple(inputs), campaign,
+                   tuple(runs))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the verdict as plain dictionaries and lists, ready for JSON."""
         return {
             'schema': SCHEMA,
             'outcome': self.outcome.value,
+            'headline': self.headline,
+            'validity_effect': self.validity_effect,
             'paper_outcome': self.paper_outcome.value,
             'software': {'name': 'heading_intercompare', 'version': VERSION},
             'settings': plain(self.settings.to_mapping()),

@@ -12,6 +12,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from heading_intercompare.bags.spool import Spool
+from heading_intercompare.core.coverage import least_duration_words
 from heading_intercompare.core.intercomparison import Compliance as PureCompliance
 from heading_intercompare.core.settings import Settings
 
@@ -43,6 +44,7 @@ class Compliance(Node):
         self._health = Health(self)
         self._compliance = PureCompliance(self._settings, source='live',
                                           keeper=lambda: Spool(self._stays).keep)
+        self.get_logger().info(least_duration_words(self._settings.risk))
         self._reporting = Reporting(self, self._compliance, self._own, self._health)
         self._pairs = Intake(self, 'pairs', PAIRS_TYPES, qos.PAIRS, self._health,
                              stale_s=taking.stale_s)

@@ -61,7 +61,8 @@ class Health:
         message : str
             The state in words.
         latch : bool
-            Keep showing this state, unless it is OK, until `acknowledge`.
+            Keep showing this state, unless it is OK, or a graver one before it, until
+            `acknowledge`.
         log : bool
             Log a change of level.
         **values : object
@@ -71,7 +72,8 @@ class Health:
         before = self._parts.get(part)
         now = status(f'{self._node.get_name()}: {part}', level, message, values)
         self._parts[part] = now
-        if latch and level != OK:
+        latched = self._latched.get(part)
+        if latch and level != OK and (latched is None or level >= latched.level):
             self._latched[part] = now
         if log and (before is None or before.level != level):
             self._log(level, f'{part}: {message}', first=before is None)

@@ -127,21 +127,27 @@ def _imu(ns: int, frame_id: str, z: float, w: float, sigma_deg: float,
 def pair_messages(pairs: Pairs) -> list[TwistStamped]:
     """Return pairs as geometry_msgs/TwistStamped, as `bags.heading_messages.encode_pairs` does."""
     rows = zip(pairs.stamp_ns.tolist(), difference(pairs).x_deg.tolist(), pairs.rs_deg.tolist(),
-               pairs.ts_deg.tolist(), pairs.lag_ns.tolist(), pairs.rs_variance_factor.tolist())
+               pairs.ts_deg.tolist(), pairs.lag_ns.tolist(), pairs.rs_variance_factor.tolist(),
+               pairs.ts_variance_factor.tolist())
     messages = []
-    for ns, x_deg, rs_deg, ts_deg, lag_ns, factor in rows:
+    for ns, x_deg, rs_deg, ts_deg, lag_ns, rs_factor, ts_factor in rows:
         message = TwistStamped()
         message.header.stamp = time_message(ns)
         linear, angular = message.twist.linear, message.twist.angular
         linear.x, linear.y, linear.z = float(x_deg), float(rs_deg), float(ts_deg)
-        angular.x, angular.y, angular.z = float(lag_ns / 1e9), float(factor), 0.0
+        angular.x, angular.y, angular.z = float(lag_ns / 1e9), float(rs_factor), float(ts_factor)
         messages.append(message)
     return messages
 
 
 def pairs_from(messages: Sequence[TwistStamped]) -> Pairs:
-    """Return the pairs of messages made by `pair_messages`, to the bit; n >= 0."""
+    """
+    Return the pairs of messages made by `pair_messages`, to the bit; n >= 0.
+
+    Earlier versions left the factor of the TS at 0, as they did not interpolate it: that is 1.
+    """
     twists = [message.twist for message in messages]
     return Pairs.of([stamp_ns(message.header.stamp) for message in messages],
                     [t.linear.z for t in twists], [t.linear.y for t in twists],
-                    [round(t.angular.x * 1e9) for t in twists], [t.angular.y for t in twists])
+                    [round(t.angular.x * 1e9) for t in twists], [t.angular.y for t in twists],
+                    [t.angular.z or 1.0 for t in twists])

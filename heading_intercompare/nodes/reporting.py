@@ -15,15 +15,23 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from heading_intercompare.bags.syncing import replace_file
-from heading_intercompare.core.early import EarlyVerdict
 from heading_intercompare.core.intercomparison import Compliance
 from heading_intercompare.core.ledger import Ledger
+from heading_intercompare.core.sequential import LookVerdict
 from heading_intercompare.core.verdict import Verdict
 
 from . import qos
 from .health import Health
 from .settings import ComplianceNode
-from .status_messages import ERROR, OK, OUTCOME_LEVELS, report_message, verdict_message, WARN
+from .status_messages import (
+    ERROR,
+    OK,
+    OUTCOME_LEVELS,
+    report_message,
+    verdict_level,
+    verdict_message,
+    WARN,
+)
 
 __all__ = ['Reporting']
 
@@ -64,7 +72,7 @@ class Reporting:
             event_callbacks=health.of_publisher('compliance/verdict'))
         self._report = node.create_publisher(String, 'compliance/report', qos.REPORT)
         self._ledger: Ledger | None = None
-        self._seen: tuple[int, EarlyVerdict | None] = (0, None)
+        self._seen: tuple[int, LookVerdict | None] = (0, None)
         self._due: tuple[int, float] | None = None
         self.final, self.paired, self.report, self.closed = False, 0, None, False
         if own.report_dir is not None:
@@ -113,11 +121,17 @@ class Reporting:
     def _announce(self, verdict: Verdict) -> None:
         """Publish the verdict."""
         early = self._compliance.early
-        outcome = verdict.outcome if early is None else early.outcome
-        self._health.note('verdict', OUTCOME_LEVELS[outcome], outcome, latch=True, log=False,
+        said = []
+        if verdict.runs or early is None:
+            said.append((verdict_level(verdict.outcome, verdict.validity_effect),
+                         f'{len(verdict.runs)} runs: {verdict.headline}'))
+        if early is not None:
+            said.append((OUTCOME_LEVELS[early.outcome], f'the run in progress, {early}'))
+        # What goes on now does not excuse what was found before.
+        self._health.note('verdict', max(level for level, _ in said),
+                          '; '.join(words for _, words in said), latch=True, log=False,
                           runs=len(verdict.runs))
-        where = f'{len(verdict.runs)} runs' if early is None else f'the run in progress, {early}'
-        self._node.get_logger().info(f'verdict on {where}: {outcome}')
+        self._node.get_logger().info(f'verdict on {said[-1][1]}')
         self._verdict.publish(verdict_message(verdict, self._compliance.newest_ns or 0, early))
 
     def _write(self, text: str) -> None:

@@ -15,16 +15,17 @@ from typing import Any, Iterable, Mapping
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from std_msgs.msg import String
 
-from heading_intercompare.core.early import EarlyVerdict
 from heading_intercompare.core.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.sequential import LookVerdict
+from heading_intercompare.core.validity import DOUBTFUL, VOID
 from heading_intercompare.core.verdict import plain, RunVerdict, Verdict
 
 from .stamps import stamp_ns, time_message
 
 __all__ = ['ERROR', 'figures_message', 'ledger_from', 'ledger_message', 'marker_message',
            'MARKS', 'marks_from', 'OK', 'OUTCOME_LEVELS', 'report_message', 'run_table', 'status',
-           'status_array', 'verdict_message', 'WARN']
+           'status_array', 'verdict_level', 'verdict_message', 'WARN']
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
@@ -96,22 +97,32 @@ def marks_from(message: DiagnosticArray) -> list[tuple[str, int]]:
 
 def figures_message(name: str, figures: Mapping[str, Any], ns: int) -> DiagnosticArray:
     """Return figures of the window or of the run in progress; absent ones are left out."""
-    return status_array(ns, [status(name, OK, '', figures)])
+    return status_array(ns, [status(name, OK, 'figures, not a verdict', figures)])
 
 
 def _run_values(run: RunVerdict) -> dict[str, Any]:
     names = ('start_ns', 'end_ns', 'duration_s', 'n', 'mean_deg', 'std_deg', 'variance_deg2',
              'max_abs_deg', 'outcome', 'reason', 'paper_outcome')
-    return {**{name: getattr(run, name) for name in names}, 'nu': run.guarded.nu}
+    findings = {f'validity.{found.condition}': found.effect for found in run.validity}
+    return {**{name: getattr(run, name) for name in names}, 'nu': run.guarded.nu,
+            'headline': run.headline, 'validity': run.validity_effect, **findings}
+
+
+def verdict_level(outcome: Outcome, effect: str) -> bytes:
+    """Return the level of a verdict: OK only for a certificate that nothing puts in doubt."""
+    level = OUTCOME_LEVELS[outcome]
+    return WARN if level == OK and effect in (DOUBTFUL, VOID) else level
 
 
 def verdict_message(verdict: Verdict, ns: int,
-                    early: EarlyVerdict | None = None) -> DiagnosticArray:
+                    early: LookVerdict | None = None) -> DiagnosticArray:
     """Return a verdict: the conclusion, each run with its reason, a look at the one going on."""
-    whole = status('verdict', OUTCOME_LEVELS[verdict.outcome], verdict.outcome,
+    whole = status('verdict', verdict_level(verdict.outcome, verdict.validity_effect),
+                   verdict.headline,
                    {'outcome': verdict.outcome, 'paper_outcome': verdict.paper_outcome,
-                    'runs': len(verdict.runs)})
-    runs = [status(f'run {run.run}', OUTCOME_LEVELS[run.outcome], run.reason, _run_values(run))
+                    'validity': verdict.validity_effect, 'runs': len(verdict.runs)})
+    runs = [status(f'run {run.run}', verdict_level(run.outcome, run.validity_effect),
+                   run.reason, _run_values(run))
             for run in verdict.runs]
     looks = [] if early is None else [status('run in progress', OUTCOME_LEVELS[early.outcome],
                                              early.reason, plain(early))]

@@ -17,7 +17,7 @@ from .rule import rule, uncertainty
 from .series import SeriesSketch
 from .tables import facts, GUARDED, LEDGER, RESULTS, rows_by_run, SENSOR, table, WORST
 from .wording import exact, flat, NO_RUN, outcome, unjudged, utc, value
-from .words import CAMPAIGN_WORDS, REASON_WORDS, STATE_WORDS
+from .words import CAMPAIGN_WORDS, CONDITION_WORDS, EFFECT_WORDS, REASON_WORDS, STATE_WORDS
 
 __all__ = ['render', 'settings_sha256', 'write']
 
@@ -92,7 +92,8 @@ def render(verdict: Mapped, sketches: Sequence[SeriesSketch] = ()) -> str:
     sections = (('Identification', _identification), ('Norms and decision rule', rule),
                 ('Pairing ledger', _ledger), ('Results', _results),
                 ('The runs together', _campaign), ('Guarded decision', _guarded),
-                ('Assumptions', _assumptions), ('Warnings', _warnings),
+                ('Validity of the comparison', _validity), ('Assumptions', _assumptions),
+                ('Warnings', _warnings),
                 ('Uncertainty', uncertainty))
     parts = [(title, make(verdict)) for title, make in sections]
     parts = [(title, body) for title, body in parts if body]
@@ -125,13 +126,13 @@ def _reason(run: Mapped) -> str:
 def _headline(verdict: Mapped) -> Markup:
     """Return the verdict with its reason in words."""
     runs = verdict['runs']
-    reasons = [element('li', f'run {run["run"]}: {outcome(run["outcome"])} - {_reason(run)}')
+    reasons = [element('li', f'run {run["run"]}: {run["headline"]} - {_reason(run)}')
                for run in runs]
     if len(runs) > 1:
         words = CAMPAIGN_WORDS[verdict['campaign']['reason']]
         reasons.insert(0, element('li', f'together: {words}'))
     return element(
-        'div', element('strong', outcome(verdict['outcome'])),
+        'div', element('strong', verdict['headline']),
         _paragraph(f'GK as printed: {outcome(verdict["paper_outcome"])}'),
         element('ul', *reasons) if reasons else _paragraph(NO_RUN),
         class_='verdict')
@@ -169,7 +170,8 @@ def _ledger(verdict: Mapped) -> Markup:
     if not verdict['runs']:
         return _paragraph(NO_RUN)
     return joined((_paragraph('Every reading received stands in exactly one row of its sensor: '
-                              'paired (used), without partner (not used) or rejected.'),
+                              'paired, interpolated between, without partner (not used) or '
+                              'rejected.'),
                    rows_by_run(LEDGER, verdict['runs'])))
 
 
@@ -199,6 +201,20 @@ def _guarded(verdict: Mapped) -> Markup:
     return joined((_paragraph('The bounds hold for errors that change within a twentieth of the '
                               'run; of slower ones they allow for what shows in it.'),
                    rows_by_run(GUARDED, verdict['runs'])))
+
+
+def _validity(verdict: Mapped) -> Markup:
+    """Return what binds the verdict: each condition of a comparison, by run."""
+    parts = [_paragraph('A comparison means something only where these conditions hold. A void '
+                        'one leaves the run undecided, whatever its variance.')]
+    for run in verdict['runs']:
+        parts.append(element('h3', f'Run {run["run"]}'))
+        parts.append(table(
+            ['condition', 'effect', 'evidence'],
+            [[CONDITION_WORDS[f['condition']], element('span', EFFECT_WORDS[f['effect']],
+                                                       class_='state'), value(f['evidence'])]
+             for f in run['validity']], class_='plain'))
+    return joined(parts) if verdict['runs'] else _paragraph(NO_RUN)
 
 
 def _assumptions(verdict: Mapped) -> Markup:

@@ -68,10 +68,14 @@ def _norms(verdict: Mapped) -> Markup:
 
 
 def _pairing(settings: Mapped) -> str:
-    if settings['pairing.method'] == 'interpolate':
-        return ('RS interpolated to the TS stamp, bracket at most '
-                f'{number(settings["pairing.max_gap_s"])} s')
-    return f'mutual nearest stamps, lag at most {number(settings["pairing.tolerance_s"])} s'
+    method = settings['pairing.method']
+    if method == 'nearest':
+        return f'mutual nearest stamps, lag at most {number(settings["pairing.tolerance_s"])} s'
+    onto_ts, onto_rs = 'RS interpolated to the TS stamp', 'TS interpolated to the RS stamp'
+    chosen = (f'{onto_rs} where the RS is slow by the stamps of the first '
+              f'{number(settings["pairing.auto_s"])} s, else {onto_ts}')
+    words = {'interpolate': onto_ts, 'interpolate_ts': onto_rs, 'auto': chosen}[method]
+    return f'{words}; bracket at most {number(settings["pairing.max_gap_s"])} s'
 
 
 def _statement(verdict: Mapped) -> Markup:
@@ -95,8 +99,8 @@ def _statement(verdict: Mapped) -> Markup:
          'the differences is at most A = sigma_max² + M_low² sigma_ref_max², non-compliant if '
          'its lower bound L is above R = sigma_max² + M_up² sigma_ref_max², else '
          f'indeterminate. {reject} U and L allow for the correlation of the errors in time. '
-         'In A, M_low is multiplied by the root of the factor by which interpolation shrinks '
-         'the noise variance of the RS.'),
+         'In A, sigma_max² and M_low² are multiplied by the factors by which interpolation '
+         'shrinks the noise variance of TS and RS.'),
         ('several runs', _several(settings, m)),
         ("consumer's risk [1]", f'{consumer}, nominal: at most so often a TS just at its norm '
                                 'is found compliant, if the assumptions hold.' + looks),

@@ -196,10 +196,11 @@ def test_a_stamp_beyond_the_range_of_ros_is_refused(stamp_ns):
 
 def test_pairs_are_twists_to_the_bit():
     pairs = Pairs.of([STAMP_NS, STAMP_NS + 1], [359.5, 10.0], [0.25, 9.0], [0, -3_000_000],
-                     [0.5, 1.0])
+                     [0.5, 1.0], [1.0, 0.75])
     for i, row in enumerate(encode_pairs(pairs, 'ship')):
         assert row.tobytes() == encode(PAIRS_TYPE, {
             'header': {'stamp': {'sec': 1406851200, 'nanosec': 183_000_000 + i},
                        'frame_id': 'ship'},
             'twist': {'linear': {'x': [-0.75, 1.0][i], 'y': [0.25, 9.0][i], 'z': [359.5, 10.0][i]},
-                      'angular': {'x': [0.0, -0.003][i], 'y': [0.5, 1.0][i]}}})
+                      'angular': {'x': [0.0, -0.003][i], 'y': [0.5, 1.0][i],
+                                  'z': [1.0, 0.75][i]}}})

@@ -56,19 +56,27 @@ def test_what_is_written_is_read_back_to_the_bit(tmp_path, rng):
     ts_deg, rs_deg = rng.uniform(0.0, 360.0, (2, count))
     ts_deg[7] = np.nan
     pairs = Pairs.of(1_406_851_200_000_000_001 + np.arange(count) * 9_999_999, ts_deg, rs_deg,
-                     rng.integers(-10**9, 10**9, count), rng.uniform(0.5, 1.0, count))
+                     rng.integers(-10**9, 10**9, count), *rng.uniform(0.5, 1.0, (2, count)))
     write_pairs_csv(tmp_path / 'a.csv', [pairs[:1], pairs[1:]])
     chunks = list(read_pairs_csv(tmp_path / 'a.csv'))
     assert [len(c) for c in chunks] == [65536, count - 65536]
-    assert Pairs.concatenate(chunks) == Pairs.of(pairs.stamp_ns, ts_deg, rs_deg)
+    assert Pairs.concatenate(chunks) == Pairs.of(
+        pairs.stamp_ns, ts_deg, rs_deg, None, pairs.rs_variance_factor, pairs.ts_variance_factor)
 
 
-def test_a_row_holds_difference_lag_and_factor(tmp_path):
+def test_a_file_without_variance_factors_has_factors_of_1(csv):
+    pairs = csv('stamp_ns,ts_deg,rs_deg,difference_deg,lag_s,rs_variance_factor\n'
+                '1,2,3,-1,0,0.625\n2,2,3,-1,0,\n')
+    assert pairs.rs_variance_factor.tolist() == [0.625, 1.0]
+    assert pairs.ts_variance_factor.tolist() == [1.0, 1.0]
+
+
+def test_a_row_holds_difference_lag_and_factors(tmp_path):
     with PairsCsvWriter(tmp_path / 'a.csv') as file:
-        file.write(Pairs.of([5], [359.75], [0.5], [-3_000_000], [0.625]))
+        file.write(Pairs.of([5], [359.75], [0.5], [-3_000_000], [0.625], [0.75]))
         file.write(Pairs.empty())
     assert (tmp_path / 'a.csv').read_text() == (
-        ','.join(COLUMNS) + '\n5,359.75,0.5,-0.75,-0.003,0.625\n')
+        ','.join(COLUMNS) + '\n5,359.75,0.5,-0.75,-0.003,0.625,0.75\n')
 
 
 def test_differences_are_wrapped_about_the_centre(tmp_path):
@@ -93,6 +101,8 @@ def test_a_header_alone_is_no_pairs(csv):
     ('stamp_s,ts_deg,rs_deg\n1e999999999,1,2\n', 'line 2: stamp_s'),
     ('stamp_ns,ts_deg,rs_deg\n9223372036854775808,1,2\n', 'line 2: stamp_ns'),
     ('stamp_ns,ts_deg,rs_deg\n\n1,north,2\n', "line 3: ts_deg = 'north', rs_deg = '2' must be"),
+    ('stamp_ns,ts_deg,rs_deg,ts_variance_factor\n1,1,2,1.5\n',
+     "line 2: rs_variance_factor = '', ts_variance_factor = '1.5' must be above 0 and at most 1"),
     (b'\x89MCAP0\r\n\0\0', 'line 1 is'),
     ('stamp_ns,ts_deg,rs_deg\n1,"' + 'x' * 200_000, 'line 2: field larger')])
 def test_a_mistake_is_named_with_its_line(csv, tmp_path, text, problem):

@@ -83,7 +83,7 @@ def test_a_topic_of_another_type_says_which_types_would_do(bag, capsys):
     ('pairing.tolerence_s=1', "did you mean 'pairing.tolerance_s'"),
     ('norms.sigma_max_deg=-1', 'norms.sigma_max_deg = -1'),
     ('norms.sigma_max_deg=0', 'greater than 0'),
-    ('pairing.method=fast', "'interpolate' or 'nearest'"),
+    ('pairing.method=fast', "'interpolate_ts' or 'nearest'"),
     ('norms.sigma_max_deg', 'must be name=value')])
 def test_a_wrong_setting_says_what_is_allowed(assignment, words, bag, capsys):
     assert words in refused(capsys, 'analyze', bag, *NORMS, '--set', assignment)

@@ -13,6 +13,7 @@ from scipy.signal import lfilter
 
 from heading_intercompare.core.difference import difference
 from heading_intercompare.core.pairing import pair
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.logs import read_log
 from heading_intercompare.drivers.settings import DriverSettings
 
@@ -44,7 +45,7 @@ def real(logs):
     """Return a function that gives pairs and differences of two logs, 'gyr1-s330'."""
     def of(name):
         ts, rs = (logs[part] for part in name.split('-'))
-        pairs, _ = pair(ts, rs)
+        pairs, _ = pair(ts, rs, Settings.from_mapping({'pairing.method': 'interpolate'}))
         return pairs, difference(pairs).x_deg
     return of
 

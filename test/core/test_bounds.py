@@ -8,127 +8,146 @@ import math
 
 import numpy as np
 import pytest
-from scipy.stats import binomtest, chi2, norm, t as student
+from scipy.stats import binomtest, t as student
 
 from heading_intercompare.core.bounds import (
     confidence,
-    lower_bound,
+    duration_factor,
+    LEAST_RISK,
     mean_confidence,
-    nu_needed,
     rate_lower,
     rate_upper,
-    upper_bound,
 )
-from heading_intercompare.core.dyadic import Components, Dyadic
+from heading_intercompare.core.cells import Cells
+from heading_intercompare.core.squares import excess, lower_bound, Spread, spread, upper_bound
 
 
-def components(octaves=(0.5, 0.3), dof=(32, 16), slow=0.2, slow_dof=15):
-    """Return components of a run of 64."""
-    return Components(64, 0, np.array(octaves), np.array(dof), slow, slow_dof, 4,
-                      (0.01, 0.02, 0.03), 0.0, 0.1)
+def made(d=1.0, s=0.2, f=50.0, low=0.01, middle=0.01):
+    """Return a spread with these figures."""
+    nu = 2.0 * (d / s) ** 2 if s else 1000.0
+    return Spread(1000, 0, d, 0.01, s, nu, f, 8.0, low, middle)
 
 
-ALL_SLOW = components(octaves=(0.0, 0.0), slow=2.0)
+SLOW = made(low=0.02)
 
 
-@pytest.mark.parametrize('alpha', [1e-6, 0.01, 0.05, 0.3])
-def test_one_component_has_the_exact_interval_of_chi_square(alpha):
-    """With very many nu the components decide; one of them: f v / chi2 is exact."""
-    assert upper_bound(ALL_SLOW, 1e9, alpha) == \
-        pytest.approx(2.0 * 15 / chi2.ppf(alpha, 15), rel=1e-12)
-    assert lower_bound(ALL_SLOW, 1e9, alpha) == \
-        pytest.approx(2.0 * 15 / chi2.isf(alpha, 15), rel=1e-12)
-
-
-@pytest.mark.parametrize('alpha', [0.01, 0.05, 0.3])
-@pytest.mark.parametrize('nu', [3.0, 16.0, 40.0, 1000.0])
-def test_bounds_agree_with_the_formulas(nu, alpha):
-    c = components()
-    v, f = np.array([0.5, 0.3, 0.2]), np.array([32, 16, 15])
-    h = 2.0 / (9.0 * nu)
-    up = [1.0 + math.sqrt(sum((f / chi2.ppf(alpha, f) - 1.0) ** 2 * v * v))]
-    low = [1.0 - math.sqrt(sum((1.0 - f / chi2.ppf(1.0 - alpha, f)) ** 2 * v * v))]
-    root = 1.0 - h - student.ppf(1.0 - alpha, 15) * math.sqrt(h)
-    up.append(1.0 / root ** 3 if root > 0.0 else math.inf)
-    low.append(1.0 / (1.0 - h + student.ppf(1.0 - alpha, 15) * math.sqrt(h)) ** 3)
-    assert upper_bound(c, nu, alpha) == pytest.approx(max(up), rel=1e-12)
-    assert lower_bound(c, nu, alpha) == pytest.approx(max(0.0, min(low)), rel=1e-12)
-
-
-def test_too_few_degrees_of_freedom_bound_nothing():
-    assert upper_bound(components(), 0.3, 0.05) == math.inf
-    assert 0.0 <= lower_bound(components(), 0.01, 0.05) < 0.1
-    assert lower_bound(components(slow_dof=1, slow=100.0), 2.0, 0.05) >= 0.0
-
-
-@pytest.mark.parametrize('nu', [0.5, 5.0, 80.0])
-def test_bounds_enclose_the_estimate_and_widen_as_the_risk_falls(nu):
-    c = components()
-    alphas = np.geomspace(1e-6, 0.3, 40)
-    up = np.array([upper_bound(c, nu, a) for a in alphas])
-    low = np.array([lower_bound(c, nu, a) for a in alphas])
+@pytest.mark.parametrize('found', [made(), made(s=0.8, f=3.0), made(s=0.01, f=1e9), SLOW])
+def test_bounds_enclose_the_estimate_and_widen_as_the_risk_falls(found):
+    alphas = np.geomspace(1e-6, 0.5, 40)
+    up = np.array([upper_bound(found, a) for a in alphas])
+    low = np.array([lower_bound(found, a) for a in alphas])
     assert np.all(low <= 1.0) and np.all(up >= 1.0)
     finite = np.isfinite(up)
     assert np.all(np.diff(up[finite]) < 0.0) and not np.any(np.diff(finite.astype(int)) < 0)
     assert np.all(np.diff(low) >= 0.0)
 
 
-def test_bounds_of_zero_residuals_are_zero():
-    c = Dyadic.of(np.zeros(100)).components()
-    assert (upper_bound(c, 99.0, 0.05), lower_bound(c, 99.0, 0.05)) == (0.0, 0.0)
-    assert upper_bound(c, 0.001, 0.05) == 0.0
-    assert confidence(c, 99.0, 1e-9) == 1.0 - 1e-6
-
-
-@pytest.mark.parametrize('nu', [2.0, 20.0, 5000.0])
-@pytest.mark.parametrize('alpha', [1e-5, 0.01, 0.05, 0.2, 0.3])
-def test_confidence_is_the_inverse_of_the_bounds(nu, alpha):
-    c = components()
-    up = upper_bound(c, nu, alpha)
-    if math.isfinite(up):
-        assert 1.0 - confidence(c, nu, up) == pytest.approx(alpha, rel=1e-8)
-    low = lower_bound(c, nu, alpha)
-    if low > 0.0:
-        assert confidence(c, nu, low) == pytest.approx(alpha, rel=1e-8)
+@pytest.mark.parametrize('found', [made(), made(s=0.7, f=6.0), made(s=0.02, f=5000.0), SLOW])
+@pytest.mark.parametrize('alpha', [1e-5, 0.01, 0.05, 0.2, 0.49])
+def test_confidence_is_the_inverse_of_the_bounds(found, alpha):
+    assert 1.0 - confidence(found, upper_bound(found, alpha)) == pytest.approx(alpha, rel=1e-8)
+    assert confidence(found, lower_bound(found, alpha)) == pytest.approx(alpha, rel=1e-8)
 
 
 def test_confidence_rises_with_the_limit_within_its_range():
-    c = components()
-    values = [confidence(c, 30.0, limit) for limit in np.geomspace(1e-3, 1e3, 200)]
+    found = made(s=0.1)
+    values = [confidence(found, limit) for limit in np.geomspace(1e-3, 1e3, 200)]
     assert np.all(np.diff(values) >= -1e-12)
     assert values[0] == 1e-6 and values[-1] == 1.0 - 1e-6
-    assert confidence(c, 30.0, 1.0) == 0.5
+    assert confidence(found, 1.0) == 0.5
+
+
+def test_confidence_does_not_know_a_slow_part_it_allows_for():
+    """The allowance is the same at every risk: 0.5 for limits between D and D + G."""
+    room = upper_bound(SLOW, 0.5) - 1.0
+    assert room > SLOW.slow_allowance_deg2 > 0.0
+    for share in (0.0, 0.5, 0.99):
+        assert confidence(SLOW, 1.0 + share * room) == 0.5
+    assert confidence(SLOW, 1.0 + 1.01 * room) > 0.5
+
+
+def test_zero_residuals_are_within_any_limit():
+    found = spread(Cells.of(np.zeros(200)))
+    assert confidence(found, 1e-9) == 1.0 - LEAST_RISK
+    assert duration_factor(found, 1.0, 1.2, 0.05, 0.05) == 1.0
 
 
 def test_mean_confidence_agrees_with_a_dense_sum():
     """Confidence jumps to 0.5 at the bounds of 0.5, which costs the 20 points some digits."""
-    c = components()
+    found = made(s=0.15)
     mu = (np.arange(2000) + 0.5) / 2000 * 0.8 + 0.1
-    expected = np.mean([confidence(c, 60.0, 0.8 ** 2 + m * m) for m in mu])
-    assert mean_confidence(c, 60.0, 0.8, 0.1, 0.9) == pytest.approx(expected, abs=0.01)
-    assert mean_confidence(c, 60.0, 0.8, 0.5, 0.5) == confidence(c, 60.0, 0.8 ** 2 + 0.25)
+    expected = np.mean([confidence(found, 0.8 ** 2 + m * m) for m in mu])
+    assert mean_confidence(found, 0.8, 0.1, 0.9) == pytest.approx(expected, abs=0.01)
+    assert mean_confidence(found, 0.8, 0.5, 0.5) == confidence(found, 0.8 ** 2 + 0.25)
 
 
-@pytest.mark.parametrize('d_hat', [0.0, 0.2, 0.8, 0.99, 1.3, 1.4])
-def test_with_the_degrees_of_freedom_needed_the_bound_is_the_limit(d_hat):
-    alpha, beta = 0.05, 0.1
-    nu = nu_needed(d_hat, 1.0, 1.25, alpha, beta)
-    h = 2.0 / (9.0 * nu)
-    if d_hat < 1.0:
-        bound = (1.0 - h + norm.ppf(alpha) * math.sqrt(h)) ** 3
-        assert bound == pytest.approx(d_hat, abs=1e-12)
+# --- planning: S.15 ---
+
+def longer(found, r):
+    """Return the spread of a record r times as long in which all stayed as it is."""
+    return Spread(1000, 0, found.d_deg2, 0.01, found.s_deg2 / math.sqrt(r), found.nu * r,
+                  found.f * r, 8.0, found.low_deg2, found.middle_deg2)
+
+
+@pytest.mark.parametrize('d', [0.2, 0.8, 0.9])
+@pytest.mark.parametrize('s, f', [(0.1, 40.0), (0.3, 9.0), (1.0, 1.5), (0.05, 1e5)])
+@pytest.mark.parametrize('low', [0.01, 0.012])
+def test_after_that_time_the_upper_bound_is_the_acceptance_limit(d, s, f, low):
+    found = made(d, s * d, f, low)
+    r = duration_factor(found, 1.0, 1.25, 0.05, 0.1)
+    if r == 1.0:
+        assert upper_bound(found, 0.05) <= 1.0
     else:
-        bound = d_hat / (1.0 - h - norm.ppf(beta) * math.sqrt(h)) ** 3
-        assert bound == pytest.approx(1.25, rel=1e-12)
+        assert upper_bound(longer(found, r), 0.05) == pytest.approx(1.0, abs=1e-9)
+        assert upper_bound(longer(found, 0.99 * r), 0.05) > 1.0
 
 
-def test_no_amount_of_data_decides_between_the_limits_and_any_does_far_above():
-    for d_hat in (1.0, 1.1, 1.25):
-        assert nu_needed(d_hat, 1.0, 1.25, 0.05, 0.05) == math.inf
-    assert nu_needed(100.0, 1.0, 1.25, 0.05, 0.05) == 0.0
-    assert nu_needed(2.0, 1.0, 1.25, 0.5, 0.5) == 0.0
-    assert nu_needed(np.nextafter(1.0, 0.0), 1.0, 1.25, 0.05, 0.05) > 1e30
+@pytest.mark.parametrize('d', [1.26, 1.4, 3.0])
+@pytest.mark.parametrize('s', [0.02, 0.4, 2.0])
+def test_after_that_time_the_lower_bound_is_the_rejection_limit(d, s):
+    found = made(d, s)
+    r = duration_factor(found, 1.0, 1.25, 0.05, 0.1)
+    if r == 1.0:
+        assert lower_bound(found, 0.1) >= 1.25
+    else:
+        assert lower_bound(longer(found, r), 0.1) == pytest.approx(1.25, rel=1e-12)
+    t = student.ppf(0.9, 12)
+    assert r == pytest.approx(max(1.0, (t * s / d / math.log(d / 1.25)) ** 2))
 
+
+def test_the_time_agrees_with_bisection():
+    found, lo, hi = made(0.7, 0.3, 12.0), 1.0, 1e6
+    while hi - lo > 1e-9 * lo:
+        r = 0.5 * (lo + hi)
+        bound = 0.7 + excess(12.0 * r, 0.05) * 0.3 / math.sqrt(r)
+        lo, hi = (r, hi) if bound > 1.0 else (lo, r)
+    assert duration_factor(found, 1.0, 1.25, 0.05, 0.05) == pytest.approx(lo, rel=1e-8)
+
+
+def test_no_time_decides_between_the_limits():
+    for d in (1.0, 1.1, 1.25):
+        assert duration_factor(made(d), 1.0, 1.25, 0.05, 0.05) == math.inf
+    near = duration_factor(made(np.nextafter(1.0, 0.0)), 1.0, 1.25, 0.05, 0.05)
+    assert near == math.inf or near > 1e12
+    assert duration_factor(made(100.0), 1.0, 1.25, 0.05, 0.05) == 1.0
+
+
+def test_no_time_decides_where_a_slow_part_fills_the_room():
+    """D = 0.9, R = 2: G = 4/8 * 4 * 0.01 = 0.02; R = 4: G = 2 * 4 * 0.03 = 0.24 > 0.1."""
+    resolved, slow = made(0.9, low=0.02), made(0.9, low=0.04)
+    assert resolved.slow_allowance_deg2 == pytest.approx(0.02)
+    assert slow.slow_allowance_deg2 == pytest.approx(0.24)
+    assert math.isfinite(duration_factor(resolved, 1.0, 1.25, 0.05, 0.05))
+    assert duration_factor(slow, 1.0, 1.25, 0.05, 0.05) == math.inf
+
+
+def test_a_variance_known_exactly_decides_at_once_or_never():
+    assert duration_factor(made(0.5, 0.0), 1.0, 1.25, 0.05, 0.05) == 1.0
+    assert duration_factor(made(0.99, 0.0, low=0.02), 1.0, 1.25, 0.05, 0.05) == math.inf
+    assert duration_factor(made(1.3, 0.0), 1.0, 1.25, 0.05, 0.05) == 1.0
+
+
+# --- rates: S.14 ---
 
 @pytest.mark.parametrize('k, n', [(0, 20), (1, 20), (7, 50), (50, 50), (3, 1000)])
 def test_rates_of_integers_have_the_bounds_of_clopper_and_pearson(k, n):

@@ -78,6 +78,30 @@ def test_interpolation_tightens_acceptance_but_not_rejection():
     assert at.limit_deg2 == pytest.approx(0.25) and at.rejection_limit_deg2 == pytest.approx(0.25)
 
 
+def test_an_interpolated_ts_tightens_acceptance_but_not_rejection():
+    """F = 2/3: 0.09 * 2/3 + 0.25 * 0.16 = 0.1; wide limits of (7) from (D - 0.04) / F."""
+    norms = Norms(sigma_max_deg=0.3, sigma_ref_max_deg=0.4, m_low=0.5, total_error_max_deg=1.0)
+    plain, at = Limits.of(norms), Limits.of(norms, ts_variance_factor=2 / 3)
+    assert at.tightened_limit_deg2 == pytest.approx(0.1)
+    assert at.limit_deg2 == plain.limit_deg2 == pytest.approx(0.25)
+    assert at.rejection_limit_deg2 == plain.rejection_limit_deg2
+    assert at.count_limit_deg == plain.count_limit_deg
+    assert at.tightened_count_limit_deg == pytest.approx(at.k_tightened * 0.1 ** 0.5)
+    wide = total_error(0.0, 0.09, at, norms)
+    assert wide.sigma_ts_up_deg == pytest.approx((0.05 * 1.5) ** 0.5)
+    assert wide.sigma_ts_low_deg == total_error(0.0, 0.09, plain, norms).sigma_ts_low_deg
+
+
+@pytest.mark.parametrize('model', ['NN', 'UN', 'NU', 'UU'])
+def test_the_tightened_factor_is_that_of_the_ratio_that_interpolation_leaves(model):
+    norms = Norms(sigma_max_deg=0.3, sigma_ref_max_deg=0.4, m_low=0.5)
+    at = Limits.of(norms, model, ts_variance_factor=0.5)
+    same = Limits.of(Norms(sigma_max_deg=0.3 * 0.5 ** 0.5, sigma_ref_max_deg=0.4, m_low=0.5),
+                     model)
+    assert at.k_tightened == pytest.approx(same.k_tightened)
+    assert at.tightened_limit_deg2 == pytest.approx(same.tightened_limit_deg2)
+
+
 @pytest.mark.parametrize('rule, k', [('exact', stats.norm.ppf(0.9985)), ('three', 3.0),
                                      (2.5, 2.5)])
 def test_the_rule_of_k(rule, k):
@@ -96,7 +120,13 @@ def test_the_allowed_number_is_exact():
 def test_one_exceedance_is_bad_in_a_short_run():
     assert count_criterion(333, 1, 1, limits()).outcome is BAD
     assert count_criterion(334, 1, 1, limits()).outcome is GOOD
-    assert count_criterion(0, 0, 0, limits()).outcome is OPEN
+    assert count_criterion(2, 0, 0, limits()).outcome is GOOD
+
+
+@pytest.mark.parametrize('n, n_plus', [(0, 0), (1, 0), (1, 1)])
+def test_a_single_difference_meets_no_count(n, n_plus):
+    """It deviates from its own mean by nothing: GK (6') as printed would call it compliant."""
+    assert count_criterion(n, n_plus, n_plus, limits()).outcome is OPEN
 
 
 def test_total_error_by_hand():

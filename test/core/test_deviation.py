@@ -69,7 +69,7 @@ def test_a_quadrantal_error_is_significant(rng):
 
 def test_turning_the_compass_turns_the_coefficients():
     """B sin(psi + 90) + C cos(psi + 90) = B cos(psi) - C sin(psi); D and E change sign."""
-    heading = np.arange(0.0, 360.0, 2.5)
+    heading = np.arange(0.0, 1800.0, 2.5) % 360.0
     a, b, c, d, e = deviation(curve(heading + 90.0), heading).coefficients_deg
     assert (a, b, c, d, e) == pytest.approx((0.1, 0.2, 0.3, -0.05, -0.15), abs=1e-12)
 

@@ -10,7 +10,12 @@ import numpy as np
 from numpy.polynomial import legendre
 import pytest
 
-from heading_intercompare.core.drift import remove_polynomial, select_order, slope
+from heading_intercompare.core.drift import (
+    drift_left_deg2,
+    remove_polynomial,
+    select_order,
+    slope,
+)
 
 PAIRS = ['gyr1-s330', 'gyr1-seap', 's330-gyr1', 'seap-s330', 'adcp-seap', 'lgyr-lsep',
          'lsep-lgyr']
@@ -126,6 +131,30 @@ def test_white_noise_seldom_looks_like_drift(rng):
 @pytest.mark.parametrize('n', [0, 1, 63])
 def test_no_order_of_too_few_samples(n):
     assert select_order(stamps(n), np.zeros(n)) is None
+
+
+# --- what a drift left in may make ---
+
+def test_the_drift_left_in_by_hand():
+    """
+    A line from -1 to 1 has the variance c_1^2 / 3 = 1/3, c_1 its Legendre coefficient.
+
+    Without noise v of the residuals is 0; the bound is the variance of the line itself.
+    """
+    line = np.linspace(-1.0, 1.0, 2000)
+    assert drift_left_deg2(stamps(2000), line, 0) == pytest.approx(1.0 / 3.0, rel=1e-3)
+    bowl = 1.5 * line ** 2 - 0.5
+    assert drift_left_deg2(stamps(2000), line + bowl, 2) == \
+        pytest.approx(1.0 / 3.0 + 1.0 / 5.0, rel=1e-2)
+
+
+def test_the_drift_left_in_is_seldom_above_its_bound(rng):
+    """White errors and a line of variance 1/12, 200 times: a bound of 95 %, six errors."""
+    line = np.linspace(-0.5, 0.5, 1000)
+    found = [drift_left_deg2(stamps(1000), line + rng.standard_normal(1000), 1)
+             for _ in range(200)]
+    assert np.mean(np.array(found) < 1.0 / 12.0) < 0.05 + 6.0 * math.sqrt(0.05 * 0.95 / 200)
+    assert drift_left_deg2(stamps(127), line[:127], 1) is None
 
 
 # --- slope ---

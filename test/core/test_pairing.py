@@ -18,11 +18,11 @@ from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 
 S = 1_000_000_000
-METHODS = ['interpolate', 'nearest']
+METHODS = ['auto', 'interpolate', 'interpolate_ts', 'nearest']
 
 
 def rules(method='interpolate', **more):
-    names = {'gap_s': 'runs.gap_s'}
+    names = {'gap_s': 'runs.gap_s', 'skew_s': 'alignment.skew_s'}
     mapping = {names.get(k, f'pairing.{k}'): v for k, v in more.items()}
     return Settings.from_mapping({'pairing.method': method, **mapping})
 
@@ -92,6 +92,17 @@ def test_interpolated_pairs_are_those_of_the_slow_way(ts, rs):
     assert pairs.ts_deg.tolist() == [h for _, h, _ in slow]
 
 
+@given(streams, streams)
+def test_a_ts_put_onto_the_rs_is_the_rs_put_onto_the_ts_with_names_exchanged(ts, rs):
+    pairs, ledger = pair(ts, rs, rules('interpolate_ts', max_gap_s=1.5))
+    other, exchanged = pair(rs, ts, rules('interpolate', max_gap_s=1.5))
+    assert pairs == Pairs(other.stamp_ns, other.rs_deg, other.ts_deg, other.lag_ns,
+                          other.ts_variance_factor, other.rs_variance_factor)
+    counts, others = ledger.total.counts, exchanged.total.counts
+    assert counts.get('rs_used', 0) == others.get('ts_paired', 0) == len(pairs)
+    assert counts.get('ts_paired', 0) + counts.get('ts_used', 0) == others.get('rs_used', 0)
+
+
 @given(streams, streams, st.sampled_from([0.0, 0.25, 1.0, 5.0]))
 def test_nearest_pairs_are_those_of_the_slow_way(ts, rs, tolerance_s):
     pairs, _ = pair(ts, rs, rules('nearest', tolerance_s=tolerance_s))
@@ -113,8 +124,7 @@ def test_the_ledger_accounts_for_every_reading(method, ts, rs):
         for reason, n in reasons.items():
             assert counts[f'{name}_rejected.{reason}'] == n
         booked = sum(n for key, n in counts.items()
-                     if key == {'ts': 'paired', 'rs': 'rs_used'}[name]
-                     or (key.startswith(name) and 'rejected' not in key and key != 'rs_used'))
+                     if key.startswith(f'{name}_') and 'rejected' not in key)
         assert booked == len(kept)
 
 
@@ -122,8 +132,10 @@ def test_the_ledger_accounts_for_every_reading(method, ts, rs):
 @hypothesis_settings(max_examples=60)
 @given(ts=sorted_streams, rs=sorted_streams, data=st.data())
 def test_chunks_and_order_of_arrival_do_not_matter(method, ts, rs, data):
-    whole, ledger = pair(ts, rs, rules(method, tolerance_s=0.3, gap_s=5.0))
-    pairer = Pairer(rules(method, tolerance_s=0.3, gap_s=5.0))
+    # Streams of up to 80 s: several stretches, each watched for 4 s.
+    some = rules(method, tolerance_s=0.3, gap_s=5.0, auto_s=4.0)
+    whole, ledger = pair(ts, rs, some)
+    pairer = Pairer(some)
     chunks, at = [], {'ts': 0, 'rs': 0}
     streams_ = {'ts': ts, 'rs': rs}
     while at['ts'] < len(ts) or at['rs'] < len(rs):
@@ -165,6 +177,36 @@ def test_a_gap_is_not_interpolated_over_but_its_ends_pair():
     assert pairs.stamp_ns.tolist() == [1 * S, 5 * S]
     assert pairs.rs_variance_factor.tolist() == [1.0, 1.0]
     assert ledger.total.counts['ts_unpaired'] == 1
+
+
+@pytest.mark.parametrize('method', ['interpolate', 'interpolate_ts'])
+def test_a_bracket_of_just_the_longest_gap_is_used_and_a_longer_one_is_not(method):
+    for gap_ns, n in ((3 * S, 1), (3 * S + 1, 0)):
+        bracket, inside = headings((S, 10.0), (S + gap_ns, 10.0)), headings((2 * S, 10.0))
+        ts, rs = (inside, bracket) if method == 'interpolate' else (bracket, inside)
+        assert len(pair(ts, rs, rules(method, max_gap_s=3.0))[0]) == n
+
+
+@pytest.mark.parametrize('lag_ns', [S // 2, -S // 2])
+def test_a_lag_counts_without_its_sign(lag_ns):
+    ts, rs = headings((10 * S, 1.0)), headings((10 * S + lag_ns, 2.0))
+    (lag,) = pair(ts, rs, rules('nearest', tolerance_s=0.5))[0].lag_ns.tolist()
+    assert lag == lag_ns
+    assert len(pair(ts, rs, rules('nearest', tolerance_s=0.499))[0]) == 0
+
+
+def test_a_ts_put_onto_the_rs_by_hand():
+    """TS 350 and 20 degrees at 1 and 2 s: at 4/3 s 360 = 0 degrees; at 2 s the reading itself."""
+    ts = headings((S, 350.0), (2 * S, 20.0), (3 * S, 30.0), (5 * S, 50.0))
+    rs = headings((S // 2, 5.0), (S + S // 3, 5.0), (2 * S, 6.0), (6 * S, 7.0))
+    pairs, ledger = pair(ts, rs, rules('interpolate_ts'))
+    assert pairs.stamp_ns.tolist() == rs.stamp_ns[1:3].tolist()
+    assert wrap180(pairs.ts_deg) == pytest.approx([0.0, 20.0], abs=1e-6)
+    assert pairs.rs_deg.tolist() == [5.0, 6.0]
+    assert pairs.ts_variance_factor == pytest.approx([5 / 9, 1.0], rel=1e-6)
+    assert pairs.rs_variance_factor.tolist() == [1.0, 1.0] and pairs.lag_ns.tolist() == [0, 0]
+    assert ledger.total.counts == {'paired': 2, 'ts_used': 1, 'ts_paired': 1, 'ts_unpaired': 2,
+                                   'rs_used': 2, 'rs_unused': 2}
 
 
 def test_nothing_is_extrapolated():
@@ -242,8 +284,9 @@ def test_a_silence_of_the_pairs_divides_the_ledger():
     _, ledger = pair(ts, rs, rules(gap_s=60.0))
     first, second = ledger.segments
     assert second.start_ns == 100 * S
-    assert first.counts == {'paired': 2, 'ts_unpaired': 1, 'rs_used': 2, 'rs_unused': 2}
-    assert second.counts == {'paired': 2, 'rs_used': 2}
+    assert first.counts == {'paired': 2, 'ts_paired': 2, 'ts_unpaired': 1, 'rs_used': 2,
+                            'rs_unused': 2}
+    assert second.counts == {'paired': 2, 'ts_paired': 2, 'rs_used': 2}
 
 
 def test_a_ledger_survives_its_segments():

@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 import numpy as np
 import pytest
 
-from heading_intercompare.core.dyadic import Dyadic
+from heading_intercompare.core.cells import Cells
 from heading_intercompare.core.records import Differences
 from heading_intercompare.core.rolling import Rolling
 from heading_intercompare.core.statistics import count_outside, Moments
@@ -69,8 +69,10 @@ def test_the_window_holds_its_panes_exactly(rng, chunk):
         assert rolling.count_outside(0.1, limit) == count_outside(inside, 0.1, limit)
     assert rolling.start_ns == d.stamp_ns[pane > pane[-1] - 64][0]
     assert rolling.span_s == (d.stamp_ns[-1] - rolling.start_ns) / 1e9
-    ours, theirs = rolling.blocks().components(), Dyadic.of(inside).components()
-    assert (ours.d_hat_deg2, ours.nu_batch) == (theirs.d_hat_deg2, theirs.nu_batch)
+    ours = rolling.cells().values()
+    theirs = Cells.of(inside, d.stamp_ns[pane > pane[-1] - 64]).values()
+    assert (ours.mean_square_deg2, ours.kurtosis) == (theirs.mean_square_deg2, theirs.kurtosis)
+    assert np.array_equal(ours.y_deg2, theirs.y_deg2)
 
 
 def test_an_empty_window_has_no_values():

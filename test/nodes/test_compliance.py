@@ -112,7 +112,7 @@ def test_the_last_report_is_the_verdict_of_the_pure_part(ros, rng):
     graph, pairs = Graph(ros), some_pairs(rng, 0, 300)
     for lo in range(0, 300, 60):
         graph.send(pairs[lo:lo + 60])
-    graph.book({'paired': 300, 'rs_used': 300}, final=True)
+    graph.book({'paired': 300, 'ts_paired': 300, 'rs_used': 300}, final=True)
     assert graph.end() == offline(pairs)
     assert values(graph.heard['verdict'][-1])['outcome'] == graph.reports()[-1]['outcome']
 
@@ -120,7 +120,7 @@ def test_the_last_report_is_the_verdict_of_the_pure_part(ros, rng):
 def test_the_end_waits_for_the_pairs_that_the_final_ledger_knows(ros, rng):
     graph, pairs = Graph(ros), some_pairs(rng, 0, 200)
     graph.send(pairs[:100])
-    graph.book({'paired': 200, 'rs_used': 200}, final=True)
+    graph.book({'paired': 200, 'ts_paired': 200, 'rs_used': 200}, final=True)
     graph.node.end()
     ros.spin_until(lambda: ros.executor.spin_once(0.2) is None)
     assert not graph.node.ended
@@ -149,11 +149,11 @@ def test_a_run_that_falls_silent_is_reported_once_its_ledger_has_come(ros, rng):
     graph = Graph(ros, ledger_wait_s=30.0)
     graph.send(some_pairs(rng, 0, 100))
     graph.send(some_pairs(rng, 200, 210))
-    graph.book({'paired': 100, 'rs_used': 100})
+    graph.book({'paired': 100, 'ts_paired': 100, 'rs_used': 100})
     ros.spin_until(lambda: ros.executor.spin_once(0.2) is None)
     assert graph.reports() == []
-    graph.book({'paired': 100, 'rs_used': 100, 'ts_unpaired': 3},
-               more=[(T0_NS + 200 * S_NS, {'paired': 10, 'rs_used': 10})])
+    graph.book({'paired': 100, 'ts_paired': 100, 'rs_used': 100, 'ts_unpaired': 3},
+               more=[(T0_NS + 200 * S_NS, {'paired': 10, 'ts_paired': 10, 'rs_used': 10})])
     ros.spin_until(lambda: graph.reports())
     run, = graph.reports()[0]['runs']
     assert (run['n'], run['pairing']['ts_unpaired'], run['pairing']['paired']) == (100, 3, 100)
@@ -176,7 +176,7 @@ def test_marks_of_a_recording_take_effect_by_their_stamps(ros, rng):
         graph.marker.publish(marker_message(*mark))
     ros.spin_until(lambda: len(graph.heard['marker']) == 2)
     graph.send(pairs)
-    graph.book({'paired': 300, 'rs_used': 300}, final=True)
+    graph.book({'paired': 300, 'ts_paired': 300, 'rs_used': 300}, final=True)
     runs = graph.end()['runs']
     assert runs[0]['start_ns'] == T0_NS + 50 * S_NS
     expected = offline(pairs, marks)['runs'][0]
@@ -192,7 +192,7 @@ def test_the_services_cut_behind_the_newest_pair_and_leave_marks(ros, rng):
     graph.send(pairs[50:200])
     assert graph.call('stop_run').success
     graph.send(pairs[200:])
-    graph.book({'paired': 300, 'rs_used': 300}, final=True)
+    graph.book({'paired': 300, 'ts_paired': 300, 'rs_used': 300}, final=True)
     run, = graph.end()['runs']
     assert (run['start_ns'], run['end_ns'], run['n']) == (
         T0_NS + 50 * S_NS, T0_NS + 199 * S_NS, 150)
@@ -213,7 +213,7 @@ def test_a_bad_verdict_stays_in_the_diagnostics_until_it_is_acknowledged(ros, rn
     graph = Graph(ros, norms__sigma_max_deg=0.001, norms__sigma_ref_max_deg=0.001)
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
     graph.send(some_pairs(rng, 0, 2000))
-    graph.book({'paired': 2000, 'rs_used': 2000})
+    graph.book({'paired': 2000, 'ts_paired': 2000, 'rs_used': 2000})
     assert graph.call('stop_run').success
     ros.spin_until(lambda: graph.reports())
     assert graph.reports()[0]['outcome'] == 'non_compliant'
@@ -233,7 +233,7 @@ def test_figures_of_the_window_and_of_the_run_come_every_second(ros, rng):
 def test_a_report_is_also_written_as_a_file(ros, rng, tmp_path):
     graph = Graph(ros, report_dir=str(tmp_path / 'reports'))
     graph.send(some_pairs(rng, 0, 100))
-    graph.book({'paired': 100, 'rs_used': 100}, final=True)
+    graph.book({'paired': 100, 'ts_paired': 100, 'rs_used': 100}, final=True)
     report = graph.end()
     written, = (tmp_path / 'reports').iterdir()
     assert written.name == 'verdict_20231114T221459Z.json'
@@ -246,7 +246,7 @@ def test_a_report_that_cannot_be_written_is_an_error_in_the_diagnostics(ros, rng
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
     folder.rmdir()
     graph.send(some_pairs(rng, 0, 100))
-    graph.book({'paired': 100, 'rs_used': 100})
+    graph.book({'paired': 100, 'ts_paired': 100, 'rs_used': 100})
     graph.call('stop_run')
     ros.spin_until(lambda: any('No such file' in s.message for m in states for s in m.status))
 

@@ -74,6 +74,20 @@ def test_the_live_verdict_is_that_of_the_recording(trial):
     assert_same(live, offline(bag))
 
 
+def test_with_a_slow_rs_the_live_verdict_is_that_of_the_recording(tmp_path):
+    """Stamps at 40 times their pace, so that readings wait for the choice by the clock, too."""
+    bag = str(tmp_path / 'bag')
+    live = intercompare([Source(SensorSimulator, 'sensor_simulator',
+                                {**TRIAL, 'rs.rate_hz': 1.0, 'speed': 40.0})],
+                        NORMS, output=bag, private=True)
+    pairing = live['runs'][0]['pairing']
+    assert pairing['paired'] > 90 and pairing['rs_variance_factor'] == 1.0
+    assert pairing['ts_received'] == (pairing['ts_paired'] + pairing['ts_used']
+                                      + pairing['ts_unpaired'])
+    assert 0.5 <= pairing['ts_variance_factor'] < 1.0
+    assert_same(live, offline(bag))
+
+
 def test_while_a_run_is_judged_readings_are_recorded(tmp_path, monkeypatch):
     """The judge waits for the recorder; in one thread it would in vain."""
     judging, recorded = threading.Event(), threading.Event()
@@ -174,8 +188,8 @@ def test_two_logs_are_played_in_step_and_every_reading_is_accounted_for(tmp_path
 
 def test_reports_are_written_and_progress_is_told(tmp_path):
     told = []
-    intercompare(drivers(tmp_path), NORMS, report_dir=str(tmp_path / 'reports'), private=True,
-                 progress=told.append)
+    intercompare(drivers(tmp_path), {**NORMS, 'pairing.method': 'interpolate'},
+                 report_dir=str(tmp_path / 'reports'), private=True, progress=told.append)
     assert told[-1] > 200 and told == sorted(told)
     assert len(list((tmp_path / 'reports').glob('verdict_*.json'))) == 1
 

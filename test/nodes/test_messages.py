@@ -134,7 +134,7 @@ def test_no_messages_give_the_empty_chunk():
 
 @quickly
 @given(st.lists(st.tuples(STAMPS, DEGREES, DEGREES, st.integers(-60 * 10 ** 9, 60 * 10 ** 9),
-                          st.floats(0.5, 1.0)), max_size=5))
+                          st.floats(0.5, 1.0), st.floats(0.5, 1.0)), max_size=5))
 def test_published_pairs_arrive_to_the_bit_and_are_what_bags_write(rows):
     pairs = Pairs.of(*map(list, zip(*rows))) if rows else Pairs.empty()
     messages = pair_messages(pairs)
@@ -144,10 +144,16 @@ def test_published_pairs_arrive_to_the_bit_and_are_what_bags_write(rows):
 
 
 def test_the_fields_of_a_pair_by_hand():
-    message, = pair_messages(Pairs.of([3], [1.0], [359.5], [-250_000_000], [0.625]))
+    message, = pair_messages(Pairs.of([3], [1.0], [359.5], [-250_000_000], [0.625], [0.75]))
     linear, angular = message.twist.linear, message.twist.angular
     assert (linear.x, linear.y, linear.z) == (1.5, 359.5, 1.0)
-    assert (angular.x, angular.y, angular.z) == (-0.25, 0.625, 0.0)
+    assert (angular.x, angular.y, angular.z) == (-0.25, 0.625, 0.75)
+
+
+def test_pairs_of_a_version_that_did_not_interpolate_the_ts_have_a_factor_of_1():
+    message, = pair_messages(Pairs.of([3], [1.0], [359.5]))
+    message.twist.angular.z = 0.0
+    assert pairs_from([message]) == Pairs.of([3], [1.0], [359.5])
 
 
 def test_numbers_of_numpy_do_not_reach_a_message_unconverted():

@@ -146,7 +146,7 @@ def test_a_loop_begins_again(ros, tmp_path):
 
 def test_a_loop_is_for_watching_for_its_stamps_go_back_and_are_rejected(ros, tmp_path):
     books = ros.listen(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
-    ros.ours(Synchronizer, subscribers=0)
+    ros.ours(Synchronizer, subscribers=0, pairing__method='interpolate')
     node = ros.ours(Replayer, bag=bag_of(tmp_path / 'bag'), rate=0.0, loop=True, duration_s=1.0)
     ros.spin_until(lambda: node.published >= 80)
 

@@ -33,7 +33,8 @@ from heading_intercompare.nodes.status_messages import (
     verdict_message,
 )
 
-KEYS = ['paired', 'ts_unpaired', 'ts_pending', 'rs_used', 'rs_unused', 'rs_pending',
+KEYS = ['paired', 'ts_paired', 'ts_used', 'ts_unpaired', 'ts_pending', 'rs_used', 'rs_unused',
+        'rs_pending',
         *(f'{s}_rejected.{r}' for s in ('ts', 'rs') for r in REASONS)]
 COUNTS = st.dictionaries(st.sampled_from(KEYS), st.integers(1, 2 ** 40), max_size=6)
 quickly = hypothesis_settings(max_examples=60, deadline=None)
@@ -82,7 +83,8 @@ def test_a_ledger_of_nothing_arrives_as_it_was():
 
 def test_a_ledger_shows_its_total_first():
     message = ledger_message(judged().pairer.ledger)
-    assert values(message.status[0]) == {'final': 'false', 'paired': '401', 'rs_used': '401'}
+    assert values(message.status[0]) == {'final': 'false', 'paired': '401', 'rs_used': '401',
+                                         'ts_paired': '401'}
     assert [s.name for s in message.status] == ['ledger', 'segment 0', 'segment 1']
 
 

@@ -176,7 +176,8 @@ def test_the_convention_of_an_input_is_honoured(ros):
     pairs = ros.listen(TwistStamped, 'pairs', qos.PAIRS)
     ts = ros.plain.create_publisher(QuaternionStamped, 'compass', qos.HEADINGS_OUT)
     rs = ros.plain.create_publisher(Imu, 'rs/heading', qos.HEADINGS_OUT)
-    ros.ours(Synchronizer, ts_topic='compass', ts_convention='ned')
+    ros.ours(Synchronizer, ts_topic='compass', ts_convention='ned',
+             pairing__method='interpolate')
     ros.spin_until(lambda: all(p.get_subscription_count() == 1 for p in (ts, rs)))
     north_ned = QuaternionStamped()
     north_ned.header.stamp.sec = 100

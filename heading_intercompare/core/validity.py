@@ -1,0 +1,263 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The conditions under which a comparison of two sensors means anything, and what binds a verdict.
+
+Each condition is judged in one place, here: from evidence to an effect and its words. A condition
+binds by what it could change, not by how significant it is: in twelve hours everything is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable, Iterable, Sequence
+
+import numpy as np
+
+from .analysed import Analysed
+from .angles import unwrap_deg
+from .criteria import Limits
+from .outcome import Outcome
+from .run_diagnostics import Diagnostics
+from .settings import Settings
+
+__all__ = ['CONDITIONS', 'DOUBTFUL', 'examine', 'Examined', 'Finding', 'HOLDS', 'losses',
+           'NOT_TESTABLE', 'VOID', 'VOID_REASONS', 'worst_effect']
+
+HOLDS, NOT_TESTABLE, DOUBTFUL, VOID = 'holds', 'not_testable', 'doubtful', 'void'
+
+VOID_REASONS = {
+    'void.same_source': 'void: TS and RS show the same noise, so both may come from one sensor',
+    'void.convention': 'void: one sensor does not report its heading by the convention of the '
+                       'other',
+    'void.mean_difference': 'void: the mean difference is too large for sensors of one axis, and '
+                            'no installation angle is stated',
+    'void.frozen': 'void: a sensor repeats its value while the other shows that the ship turns',
+    'void.clocks': 'void: the clocks of the sensors drift apart, and that decides',
+    'void.interpolation': 'void: the slower sensor is too slow for the motion, and that decides',
+    'void.losses': 'void: too many readings of the run are lost, rejected or without partner',
+}
+"""Why a run is void: code and words."""
+
+CONDITIONS = ('same_source', 'convention', 'mean_difference', 'frozen', 'standstill', 'outliers',
+              'clocks', 'interpolation', 'losses')
+"""All conditions, in the order in which a void run is named after them."""
+
+_RANK = {HOLDS: 0, NOT_TESTABLE: 0, DOUBTFUL: 1, VOID: 2}
+
+LARGE_SIGMAS = 3.0
+"""A mean difference above so many norms of the standard deviation is doubtful."""
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """
+    What the data say of one condition; keys of the JSON.
+
+    Attributes
+    ----------
+    condition : str
+        Of `CONDITIONS`.
+    effect : {'holds', 'doubtful', 'void', 'not_testable'}
+        'doubtful': the outcome stands, and the headline says why it is doubted. 'void': the run
+        says nothing of the TS. 'not_testable': these data cannot show whether it holds.
+    words : str
+        The finding in a few words, as a headline has room for.
+    evidence : str
+        A sentence with the figures.
+
+    """
+
+    condition: str
+    effect: str
+    words: str
+    evidence: str
+
+
+def worst_effect(findings: Iterable[Finding]) -> str:
+    """Return the gravest effect: 'holds', 'doubtful' or 'void'."""
+    worst = max((_RANK[f.effect] for f in findings), default=0)
+    return (HOLDS, DOUBTFUL, VOID)[worst]
+
+
+@dataclass(frozen=True, slots=True)
+class Examined:
+    """
+    What the conditions are judged by.
+
+    Attributes
+    ----------
+    data : Analysed
+    found : Diagnostics
+    limits : Limits
+    settings : Settings
+    outcome : Outcome
+        Of the run as it is.
+    decided : callable
+        ``decided(stamp_ns, x_deg)``: the outcome of other differences under the same rule.
+    lower_bound_deg2 : float or None
+        Of the variance.
+
+    """
+
+    data: Analysed
+    found: Diagnostics
+    limits: Limits
+    settings: Settings
+    outcome: Outcome
+    decided: Callable[[np.ndarray, np.ndarray], Outcome]
+    lower_bound_deg2: float | None
+
+
+def examine(examined: Examined) -> tuple[Finding, ...]:
+    """Return what the data of a run say of each condition; `losses` is judged by the ledger."""
+    return tuple(judge(examined) for judge in (
+        _same_source, _convention, _mean_difference, _frozen, _standstill, _outliers, _clocks,
+        _interpolation))
+
+
+def _same_source(e: Examined) -> Finding:
+    found = e.found.signs.source
+    if found.suspected is None:
+        return Finding('same_source', NOT_TESTABLE, '', 'the RS shows no noise of its own in '
+                       'which a common source could be seen')
+    if found.suspected:
+        return Finding('same_source', VOID, 'TS and RS look like one sensor', 'the difference '
+                       'scatters no more than rounding makes it')
+    return Finding('same_source', HOLDS, '', 'the difference scatters more than rounding does')
+
+
+def _convention(e: Examined) -> Finding:
+    found = e.found.signs.convention
+    if found.kind == 'not_testable':
+        return Finding('convention', NOT_TESTABLE, '', 'there are no differences')
+    if found.kind == 'offset':
+        return Finding('convention', VOID, f'TS - RS is near {found.angle_deg:.0f} deg',
+                       f'TS - RS is {found.angle_deg:.2f} deg: is one of them a yaw (ENU) taken '
+                       'for a heading, or mounted backwards?')
+    if found.kind == 'mirrored':
+        return Finding('convention', VOID, 'TS turns against RS', 'TS turns against RS, their sum '
+                       f'stays at {found.angle_deg:.1f} deg: one of them counts '
+                       'counter-clockwise')
+    if found.direction == 'not_testable':
+        return Finding('convention', NOT_TESTABLE, '', 'the ship did not turn enough to tell '
+                       'whether both count clockwise')
+    return Finding('convention', HOLDS, '', 'TS turns with RS, by the same axes')
+
+
+def _mean_difference(e: Examined) -> Finding:
+    found, settings = e.found.signs.mean, e.settings
+    name = 'mean_difference'
+    if found.mean_deg is None:
+        return Finding(name, NOT_TESTABLE, '', 'there is no mean difference')
+    words = f'the mean difference is {found.mean_deg:.2f} deg'
+    most = settings.detectors.mean_max_deg
+    stated = settings.installation_offset_deg != 0.0 or settings.installation_offset_u_deg > 0.0
+    if abs(found.mean_deg) > most and not stated:
+        return Finding(name, VOID, words, f'{words}, above {most:g} deg, and no installation '
+                       'angle is stated (installation_offset_deg)')
+    if found.surely_exceeds(LARGE_SIGMAS * e.limits.sigma_max_deg):
+        return Finding(name, DOUBTFUL, words, f'{words}, significantly above {LARGE_SIGMAS:g} '
+                       f'sigma_max = {LARGE_SIGMAS * e.limits.sigma_max_deg:.3g} deg')
+    return Finding(name, HOLDS, '', words)
+
+
+def _frozen(e: Examined) -> Finding:
+    signs = e.found.signs
+    if signs.ts_frozen.kind == 'not_testable':
+        return Finding('frozen', NOT_TESTABLE, '', 'there are too few readings')
+    for name, sign in (('TS', signs.ts_frozen), ('RS', signs.rs_frozen)):
+        if sign.kind == 'frozen':
+            return Finding(
+                'frozen', VOID, f'the {name} froze', f'the {name} repeated its value '
+                f'{sign.stretches} times while the other sensor turned, for '
+                f'{sign.duration_s:.1f} s by {sign.other_moved_deg:.2f} deg at {sign.start_ns}')
+        if sign.kind == 'dead':
+            return Finding('frozen', VOID, f'the {name} sent one value for an hour',
+                           f'the {name} sent one value for {sign.longest_s:.0f} s, although it '
+                           'reports decimals')
+    longest = max(signs.ts_frozen.longest_s, signs.rs_frozen.longest_s)
+    return Finding('frozen', HOLDS, '', f'no value was repeated for more than {longest:.1f} s '
+                   'while the other sensor turned' if longest else 'no value was repeated')
+
+
+def _standstill(e: Examined) -> Finding:
+    found = e.found.signs.standstill
+    if found.kind == 'not_testable':
+        return Finding('standstill', NOT_TESTABLE, '', 'there are too few readings')
+    ranges = (f'the headings range over {found.ts_range_deg:.3g} deg (TS) and '
+              f'{found.rs_range_deg:.3g} deg (RS)')
+    if found.kind == 'still':
+        return Finding('standstill', DOUBTFUL, 'motion too small to tell', f'{ranges}: whether '
+                       'the sensors work cannot be seen')
+    return Finding('standstill', HOLDS, '', ranges)
+
+
+def _outliers(e: Examined) -> Finding:
+    found = e.found.signs.outliers
+    if found.kind == 'not_testable':
+        return Finding('outliers', NOT_TESTABLE, '', 'there are too few differences')
+    if found.kind == 'none':
+        return Finding('outliers', HOLDS, '', 'no isolated difference stands out')
+    largest = ', '.join(f'{o.size_deg:+.3g} deg at {o.stamp_ns}' for o in found.largest[:3])
+    count = f'{found.count} isolated outlier{"s" if found.count != 1 else ""}'
+    evidence = f'{count} make {100.0 * found.share:.3g} % of the variance: {largest}'
+    without = e.decided(np.delete(e.data.stamp_ns, found.index),
+                        np.delete(e.data.x_deg, found.index))
+    if without is e.outcome:
+        return Finding('outliers', HOLDS, '', f'{evidence}; the outcome is the same without')
+    return Finding('outliers', DOUBTFUL, f'{count} decide{"s" if found.count == 1 else ""}',
+                   f'{evidence}; without the outcome is {without}')
+
+
+def _clocks(e: Examined) -> Finding:
+    if e.settings.alignment.skew == 'off':
+        return Finding('clocks', NOT_TESTABLE, '', 'the skew is not estimated (alignment.skew '
+                       'off)')
+    estimate = e.found.skew.estimate
+    if not estimate.well_determined:
+        return Finding('clocks', NOT_TESTABLE, '', 'the ship did not turn enough to see a skew '
+                       'of the clocks')
+    figures = f'the skew is {estimate.skew_s:.3f} s (standard uncertainty {estimate.u_s:.3f} s)'
+    if not estimate.significant:
+        return Finding('clocks', HOLDS, '', figures)
+    aligned = e.decided(e.data.stamp_ns, _aligned(e.data, estimate.skew_s))
+    if aligned is e.outcome:
+        return Finding('clocks', HOLDS, '', f'{figures}; the outcome is the same without it')
+    return Finding('clocks', DOUBTFUL, f'a skew of {estimate.skew_s:.2f} s decides, without it '
+                   f'{aligned}', f'{figures}; with it taken out the outcome is {aligned}')
+
+
+def _aligned(data: Analysed, skew_s: float) -> np.ndarray:
+    """Return the differences as they are with the RS read so much earlier."""
+    t = (data.stamp_ns - data.stamp_ns[0]) / 1e9
+    rs = unwrap_deg(data.rs_deg)
+    return data.x_deg + rs - np.interp(t - skew_s, t, rs)
+
+
+def _interpolation(e: Examined) -> Finding:
+    return Finding('interpolation', NOT_TESTABLE, '', 'the interpolation error is not estimated')
+
+
+def losses(shares: Sequence[tuple[str, float]], settings: Settings) -> Finding:
+    """
+    Judge the readings that the run could not use.
+
+    Parameters
+    ----------
+    shares : sequence of (str, float)
+        What is lost, in words, and its share of the readings inside the run.
+    settings : Settings
+        `detectors.lost_doubtful` and `detectors.lost_void`.
+
+    """
+    if not shares:
+        return Finding('losses', NOT_TESTABLE, '', 'there is no ledger of the readings')
+    what, share = max(shares, key=lambda row: row[1])
+    evidence = ', '.join(f'{name} {100.0 * part:.2g} %' for name, part in shares)
+    words = f'{100.0 * share:.0f} % {what}'
+    if share > settings.detectors.lost_void:
+        return Finding('losses', VOID, words, evidence)
+    if share > settings.detectors.lost_doubtful:
+        return Finding('losses', DOUBTFUL, words, evidence)
+    return Finding('losses', HOLDS, '', evidence)

@@ -1,0 +1,301 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What binds a verdict: the situations that used to be certified, each with outcome and words."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare.core.ledger import LedgerSegment
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.settings import Settings as CoreSettings
+from heading_intercompare.core.validity import (
+    CONDITIONS,
+    DOUBTFUL,
+    HOLDS,
+    losses,
+    NOT_TESTABLE,
+    VOID,
+    VOID_REASONS,
+    worst_effect,
+)
+
+N = 12_000
+STEP_NS = 10 ** 8
+STAMPS = np.arange(1, N + 1) * STEP_NS
+T_S = STAMPS / 1e9
+NORMS = {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}
+
+
+@pytest.fixture
+def ship():
+    """Return the heading of a ship that turns and yaws, degrees."""
+    return 90.0 + 40.0 * np.sin(2.0 * np.pi * T_S / 600.0) + np.sin(2.0 * np.pi * T_S / 8.0)
+
+
+@pytest.fixture
+def pair(ship, rng):
+    """Return the headings of a sound TS (0.1 deg) and of an RS (0.05 deg)."""
+    return ship + 0.1 * rng.standard_normal(N), ship + 0.05 * rng.standard_normal(N)
+
+
+def judged(ts_deg, rs_deg, stamps=STAMPS, rs_stamps=None, **settings):
+    """Return the verdict on two streams of headings."""
+    rs_stamps = stamps if rs_stamps is None else rs_stamps
+    return analyze(Headings.of(stamps, np.mod(ts_deg, 360.0)),
+                   Headings.of(rs_stamps, np.mod(rs_deg, 360.0)),
+                   Settings.from_mapping({'norms': NORMS, **settings}))
+
+
+def effects(verdict, run=0):
+    """Return the conditions of a run that do not simply hold, with their effect."""
+    return {f.condition: f.effect for f in verdict.runs[run].validity
+            if f.effect in (DOUBTFUL, VOID)}
+
+
+def test_a_sound_sensor_is_certified_and_says_what_that_covers(pair):
+    """1200 s: a twentieth is 60 s."""
+    verdict = judged(*pair)
+    assert effects(verdict) == {}
+    assert verdict.outcome is Outcome.COMPLIANT and verdict.validity_effect == HOLDS
+    assert verdict.headline == \
+        'COMPLIANT for errors that change within 60 s; slower errors are not covered'
+
+
+def test_every_run_says_something_of_every_condition(pair):
+    found = judged(*pair).runs[0].validity
+    assert tuple(f.condition for f in found) == CONDITIONS
+    assert all(f.evidence for f in found)
+    assert all(bool(f.words) == (f.effect in (DOUBTFUL, VOID)) for f in found)
+
+
+# --- void ---
+
+def test_one_sensor_twice_is_no_comparison(pair):
+    _, rs = pair
+    verdict = judged(rs, rs)
+    assert verdict.runs[0].reason == 'void.same_source'
+    assert verdict.outcome is Outcome.INDETERMINATE
+    assert verdict.headline.startswith('INDETERMINATE, VOID: ')
+    # The figures are still shown.
+    assert verdict.runs[0].guarded.outcome is Outcome.COMPLIANT
+
+
+@pytest.mark.parametrize('turn', [90.0, -90.0, 180.0, -180.0, 178.0])
+def test_a_turned_sensor_is_void_also_at_the_seam_of_the_wrap(pair, turn):
+    ts, rs = pair
+    verdict = judged(ts + turn, rs)
+    assert verdict.runs[0].reason == 'void.convention'
+    assert f'near {abs(turn):.0f}' in verdict.headline.replace('-', '')
+
+
+def test_a_sensor_that_counts_the_other_way_is_void(pair):
+    ts, rs = pair
+    for mirrored in (-ts, 90.0 - ts):
+        verdict = judged(mirrored, rs)
+        assert verdict.runs[0].reason == 'void.convention'
+        assert verdict.headline == 'INDETERMINATE, VOID: TS turns against RS'
+
+
+def test_thirty_degrees_off_without_a_word_is_void_and_with_one_is_not(pair):
+    ts, rs = pair
+    verdict = judged(ts + 30.0, rs)
+    assert verdict.runs[0].reason == 'void.mean_difference'
+    assert 'the mean difference is 30.00 deg' in verdict.headline
+    assert judged(ts + 30.0, rs, installation_offset_deg=30.0).outcome is Outcome.COMPLIANT
+    assert judged(ts + 30.0, rs, detectors={'mean_max_deg': 31.0}).validity_effect == DOUBTFUL
+
+
+def test_a_frozen_sensor_is_void_even_if_its_variance_would_be_rejected(pair):
+    ts, rs = pair
+    ts[4000:6000] = ts[4000]
+    verdict = judged(ts, rs)
+    assert verdict.runs[0].guarded.outcome is Outcome.NON_COMPLIANT
+    assert verdict.runs[0].reason == 'void.frozen'
+    assert 'the TS froze' in verdict.headline
+
+
+def test_a_dead_sensor_alongside_is_void(rng):
+    """One value with a decimal for more than an hour, the RS alive within 0.2 deg."""
+    stamps = np.arange(1, 40_001) * STEP_NS
+    rs = 123.4 + 0.05 * rng.standard_normal(stamps.size)
+    verdict = judged(np.full(stamps.size, 123.4), rs, stamps)
+    assert verdict.runs[0].reason == 'void.frozen'
+    assert 'one value for an hour' in verdict.headline
+
+
+@pytest.mark.parametrize('missing, effect', [(0.05, HOLDS), (0.3, DOUBTFUL), (0.6, VOID)])
+def test_readings_that_no_partner_is_found_for_bind(pair, missing, effect):
+    """The RS is silent for 12 s in every minute or two, longer than pairing.max_gap_s."""
+    ts, rs = pair
+    keep = (T_S % 60.0) >= 60.0 * missing
+    verdict = judged(ts, rs[keep], rs_stamps=STAMPS[keep])
+    assert effects(verdict).get('losses', HOLDS) == effect
+    if effect == VOID:
+        assert verdict.runs[0].reason == 'void.losses'
+
+
+# --- doubtful ---
+
+def test_one_bad_reading_is_named_and_not_called_a_slow_error(pair):
+    """One of 12 000, 40 deg: 40^2 / 12000 = 0.133 deg2, three times the limit."""
+    ts, rs = pair
+    ts[5000] += 40.0
+    verdict = judged(ts, rs)
+    assert effects(verdict) == {'outliers': DOUBTFUL}
+    run = verdict.runs[0]
+    assert run.reason == 'outliers_decide'
+    evidence = next(f.evidence for f in run.validity if f.condition == 'outliers')
+    assert str(STAMPS[5000]) in evidence and '+40 deg' in evidence
+    assert 'without the outcome is compliant' in evidence
+
+
+def test_an_outlier_that_decides_nothing_does_not_bind(pair):
+    ts, rs = pair
+    ts[5000] += 1.5
+    verdict = judged(ts, rs)
+    assert effects(verdict) == {} and verdict.outcome is Outcome.COMPLIANT
+
+
+def test_five_degrees_off_is_certified_but_doubtful(pair):
+    """3 sigma_max = 0.6 deg."""
+    ts, rs = pair
+    verdict = judged(ts + 5.0, rs)
+    assert verdict.outcome is Outcome.COMPLIANT and effects(verdict) == {
+        'mean_difference': DOUBTFUL}
+    assert verdict.headline.startswith('COMPLIANT, DOUBTFUL: the mean difference is 5.00 deg (for')
+
+
+def test_two_constant_values_show_nothing():
+    verdict = judged(np.full(N, 90.1), np.full(N, 90.0))
+    assert effects(verdict) == {'standstill': DOUBTFUL}
+    assert 'motion too small to tell' in verdict.headline
+
+
+def test_a_skew_that_decides_gives_both_outcomes(ship, rng):
+    """0.5 s at 0.555 deg/s rms of yaw adds 0.077 deg2 to 0.0125: above the limit of 0.05."""
+    late = 90.0 + 40.0 * np.sin(2.0 * np.pi * (T_S - 0.5) / 600.0) + np.sin(
+        2.0 * np.pi * (T_S - 0.5) / 8.0)
+    verdict = judged(late + 0.1 * rng.standard_normal(N), ship + 0.05 * rng.standard_normal(N))
+    assert verdict.outcome is Outcome.NON_COMPLIANT
+    assert effects(verdict) == {'clocks': DOUBTFUL}
+    assert 'a skew of 0.50 s decides, without it compliant' in verdict.headline
+
+
+def test_a_skew_that_decides_nothing_does_not_bind(ship, rng):
+    late = 90.0 + 40.0 * np.sin(2.0 * np.pi * (T_S - 0.03) / 600.0) + np.sin(
+        2.0 * np.pi * (T_S - 0.03) / 8.0)
+    verdict = judged(late + 0.05 * rng.standard_normal(N), ship + 0.05 * rng.standard_normal(N))
+    assert verdict.runs[0].skew.estimate.significant
+    assert effects(verdict) == {} and verdict.outcome is Outcome.COMPLIANT
+
+
+# --- a slow part ---
+
+def test_a_drift_gets_no_certificate_and_a_negligible_slope_does(pair):
+    ts, rs = pair
+    ramp = np.linspace(-0.5, 0.5, N)
+    drifting, hardly = judged(ts + 0.5 * ramp, rs), judged(ts + 0.02 * ramp, rs)
+    assert drifting.outcome is Outcome.INDETERMINATE
+    assert hardly.outcome is Outcome.COMPLIANT and effects(hardly) == {}
+
+
+# --- least duration ---
+
+def test_seven_seconds_certify_nothing(pair):
+    ts, rs = pair
+    verdict = judged(ts[:600], rs[:600], STAMPS[:600], pairing={'method': 'interpolate'})
+    assert (verdict.outcome, verdict.runs[0].reason) == (
+        Outcome.INDETERMINATE, 'insufficient_duration')
+
+
+def test_the_slowest_error_stated_asks_for_twenty_times_its_length(pair):
+    """1199.9 s hold 20 times 59.9 s, not 20 times 61 s."""
+    assert judged(*pair, risk={'slowest_error_s': 59.9}).headline == \
+        'COMPLIANT for errors that change within 60 s; the slowest stated is 60 s'
+    refused = judged(*pair, risk={'slowest_error_s': 61.0})
+    assert refused.runs[0].reason == 'insufficient_duration'
+    assert judged(*pair, risk={'sensor_class': 'gnss_compass'}).runs[0].reason == \
+        'insufficient_duration'
+
+
+# --- several runs ---
+
+def test_a_void_run_leaves_the_campaign_open_unless_another_is_rejected(pair, rng):
+    ts, rs = pair
+    good, void = (Headings.of(STAMPS, ts), Headings.of(STAMPS, rs)), (
+        Headings.of(STAMPS, ts + 30.0), Headings.of(STAMPS, rs))
+    bad = Headings.of(STAMPS, rs + 0.5 * rng.standard_normal(N)), Headings.of(STAMPS, rs)
+    settings = Settings.from_mapping({'norms': NORMS})
+
+    def of(*inputs):
+        return analyze([ts for ts, _ in inputs], [rs for _, rs in inputs], settings)
+
+    assert of(good, good).outcome is Outcome.COMPLIANT
+    opened = of(good, void)
+    assert (opened.outcome, opened.campaign.reason) == (Outcome.INDETERMINATE, 'a_run_void')
+    assert 'run 2: the mean difference is 30.00 deg' in opened.headline
+    assert of(bad, void).outcome is Outcome.NON_COMPLIANT
+
+
+def test_a_campaign_with_a_doubtful_run_is_doubtful(pair):
+    ts, rs = pair
+    settings = Settings.from_mapping({'norms': NORMS})
+    verdict = analyze([Headings.of(STAMPS, ts), Headings.of(STAMPS, ts + 5.0)],
+                      [Headings.of(STAMPS, rs)] * 2, settings)
+    assert verdict.outcome is Outcome.COMPLIANT and verdict.validity_effect == DOUBTFUL
+    assert 'run 2: the mean difference is 5.00 deg' in verdict.headline
+
+
+# --- looks ---
+
+def test_a_good_start_does_not_certify_a_bad_sensor(ship, rng):
+    """0.3 of the norm for 5 min, 3 times the norm for 55 min, plan 3600 s: was COMPLIANT."""
+    t = np.arange(1, 36_001) * 0.1
+    heading = 90.0 + 40.0 * np.sin(2.0 * np.pi * t / 600.0)
+    sigma = np.where(t <= 300.0, 0.06, 0.6)
+    rs = heading + 0.05 * rng.standard_normal(t.size)
+    verdict = judged(heading + sigma * rng.standard_normal(t.size), rs,
+                     np.arange(1, 36_001) * STEP_NS, sequential={'plan_s': 3600.0},
+                     risk={'min_duration_s': 50.0})
+    assert verdict.runs[0].looks[0].outcome is Outcome.COMPLIANT
+    assert verdict.outcome is Outcome.NON_COMPLIANT
+
+
+def test_a_rejection_at_a_look_stays(ship, rng):
+    """3 times the norm for 10 min, then so good that the whole hour would hardly be rejected."""
+    t = np.arange(1, 36_001) * 0.1
+    heading = 90.0 + 40.0 * np.sin(2.0 * np.pi * t / 600.0)
+    sigma = np.where(t <= 600.0, 0.4, 0.05)
+    verdict = judged(heading + sigma * rng.standard_normal(t.size),
+                     heading + 0.02 * rng.standard_normal(t.size),
+                     np.arange(1, 36_001) * STEP_NS, sequential={'plan_s': 3600.0},
+                     risk={'min_duration_s': 50.0})
+    run = verdict.runs[0]
+    assert run.guarded.outcome is not Outcome.NON_COMPLIANT
+    assert (run.outcome, run.reason) == (Outcome.NON_COMPLIANT, 'rejected_at_a_look')
+
+
+# --- the parts ---
+
+def test_every_void_reason_belongs_to_a_condition():
+    assert {reason.partition('.')[2] for reason in VOID_REASONS} < set(CONDITIONS)
+
+
+def test_the_gravest_effect_counts(pair):
+    found = judged(*pair).runs[0].validity
+    assert worst_effect(found) == HOLDS and worst_effect(()) == HOLDS
+
+
+@pytest.mark.parametrize('share, effect', [
+    (0.1, HOLDS), (0.1001, DOUBTFUL), (0.5, DOUBTFUL), (0.5001, VOID)])
+def test_losses_bind_above_their_limits_not_at_them(share, effect):
+    found = losses([('lost', share), ('without partner', 0.01)], CoreSettings())
+    assert found.effect == effect
+
+
+def test_losses_without_a_ledger_cannot_be_told():
+    assert losses([], CoreSettings()).effect == NOT_TESTABLE
+    assert LedgerSegment(None).received('ts') == 0
