@@ -198,6 +198,8 @@ def table_short() -> Iterator[Row]:
                 ('sea state of sd 0.7, white', sea_state(0.7, tau, white))):
             yield Row(f'{name}, 20, n = {n}', n, errors, 20)
         yield Row(f'Laplace AR(1), 50, n = {n}', n, as_laplace(ar1(n / 50.0)), 50)
+        yield Row(f'Student-5 AR(1), 50, n = {n}', n, as_student5(ar1(n / 50.0)), 50)
+        yield Row(f'Student-5 white, n = {n}', n, as_student5(white))
         yield Row(f'white, n = {n}', n, white)
 
 
