@@ -171,18 +171,24 @@ def _drifts(name: str, n: int, errors: Errors, times: float) -> Iterator[Row]:
 
 
 def table_gaps() -> Iterator[Row]:
-    """Yield the rows of gaps and unequal steps; times are those of the span, gaps included."""
-    gaps = [('five gaps of 6 %', five_gaps, 1), ('half of it missing', half_missing, 1),
-            ('one of four kept at random', one_in_four, 4), ('1 % lost at random', some_lost, 1),
-            ('steps of 0.2 to 1.8', jittered, 10), ('ten of twenty', seconds_on_and_off, 2)]
-    for name, sampling, fine in gaps:
-        def row(process: str, n: int, errors: Errors, times: float = math.inf,
-                name: str = name, sampling: Sampling = sampling) -> Row:
-            return Row(f'{process}; {name}', n, errors, times, sampling=sampling, rate_hz=10.0)
-        yield row('AR(1), 100', 2000 * fine, ar1(20.0 * fine), 100)
-        yield row('AR(1), 20', 600 * fine, ar1(30.0 * fine), 20)
-        yield row('0.5 white + 0.5 narrow band, 33', 2000 * fine, half(band(60.0 * fine)), 33.3)
-        yield row('white', 2000 * fine, white)
+    """Yield the rows of gaps and unequal steps; times are those with data, long gaps left out."""
+    gaps = [('five gaps of 6 %', five_gaps, 1, 0.7), ('half of it missing', half_missing, 1, 0.5),
+            ('one of four kept at random', one_in_four, 4, 1.0),
+            ('1 % lost at random', some_lost, 1, 1.0), ('steps of 0.2 to 1.8', jittered, 10, 1.0),
+            ('ten of twenty', seconds_on_and_off, 2, 1.0)]
+    for name, sampling, fine, kept in gaps:
+        for process, tau, made, times in (
+                ('AR(1)', 20, ar1, 100), ('AR(1)', 30, ar1, 20),
+                ('0.5 white + 0.5 narrow band', 60, lambda tau: half(band(tau)), 33)):
+            n = round(tau * times / kept) * fine
+            yield Row(f'{process}, {times}; {name}', n, made(tau * fine), times,
+                      sampling=sampling, rate_hz=10.0)
+        yield Row(f'white; {name}', 2000 * fine, white, sampling=sampling, rate_hz=10.0)
+    for name, sampling, kept in (('five gaps of 6 %', five_gaps, 0.7),
+                                 ('half of it missing', half_missing, 0.5)):
+        times = 20 * kept
+        yield Row(f'AR(1), {times:g}; {name}', 600, ar1(30.0), times, sampling=sampling,
+                  rate_hz=10.0)
 
 
 def table_short() -> Iterator[Row]:
