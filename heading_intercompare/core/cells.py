@@ -22,6 +22,7 @@ LEAST_CELLS = 128
 
 _MOST_CELLS = 1023
 _HALF = 512
+_PIECE = 1 << 16
 _ROWS = 5
 _N, _MEAN, _M2, _M3, _M4 = range(_ROWS)
 
@@ -166,7 +167,12 @@ class Cells:
     def of(cls, x_deg: ArrayLike, stamp_ns: ArrayLike | None = None) -> 'Cells':
         """Return the sums of a whole series; see `update`."""
         result = cls()
-        result.update(x_deg, stamp_ns)
+        x = np.asarray(x_deg, dtype=np.float64).reshape(-1)
+        stamps = None if stamp_ns is None else np.asarray(stamp_ns, dtype=np.int64).reshape(-1)
+        # In pieces, which give the same to the bit and leave the memory free.
+        for lo in range(0, x.size, _PIECE):
+            hi = lo + _PIECE
+            result.update(x[lo:hi], None if stamps is None else stamps[lo:hi])
         return result
 
     def update(self, x_deg: ArrayLike, stamp_ns: ArrayLike | None = None) -> None:

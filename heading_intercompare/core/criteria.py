@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 import math
 
@@ -88,6 +88,12 @@ class Limits:
     k: float
     k_tightened: float
     ts_variance_factor: float = 1.0
+
+    def with_rs_factor(self, factor: float) -> 'Limits':
+        """Return the limits where interpolation has shrunk the variance of the RS noise again."""
+        lost = (1.0 - factor) * (self.m_low * self.sigma_ref_max_deg) ** 2
+        return replace(self, m_low=self.m_low * math.sqrt(factor),
+                       tightened_limit_deg2=self.tightened_limit_deg2 - lost)
 
     @property
     def count_limit_deg(self) -> float:

@@ -19,6 +19,7 @@ __all__ = ['Convention', 'convention', 'Frozen', 'frozen', 'SameSource',
            'same_source', 'stamp_steps', 'StampSteps']
 
 _EQUAL_DEG = 1e-7
+_SHORT_STEPS, _OFF, _NEARLY_ALL = 0.1, 0.2, 0.9
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +87,9 @@ class StampSteps:
         Number of stamps.
     typical_s : float or None
         Median step, seconds; None for n < 2.
+    nominal_s : float or None
+        Step of which nearly all are multiples, seconds: that of the sensor, however many of its
+        readings are missing. None for n < 2, and where the steps have no common measure.
     backward, equal, silences : int
         Steps back, steps of zero, and steps much longer than usual.
     longest_back_s, longest_s : float or None
@@ -95,11 +99,22 @@ class StampSteps:
 
     n: int
     typical_s: float | None
+    nominal_s: float | None
     backward: int
     equal: int
     silences: int
     longest_back_s: float | None
     longest_s: float | None
+
+
+def _nominal_s(steps: np.ndarray) -> float | None:
+    """Return the step that nearly all are multiples of, seconds."""
+    step = float(np.quantile(steps[::max(1, steps.size // 100_000)], _SHORT_STEPS))
+    if not step > 0.0:
+        return None
+    times = steps / step
+    even = np.abs(times - np.rint(times)) <= _OFF * np.maximum(1.0, np.sqrt(np.abs(times)))
+    return step / 1e9 if float(np.mean(even)) >= _NEARLY_ALL else None
 
 
 def stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> StampSteps:
@@ -126,11 +141,11 @@ def stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> StampSteps:
     """
     steps = np.diff(np.asarray(stamp_ns, dtype=np.int64))
     if not steps.size:
-        return StampSteps(int(np.size(stamp_ns)), None, 0, 0, 0, None, None)
+        return StampSteps(int(np.size(stamp_ns)), None, None, 0, 0, 0, None, None)
     typical = float(np.median(steps))
     least = int(steps.min())
     return StampSteps(
-        steps.size + 1, typical / 1e9, int(np.count_nonzero(steps < 0)),
+        steps.size + 1, typical / 1e9, _nominal_s(steps), int(np.count_nonzero(steps < 0)),
         int(np.count_nonzero(steps == 0)),
         int(np.count_nonzero(steps > silence_steps * typical)) if typical > 0.0 else 0,
         -least / 1e9 if least < 0 else None, int(steps.max()) / 1e9)

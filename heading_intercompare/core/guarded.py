@@ -96,7 +96,8 @@ class Guarded:
     acceptance_limit_deg2, rejection_limit_deg2 : float
         The limits A and R that they are compared with.
     sigma_ts_lower_deg, sigma_ts_upper_deg : float or None
-        Bounds of the TS standard deviation, the RS at its upper and at its lower value.
+        Bounds of the TS standard deviation, the RS at its upper and at its lower value; the upper
+        one allows for what interpolating the TS may have taken from it.
     confidence_compliant, confidence_non_compliant : float or None
         That the variance is at most A; that it is above R.
     conformance_probability : float or None
@@ -239,10 +240,12 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
         upper_bound_deg2=upper, lower_bound_deg2=lower,
         acceptance_limit_deg2=accept, rejection_limit_deg2=reject,
         sigma_ts_lower_deg=math.sqrt(max(0.0, lower - up_deg ** 2)),
-        sigma_ts_upper_deg=math.sqrt(max(0.0, upper - low_deg ** 2)),
+        sigma_ts_upper_deg=math.sqrt(max(0.0, upper - low_deg ** 2)
+                                     / limits.ts_variance_factor),
         confidence_compliant=confidence(found, accept),
         confidence_non_compliant=1.0 - confidence(found, reject),
-        conformance_probability=mean_confidence(found, limits.sigma_max_deg, low_deg, up_deg),
+        conformance_probability=mean_confidence(
+            found, math.sqrt(limits.ts_variance_factor) * limits.sigma_max_deg, low_deg, up_deg),
         duration_factor=factor, hours_needed=factor * evidence.span_s / 3600.0,
         **_bias(evidence, found),
         rate_plus=rates[0], rate_plus_plus=rates[1],

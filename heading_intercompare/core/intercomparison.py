@@ -242,8 +242,9 @@ class Intercomparison:
                  table: Sequence[tuple[int, int]] | None = None) -> None:
         self.compliance = Compliance(settings, source=source, table=table)
         self.pairer = Pairer(settings)
-        for start_ns, _ in table or ():
+        for start_ns, stop_ns in table or ():
             self.pairer.ledger.cut(start_ns)
+            self.pairer.ledger.cut(stop_ns)
 
     def update(self, ts: Headings | None = None, rs: Headings | None = None) -> Pairs:
         """Take readings; return the pairs they made."""
@@ -253,8 +254,7 @@ class Intercomparison:
 
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Start or stop a run behind the pair of a stamp."""
-        if kind == 'start':
-            self.pairer.ledger.cut(stamp_ns + 1)
+        self.pairer.ledger.cut(stamp_ns + 1)
         self.compliance.mark(kind, stamp_ns)
 
     def finish(self) -> Pairs:

@@ -99,8 +99,9 @@ def _lost_shares(verdict: RunVerdict, inside: LedgerSegment,
     """Return what a run could not use, in words, and its share of the readings in the run."""
     counts, stamps = inside.counts, verdict.correlation.stamps
     shares = []
-    if stamps.typical_s and verdict.n > 1:
-        expected = verdict.coverage.span_s / stamps.typical_s
+    step_s = stamps.nominal_s or stamps.typical_s
+    if step_s and verdict.n > 1:
+        expected = verdict.coverage.span_s / step_s
         shares.append(('lost', max(0.0, 1.0 - (verdict.n - 1) / expected)))
     for stream in ('ts', 'rs'):
         if received := inside.received(stream):
@@ -138,9 +139,12 @@ class _Decision:
             drift_left_deg2=drift_left_deg2)
         return evidence, decide(evidence, self._limits, self._risk), printed
 
-    def outcome(self, stamp_ns: np.ndarray, x_deg: np.ndarray,
-                drift_left_deg2: float) -> Outcome:
-        """Return the outcome of other differences."""
+    def outcome(self, stamp_ns: np.ndarray, x_deg: np.ndarray, drift_left_deg2: float,
+                rs_factor: float = 1.0) -> Outcome:
+        """Return the outcome of other differences, the noise of the RS shrunk once more."""
+        if rs_factor != 1.0:
+            other = _Decision(self._limits.with_rs_factor(rs_factor), self._settings, self._risk)
+            return other.outcome(stamp_ns, x_deg, drift_left_deg2)
         data = Analysed.of(stamp_ns, x_deg, np.zeros_like(x_deg), self._settings)
         _, guarded, printed = self(data, Cells.of(data.series_deg, stamp_ns), drift_left_deg2)
         return conclude(guarded, printed)[0]
@@ -195,11 +199,12 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
     outcome, reason = conclude(guarded, printed)
     found = diagnose(data.stamp_ns, data.x_deg, data.rs_deg, settings, guarded, limits,
                      drift=drift, rest_deg=rest_deg, residual_deg=data.residual_deg,
-                     times=correlation_times(data.series_deg))
+                     times=correlation_times(data.series_deg),
+                     rs_variance_factor=run.rs_variance_factor or 1.0)
     validity = examine(Examined(
         data, found, limits, settings, outcome,
-        lambda stamp_ns, x_deg: decision.outcome(stamp_ns, x_deg, left),
-        guarded.lower_bound_deg2))
+        lambda stamp_ns, x_deg, rs_factor=1.0: decision.outcome(stamp_ns, x_deg, left, rs_factor),
+        guarded.lower_bound_deg2, guarded.upper_bound_deg2))
     coverage = coverage_of(data.span_s, risk)
     direction, length = circular_mean(data.x_deg) if n else (None, None)
     verdict = RunVerdict(

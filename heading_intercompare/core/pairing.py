@@ -107,6 +107,8 @@ class Pairer:
         pairs = self._pair(end=True)
         for stream in (self._ts, self._rs):
             stream.release(len(stream))
+        if self._last_pair_ns is not None:
+            self.ledger.cut(self._last_pair_ns + 1)
         self._forget()
         return pairs
 
@@ -191,18 +193,25 @@ class Pairer:
         return ready, which, pairs
 
     def _settle(self, ready: int, which: np.ndarray, pairs: Pairs) -> Pairs:
-        """Book the decided readings and cut the ledger where the pairs fall silent."""
+        """Book the decided readings; cut the ledger where the pairs begin and fall silent."""
         if ready == 0:
             return pairs
         self._at.role[which] = PAIRED
         self._last_settled_ns = int(self._at.release(ready)[-1])
         if len(pairs):
             self.ledger.add('paired', pairs.stamp_ns)
-            before = pairs.stamp_ns[0] if self._last_pair_ns is None else self._last_pair_ns
-            silence = np.diff(pairs.stamp_ns, prepend=before)
-            for at in np.flatnonzero(silence > self._run_gap_ns):
+            first = int(pairs.stamp_ns[0])
+            if self._last_pair_ns is None:
+                self.ledger.cut(first)
+                self._last_pair_ns = first
+            before = np.concatenate(([self._last_pair_ns], pairs.stamp_ns[:-1]))
+            for at in np.flatnonzero(pairs.stamp_ns - before > self._run_gap_ns):
+                self.ledger.cut(int(before[at]) + 1)
                 self.ledger.cut(int(pairs.stamp_ns[at]))
             self._last_pair_ns = int(pairs.stamp_ns[-1])
+        if (self._last_pair_ns is not None
+                and self._last_settled_ns - self._last_pair_ns > self._run_gap_ns):
+            self.ledger.cut(self._last_pair_ns + 1)
         return pairs
 
     def _expire(self, before_s: float) -> None:

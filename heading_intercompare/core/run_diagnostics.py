@@ -15,6 +15,7 @@ from .alignment import Skew, skew
 from .angles import unwrap_deg, wrap360
 from .assumptions import Assumption
 from .cells import Cells
+from .common_noise import common_noise, CommonNoise
 from .conventions import Convention, convention, mean_difference, MeanDifference
 from .criteria import Limits
 from .detectors import same_source, SameSource, stamp_steps
@@ -57,6 +58,7 @@ class Signs:
     convention: Convention
     mean: MeanDifference
     source: SameSource
+    noise: CommonNoise
     ts_frozen: Frozen
     rs_frozen: Frozen
     standstill: Standstill
@@ -86,7 +88,7 @@ class Diagnostics:
 def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settings: Settings,
              guarded: Guarded, limits: Limits, *, drift: Drift, rest_deg: np.ndarray,
              residual_deg: np.ndarray | None = None, times: CorrelationTimes | None = None,
-             scan: Scan | None = None) -> Diagnostics:
+             scan: Scan | None = None, rs_variance_factor: float = 1.0) -> Diagnostics:
     """
     Examine a run.
 
@@ -112,6 +114,8 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
         `correlation_times` of the residuals, if known already.
     scan : Scan, optional
         Of the two streams, if they are at hand.
+    rs_variance_factor : float
+        Mean factor by which interpolation shrank the noise of the RS.
 
     Returns
     -------
@@ -140,7 +144,8 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     stamps = stamp_steps(stamp_ns, detectors.silence_steps)
     correlation = correlation_of(residual, stamps, times or correlation_times(residual))
     signs, normal = _examine_headings(stamp_ns, x_deg, rs_deg, residual, settings, detectors,
-                                      math.sqrt(limits.limit_deg2), correlation)
+                                      math.sqrt(limits.limit_deg2), rs_variance_factor,
+                                      correlation)
     allan = allan_of(x_deg, stamps.typical_s, _noise_of_rs(x_deg, rs_deg, estimate, range_s))
     variance = float(np.var(x_deg, ddof=1)) if n > 1 else None
     block = run_skew(estimate, variance, limits, scan)
@@ -158,17 +163,21 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
 
 def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
                       residual_deg: np.ndarray, settings: Settings, detectors: Detectors,
-                      sigma_deg: float, correlation: Correlation) -> tuple[Signs, Normality]:
+                      sigma_deg: float, rs_variance_factor: float,
+                      correlation: Correlation) -> tuple[Signs, Normality]:
     """Look at the headings of both sensors; those of the TS follow from the differences."""
     ts_deg = x_deg + rs_deg
     ts_deg += settings.installation_offset_deg
     ts_deg = wrap360(ts_deg)
     limits = {'least_s': detectors.frozen_s, 'moved_deg': detectors.frozen_moved_deg,
               'sigma_deg': sigma_deg}
+    steps = resolution(ts_deg), resolution(rs_deg)
     signs = Signs(
         convention(x_deg, rs_deg, detectors.convention_tolerance_deg), mean_difference(x_deg),
-        same_source(x_deg, rs_deg, resolution(ts_deg), resolution(rs_deg),
-                    detectors.same_source_ratio),
+        same_source(x_deg, rs_deg, *steps, detectors.same_source_ratio),
+        common_noise(stamp_ns, x_deg, rs_deg,
+                     rs_factor=np.full(x_deg.size, rs_variance_factor),
+                     rs_step_deg=steps[1].step_deg, ts_step_deg=steps[0].step_deg),
         frozen(stamp_ns, ts_deg, rs_deg, **limits), frozen(stamp_ns, rs_deg, ts_deg, **limits),
         standstill(ts_deg, rs_deg), outliers(stamp_ns, residual_deg))
     step = correlation.stamps.typical_s

@@ -10,6 +10,7 @@ binds by what it could change, not by how significant it is: in twelve hours eve
 from __future__ import annotations
 
 from dataclasses import dataclass
+import math
 from typing import Callable, Iterable, Sequence
 
 import numpy as np
@@ -44,6 +45,12 @@ CONDITIONS = ('same_source', 'convention', 'mean_difference', 'frozen', 'standst
 """All conditions, in the order in which a void run is named after them."""
 
 _RANK = {HOLDS: 0, NOT_TESTABLE: 0, DOUBTFUL: 1, VOID: 2}
+
+_NO_NOISE = {
+    'too_short': 'the run is too short to compare the noise of TS and RS',
+    'too_slow': 'readings more than a second apart do not show noise above the motion',
+    'no_rs_noise': 'the RS shows no noise of its own in which a common source could be seen',
+}
 
 LARGE_SIGMAS = 3.0
 """A mean difference above so many norms of the standard deviation is doubtful."""
@@ -94,8 +101,9 @@ class Examined:
     outcome : Outcome
         Of the run as it is.
     decided : callable
-        ``decided(stamp_ns, x_deg)``: the outcome of other differences under the same rule.
-    lower_bound_deg2 : float or None
+        ``decided(stamp_ns, x_deg, rs_factor=1.0)``: the outcome of other differences under the
+        same rule, where interpolation has left that share of the variance of the RS noise.
+    lower_bound_deg2, upper_bound_deg2 : float or None
         Of the variance.
 
     """
@@ -105,8 +113,9 @@ class Examined:
     limits: Limits
     settings: Settings
     outcome: Outcome
-    decided: Callable[[np.ndarray, np.ndarray], Outcome]
+    decided: Callable[..., Outcome]
     lower_bound_deg2: float | None
+    upper_bound_deg2: float | None
 
 
 def examine(examined: Examined) -> tuple[Finding, ...]:
@@ -117,14 +126,24 @@ def examine(examined: Examined) -> tuple[Finding, ...]:
 
 
 def _same_source(e: Examined) -> Finding:
-    found = e.found.signs.source
-    if found.suspected is None:
-        return Finding('same_source', NOT_TESTABLE, '', 'the RS shows no noise of its own in '
-                       'which a common source could be seen')
-    if found.suspected:
-        return Finding('same_source', VOID, 'TS and RS look like one sensor', 'the difference '
-                       'scatters no more than rounding makes it')
-    return Finding('same_source', HOLDS, '', 'the difference scatters more than rounding does')
+    source, noise = e.found.signs.source, e.found.signs.noise
+    name, words = 'same_source', 'TS and RS look like one sensor'
+    if source.suspected:
+        return Finding(name, VOID, words, f'the difference scatters by {source.std_deg:.2g} deg, '
+                       f'rounding alone gives {source.rounding_deg:.2g} deg')
+    if noise.kind == 'common':
+        return Finding(name, VOID, words, f'from {noise.band_hz[0]:.3g} to {noise.band_hz[1]:.3g} '
+                       'Hz, above the motion of the ship, the TS follows the noise of the RS: '
+                       f'coherence {noise.coherence:.2f}')
+    least = e.limits.m_low * e.limits.sigma_ref_max_deg
+    if e.upper_bound_deg2 is not None and 0.0 < e.upper_bound_deg2 < least ** 2:
+        return Finding(name, VOID, 'TS and RS differ by less than the RS alone should',
+                       f'the difference scatters by at most {math.sqrt(e.upper_bound_deg2):.3g} '
+                       f'deg, the RS alone by {least:.3g} deg at least, as its norm is stated')
+    if noise.kind == 'independent':
+        return Finding(name, HOLDS, '', f'the noise of the RS, {noise.rs_noise_deg:.2g} deg, is '
+                       f'not found in the TS: coherence {noise.coherence:.2f}')
+    return Finding(name, NOT_TESTABLE, '', _NO_NOISE[noise.reason])
 
 
 def _convention(e: Examined) -> Finding:
@@ -221,18 +240,21 @@ def _clocks(e: Examined) -> Finding:
     figures = f'the skew is {estimate.skew_s:.3f} s (standard uncertainty {estimate.u_s:.3f} s)'
     if not estimate.significant:
         return Finding('clocks', HOLDS, '', figures)
-    aligned = e.decided(e.data.stamp_ns, _aligned(e.data, estimate.skew_s))
+    aligned = e.decided(e.data.stamp_ns, *_aligned(e.data, estimate.skew_s))
     if aligned is e.outcome:
         return Finding('clocks', HOLDS, '', f'{figures}; the outcome is the same without it')
     return Finding('clocks', DOUBTFUL, f'a skew of {estimate.skew_s:.2f} s decides, without it '
                    f'{aligned}', f'{figures}; with it taken out the outcome is {aligned}')
 
 
-def _aligned(data: Analysed, skew_s: float) -> np.ndarray:
-    """Return the differences as they are with the RS read so much earlier."""
+def _aligned(data: Analysed, skew_s: float) -> tuple[np.ndarray, float]:
+    """Return the differences with the RS read so much earlier, and the factor of its noise."""
     t = (data.stamp_ns - data.stamp_ns[0]) / 1e9
     rs = unwrap_deg(data.rs_deg)
-    return data.x_deg + rs - np.interp(t - skew_s, t, rs)
+    place = np.interp(t - skew_s, t, np.arange(t.size, dtype=np.float64))
+    w = place - np.floor(place)
+    return (data.x_deg + rs - np.interp(t - skew_s, t, rs),
+            float(np.mean((1.0 - w) ** 2 + w ** 2)))
 
 
 def _interpolation(e: Examined) -> Finding:

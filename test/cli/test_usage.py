@@ -89,6 +89,18 @@ def test_a_wrong_setting_says_what_is_allowed(assignment, words, bag, capsys):
     assert words in refused(capsys, 'analyze', bag, *NORMS, '--set', assignment)
 
 
+@pytest.mark.parametrize('name, value', [
+    ('method', 'dyadic'), ('nu_min', '15'), ('r1_max', '0.4'), ('share_max', '0.05')])
+def test_a_setting_that_is_gone_says_what_became_of_it(name, value, bag, capsys, tmp_path):
+    """On the command line and in a parameter file."""
+    words = f"setting 'risk.{name}' is gone: "
+    assert words in refused(capsys, 'analyze', bag, *NORMS, '--set', f'risk.{name}={value}')
+    file = tmp_path / 'config.yaml'
+    file.write_text(f'/**:\n  ros__parameters:\n    risk:\n      {name}: {value}\n')
+    error = refused(capsys, 'analyze', bag, *NORMS, '--config', file)
+    assert words in error and 'config.yaml' in error
+
+
 def test_a_missing_norm_is_named_before_anything_is_read(capsys):
     assert 'norms.sigma_max_deg is missing' in refused(capsys, 'analyze', 'nowhere.mcap')
 
@@ -123,7 +135,7 @@ def test_norms_come_from_the_parameter_file_and_set_overrides_them(bag, capsys, 
 @pytest.mark.parametrize('sigma, code', [(0.3, 0), (0.05, 1), (0.1, 3)])
 def test_check_turns_the_verdict_into_the_exit_code(sigma, code, bag, capsys):
     wanted = ['analyze', str(bag), '--set', f'norms.sigma_max_deg={sigma}', '--set',
-              'norms.sigma_ref_max_deg=0.05']
+              'norms.sigma_ref_max_deg=0.05', '--set', 'risk.min_duration_s=0']
     assert main(wanted) == 0
     assert main([*wanted, '--check']) == code
     capsys.readouterr()

@@ -86,3 +86,19 @@ def test_settings_of_the_detectors_are_checked():
     assert from_mapping(Detectors, {'frozen_s': 3}).frozen_s == 3.0
     with pytest.raises(SettingsError, match='same_source_ratio = 0.5'):
         Detectors(same_source_ratio=0.5)
+
+
+def test_the_step_of_a_sensor_shows_although_most_readings_are_missing(rng):
+    """Two of five kept: the median step is 0.2 s, that of the sensor 0.1 s."""
+    stamps = np.flatnonzero(rng.random(10_000) < 0.4) * 10 ** 8
+    found = stamp_steps(stamps)
+    assert (found.typical_s, found.nominal_s) == (0.2, 0.1)
+
+
+def test_steps_without_a_common_measure_have_none(rng):
+    assert stamp_steps(np.cumsum(1 + rng.integers(0, 10 ** 9, 10_000))).nominal_s is None
+
+
+def test_the_step_of_a_sensor_survives_jitter(rng):
+    stamps = np.arange(5000) * 10 ** 8 + rng.integers(-10 ** 6, 10 ** 6, 5000)
+    assert stamp_steps(stamps).nominal_s == pytest.approx(0.1, rel=0.02)

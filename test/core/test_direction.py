@@ -82,7 +82,7 @@ def test_behind_a_silence_the_choice_is_made_again():
     assert is_on_rs(pairs, rs)[~late].all() and not is_on_rs(pairs, rs)[late].any()
     # No bracket reaches over the change, and nothing is lost but the ends.
     assert (np.count_nonzero(~late), np.count_nonzero(late)) == (99, 999)
-    first, second = ledger.segments
+    first, second = ledger.shares([int(pairs.stamp_ns[0]), int(pairs.stamp_ns[late][0])])
     assert first.counts['ts_used'] == 2 * 99 and 'ts_paired' not in first.counts
     assert second.counts['ts_paired'] == 999 and 'ts_used' not in second.counts
     assert ledger.balance() == {'ts': 0, 'rs': 0}

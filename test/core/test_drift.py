@@ -174,7 +174,8 @@ def test_slopes_of_real_logs_agree_with_independent_programs(name, real, golden)
     found, expected = slope(pairs.stamp_ns, x), golden['pairs'][name]['drift']
     got = {'slope_deg_per_h': found.slope_deg_per_h, 'intercept': found.intercept_deg,
            'se_naive': found.u_naive_deg_per_h, 'tau_resid': found.tau_samples,
-           'se_corr': found.u_deg_per_h, 'sd_resid': found.residual_std_deg}
+           'se_corr': found.u_naive_deg_per_h * math.sqrt(max(1.0, found.tau_samples)),
+           'sd_resid': found.residual_std_deg}
     assert got == pytest.approx({name: expected[name] for name in got}, rel=1e-9)
 
 

@@ -282,11 +282,29 @@ def test_a_silence_of_the_pairs_divides_the_ledger():
     ts = headings(*((k * S, 1.0) for k in (1, 2, 50, 100, 101)))
     rs = headings(*((k * S, 1.0) for k in (1, 2, 3, 99, 100, 101)))
     _, ledger = pair(ts, rs, rules(gap_s=60.0))
-    first, second = ledger.segments
-    assert second.start_ns == 100 * S
-    assert first.counts == {'paired': 2, 'ts_paired': 2, 'ts_unpaired': 1, 'rs_used': 2,
-                            'rs_unused': 2}
+    before, first, between, second, behind = ledger.segments
+    assert [s.start_ns for s in ledger.segments] == [None, S, 2 * S + 1, 100 * S, 101 * S + 1]
+    assert (before.counts, behind.counts) == ({}, {})
+    assert first.counts == {'paired': 2, 'ts_paired': 2, 'rs_used': 2}
+    assert between.counts == {'ts_unpaired': 1, 'rs_unused': 2}
     assert second.counts == {'paired': 2, 'ts_paired': 2, 'rs_used': 2}
+    # What lies between two runs belongs to the one before, but not to what it lost.
+    assert ledger.shares([S, 100 * S])[0].counts['ts_unpaired'] == 1
+    assert ledger.between(S, 2 * S).counts == first.counts
+
+
+def test_what_is_lost_within_a_run_is_told_from_what_came_before_and_after():
+    """RS from 10 to 40 s, silent from 20 to 30 s: 9 TS readings in a bracket that is too long."""
+    ts = headings(*((k * S, 1.0) for k in range(1, 61)))
+    rs = headings(*((k * S, 1.0) for k in range(10, 41) if not 20 < k < 30))
+    for size in (1, 7, 60):
+        pairer = Pairer(rules(max_gap_s=3.0))
+        for lo in range(0, 60, size):
+            pairer.update(ts[lo:lo + size], rs[lo:lo + size])
+        pairer.flush()
+        inside = pairer.ledger.between(10 * S, 40 * S).counts
+        assert (inside['ts_unpaired'], inside['ts_paired']) == (9, 22)
+        assert pairer.ledger.total.counts['ts_unpaired'] == 60 - 22
 
 
 def test_a_ledger_survives_its_segments():
@@ -303,7 +321,7 @@ def test_a_mark_divides_readings_that_were_counted_before_it_came():
     stream = headings(*((k * S, 1.0) for k in range(1, 31)))
     pairer.update(stream, stream)
     pairer.ledger.cut(21 * S)
-    assert [s.counts['paired'] for s in pairer.ledger.segments] == [20, 10]
+    assert [s.counts.get('paired', 0) for s in pairer.ledger.segments] == [0, 20, 10]
 
 
 def test_an_empty_stream_gives_no_pairs():

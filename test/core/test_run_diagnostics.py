@@ -19,21 +19,25 @@ from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.assumptions import Assumption, MET, NOT_TESTABLE, VIOLATED
 from heading_intercompare.core.campaign import Together
 from heading_intercompare.core.cells import Cells
+from heading_intercompare.core.coverage import Coverage
 from heading_intercompare.core.criteria import Limits
 from heading_intercompare.core.detectors import StampSteps
 from heading_intercompare.core.deviation import HeadingDependence
 from heading_intercompare.core.drift import Order, remove_polynomial, Slope
 from heading_intercompare.core.ergodicity import Homogeneity, homogeneity, RunFigures
-from heading_intercompare.core.guarded import decide, evidence_of
+from heading_intercompare.core.guarded import decide, evidence_of, Guarded
+from heading_intercompare.core.intercomparison import join
 from heading_intercompare.core.normality import Normality, Shape
 from heading_intercompare.core.reference_noise import ReferenceNoise
 from heading_intercompare.core.run_blocks import Allan, Correlation, Drift, drift_of, RunSkew
 from heading_intercompare.core.run_diagnostics import diagnose, Diagnostics, with_runs
+from heading_intercompare.core.sequential import LookVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.settling import WarmUp
 from heading_intercompare.core.skew_scan import Scan
 from heading_intercompare.core.stationarity import Stationarity
-from heading_intercompare.core.verdict import plain
+from heading_intercompare.core.validity import Finding
+from heading_intercompare.core.verdict import Campaign, PairingFigures, plain, RunVerdict, SCHEMA
 
 PAGE = Path(__file__).resolve().parents[2] / 'docs' / 'verdict_json.md'
 
@@ -196,9 +200,10 @@ def test_any_number_of_pairs_gives_figures_or_none(n, rng):
                                           if a.id != 'j')
 
 
+@pytest.mark.slow
 def test_a_long_run_takes_little_memory(ar1, yaw):
     """Ten numbers a pair besides the columns; six, 220 MB, for 12 h at 100 Hz."""
-    n = 400_000
+    n = 1_000_000
     x, rs = 0.1 * ar1(n, 1000.0), yaw(np.arange(n) / 100.0)
     tracemalloc.start()
     run(x, rs, 0.01)
@@ -215,7 +220,8 @@ BLOCKS = {'skew': RunSkew, 'skew.estimate': Skew, 'skew.scan': Scan, 'drift': Dr
           'normality.difference': Shape, 'stationarity': Stationarity,
           'correlation': Correlation, 'correlation.stamps': StampSteps, 'allan': Allan,
           'allan.reference_noise': ReferenceNoise, 'assumptions': Assumption,
-          'homogeneity': Homogeneity, 'sensor': Together}
+          'homogeneity': Homogeneity, 'sensor': Together, 'validity': Finding,
+          'coverage': Coverage, 'looks': LookVerdict}
 
 
 @pytest.mark.parametrize('name', BLOCKS)
@@ -224,6 +230,20 @@ def test_the_page_lists_the_keys_of_a_block_in_their_order(name):
     listed = [key for row in re.findall(r'^\| (`.*?) \|', section, re.MULTILINE)
               for key in re.findall(r'`(\w+)`', row)]
     assert listed == [f.name for f in fields(BLOCKS[name])]
+
+
+@pytest.mark.parametrize('record', [Campaign, Guarded, RunVerdict, PairingFigures])
+def test_the_page_names_every_key_of_a_record(record):
+    text = PAGE.read_text('utf-8').replace('`skew` … `allan`', ' '.join(
+        f'`{f.name}`' for f in fields(Diagnostics)))
+    assert [f.name for f in fields(record) if f'`{f.name}`' not in text] == []
+
+
+def test_the_page_knows_the_keys_and_the_schema_of_the_whole():
+    text = PAGE.read_text('utf-8')
+    assert f'`{SCHEMA}`' in text
+    whole = join([], SETTINGS).to_dict()
+    assert [key for key in whole if f'| `{key}` |' not in text] == []
 
 
 def test_the_page_knows_every_block_there_is(good):

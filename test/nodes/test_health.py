@@ -67,6 +67,19 @@ def test_a_latched_state_stays_until_it_is_acknowledged(ros):
     assert health.acknowledge() == 0
 
 
+def test_a_latched_state_gives_way_to_a_graver_one_only(ros):
+    health, heard = health_of(ros)
+    for level, message in ((WARN, 'indeterminate'), (ERROR, 'non_compliant'),
+                           (WARN, 'indeterminate again')):
+        health.note('verdict', level, message, latch=True)
+    health.publish()
+    ros.spin_until(lambda: heard)
+    ros.spin_until(lambda: states(heard[-1])['ill_node: verdict'] == (ERROR, 'non_compliant'))
+    assert health.acknowledge() == 1
+    ros.spin_until(
+        lambda: states(heard[-1])['ill_node: verdict'] == (WARN, 'indeterminate again'))
+
+
 def test_parts_are_refreshed_before_each_beat(ros):
     health, heard = health_of(ros)
     count = iter(range(100))

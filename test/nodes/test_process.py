@@ -15,6 +15,7 @@ import time
 import pytest
 
 from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.core.verdict import SCHEMA
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.parameters import overrides
@@ -51,7 +52,7 @@ def test_the_verdict_is_written_after_a_signal(tmp_path):
     assert run('compliance', signalled(Compliance, signal.SIGTERM, report_dir=str(tmp_path)),
                args=[]) == 0
     written, = tmp_path.iterdir()
-    assert json.loads(written.read_text('utf-8'))['schema'] == 'heading_intercompare/verdict/1'
+    assert json.loads(written.read_text('utf-8'))['schema'] == SCHEMA
 
 
 def test_further_signals_do_not_disturb_the_end(tmp_path):

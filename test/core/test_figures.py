@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Figures of the moment: equal to those of the end, and no verdict."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from heading_intercompare import Compliance, Pairs, Settings
+
+S = 10 ** 9
+NORMS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
+
+
+def compliance(**names):
+    return Compliance(Settings.from_mapping({**NORMS, **names}))
+
+
+@pytest.fixture
+def pairs(rng):
+    stamps = np.arange(1, 2001) * S // 2
+    rs = np.mod(300.0 + stamps / S / 20.0, 360.0)
+    return Pairs.of(stamps, np.mod(rs + 0.1 * rng.standard_normal(2000), 360.0), rs)
+
+
+def test_the_bounds_of_the_moment_are_those_of_the_end_to_the_bit(pairs):
+    live, end = compliance(), compliance()
+    for lo in range(0, 2000, 37):
+        live.update(pairs[lo:lo + 37])
+    end.update(pairs)
+    now = live.run_figures()
+    end.finish()
+    guarded = end.verdict().runs[0].guarded
+    for key in ('nu', 'f', 'slow_allowance_deg2', 'lower_bound_deg2', 'upper_bound_deg2',
+                'acceptance_limit_deg2', 'rejection_limit_deg2', 'bias_u_deg'):
+        assert now[key] == getattr(guarded, key), key
+
+
+def test_no_figure_can_be_read_as_a_verdict(pairs):
+    live = compliance()
+    live.update(pairs)
+    for figures in (live.run_figures(), live.rolling_figures()):
+        text = json.dumps(figures).lower()
+        assert 'complian' not in text and 'outcome' not in text and 'indeterminate' not in text
+
+
+@pytest.mark.parametrize('names, expected', [
+    ({}, None), ({'drift_order': 1}, 'drift'), ({'drift_order': 'auto'}, 'drift'),
+    ({'drift_order': 2, 'runs.stabilization_s': 'auto'}, 'drift stabilization')])
+def test_what_is_taken_out_at_the_end_only_is_named(pairs, names, expected):
+    live = compliance(**names)
+    live.update(pairs)
+    assert live.run_figures()['not_yet_removed'] == expected
