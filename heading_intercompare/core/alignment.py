@@ -21,7 +21,8 @@ from .blocks import block_means, block_size, student_95, sum_covariance
 from .records import Headings
 from .track import Track
 
-__all__ = ['LEAST_STRENGTH', 'Regression', 'skew', 'Skew', 'skew_regression']
+__all__ = ['common_tracks', 'Fit', 'Instrument', 'LEAST_STRENGTH', 'Regression', 'skew', 'Skew',
+           'skew_regression']
 
 LEAST_STRENGTH = 10.0
 """Least F of the common turning of both sensors; below, the instrument is weak."""
@@ -224,8 +225,8 @@ def skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
     if x.size < 64 or stamps[-1] == stamps[0]:
         return Skew(0)
-    ts, rs = _tracks(stamps, x, np.asarray(rs_deg, dtype=np.float64))
-    fit = _Instrument(ts, rs, half_span_s, max_gap_s)
+    ts, rs = common_tracks(stamps, x, np.asarray(rs_deg, dtype=np.float64))
+    fit = Instrument(ts, rs, half_span_s, max_gap_s)
     found = fit(0.0)
     if found is None:
         return Skew(0)
@@ -250,10 +251,28 @@ def skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     return _filled(result, found, d, range_s, ts.at(found.t_s) - rs.at(found.t_s))
 
 
-def _tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray) -> tuple[Track, Track]:
-    """Return TS and RS on common times, averaged over up to 0.1 s."""
+def common_tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray,
+                  block_s: float = _BLOCK_S) -> tuple[Track, Track]:
+    """
+    Return TS and RS on common times, averaged over short blocks.
+
+    Parameters
+    ----------
+    stamps : ndarray of int64, shape (n,)
+        Stamps of the pairs in increasing order, nanoseconds; n >= 64.
+    x, rs_deg : ndarray, shape (n,)
+        Differences and RS headings, finite, degrees.
+    block_s : float
+        Longest block, seconds.
+
+    Returns
+    -------
+    ts, rs : Track
+        Their time zero is the first stamp.
+
+    """
     step = float(np.median(np.diff(stamps[:100_001]))) / 1e9
-    size = block_size(math.floor(_BLOCK_S / step), 1) if step < _BLOCK_S else 1
+    size = block_size(math.floor(block_s / step), 1) if step < block_s else 1
     if size > block_size(x.size, 64):
         size = 1
 
@@ -268,8 +287,25 @@ def _tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray) -> tuple[Trac
 
 
 @dataclass(frozen=True, slots=True)
-class _Fit:
-    """The instrumental estimate at one shift of the RS."""
+class Fit:
+    """
+    The instrumental estimate at one shift of the RS.
+
+    Attributes
+    ----------
+    t_s, x, rate : ndarray, shape (n,)
+        Times used, seconds; differences with the RS shifted, degrees; its rates, degrees a
+        second.
+    step_s, u_s : float
+        Skew that is left, and its standard uncertainty, seconds.
+    dof : int
+        Degrees of freedom of the uncertainty.
+    strength : float
+        F of the common rate.
+    rate_std_deg_s : float
+        Standard deviation of the common rate, degrees a second.
+
+    """
 
     t_s: np.ndarray
     x: np.ndarray
@@ -281,14 +317,26 @@ class _Fit:
     rate_std_deg_s: float
 
 
-class _Instrument:
-    """Estimates what skew is left once the RS is shifted by some."""
+class Instrument:
+    """
+    Estimates what skew is left once the RS is shifted by some seconds.
+
+    Parameters
+    ----------
+    ts, rs : Track
+        Both sensors on common times; the RS may reach further.
+    half_span_s : float
+        Rates are taken from so long before a pair to so long after it, seconds.
+    max_gap_s : float
+        Spans that hold a longer silence are left out, seconds.
+
+    """
 
     def __init__(self, ts: Track, rs: Track, half_span_s: float, max_gap_s: float) -> None:
         self.ts, self.rs = ts, rs
         self.half_span_s, self.max_gap_s = half_span_s, max_gap_s
 
-    def __call__(self, shift_s: float) -> _Fit | None:
+    def __call__(self, shift_s: float) -> Fit | None:
         h = self.half_span_s
         t = self.ts.t_s
         t = t[self.ts.covers(t - h - max(0.0, shift_s), t + h + max(0.0, -shift_s),
@@ -304,16 +352,16 @@ class _Instrument:
         u_total = math.sqrt(float(sum_covariance(common)[0]))
         strength = (total / u_total) ** 2 if u_total > 0.0 and total > 0.0 else 0.0
         if strength == 0.0:
-            return _Fit(t, x, rate, 0.0, math.inf, 0, 0.0, 0.0)
+            return Fit(t, x, rate, 0.0, math.inf, 0, 0.0, 0.0)
         e = x - x.mean()
         step = -float(ts_rate @ e) / total
         e += step * (rate - rate.mean())
         covariance, dof = sum_covariance(ts_rate * e)
-        return _Fit(t, x, rate, step, math.sqrt(float(covariance)) / total, dof, strength,
+        return Fit(t, x, rate, step, math.sqrt(float(covariance)) / total, dof, strength,
                     math.sqrt(total / (t.size - 1)))
 
 
-def _filled(result: Skew, found: _Fit, d: float, range_s: float, x_paired: np.ndarray) -> Skew:
+def _filled(result: Skew, found: Fit, d: float, range_s: float, x_paired: np.ndarray) -> Skew:
     half = student_95(found.dof) * found.u_s
     interval = d - half, d + half
     return Skew(

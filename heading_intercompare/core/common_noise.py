@@ -29,7 +29,7 @@ _SHARE, _SHARE_STEEP = 0.6, 0.25
 _STEEP = 50.0
 _NEARLY_ALL = 0.8
 _ROUNDING = 1.0 / 12.0 + 0.09
-_COMMON = 0.15
+_COMMON, _COMMON_STEEP = 0.15, 0.75
 _CHANCE = 6.0
 _FEWEST = 6
 _BEST = 3
@@ -110,7 +110,8 @@ def common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     coherence of two sensors is at most the share of the motion, 1 - floor/spectrum; what it
     exceeds that by, by more than 0.15 and six standard deviations of chance, speaks for one
     source. A quarter of the frequencies suffices where the spectrum falls to the floor by a
-    factor of 50 and more from the middle of the band: folded motion does not look like that.
+    factor of 50 and more from the middle of the band, as folded motion does not; but motion may
+    still be half of it, and 0.75 is asked for there.
     From 1 Hz on noise may also fall with the square of the frequency, which no ship's motion
     does. A sensor slower than the pairs is taken at its own rate; segments with turns are left
     out.
@@ -172,7 +173,8 @@ def common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
             continue
         wide = min(_BEST, excess.size)
         best = float(np.convolve(excess, np.full(wide, 1.0 / wide), 'valid').max())
-        least = max(_COMMON, _CHANCE / segments / math.sqrt(wide * _FEWEST))
+        least = max(_COMMON if share >= _SHARE else _COMMON_STEEP,
+                    _CHANCE / segments / math.sqrt(wide * _FEWEST))
         if found.coherence is None or best > found.coherence:
             found = CommonNoise('common' if best > least else 'independent', '', segments,
                                 band, noise, best)

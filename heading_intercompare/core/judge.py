@@ -200,11 +200,12 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
     found = diagnose(data.stamp_ns, data.x_deg, data.rs_deg, settings, guarded, limits,
                      drift=drift, rest_deg=rest_deg, residual_deg=data.residual_deg,
                      times=correlation_times(data.series_deg),
-                     rs_variance_factor=run.rs_variance_factor or 1.0)
+                     factor=run.factor.values[data.n_left_out:],
+                     interpolates_ts=run.interpolates_ts)
     validity = examine(Examined(
         data, found, limits, settings, outcome,
         lambda stamp_ns, x_deg, rs_factor=1.0: decision.outcome(stamp_ns, x_deg, left, rs_factor),
-        guarded.lower_bound_deg2, guarded.upper_bound_deg2))
+        guarded.d_hat_deg2, guarded.lower_bound_deg2, guarded.upper_bound_deg2))
     coverage = coverage_of(data.span_s, risk)
     direction, length = circular_mean(data.x_deg) if n else (None, None)
     verdict = RunVerdict(

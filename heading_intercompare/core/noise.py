@@ -106,7 +106,7 @@ class CorrelationTimes:
 
     @property
     def effective_size(self) -> float:
-        """Independent normal samples that would give an equally good variance, E.24."""
+        """Independent normal samples that would give an equally good variance, E.23."""
         return self.n / max(self.tau_2, 1.0)
 
 
@@ -150,7 +150,7 @@ def correlation_times(x: ArrayLike) -> CorrelationTimes:
     References
     ----------
     Sokal 1997 with a window twice as wide, for a narrow one misses a slow component beneath
-    white noise; E.24 of ``docs/diagnostics.md``.
+    white noise; E.23 of ``docs/diagnostics.md``.
 
     """
     return _windowed(
@@ -174,7 +174,7 @@ def effective_size(x: ArrayLike) -> float:
 
     References
     ----------
-    Bayley & Hammersley 1946; E.24 of ``docs/diagnostics.md``.
+    Bayley & Hammersley 1946; E.23 of ``docs/diagnostics.md``.
 
     """
     return correlation_times(x).effective_size

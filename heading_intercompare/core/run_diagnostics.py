@@ -15,6 +15,7 @@ from .alignment import Skew, skew
 from .angles import unwrap_deg, wrap360
 from .assumptions import Assumption
 from .cells import Cells
+from .clock_drift import clock_drift, ClockDrift
 from .common_noise import common_noise, CommonNoise
 from .conventions import Convention, convention, mean_difference, MeanDifference
 from .criteria import Limits
@@ -22,6 +23,7 @@ from .detectors import same_source, SameSource, stamp_steps
 from .deviation import deviation, HeadingDependence
 from .ergodicity import Homogeneity
 from .guarded import Guarded
+from .interpolation_error import interpolation_error, InterpolationError
 from .noise import correlation_times, CorrelationTimes
 from .normality import Normality, normality
 from .outliers import Outliers, outliers
@@ -63,6 +65,8 @@ class Signs:
     rs_frozen: Frozen
     standstill: Standstill
     outliers: Outliers
+    clock: ClockDrift
+    interpolation: InterpolationError
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +92,8 @@ class Diagnostics:
 def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settings: Settings,
              guarded: Guarded, limits: Limits, *, drift: Drift, rest_deg: np.ndarray,
              residual_deg: np.ndarray | None = None, times: CorrelationTimes | None = None,
-             scan: Scan | None = None, rs_variance_factor: float = 1.0) -> Diagnostics:
+             scan: Scan | None = None, factor: np.ndarray | None = None,
+             interpolates_ts: bool = False) -> Diagnostics:
     """
     Examine a run.
 
@@ -114,8 +119,10 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
         `correlation_times` of the residuals, if known already.
     scan : Scan, optional
         Of the two streams, if they are at hand.
-    rs_variance_factor : float
-        Mean factor by which interpolation shrank the noise of the RS.
+    factor : ndarray, shape (n,), optional
+        What interpolation left of the variance of white noise, (1-w)^2 + w^2; default 1.
+    interpolates_ts : bool
+        Whether that is of the TS; else it is of the RS.
 
     Returns
     -------
@@ -144,7 +151,7 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     stamps = stamp_steps(stamp_ns, detectors.silence_steps)
     correlation = correlation_of(residual, stamps, times or correlation_times(residual))
     signs, normal = _examine_headings(stamp_ns, x_deg, rs_deg, residual, settings, detectors,
-                                      math.sqrt(limits.limit_deg2), rs_variance_factor,
+                                      math.sqrt(limits.limit_deg2), factor, interpolates_ts,
                                       correlation)
     allan = allan_of(x_deg, stamps.typical_s, _noise_of_rs(x_deg, rs_deg, estimate, range_s))
     variance = float(np.var(x_deg, ddof=1)) if n > 1 else None
@@ -163,7 +170,7 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
 
 def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
                       residual_deg: np.ndarray, settings: Settings, detectors: Detectors,
-                      sigma_deg: float, rs_variance_factor: float,
+                      sigma_deg: float, factor: np.ndarray | None, interpolates_ts: bool,
                       correlation: Correlation) -> tuple[Signs, Normality]:
     """Look at the headings of both sensors; those of the TS follow from the differences."""
     ts_deg = x_deg + rs_deg
@@ -171,15 +178,21 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
     ts_deg = wrap360(ts_deg)
     limits = {'least_s': detectors.frozen_s, 'moved_deg': detectors.frozen_moved_deg,
               'sigma_deg': sigma_deg}
+    both = (ts_deg, rs_deg) if interpolates_ts else (rs_deg, ts_deg)
     steps = resolution(ts_deg), resolution(rs_deg)
     signs = Signs(
         convention(x_deg, rs_deg, detectors.convention_tolerance_deg), mean_difference(x_deg),
         same_source(x_deg, rs_deg, *steps, detectors.same_source_ratio),
         common_noise(stamp_ns, x_deg, rs_deg,
-                     rs_factor=np.full(x_deg.size, rs_variance_factor),
+                     rs_factor=None if interpolates_ts else factor,
                      rs_step_deg=steps[1].step_deg, ts_step_deg=steps[0].step_deg),
         frozen(stamp_ns, ts_deg, rs_deg, **limits), frozen(stamp_ns, rs_deg, ts_deg, **limits),
-        standstill(ts_deg, rs_deg), outliers(stamp_ns, residual_deg))
+        standstill(ts_deg, rs_deg), outliers(
+            stamp_ns, residual_deg, step_deg=max((s.step_deg or 0.0) for s in steps)),
+        ClockDrift('not_testable') if settings.alignment.skew == 'off' else clock_drift(
+            stamp_ns, x_deg, rs_deg, range_s=settings.alignment.skew_range_s,
+            max_gap_s=settings.pairing.max_gap_s),
+        interpolation_error(stamp_ns, *both, np.ones(x_deg.size) if factor is None else factor))
     step = correlation.stamps.typical_s
     width = 2 * max(1, round(0.5 * MOVING_AVERAGE_S / step)) + 1 if step else 3
     return signs, normality(residual_deg, ts_deg, rs_deg, width=width,

@@ -42,13 +42,13 @@ class RunSeries:
         Where the run was cut, stamps of its first and last pair.
     n_input, n_invalid, n_stabilization : int
         Pairs given, left out as not finite, left out as of the stabilisation period.
-    stamp_ns, x_deg, rs_deg : Column
-        Of the analysed pairs.
+    stamp_ns, x_deg, rs_deg, factor : Column
+        Of the analysed pairs; `factor` is what interpolation left of the variance of white noise.
 
     Notes
     -----
     Final figures are computed from the columns at the end, so they do not depend on the chunks
-    in which the pairs came. 24 bytes a pair, 104 MB for 12 h at 100 Hz, unless they are kept
+    in which the pairs came. 28 bytes a pair, 121 MB for 12 h at 100 Hz, unless they are kept
     elsewhere; then memory is that of a page of each column, and of the tails of the others.
 
     """
@@ -64,6 +64,7 @@ class RunSeries:
         self.stamp_ns = Column(np.int64, keep)
         self.x_deg = Column(np.float64, keep, self._tails.take)
         self.rs_deg = Column(np.float64, keep)
+        self.factor = Column(np.float32, keep)
         self._offset_deg = settings.installation_offset_deg
         self._center_deg = settings.wrap_center_deg
         rule = settings.runs.stabilization_s
@@ -118,6 +119,7 @@ class RunSeries:
         self.stamp_ns.append(x.stamp_ns)
         self.x_deg.append(x.x_deg)
         self.rs_deg.append(pairs.rs_deg)
+        self.factor.append(np.minimum(pairs.rs_variance_factor, pairs.ts_variance_factor))
         self._moments += Moments.of(x.x_deg)
         self._cells.update(x.x_deg, x.stamp_ns)
         self._lag_sum_ns += int(pairs.lag_ns.sum())
@@ -164,6 +166,11 @@ class RunSeries:
     def ts_variance_factor(self) -> float | None:
         """Mean factor by which interpolation shrank the white noise of the TS."""
         return self._ts_factor_sum / len(self) if len(self) else None
+
+    @property
+    def interpolates_ts(self) -> bool:
+        """Whether it is the TS that was interpolated."""
+        return bool(len(self)) and self.ts_variance_factor < self.rs_variance_factor
 
     def limits(self, norms: Norms, model: str) -> Limits:
         """Return the limits of the run so far; without differences those of no interpolation."""

@@ -335,7 +335,8 @@ class Detectors(Checked):
     frozen_s: float = setting(
         5.0, 'a sensor is frozen if it repeats its value for so long [s]', 0.0)
     frozen_moved_deg: float = setting(
-        0.5, 'and the other one turns by so much meanwhile [deg]', 0.0, 180.0)
+        0.0, 'and the other one turns by so much meanwhile, and by more than the errors and steps '
+        'of both explain [deg]', 0.0, 180.0)
     same_source_ratio: float = setting(
         1.5, 'the sensors are one if the variance of the difference is at most so many times '
         'what rounding alone gives', 1.0)

@@ -22,7 +22,7 @@ _REPEATED = 0.9
 _MARGIN_S = 2.0
 _PART_S = 1.0
 _MOST_PARTS = 512
-_LOOKED_AT = 16384
+_LOOKED_AT = 1 << 14
 _WINDOWS = 64
 _LEAST_WINDOWS = 8
 _LEAST_READINGS = 4
@@ -58,7 +58,8 @@ class Frozen:
         Step in which it reports, degrees: from its changes, or else from its decimals. None if
         it has none of up to four decimals.
     hold_s : float or None
-        Usual time from one of its changes to the next, seconds; None without any change.
+        Usual time from one of its changes to the next, seconds, in the first 16384 readings;
+        None without any change in them.
     allowed_deg : float or None
         Of the stretch at `start_ns`: how far the other may turn while a sensor that works
         repeats its value, degrees.
@@ -202,13 +203,11 @@ def _stretches(stamps: np.ndarray,
     same = steps <= _EQUAL_DEG
     if steps.max() >= 360.0 - _EQUAL_DEG:
         same |= steps >= 360.0 - _EQUAL_DEG
-    changes = np.flatnonzero(~same)
-    # A stretch lies between two changes that are more than one reading apart.
-    first = np.append(0, changes + 1)
-    last = np.append(changes, heading.size - 1)
+    changes = np.flatnonzero(~same[:_LOOKED_AT])
     hold = float(np.median(np.diff(stamps[changes]))) / 1e9 if changes.size > 1 else None
-    long = last > first
-    return first[long], last[long], hold
+    repeats = np.flatnonzero(same)
+    begins = np.diff(repeats, prepend=-2) > 1
+    return repeats[begins], repeats[np.append(begins[1:], True)[:begins.size]] + 1, hold
 
 
 def _within(stamps: np.ndarray, lo: int, hi: int, margin_s: float) -> tuple[int, int]:
@@ -275,17 +274,22 @@ class _Windows:
 
 def _is_still(heading: np.ndarray) -> bool:
     """Tell whether a heading stays within two of its steps."""
-    return _range_of(heading) <= _still_deg(resolution_of(heading))
+    still = _still_deg(resolution_of(heading))
+    return _range_of(heading, still) <= still
 
 
 def _still_deg(step: float | None) -> float:
     return _STEPS * (step or 0.0) * 1.01 + _EQUAL_DEG
 
 
-def _range_of(heading: np.ndarray) -> float:
-    """Return the range about the first heading, on the circle."""
-    off = wrap180(heading - heading[0])
-    return float(off.max() - off.min()) if off.size else 0.0
+def _range_of(heading: np.ndarray, enough_deg: float = math.inf) -> float:
+    """Return the range about the first heading, on the circle; of some of them if it is enough."""
+    for every in (max(1, heading.size // _LOOKED_AT), 1):
+        off = wrap180(heading[::every] - heading[0])
+        found = float(off.max() - off.min())
+        if found > enough_deg:
+            break
+    return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -298,7 +302,7 @@ class Standstill:
     kind : {'moving', 'still', 'not_testable'}
         'still': both readings stay within two of their steps all the run. 'not_testable': n < 2.
     ts_range_deg, rs_range_deg : float
-        Largest less smallest heading, degrees.
+        Largest less smallest heading, degrees; of 16384 of them, where that is enough to tell.
     ts_step_deg, rs_step_deg : float or None
         Steps in which they report, `resolution_of`.
 
@@ -338,6 +342,7 @@ def standstill(ts_deg: ArrayLike, rs_deg: ArrayLike) -> Standstill:
     if ts.size < 2:
         return Standstill('not_testable', 0.0, 0.0, None, None)
     steps = resolution_of(ts), resolution_of(rs)
-    ranges = _range_of(ts), _range_of(rs)
-    still = all(r <= _still_deg(s) for r, s in zip(ranges, steps))
+    limits = tuple(_still_deg(step) for step in steps)
+    ranges = _range_of(ts, limits[0]), _range_of(rs, limits[1])
+    still = all(r <= limit for r, limit in zip(ranges, limits))
     return Standstill('still' if still else 'moving', *ranges, *steps)

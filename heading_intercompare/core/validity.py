@@ -103,8 +103,8 @@ class Examined:
     decided : callable
         ``decided(stamp_ns, x_deg, rs_factor=1.0)``: the outcome of other differences under the
         same rule, where interpolation has left that share of the variance of the RS noise.
-    lower_bound_deg2, upper_bound_deg2 : float or None
-        Of the variance.
+    d_hat_deg2, lower_bound_deg2, upper_bound_deg2 : float or None
+        The variance and its bounds.
 
     """
 
@@ -114,6 +114,7 @@ class Examined:
     settings: Settings
     outcome: Outcome
     decided: Callable[..., Outcome]
+    d_hat_deg2: float | None
     lower_bound_deg2: float | None
     upper_bound_deg2: float | None
 
@@ -233,7 +234,15 @@ def _clocks(e: Examined) -> Finding:
     if e.settings.alignment.skew == 'off':
         return Finding('clocks', NOT_TESTABLE, '', 'the skew is not estimated (alignment.skew '
                        'off)')
-    estimate = e.found.skew.estimate
+    estimate, clock = e.found.skew.estimate, e.found.signs.clock
+    if clock.kind == 'drifting':
+        slope = (f'the clocks drift apart by {clock.slope_s_per_h:.2g} s/h (95 % interval '
+                 f'{clock.interval_s_per_h[0]:.2g} to {clock.interval_s_per_h[1]:.2g})')
+        steady = e.decided(e.data.stamp_ns, *_aligned(e.data, clock.skew_s, clock.slope_s_per_h))
+        if steady is not e.outcome and e.outcome is not Outcome.COMPLIANT:
+            return Finding('clocks', VOID, f'the clocks drift apart by {clock.slope_s_per_h:.2g} '
+                           's/h', f'{slope}; with that taken out the outcome is {steady}')
+        return Finding('clocks', HOLDS, '', f'{slope}; the outcome is the same without')
     if not estimate.well_determined:
         return Finding('clocks', NOT_TESTABLE, '', 'the ship did not turn enough to see a skew '
                        'of the clocks')
@@ -241,24 +250,51 @@ def _clocks(e: Examined) -> Finding:
     if not estimate.significant:
         return Finding('clocks', HOLDS, '', figures)
     aligned = e.decided(e.data.stamp_ns, *_aligned(e.data, estimate.skew_s))
-    if aligned is e.outcome:
+    # A skew only adds to the variance: what complies with it complies without.
+    if aligned is e.outcome or e.outcome is Outcome.COMPLIANT:
         return Finding('clocks', HOLDS, '', f'{figures}; the outcome is the same without it')
     return Finding('clocks', DOUBTFUL, f'a skew of {estimate.skew_s:.2f} s decides, without it '
                    f'{aligned}', f'{figures}; with it taken out the outcome is {aligned}')
 
 
-def _aligned(data: Analysed, skew_s: float) -> tuple[np.ndarray, float]:
+def _aligned(data: Analysed, skew_s: float,
+             slope_s_per_h: float = 0.0) -> tuple[np.ndarray, float]:
     """Return the differences with the RS read so much earlier, and the factor of its noise."""
     t = (data.stamp_ns - data.stamp_ns[0]) / 1e9
     rs = unwrap_deg(data.rs_deg)
-    place = np.interp(t - skew_s, t, np.arange(t.size, dtype=np.float64))
+    earlier = t - skew_s - slope_s_per_h / 3600.0 * (t - 0.5 * (t[0] + t[-1]))
+    place = np.interp(earlier, t, np.arange(t.size, dtype=np.float64))
     w = place - np.floor(place)
-    return (data.x_deg + rs - np.interp(t - skew_s, t, rs),
+    return (data.x_deg + rs - np.interp(earlier, t, rs),
             float(np.mean((1.0 - w) ** 2 + w ** 2)))
 
 
 def _interpolation(e: Examined) -> Finding:
-    return Finding('interpolation', NOT_TESTABLE, '', 'the interpolation error is not estimated')
+    found, name = e.found.signs.interpolation, 'interpolation'
+    if found.kind == 'none':
+        return Finding(name, HOLDS, '', 'every reading is taken as it is')
+    if found.kind == 'not_testable':
+        return Finding(name, NOT_TESTABLE, '', 'these pairs do not tell what '
+                       'interpolation adds')
+    evidence = (f'interpolation adds {found.variance_deg2:.2g} deg2 to the variance, '
+                f'{found.upper_deg2:.2g} deg2 at most')
+    if found.folded:
+        evidence += '; the motion is so fast that the readings hardly show it'
+    if _would_decide(e, found.upper_deg2, found.folded):
+        return Finding(name, VOID, 'the slower sensor is too slow for the motion',
+                       f'{evidence}: without that the outcome might differ')
+    return Finding(name, HOLDS, '', f'{evidence}; the outcome is the same without')
+
+
+def _would_decide(e: Examined, added_deg2: float, folded: bool) -> bool:
+    """Tell whether an outcome might differ without a variance that interpolation adds."""
+    if e.upper_bound_deg2 is None or e.outcome is Outcome.COMPLIANT or not e.d_hat_deg2:
+        return False
+    share = 0.0 if folded else max(0.0, 1.0 - added_deg2 / e.d_hat_deg2)
+    if e.outcome is Outcome.NON_COMPLIANT:
+        return share * e.lower_bound_deg2 <= e.limits.rejection_limit_deg2 < e.lower_bound_deg2
+    return not folded and (share * e.upper_bound_deg2 <= e.limits.tightened_limit_deg2
+                           < e.upper_bound_deg2)
 
 
 def losses(shares: Sequence[tuple[str, float]], settings: Settings) -> Finding:

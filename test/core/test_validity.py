@@ -299,3 +299,50 @@ def test_losses_bind_above_their_limits_not_at_them(share, effect):
 def test_losses_without_a_ledger_cannot_be_told():
     assert losses([], CoreSettings()).effect == NOT_TESTABLE
     assert LedgerSegment(None).received('ts') == 0
+
+
+# --- clocks that drift, a sensor that is too slow ---
+
+@pytest.mark.parametrize('slope_s_per_h', [1.0, 5.0])
+def test_clocks_that_drift_apart_are_void_where_that_decides(slope_s_per_h, rng):
+    """Two hours: the skew grows by 2 and by 10 s."""
+    t = np.arange(1, 36_000) * 0.2
+
+    def heading(at_s):
+        return 90.0 + 40.0 * np.sin(2.0 * np.pi * at_s / 600.0) + np.sin(2.0 * np.pi * at_s / 8.0)
+
+    late = slope_s_per_h * (t / 3600.0 - 1.0)
+    verdict = judged(heading(t - late) + 0.1 * rng.standard_normal(t.size),
+                     heading(t) + 0.05 * rng.standard_normal(t.size),
+                     np.round(t * 1e9).astype(np.int64))
+    assert verdict.runs[0].reason == 'void.clocks'
+    assert f'the clocks drift apart by {slope_s_per_h:.0f} s/h' in verdict.headline
+
+
+def yawing(rng, rs_hz, ts_hz, method, yaw_deg, period_s):
+    """Return the verdict on a TS of 0.02 deg and an RS of 0.02 deg of a ship that yaws."""
+    def heading(at_s):
+        return 90.0 + yaw_deg * np.sin(2.0 * np.pi * at_s / period_s) + 0.02 * at_s
+
+    t, r = np.arange(1, 1200 * ts_hz) / ts_hz, np.arange(0, 1200 * rs_hz) / rs_hz + 0.3
+    return judged(heading(t) + 0.02 * rng.standard_normal(t.size),
+                  heading(r) + 0.02 * rng.standard_normal(r.size),
+                  np.round(t * 1e9).astype(np.int64), np.round(r * 1e9).astype(np.int64),
+                  norms={'sigma_max_deg': 0.1, 'sigma_ref_max_deg': 0.02},
+                  pairing={'method': method})
+
+
+@pytest.mark.parametrize('rs_hz, yaw_deg, period_s', [(0.5, 1.0, 8.0), (1.0, 2.0, 6.0)])
+def test_a_slow_reference_rejects_no_sound_sensor(rs_hz, yaw_deg, period_s, rng):
+    """
+    A TS of a fifth of its norm, rejected before in half of the runs and in nearly all.
+
+    With the TS put onto the stamps of the RS it is certified; with the RS interpolated the error
+    of that is seen and makes the run void.
+    """
+    auto = yawing(rng, rs_hz, 10, 'auto', yaw_deg, period_s)
+    assert auto.outcome is Outcome.COMPLIANT and effects(auto) == {}
+    forced = yawing(rng, rs_hz, 10, 'interpolate', yaw_deg, period_s)
+    assert forced.runs[0].guarded.outcome is not Outcome.COMPLIANT
+    assert forced.runs[0].reason == 'void.interpolation'
+    assert 'the slower sensor is too slow for the motion' in forced.headline
