@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The rule of version 0.9 and before, frozen, for comparison in the tables of docs/risk.md only.
+The rule that came before, frozen, for comparison in the tables of docs/risk.md only.
 
 Variance by octaves and by 16 to 31 blocks, effective degrees of freedom by the scatter of block
 values and by the autocorrelation, and a gate that stays closed while the slow part of the errors
