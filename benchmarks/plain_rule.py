@@ -1,0 +1,183 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The rule of docs/risk.md once more, as it is written there: plain, slow, sharing no code with it.
+
+Nothing is streamed, merged or transformed fast: sums over samples, a matrix of cosines. A test
+compares the product with it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+import math
+
+import numpy as np
+from scipy.stats import chi2, norm, t as student
+
+__all__ = ['between_runs', 'lower_bound', 'Plain', 'pool', 'spread', 'upper_bound']
+
+
+@dataclass(frozen=True, slots=True)
+class Plain:
+    """Figures of one run or of several; the names are those of the product's `Spread`."""
+
+    n: int
+    d_deg2: float
+    s_deg2: float
+    f: float
+    nu: float
+    corner_j: float
+    r_slow: float
+    slow_variance_deg2: float
+    slow_allowance_deg2: float
+    mean_variance_deg2: float
+    low_deg2: float
+    middle_deg2: float
+    student_dof: int = 12
+
+
+def _places(n: int, stamp_ns: np.ndarray | None) -> list[int]:
+    """Return the place of each difference in the record."""
+    if stamp_ns is None:
+        return list(range(n))
+    stamps = [int(stamp) for stamp in stamp_ns]
+    usual = int(np.median(np.diff(stamps[:128])))
+    places, regular_ns, regular_place = [0], stamps[0], 0
+    for before, stamp in zip(stamps, stamps[1:]):
+        if 0.5 * usual <= stamp - before <= 1.5 * usual:
+            regular_ns, regular_place = stamp, places[-1] + 1
+        places.append(regular_place + math.floor((stamp - regular_ns) / usual + 0.5))
+    return places
+
+
+def _cells(e: np.ndarray, stamp_ns: np.ndarray | None, q: float,
+           ) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return b and y of each complete cell; None for fewer than 128."""
+    places = _places(e.size, stamp_ns)
+    size = 1
+    while (places[-1] + 1) // size > 1023:
+        size *= 2
+    count = (places[-1] + 1) // size
+    if count < 128:
+        return None
+    ends = np.searchsorted(places, size * np.arange(count + 1))
+    b, y = np.empty(count), np.empty(count)
+    for k in range(count):
+        part = e[ends[k]:ends[k + 1]]
+        b[k] = count * np.sum(part) / ends[-1]
+        y[k] = count * (np.sum(part ** 2) - part.size * q) / ends[-1] + q
+    return b, y
+
+
+@lru_cache(maxsize=4)
+def _cosines(count: int) -> np.ndarray:
+    """Return the cosines j = 1..m of the DCT-II in rows, orthonormal."""
+    j, k = np.arange(1, count)[:, np.newaxis], np.arange(1, count + 1)
+    return math.sqrt(2.0 / count) * np.cos(math.pi * j * (k - 0.5) / count)
+
+
+def spread(x: np.ndarray, order: int = 0, stamp_ns: np.ndarray | None = None) -> Plain | None:
+    """Return the figures of one run; None for fewer than 128 samples or cells. S.1 to S.9."""
+    n, p = x.size, order
+    if n < 128:
+        return None
+    e = x - np.mean(x)
+    q = float(np.mean(e ** 2))
+    cells = _cells(e, stamp_ns, q)
+    if cells is None:
+        return None
+    b, y = cells
+    count, m = b.size, b.size - 1
+    k4 = n * float(np.sum(e ** 4)) / float(np.sum(e ** 2)) ** 2 if q > 0.0 else 3.0
+    a2, c2 = (_cosines(count) @ b) ** 2, (_cosines(count) @ y) ** 2
+
+    def a(i: int, j: int) -> float:
+        value = float(np.mean(a2[i - 1:j]))
+        return value if value >= (1e-13 * float(np.max(np.abs(x)))) ** 2 * count else 0.0
+
+    def c(i: int, j: int) -> float:
+        return float(np.mean(c2[i - 1:j]))
+
+    v = a(p + 1, p + 8) / count
+    d = q + v if p == 0 else q + (1 + p) * a(p + 1, p + 4) / count
+    if d == 0.0:
+        nu = float(n - 1 - p)
+        return Plain(n, 0.0, 0.0, nu, nu, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    s2 = max(max(c(1, 6), c(1, 12), c(1, 24)) / count + 6.0 * (1 + p) ** 2 * v ** 2,
+             2.0 * d ** 2 / n)
+    nu = 2.0 * d ** 2 / s2
+    g = max(1.0, k4 / 3.0)
+    f, corner = nu, math.inf
+    for w in (64, 128, m):
+        if w > m:
+            continue
+        plateau = c(1, 16)
+        floor = min(plateau, c(3 * w // 4 + 1, w))
+        area = float(np.sum(c2[:w])) - w * floor
+        if area > 0.0 and plateau > floor:
+            j = max(8.0, 2.0 / math.pi * area / (plateau - floor))
+            corner = min(corner, j)
+            f = min(f, j / (2.0 * (plateau - floor) / plateau * g ** 2))
+    low, mid = a(p + 1, p + 4) / count, a(p + 13, p + 28) / count
+    return Plain(n, d, math.sqrt(s2), f, nu, corner, *_slow(low, mid), v, low, mid)
+
+
+def _slow(low: float, mid: float) -> tuple[float, float, float]:
+    """Return R, V_s and G. S.8, S.9."""
+    r = 0.0 if low == 0.0 else low / mid if mid > 0.0 else math.inf
+    v_s = 4.0 * max(0.0, low - mid)
+    return r, v_s, min(254.3, r ** 2 / 8.0) * v_s
+
+
+def _x(f: float, alpha: float, dof_t: int) -> float:
+    """Return how many s the upper bound lies above D. S.7."""
+    t = float(student.ppf(1.0 - alpha, dof_t))
+    if f > 1e8:
+        return t + math.sqrt(8.0 / f) * (2.0 * t * t + 1.0) / 6.0
+    quantile = float(chi2.ppf(norm.cdf(-t), f))
+    return math.sqrt(f / 2.0) * (f / quantile - 1.0) if quantile > 0.0 else math.inf
+
+
+def upper_bound(figures: Plain, alpha: float) -> float:
+    """Return U. S.10."""
+    if figures.d_deg2 == 0.0:
+        return 0.0
+    return (figures.d_deg2 + _x(figures.f, alpha, figures.student_dof) * figures.s_deg2
+            + figures.slow_allowance_deg2)
+
+
+def lower_bound(figures: Plain, alpha: float) -> float:
+    """Return L. S.11."""
+    if figures.d_deg2 == 0.0:
+        return 0.0
+    t = float(student.ppf(1.0 - alpha, figures.student_dof))
+    return figures.d_deg2 * math.exp(-t * figures.s_deg2 / figures.d_deg2)
+
+
+def pool(runs: list[Plain]) -> Plain:
+    """Return the figures of several runs of one variance. S.12."""
+    w = np.array([r.n for r in runs], dtype=float)
+    w /= w.sum()
+
+    def mean(name: str) -> float:
+        return float(sum(w[i] * getattr(r, name) for i, r in enumerate(runs)))
+
+    d = mean('d_deg2')
+    s = math.sqrt(sum((w[i] * r.s_deg2) ** 2 for i, r in enumerate(runs)))
+    gamma = sum((w[i] * r.s_deg2) ** 3 * math.sqrt(8.0 / r.f)
+                for i, r in enumerate(runs)) / s ** 3
+    low, mid = mean('low_deg2'), mean('middle_deg2')
+    return Plain(sum(r.n for r in runs), d, s, 8.0 / gamma ** 2, 2.0 * (d / s) ** 2,
+                 math.nan, *_slow(low, mid), mean('mean_variance_deg2'), low, mid,
+                 12 * len(runs))
+
+
+def between_runs(runs: list[Plain], means_deg: np.ndarray, alpha: float) -> float:
+    """Return U with the scatter of the means of the runs put in place of what they say. S.13."""
+    all_runs, m = pool(runs), len(runs)
+    between = float(np.var(means_deg, ddof=1))
+    d = all_runs.d_deg2 - all_runs.mean_variance_deg2 + between
+    factor = (m - 1) / float(chi2.ppf(alpha, m - 1)) - 1.0
+    return d + math.hypot(_x(all_runs.f, alpha, 12 * m) * all_runs.s_deg2, factor * between)

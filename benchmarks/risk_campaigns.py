@@ -1,0 +1,224 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Measure several runs together, several looks at one run, and lengths; see `decision_risk`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import Callable
+
+from error_processes import ar1, as_laplace, as_student5, Errors, sea_state, white
+from former_rule import former_rule
+import numpy as np
+from risk_measures import batches, Bounds, fails, rate, Result, runs_for, SIGMAS
+from risk_rows import band, half
+
+from heading_intercompare.core.cells import Cells
+from heading_intercompare.core.sequential import Looks
+from heading_intercompare.core.settings import Risk
+from heading_intercompare.core.squares import (
+    between_runs,
+    lower_bound,
+    pool,
+    spread,
+    upper_bound,
+)
+
+__all__ = ['CAMPAIGNS', 'Campaign']
+
+
+@dataclass(frozen=True, slots=True)
+class Campaign:
+    """A row of these tables: its name, and what measures it."""
+
+    name: str
+    measure: Callable[[np.random.Generator, int | None, float], Result]
+
+
+def _accepts(upper: np.ndarray) -> str:
+    return ' / '.join(f'{np.mean(s * s * upper <= 1.0):.2f}' for s in SIGMAS)
+
+
+def _campaigns(lengths: tuple[int, ...], errors: Errors, count: int, rng: np.random.Generator,
+               alpha: float) -> tuple[np.ndarray, ...]:
+    """Return for each campaign: largest U, largest L at alpha / m, pooled L and U, U of S.13."""
+    m, rows = len(lengths), []
+    runs = [(x for many in batches(errors, n, count, child) for x in many)
+            for n, child in zip(lengths, rng.spawn(m))]
+    for together in zip(*runs):
+        figures = [spread(Cells.of(x)) for x in together]
+        pooled = pool(figures)
+        rows.append((max(upper_bound(f, alpha) for f in figures),
+                     max(lower_bound(f, alpha / m) for f in figures),
+                     lower_bound(pooled, alpha), upper_bound(pooled, alpha),
+                     between_runs(figures, np.array([x.mean() for x in together]), alpha)))
+    return tuple(np.array(rows).T)
+
+
+def _several_runs(name: str, lengths: tuple[int, ...], errors: Errors) -> Campaign:
+    def measure(rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
+        every_u, every_l, low, up, between = _campaigns(
+            lengths, errors, runs_for(max(lengths), wanted), rng, alpha)
+        wrong = (every_u < 1.0, every_l > 1.0, up < 1.0, low > 1.0, between < 1.0)
+        cells = [rate(w, alpha) for w in wrong]
+        return Result((name, str(len(lengths)), str(up.size), ' / '.join(cells[:2]),
+                       _accepts(every_u), ' / '.join(cells[2:4]), _accepts(up), cells[4],
+                       _accepts(between)), any(fails(w, alpha) for w in wrong))
+    return Campaign(name, measure)
+
+
+def _slow_between(times: float, m: int) -> Campaign:
+    name = f'{times:g}, {m} runs'
+
+    def measure(rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
+        count = runs_for(3000, wanted)
+        every_u, _, _, up, between = _campaigns((3000,) * m, half(ar1(3000.0 / times)), count,
+                                                rng, alpha)
+        quiet = _campaigns((3000,) * m, white, max(1, count // 10), rng, alpha)[4]
+        return Result((name, str(up.size), rate(every_u < 1.0, alpha, False),
+                       rate(up < 1.0, alpha, False), rate(between < 1.0, alpha),
+                       f'{np.median(between):.3g}', f'{np.median(quiet):.3f}'),
+                      fails(between < 1.0, alpha))
+    return Campaign(name, measure)
+
+
+def table_runs() -> list[Campaign]:
+    """Return the rows of several runs of one sensor."""
+    return [_several_runs(name, lengths, errors) for name, lengths, errors in (
+        ('white, n = 600', (600,) * 4, white),
+        ('AR(1), 50', (1000,) * 4, ar1(20.0)),
+        ('AR(1), 20', (600,) * 8, ar1(30.0)),
+        ('AR(1), 20 / 40 / 80', (600, 1200, 2400), ar1(30.0)),
+        ('0.5 white + 0.5 AR(1), 20', (600,) * 2, half(ar1(30.0))),
+        ('0.5 white + 0.5 AR(1), 20, four', (600,) * 4, half(ar1(30.0))),
+        ('0.5 white + 0.5 narrow band, 20', (1200,) * 4, half(band(60.0))),
+        ('Student-5 AR(1), 100', (2000,) * 4, as_student5(ar1(20.0))),
+        ('Laplace AR(1), 50', (1000,) * 4, as_laplace(ar1(20.0))),
+        ('sea state of sd 0.7, white, 20', (1200,) * 4, sea_state(0.7, 60.0, white)))]
+
+
+def table_means() -> list[Campaign]:
+    """Return the rows of a component that no single run shows."""
+    return [_slow_between(times, m) for times in (3.0, 1.0, 0.1, 0.01) for m in (2, 3, 5, 8)]
+
+
+#: Of looks: so long that the first of them is not before the least length of a run.
+STEP_NS = 10_000_000_000
+
+
+def _looks(name: str, samples: int, errors: Errors, count_of_looks: int,
+           first: int) -> Campaign:
+    """Return a row of looks at a run of `first` correlation times at the first of them."""
+    times = first << (count_of_looks - 1)
+    name = f'{name}; {count_of_looks} looks'
+
+    def measure(rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
+        n = samples * times
+        stamps = np.arange(n + 1, dtype=np.int64) * STEP_NS
+        plan = Looks(n * STEP_NS / 1e9, count_of_looks,
+                     Risk(alpha_consumer=alpha, alpha_producer=alpha))
+        looks = plan.cuts(0, stamps)
+        rows = []
+        for many in batches(errors, n + 1, runs_for(n, wanted), rng):
+            for x in many:
+                for size, look in looks:
+                    f = spread(Cells.of(x[:size]))
+                    rows.append((lower_bound(f, look.risk.alpha_producer),
+                                 upper_bound(f, look.risk.alpha_consumer),
+                                 lower_bound(f, alpha), upper_bound(f, alpha)))
+        low, up, low_all, up_all = np.array(rows).reshape(-1, len(looks), 4).transpose(2, 0, 1)
+        ever = [np.any(up < 1.0, axis=1), np.any(low > 1.0, axis=1)]
+        alone = [np.any(up_all < 1.0, axis=1), np.any(low_all > 1.0, axis=1)]
+        return Result((name, str(len(up)), *(rate(e, alpha) for e in ever),
+                       ' / '.join(f'{np.mean(e):.3f}' for e in alone),
+                       *_when(up, [size / n for size, _ in looks])),
+                      any(fails(e, alpha) for e in ever))
+    return Campaign(name, measure)
+
+
+def _when(upper: np.ndarray, shares: list[float]) -> tuple[str, str]:
+    """Return the median share of the plan at which good sensors are accepted; how many are."""
+    at, by_end = [], []
+    for s in SIGMAS:
+        accepted = s * s * upper <= 1.0
+        is_any = accepted.any(axis=1)
+        when = np.where(is_any, np.array(shares)[accepted.argmax(axis=1)], math.inf)
+        at.append('-' if math.isinf(np.median(when)) else f'{np.median(when):.3f}')
+        by_end.append(f'{is_any.mean():.2f}')
+    return ' / '.join(at), ' / '.join(by_end)
+
+
+def table_looks() -> list[Campaign]:
+    """Return the rows of looks at a plan of 640 correlation times."""
+    processes = (('white', 20, white), ('AR(1)', 20, ar1(20.0)),
+                 ('0.5 white + 0.5 AR(1)', 20, half(ar1(20.0))), ('narrow band', 30, band(30.0)),
+                 ('0.5 white + 0.5 narrow band', 30, half(band(30.0))),
+                 ('Laplace AR(1)', 20, as_laplace(ar1(20.0))),
+                 ('Student-5 AR(1)', 20, as_student5(ar1(20.0))),
+                 ('sea state of sd 0.7, white', 20, sea_state(0.7, 20.0, white)))
+    return [_looks(name, samples, errors, looks, first) for name, samples, errors in processes
+            for looks, first in ((7, 10), (4, 80))]
+
+
+LENGTHS = tuple(round(7 * 2.0 ** (k / 2.0)) for k in range(15))
+TARGETS = (0.5, 0.7, 0.85, 1.2, 1.5)
+
+
+def _power(name: str, samples: int, errors: Errors) -> Campaign:
+    """Return the lengths, in correlation times, from which on 80 % of the runs are decided."""
+    def measure(rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
+        lengths = [t for t in LENGTHS if t * samples <= 20_000]
+        shares = np.empty((3, len(TARGETS), len(lengths)))
+        for k, times in enumerate(lengths):
+            now, before, d = [], [], []
+            n = times * samples
+            for many in batches(errors, n, runs_for(n, wanted), rng):
+                for x in many:
+                    f = spread(Cells.of(x))
+                    now.append((lower_bound(f, alpha), upper_bound(f, alpha)))
+                    j = former_rule(x, alpha)
+                    before.append((j.lower_deg2, j.upper_deg2) if j.is_open else (0.0, math.inf))
+                    d.append(f.d_deg2)
+            d = np.array(d)
+            known = Bounds(d / np.quantile(d, 1.0 - alpha), d / np.quantile(d, alpha))
+            for i, bounds in enumerate((Bounds.of(before), Bounds.of(now), known)):
+                shares[i, :, k] = [np.mean(s * s * bounds.upper <= 1.0 if s < 1.0
+                                           else s * s * bounds.lower > 1.0) for s in TARGETS]
+        return Result((name, *(' / '.join(_length(shares[i, j], lengths) for i in range(3))
+                               for j in range(len(TARGETS)))))
+    return Campaign(name, measure)
+
+
+def _length(share: np.ndarray, lengths: list[int]) -> str:
+    """Return from which length on a share is 0.8, interpolated in its logarithm."""
+    below = np.flatnonzero(share < 0.8)
+    if not below.size:
+        return f'<= {lengths[0]}'
+    k = int(below[-1])
+    if k == len(lengths) - 1:
+        return f'> {lengths[-1]}'
+    part = (0.8 - share[k]) / (share[k + 1] - share[k])
+    return f'{lengths[k] * (lengths[k + 1] / lengths[k]) ** part:.0f}'
+
+
+def table_b() -> list[Campaign]:
+    """Return the rows of lengths needed."""
+    return [_power('AR(1)', 20, ar1(20.0)), _power('narrow band', 60, band(60.0)),
+            _power('0.5 white + 0.5 AR(1)', 20, half(ar1(20.0))),
+            _power('0.5 white + 0.5 narrow band', 60, half(band(60.0)))]
+
+
+CAMPAIGNS = {
+    'runs': (table_runs, ('errors of each run', 'm', 'campaigns', 'every run: hi / lo',
+                          'accepts', 'pooled: hi / lo', 'accepts', 'with the means: hi',
+                          'accepts')),
+    'means': (table_means, ('correlation times of the slow half in a run', 'campaigns',
+                            'every run: hi', 'pooled: hi', 'with the means: hi',
+                            'median U with the means', 'the same, white alone')),
+    'looks': (table_looks, ('errors', 'runs', 'ever accepted', 'ever rejected',
+                            'risk not shared', 'accepted at (share of plan)',
+                            'accepted by the end')),
+    'B': (table_b, ('errors', *(f'{"accept" if s < 1.0 else "reject"} {s:g}: '
+                                'former / rule / known' for s in TARGETS)))}
+"""Tables of several runs, looks or lengths: rows and heads of columns."""

@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Measure the risks of the decision on one row of a table; see `decision_risk`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import Iterator
+
+from error_processes import Errors, polynomial, without_drift
+from former_rule import former_rule
+import numpy as np
+from risk_rows import AUTO, Row
+
+from heading_intercompare.core.cells import Cells
+from heading_intercompare.core.drift import remove_polynomial, select_order
+from heading_intercompare.core.squares import lower_bound, spread, upper_bound
+
+__all__ = ['batches', 'Bounds', 'COLUMNS', 'fails', 'measure_row', 'rate', 'Result', 'runs_of',
+           'SIGMAS']
+
+SIGMAS = (0.5, 0.7, 0.85)
+"""True standard deviations, as shares of the limit, whose acceptance is counted."""
+
+LEAST_RUNS = ((20_000, 5000), (100_000, 1000), (math.inf, 400))
+LARGEST_RATE = 0.06
+
+COLUMNS = ('errors', 'n', 'runs', 'rule hi', 'rule lo', 'median L / U',
+           'accepts 0.5 / 0.7 / 0.85', 'former: open: hi / lo; accepts')
+
+_SAMPLES_AT_ONCE = 4_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """The cells of a row of a table, and whether it fails."""
+
+    cells: tuple[str, ...]
+    is_failed: bool = False
+
+    @property
+    def markdown(self) -> str:
+        """Return the row."""
+        return f'| {" | ".join(self.cells)} |'
+
+
+@dataclass(slots=True)
+class Bounds:
+    """Bounds of many runs whose true variance is 1."""
+
+    lower: np.ndarray
+    upper: np.ndarray
+
+    @classmethod
+    def of(cls, pairs: list[tuple[float, float]]) -> 'Bounds':
+        """Return them from pairs L, U."""
+        both = np.array(pairs).reshape(-1, 2)
+        return cls(both[:, 0], both[:, 1])
+
+    @property
+    def hi(self) -> np.ndarray:
+        """Return which runs are falsely accepted at the limit."""
+        return self.upper < 1.0
+
+    @property
+    def lo(self) -> np.ndarray:
+        """Return which runs are falsely rejected at the limit."""
+        return self.lower > 1.0
+
+    @property
+    def medians(self) -> str:
+        """Return median L / U."""
+        return f'{np.median(self.lower):.3g} / {np.median(self.upper):.3g}'
+
+    @property
+    def accepts(self) -> str:
+        """Return the shares accepted of sensors better than the limit."""
+        return ' / '.join(f'{np.mean(s * s * self.upper <= 1.0):.2f}' for s in SIGMAS)
+
+
+def runs_for(n: int, wanted: int | None) -> int:
+    """Return how many runs of n samples to make."""
+    return wanted or next(runs for most, runs in LEAST_RUNS if n <= most)
+
+
+def fails(wrong: np.ndarray, alpha: float) -> bool:
+    """Return whether a rate is above its nominal value beyond chance, or too large anyhow."""
+    share = float(np.mean(wrong))
+    error = math.sqrt(share * (1.0 - share) / wrong.size)
+    return share - 2.0 * error > alpha or share > LARGEST_RATE / 0.05 * alpha
+
+
+def rate(wrong: np.ndarray, alpha: float, is_judged: bool = True) -> str:
+    """Return a rate with its standard error, marked where it fails."""
+    share = float(np.mean(wrong))
+    error = math.sqrt(share * (1.0 - share) / wrong.size)
+    mark = ' **fails**' if is_judged and fails(wrong, alpha) else ''
+    return f'{share:.4f} ± {error:.4f}{mark}'
+
+
+def batches(errors: Errors, n: int, count: int,
+            rng: np.random.Generator) -> Iterator[np.ndarray]:
+    """Yield arrays of runs, many at once."""
+    at_once = max(1, _SAMPLES_AT_ONCE // n)
+    while count > 0:
+        yield errors(rng, min(count, at_once), n)
+        count -= at_once
+
+
+def runs_of(row: Row, count: int, rng: np.random.Generator,
+            ) -> Iterator[tuple[np.ndarray, np.ndarray | None, int]]:
+    """Yield residuals, stamps, and the order that the rule is told, run by run."""
+    every = None
+    if row.rate_hz:
+        step_ns = round(1e9 / row.rate_hz)
+        every = np.arange(row.n, dtype=np.int64) * step_ns
+    for many in batches(row.errors, row.n, count, rng):
+        if row.drift:
+            many += 3.0 * polynomial(row.n, row.drift)
+        if row.order > 0 and row.sampling is None:
+            many = without_drift(many, row.order)
+        for x in many:
+            stamps = every
+            if row.sampling is not None:
+                at = row.sampling(rng, row.n)
+                x, stamps = x[at], every[at]
+            order = row.order
+            if order == AUTO:
+                x = remove_polynomial(stamps, x, select_order(stamps, x).order).residual_deg
+                order = 3
+            elif order > 0 and row.sampling is not None:
+                x = remove_polynomial(stamps, x, order).residual_deg
+            yield x, stamps, order
+
+
+def bounds_of(x: np.ndarray, stamps: np.ndarray | None, order: int,
+              alpha: float) -> tuple[float, float]:
+    """Return L and U of one run; 0 and infinity where the rule makes no statement."""
+    figures = spread(Cells.of(x) if stamps is None else Cells.of(x, stamps), order)
+    if figures is None:
+        return 0.0, math.inf
+    return lower_bound(figures, alpha), upper_bound(figures, alpha)
+
+
+def measure_row(row: Row, rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
+    """Return a row of a table of single runs."""
+    now, former, opened = [], [], 0
+    for x, stamps, order in runs_of(row, runs_for(row.n, wanted), rng):
+        now.append(bounds_of(x, stamps, order, alpha))
+        if row.has_former:
+            judged = former_rule(x, alpha, order)
+            opened += judged.is_open
+            former.append((judged.lower_deg2, judged.upper_deg2) if judged.is_open
+                          else (0.0, math.inf))
+    bounds = Bounds.of(now)
+    beside = '-'
+    if former:
+        f = Bounds.of(former)
+        beside = (f'{opened / len(former):.3f}: {np.mean(f.hi):.4f} / {np.mean(f.lo):.4f}; '
+                  f'{f.accepts}')
+    sides = (bounds.hi, bounds.lo)
+    return Result((row.name if row.is_judged else f'({row.name})', str(row.n), str(len(now)),
+                   *(rate(side, alpha, row.is_judged) for side in sides), bounds.medians,
+                   bounds.accepts, beside),
+                  row.is_judged and any(fails(side, alpha) for side in sides))

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The benchmark of the risks runs, and what it compares and simulates is what it says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import sys
+
+import numpy as np
+import pytest
+
+from heading_intercompare.core.cells import Cells
+from heading_intercompare.core.squares import (
+    between_runs,
+    lower_bound,
+    pool,
+    spread,
+    upper_bound,
+)
+
+BENCHMARKS = Path(__file__).resolve().parent.parent / 'benchmarks'
+sys.path.insert(0, str(BENCHMARKS))
+
+import decision_risk  # noqa: E402
+import error_processes as processes  # noqa: E402
+from former_rule import former_rule  # noqa: E402
+import plain_rule  # noqa: E402
+from risk_campaigns import CAMPAIGNS  # noqa: E402
+from risk_rows import ROWS  # noqa: E402
+
+QUICK = {'A': '^AR.1., 20$', 'cells': '^AR.1., 20$', 'drift': '^AR.1., 20; (order 3|auto)',
+         'gaps': '^AR.1., 20; five', 'short': 'white, n = 128$', 'rates': '^10 Hz, n = 512: sea',
+         'E': '0.5 slow, 1, n = 600', 'runs': '^AR.1., 50$', 'means': '^1, 2 runs',
+         'looks': '^white; 4', 'B': '^AR'}
+
+ERRORS = {'white': processes.white, 'AR(1)': processes.ar1(25.0),
+          'Laplace': processes.as_laplace(processes.ar1(10.0)),
+          'slow': processes.mixed(0.5, processes.white, processes.ar1(1000.0)),
+          'equal': lambda rng, runs, n: np.full((runs, n), 3.0)}
+
+
+@pytest.mark.parametrize('table', [*ROWS, *CAMPAIGNS])
+def test_a_table_is_printed(table, capsys):
+    """With 3 runs a row; whether it fails is chance then."""
+    done = decision_risk.main(['--table', table, '--rows', QUICK[table], '--replications', '3'])
+    lines = capsys.readouterr().out.strip().splitlines()
+    assert done in (0, 1)
+    assert len(lines) >= 3
+    assert len({line.count('|') for line in lines}) == 1
+
+
+def test_names_of_rows_are_unique_for_they_are_seeds():
+    for table in (*ROWS, *CAMPAIGNS):
+        names = [row.name for row in decision_risk.rows_of(table)]
+        assert len(names) == len(set(names))
+
+
+def test_a_row_does_not_depend_on_other_rows_or_processes(capsys):
+    outputs = []
+    for more in (['--rows', '^AR.1., [23]0$', '--jobs', '2'], ['--rows', '^AR.1., 30$']):
+        decision_risk.main(['--replications', '20', *more])
+        outputs.append(capsys.readouterr().out.strip().splitlines()[-1])
+    assert outputs[0] == outputs[1]
+    assert outputs[0].startswith('| AR(1), 30 | 900 | 20 |')
+
+
+@pytest.mark.parametrize('rates, text', [
+    ([1] * 49 + [0] * 951, '0.0490 ± 0.0068'), ([1] * 61 + [0] * 939, '0.0610 ± 0.0076 **fails**'),
+    ([1] * 570 + [0] * 9430, '0.0570 ± 0.0023 **fails**'), ([0] * 9, '0.0000 ± 0.0000')])
+def test_a_rate_fails_above_006_or_two_standard_errors_above_005(rates, text):
+    from risk_measures import rate
+    assert rate(np.array(rates), 0.05) == text
+
+
+@pytest.mark.parametrize('sampling', [None, 'one_missing', 'five_gaps', 'half_missing',
+                                      'one_in_four', 'jittered', 'seconds_on_and_off'])
+@pytest.mark.parametrize('errors', ERRORS)
+def test_the_rule_is_that_of_the_plain_loop(errors, sampling, rng):
+    for n, order in ((128, 0), (700, 1), (1023, 0), (1024, 2), (12_001, 3)):
+        x, stamps = ERRORS[errors](rng, 1, n)[0], None
+        if sampling:
+            at = getattr(processes, sampling)(rng, n)
+            x, stamps = x[at], at * 100_000_000
+        found = spread(Cells.of(x, stamps), order)
+        plain = plain_rule.spread(x, order, stamps)
+        if plain is None:
+            assert found is None
+            continue
+        for name in ('d_deg2', 's_deg2', 'nu', 'f', 'corner_j', 'r_slow', 'slow_variance_deg2',
+                     'slow_allowance_deg2', 'mean_variance_deg2'):
+            assert getattr(found, name) == pytest.approx(getattr(plain, name), rel=1e-9,
+                                                         abs=1e-12), name
+        for alpha in (0.05, 0.004):
+            assert upper_bound(found, alpha) == pytest.approx(
+                plain_rule.upper_bound(plain, alpha), rel=1e-10)
+            assert lower_bound(found, alpha) == pytest.approx(
+                plain_rule.lower_bound(plain, alpha), rel=1e-10)
+
+
+def test_several_runs_are_judged_as_by_the_plain_loop(rng):
+    runs = [ERRORS['slow'](rng, 1, n)[0] for n in (600, 1500, 3000, 600)]
+    means = np.array([x.mean() for x in runs])
+    found, plain = [spread(Cells.of(x)) for x in runs], [plain_rule.spread(x) for x in runs]
+    for bound in ('upper_bound', 'lower_bound'):
+        assert globals()[bound](pool(found), 0.05) == pytest.approx(
+            getattr(plain_rule, bound)(plain_rule.pool(plain), 0.05), rel=1e-10)
+    assert between_runs(found, means, 0.05) == pytest.approx(
+        plain_rule.between_runs(plain, means, 0.05), rel=1e-10)
+
+
+def test_the_former_rule_is_frozen():
+    """Figures of the rule as it was in core; the two agreed to the last bit."""
+    judged = former_rule(processes.ar1(20.0)(np.random.default_rng(5), 1, 3000)[0], 0.05)
+    assert judged.is_open
+    assert judged.lower_deg2 == pytest.approx(0.9290587073849932, rel=1e-12)
+    assert judged.upper_deg2 == pytest.approx(1.4362740531655425, rel=1e-12)
+
+
+@pytest.mark.parametrize('errors', [
+    processes.white, processes.ar1(30.0), processes.narrow_band(60.0, 12.0),
+    processes.mixed(0.3, processes.white, processes.ar1(30.0)),
+    processes.as_laplace(processes.ar1(20.0)), processes.as_student5(processes.ar1(20.0)),
+    processes.as_uniform(processes.ar1(20.0)), processes.quantised(2.0, processes.white),
+    processes.calm_then_rough(processes.white), processes.ramp(processes.white),
+    processes.sea_state(0.7, 60.0, processes.white), processes.ar1(1e4)])
+def test_a_process_has_variance_1(errors, rng):
+    """Within six standard errors."""
+    squares = np.mean(errors(rng, 4000, 60) ** 2, axis=1)
+    assert abs(squares.mean() - 1.0) < 6.0 * squares.std() / np.sqrt(squares.size)
+
+
+@pytest.mark.parametrize('errors', [
+    processes.ar1(30.0), processes.narrow_band(60.0, 12.0),
+    processes.sea_state(0.7, 60.0, processes.white)])
+def test_a_process_begins_in_its_stationary_state(errors, rng):
+    first = errors(rng, 20_000, 2)[:, 0] ** 2
+    assert abs(first.mean() - 1.0) < 6.0 * first.std() / np.sqrt(first.size)
