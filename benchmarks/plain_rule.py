@@ -53,8 +53,8 @@ def _places(n: int, stamp_ns: np.ndarray | None) -> list[int]:
 
 
 def _cells(e: np.ndarray, stamp_ns: np.ndarray | None, q: float,
-           ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return b and y of each complete cell; None for fewer than 128."""
+           ) -> tuple[np.ndarray, np.ndarray, float] | None:
+    """Return b and y of each complete cell, the share in use; None for fewer than 128."""
     places = _places(e.size, stamp_ns)
     size = 1
     while (places[-1] + 1) // size > 1023:
@@ -68,7 +68,7 @@ def _cells(e: np.ndarray, stamp_ns: np.ndarray | None, q: float,
         part = e[ends[k]:ends[k + 1]]
         b[k] = count * np.sum(part) / ends[-1]
         y[k] = count * (np.sum(part ** 2) - part.size * q) / ends[-1] + q
-    return b, y
+    return b, y, float(np.mean(np.diff(ends) > 0))
 
 
 @lru_cache(maxsize=4)
@@ -88,7 +88,7 @@ def spread(x: np.ndarray, order: int = 0, stamp_ns: np.ndarray | None = None) ->
     cells = _cells(e, stamp_ns, q)
     if cells is None:
         return None
-    b, y = cells
+    b, y, occupied = cells
     count, m = b.size, b.size - 1
     k4 = n * float(np.sum(e ** 4)) / float(np.sum(e ** 2)) ** 2 if q > 0.0 else 3.0
     a2, c2 = (_cosines(count) @ b) ** 2, (_cosines(count) @ y) ** 2
@@ -105,8 +105,9 @@ def spread(x: np.ndarray, order: int = 0, stamp_ns: np.ndarray | None = None) ->
     if d == 0.0:
         nu = float(n - 1 - p)
         return Plain(n, 0.0, 0.0, nu, nu, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    s2 = max(max(c(1, 6), c(1, 12), c(1, 24)) / count + 6.0 * (1 + p) ** 2 * v ** 2,
+    s2 = max(max(c(1, 6), c(1, 12), c(1, 24)) / count + 6.0 * (1 + p) ** 2 * v ** 2 / occupied,
              2.0 * d ** 2 / n)
+    s2 *= 1.0 + 30.0 / n
     nu = 2.0 * d ** 2 / s2
     g = max(1.0, k4 / 3.0)
     f, corner = nu, math.inf
@@ -119,7 +120,7 @@ def spread(x: np.ndarray, order: int = 0, stamp_ns: np.ndarray | None = None) ->
         if area > 0.0 and plateau > floor:
             j = max(8.0, 2.0 / math.pi * area / (plateau - floor))
             corner = min(corner, j)
-            f = min(f, j / (2.0 * (plateau - floor) / plateau * g ** 2))
+            f = min(f, 0.45 * occupied * j / ((plateau - floor) / plateau * g ** 2))
     low, mid = a(p + 1, p + 4) / count, a(p + 13, p + 28) / count
     return Plain(n, d, math.sqrt(s2), f, nu, corner, *_slow(low, mid), v, low, mid)
 
@@ -153,7 +154,8 @@ def lower_bound(figures: Plain, alpha: float) -> float:
     if figures.d_deg2 == 0.0:
         return 0.0
     t = float(student.ppf(1.0 - alpha, figures.student_dof))
-    return figures.d_deg2 * math.exp(-t * figures.s_deg2 / figures.d_deg2)
+    return figures.d_deg2 * math.exp(
+        -t * figures.s_deg2 / figures.d_deg2 * math.sqrt(1.0 + 1.0 / figures.f))
 
 
 def pool(runs: list[Plain]) -> Plain:

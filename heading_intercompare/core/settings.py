@@ -344,10 +344,8 @@ class Detectors(Checked):
         15.0, 'a larger mean difference makes a run void unless an installation angle is stated '
         '[deg]', 0.0, 180.0)
     lost_doubtful: float = setting(
-        0.1, 'a run is doubtful if a larger share of its readings is lost, rejected or without '
-        'partner', 0.0, 1.0)
-    lost_void: float = setting(
-        0.5, 'and void if a larger share is', 0.0, 1.0)
+        0.1, 'a run that lacks a larger share of its readings is doubtful', 0.0, 1.0)
+    lost_void: float = setting(0.5, 'and void if a larger share', 0.0, 1.0)
     silence_steps: float = setting(
         10.0, 'a silence is so many times longer than the usual step of the stamps', 1.0)
 

@@ -89,7 +89,8 @@ def by_the_page(values, order, alpha):
     return {'d_deg2': d, 'mean_variance_deg2': v, 's_deg2': s, 'nu': nu, 'f': f,
             'corner_j': min(corners, default=math.inf), 'r_slow': r,
             'slow_variance_deg2': slow_variance, 'slow_allowance_deg2': allowance,
-            'upper': d + x * s + allowance, 'lower': d * math.exp(-t * s / d * math.sqrt(1.0 + 1.0 / f))}
+            'upper': d + x * s + allowance,
+            'lower': d * math.exp(-t * s / d * math.sqrt(1.0 + 1.0 / f))}
 
 
 # --- by hand ---
