@@ -10,6 +10,9 @@ import pytest
 from heading_intercompare.core.interpolation_error import interpolation_error
 from heading_intercompare.core.pairing import pair
 from heading_intercompare.core.records import Headings
+from heading_intercompare.core.settings import Settings
+
+RS_INTERPOLATED = Settings.from_mapping({'pairing': {'method': 'interpolate'}})
 
 OMEGA = 2.0 * np.pi / 8.0
 
@@ -29,7 +32,7 @@ def judged(rng, *, rs_s, ts_s, size=1.0, period=8.0, noise=(0.0, 0.0), span=1800
     rs = true(t_rs) + noise[1] * rng.standard_normal(t_rs.size)
     ts = true(t) + noise[0] * rng.standard_normal(t.size)
     pairs, _ = pair(Headings.of(stamps_of(t), ts % 360.0),
-                    Headings.of(stamps_of(t_rs), rs % 360.0))
+                    Headings.of(stamps_of(t_rs), rs % 360.0), RS_INTERPOLATED)
     found = interpolation_error(pairs.stamp_ns, pairs.rs_deg, pairs.ts_deg,
                                 pairs.rs_variance_factor, interval_s=rs_s if known else None)
     return found, float(np.mean((np.interp(t, t_rs, true(t_rs)) - true(t)) ** 2))

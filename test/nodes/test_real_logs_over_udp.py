@@ -31,7 +31,7 @@ SHIPS = {
     'nbp': ({'ts': 'nbp1406/NBP1406_gyr1-2014-08-01', 'rs': 'nbp1406/NBP1406_s330-2014-08-01'},
             '%Y-%m-%dT%H:%M:%S.%fZ', 625),
     'lmg': ({'ts': 'lmg1903/LMG1903_lgyr.d085', 'rs': 'lmg1903/LMG1903_lsep.d085'},
-            '%y+%j:%H:%M:%S.%f', 9991)}
+            '%y+%j:%H:%M:%S.%f', 999)}
 
 
 def checksum(text: bytes) -> bytes:
