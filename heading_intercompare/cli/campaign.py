@@ -21,6 +21,8 @@ from typing import Any, Callable, ContextManager, Iterable, Iterator, Mapping, P
 from heading_intercompare.cli.job import Job, Judged
 from heading_intercompare.cli.progress import Progress
 from heading_intercompare.cli.run_table import RunTable
+from heading_intercompare.core.campaign import CAMPAIGN_REASONS
+from heading_intercompare.core.headline import OUTCOME_WORDS
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
@@ -259,4 +261,8 @@ def capped(verdict: Mapping[str, Any], judged: Sequence[Judged]) -> dict[str, An
         return dict(verdict)
     least = {key: worst([Outcome(verdict[key]), Outcome.INDETERMINATE]).value
              for key in ('outcome', 'paper_outcome')}
+    if least['outcome'] != verdict['outcome']:
+        reason = 'an_input_not_judged'
+        least |= {'headline': f'{OUTCOME_WORDS[least["outcome"]]}: {CAMPAIGN_REASONS[reason]}',
+                  'campaign': {**verdict['campaign'], 'reason': reason}}
     return {**verdict, **least}

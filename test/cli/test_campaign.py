@@ -154,6 +154,9 @@ def test_an_input_without_runs_is_named_and_the_campaign_is_not_compliant(bags, 
     dead = str(tmp_path / 'dead')
     verdict, said = judged(capsys, bags[0], dead)
     assert verdict['outcome'] == verdict['paper_outcome'] == 'indeterminate'
+    # The headline and the reason of the whole say so, too.
+    assert verdict['headline'] == 'INDETERMINATE: not every input could be judged'
+    assert verdict['campaign']['reason'] == 'an_input_not_judged'
     why = ('no pair was made; 1200 TS and 0 RS readings received, 0 paired, rejected: '
            '7 TS invalid')
     assert verdict['inputs'][1]['no_run'] == why and 'no_run' not in verdict['inputs'][0]

@@ -156,6 +156,7 @@ def test_no_run_and_no_difference_leave_it_open():
 
 
 def test_every_reason_is_reached_by_a_test_of_this_file():
+    # That of inputs that were not judged, 'an_input_not_judged', is set where inputs are read.
     text = Path(__file__).read_text('utf-8')
     assert {code for code in CAMPAIGN_REASONS if f"'{code}'" not in text} == set()
     assert all(words and code == code.lower() for code, words in CAMPAIGN_REASONS.items())
