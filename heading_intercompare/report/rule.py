@@ -107,7 +107,8 @@ def _statement(verdict: Mapped) -> Markup:
         ("producer's risk [1]", f'{producer}, nominal: at most so often a TS just at its norm '
                                 'is found non-compliant, if the assumptions hold.'),
         ('results covered', _covered(runs)),
-        ('specification', 'sigma_max of the TS: ' + _MET[verdict['outcome']]),
+        ('specification', 'sigma_max of the TS: ' + _MET[verdict['outcome']] + _doubts(verdict)),
+        ('in one line', verdict['headline']),
         ('the same by GK as printed',
          f'{outcome(verdict["paper_outcome"])} (no allowance for the sampling error)')]
     return joined((element('p', 'Statement of conformity after ISO/IEC 17025, 7.8.6:'),
@@ -122,6 +123,12 @@ def _several(settings: Mapped, m: int) -> str:
     return ('The worst run decides. All must comply; one rejects the TS if it does so at the '
             f"producer's risk divided by the number of runs, {producer} / {m or 'm'}"
             + (f' = {number(settings["risk.alpha_producer"] / m, 3)}.' if m else '.'))
+
+
+def _doubts(verdict: Mapped) -> str:
+    if verdict['outcome'] != 'indeterminate' and verdict['validity_effect'] == 'doubtful':
+        return ', but doubtfully: see the validity of the comparison'
+    return ''
 
 
 def _covered(runs: list[Mapped]) -> str:

@@ -11,8 +11,10 @@ import math
 import re
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
+from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.report import html, SeriesSketch, write
 from heading_intercompare.report.rule import rule
 
@@ -275,3 +277,16 @@ def test_an_unknown_suffix_is_refused_and_the_known_ones_are_named(made, tmp_pat
     with pytest.raises(ValueError, match=r'must end in \.html or \.json'):
         write(made(0)[0], tmp_path / name)
     assert not (tmp_path / name).exists()
+
+
+def test_a_doubtful_certificate_is_not_called_met_without_a_word(rng):
+    """A sound TS five degrees off."""
+    stamps = np.arange(1, 9001) * 10 ** 8
+    rs = 100.0 + 30.0 * np.sin(np.arange(9000) / 500.0)
+    verdict = analyze(Headings.of(stamps, rs + 5.0 + 0.1 * rng.standard_normal(9000)),
+                      Headings.of(stamps, rs + 0.05 * rng.standard_normal(9000)),
+                      Settings.from_mapping({'norms': {'sigma_max_deg': 0.2,
+                                                       'sigma_ref_max_deg': 0.1}}))
+    page = html.render(verdict.to_dict())
+    assert 'sigma_max of the TS: met, but doubtfully: see the validity of the comparison' in page
+    assert 'COMPLIANT, DOUBTFUL: the mean difference is 5.00 deg' in page
