@@ -134,5 +134,15 @@ def test_the_runs_by_outcome_are_counted(pairs, rng):
     verdict = analyze([ts, bad], [rs, rs], Settings.from_mapping(NORMS))
     assert verdict.campaign.runs_by_outcome == {
         'compliant': 1, 'indeterminate': 0, 'non_compliant': 1}
-    assert verdict.campaign.worst_variance_run == 2
+    first, second = verdict.runs
+    worst = verdict.campaign
+    assert worst.worst_variance_run == 2 and worst.worst_variance_deg2 == second.variance_deg2
+    # The bad one has a standard deviation of 1, so a third of it lies beyond 3 sigma of 0.316.
+    assert first.count_criterion.n_plus == 0 < second.count_criterion.n_plus
+    assert worst.worst_plus_rate == second.count_criterion.n_plus / 1000
+    assert worst.worst_plus_plus_rate == second.count_criterion.n_plus_plus / 1000
+    means = first.mean_deg, second.mean_deg
+    assert (worst.a_low_deg, worst.a_up_deg) == (min(means), max(means))
+    assert worst.low_worst_deg == min(r.total_error.low_deg for r in verdict.runs)
+    assert worst.up_worst_deg == max(r.total_error.up_deg for r in verdict.runs)
     assert (verdict.campaign.rule, verdict.campaign.reason) == ('every_run', 'a_run_non_compliant')
