@@ -77,12 +77,18 @@ class RunResult:
         return replace(self, verdict=replace(self.verdict, run=run, assumptions=checked))
 
     def outcome_among(self, m: int, settings: Settings) -> Outcome:
-        """Return the outcome when m runs share the producer's risk."""
+        """
+        Return the outcome when m runs share the producer's risk.
+
+        A run that is rejected on its own may be open among others, but never complies: it may
+        have been rejected at a look.
+        """
         if m == 1 or self.verdict.outcome is not Outcome.NON_COMPLIANT:
             return self.verdict.outcome
         risk = risk_at_the_end(settings)
         shared = replace(risk, alpha_producer=risk.alpha_producer / m)
-        return conclude(decide(self.evidence, self.limits, shared), self.printed)[0]
+        among, _ = conclude(decide(self.evidence, self.limits, shared), self.printed)
+        return Outcome.INDETERMINATE if among is Outcome.COMPLIANT else among
 
 
 def _concluded(verdict: RunVerdict, alone: tuple[Outcome, str],

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -146,3 +148,17 @@ def test_the_runs_by_outcome_are_counted(pairs, rng):
     assert worst.low_worst_deg == min(r.total_error.low_deg for r in verdict.runs)
     assert worst.up_worst_deg == max(r.total_error.up_deg for r in verdict.runs)
     assert (verdict.campaign.rule, verdict.campaign.reason) == ('every_run', 'a_run_non_compliant')
+
+
+def test_a_run_rejected_at_a_look_complies_among_no_others(pairs):
+    """Its end would comply; on its own it stays rejected, among others it leaves them open."""
+    settings = Settings.from_mapping(NORMS)
+    found = Compliance(settings)
+    found.update(pairs)
+    found.finish()
+    (result,) = found.results()
+    assert result.outcome_among(2, settings) is Outcome.COMPLIANT
+    rejected = replace(result, verdict=replace(
+        result.verdict, outcome=Outcome.NON_COMPLIANT, reason='rejected_at_a_look'))
+    assert rejected.outcome_among(1, settings) is Outcome.NON_COMPLIANT
+    assert rejected.outcome_among(2, settings) is Outcome.INDETERMINATE
