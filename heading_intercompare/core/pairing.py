@@ -209,9 +209,6 @@ class Pairer:
                 self.ledger.cut(int(before[at]) + 1)
                 self.ledger.cut(int(pairs.stamp_ns[at]))
             self._last_pair_ns = int(pairs.stamp_ns[-1])
-        if (self._last_pair_ns is not None
-                and self._last_settled_ns - self._last_pair_ns > self._run_gap_ns):
-            self.ledger.cut(self._last_pair_ns + 1)
         return pairs
 
     def _expire(self, before_s: float) -> None:
@@ -246,6 +243,10 @@ class Pairer:
         self.ledger.pending('ts', len(self._ts))
         self.ledger.pending('rs', len(self._rs))
         if self._last_settled_ns != NEVER:
+            # What was given up behind the last pair belongs to no run: cut before it is folded.
+            if (self._last_pair_ns is not None
+                    and self._last_settled_ns - self._last_pair_ns > self._run_gap_ns):
+                self.ledger.cut(self._last_pair_ns + 1)
             self.ledger.settle(self._last_settled_ns)
 
 
