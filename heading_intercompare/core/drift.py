@@ -15,7 +15,7 @@ from scipy.special import stdtrit
 from .blocks import block_means, block_size, student_95
 from .cells import Cells
 from .noise import sokal_times
-from .squares import MEAN_DOF, spread
+from .squares import MEAN_DOF, Spread, spread
 
 __all__ = ['bic_of', 'blocked', 'drift_left_deg2', 'HIGHEST_ORDER', 'Order', 'Polynomial',
            'remove_polynomial', 'rounding_floor', 'select_order', 'Slope', 'slope']
@@ -212,18 +212,38 @@ def select_order(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Order | None:
                  values[-1] < values[order])
 
 
-def drift_left_deg2(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> float | None:
+@dataclass(frozen=True, slots=True)
+class Detrended:
+    """
+    Differences less a polynomial in time.
+
+    Attributes
+    ----------
+    polynomial : Polynomial
+        With the residuals.
+    found : Spread or None
+        Spectra of the residuals; None for fewer than 128 differences.
+
+    """
+
+    polynomial: Polynomial
+    found: Spread | None
+
+    @classmethod
+    def of(cls, stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> 'Detrended':
+        """Take a polynomial out of differences, as `remove_polynomial` does."""
+        fit = remove_polynomial(stamp_ns, x_deg, order)
+        return cls(fit, spread(Cells.of(fit.residual_deg, stamp_ns), fit.order))
+
+
+def drift_left_deg2(rest: Detrended) -> float | None:
     """
     Return an upper bound of the variance that a drift makes where it is not taken out.
 
     Parameters
     ----------
-    stamp_ns : array_like of int, shape (n,)
-        Stamps in increasing order, nanoseconds.
-    x_deg : array_like, shape (n,)
-        Differences, finite, degrees.
-    order : int
-        Of the polynomial that describes the drift; a slope at least is fitted.
+    rest : Detrended
+        By the polynomial that describes the drift; a slope at least.
 
     Returns
     -------
@@ -241,8 +261,7 @@ def drift_left_deg2(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> float 
     S.16 of ``docs/risk.md``.
 
     """
-    fit = remove_polynomial(stamp_ns, x_deg, max(1, order))
-    found = spread(Cells.of(fit.residual_deg, stamp_ns), fit.order)
+    fit, found = rest.polynomial, rest.found
     if found is None:
         return None
     r = math.sqrt(math.fsum(c * c / (2 * k + 1) for k, c in enumerate(fit.coefficients_deg)
@@ -286,7 +305,7 @@ class Slope:
     residual_std_deg: float | None
 
 
-def slope(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Slope | None:
+def slope(stamp_ns: ArrayLike, x_deg: ArrayLike, line: Detrended | None = None) -> Slope | None:
     """
     Return the slope of the differences and how well it is known.
 
@@ -296,6 +315,8 @@ def slope(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Slope | None:
         Stamps in increasing order, nanoseconds.
     x_deg : array_like, shape (n,)
         Differences, finite, degrees.
+    line : Detrended, optional
+        The same less a polynomial of order 1, if known already.
 
     Returns
     -------
@@ -325,7 +346,7 @@ def slope(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Slope | None:
     rss = float(residual @ residual)
     naive = math.sqrt(rss / (n - 2) / power)
     u, dof = naive * math.sqrt(max(1.0, tau)), n - 2
-    found = spread(Cells.of(residual, stamps), 1)
+    found = (Detrended.of(stamps, x, 1) if line is None else line).found
     if found is not None:
         span_h = (int(stamps[-1]) - int(stamps[0])) / 3.6e12
         u, dof = math.sqrt(12.0 * found.mean_variance_deg2) / span_h, MEAN_DOF

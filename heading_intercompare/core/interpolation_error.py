@@ -42,9 +42,6 @@ class InterpolationError:
     variance_deg2, upper_deg2 : float or None
         What interpolation adds to the variance of the difference, and an upper 95 % bound,
         square degrees.
-    ceiling_deg2 : float or None
-        Of 'brackets': the same with the noise of the other sensor in it, which a motion faster
-        than the readings cannot hide from; square degrees.
     interval_s : float or None
         Time from reading to reading, seconds.
     angle_rad : float or None
@@ -60,7 +57,6 @@ class InterpolationError:
     method: str = ''
     variance_deg2: float | None = None
     upper_deg2: float | None = None
-    ceiling_deg2: float | None = None
     interval_s: float | None = None
     angle_rad: float | None = None
     folded: bool = False
@@ -175,7 +171,7 @@ def _by_brackets(stamps: np.ndarray, own: np.ndarray, other: np.ndarray,
     second = np.diff(value, 2) * np.diff(seen, 2)
     angle = _angle(float(second.mean()), float(third.mean()))
     return InterpolationError('estimated', 'brackets', estimate, min(upper, max(whole, estimate)),
-                              whole, interval_s, angle, angle > _FOLDED)
+                              interval_s, angle, angle > _FOLDED)
 
 
 def _by_differences(stamps: np.ndarray, own: np.ndarray, other: np.ndarray, w: np.ndarray,
@@ -200,8 +196,8 @@ def _by_differences(stamps: np.ndarray, own: np.ndarray, other: np.ndarray, w: n
     upper = max(upper, _MODEL * estimate,
                 _of_sine(_upper_mean(columns[:, 0]), 0.0, step, interval_s, w))
     angle = _angle(*columns.mean(axis=0).tolist()) * interval_s / step
-    return InterpolationError('estimated', 'differences', estimate, upper, None, interval_s,
-                              angle, angle > _FOLDED)
+    return InterpolationError('estimated', 'differences', estimate, upper, interval_s, angle,
+                              angle > _FOLDED)
 
 
 def _angle(second: float, third: float) -> float:

@@ -21,6 +21,7 @@ from .ergodicity import Homogeneity, homogeneity, RunFigures
 from .guarded import decide, Evidence, evidence_of, Guarded
 from .headline import headline
 from .ledger import LedgerSegment
+from .losses import find_losses
 from .noise import correlation_times
 from .outcome import Outcome
 from .printed import as_printed, Printed
@@ -29,7 +30,7 @@ from .run_diagnostics import diagnose, SETTLED_SHARE, with_runs
 from .run_series import RunSeries
 from .sequential import Look, LookVerdict, risk_at_the_end
 from .settings import Risk, Settings
-from .validity import examine, Examined, Finding, losses, VOID, worst_effect
+from .validity import examine, Examined, Finding, VOID, worst_effect
 from .verdict import Campaign, PairingFigures, RunVerdict
 
 __all__ = ['compare_runs', 'conclude_campaign', 'judge', 'look_at', 'RunResult']
@@ -66,10 +67,9 @@ class RunResult:
                                     old.rs_variance_factor, old.ts_variance_factor)
         verdict = replace(self.verdict, pairing=pairing,
                           warnings=(*self.verdict.warnings, *warnings))
-        lost = losses(_lost_shares(verdict, inside, self.settings), self.settings)
         return replace(self, verdict=_concluded(
             verdict, self.alone, (*(f for f in verdict.validity if f.condition != 'losses'),
-                                  lost)))
+                                  find_losses(verdict, inside, self.settings))))
 
     def among(self, run: int, runs: Homogeneity) -> 'RunResult':
         """Return the result with its number among the runs, and what they say of each other."""
@@ -98,31 +98,6 @@ def _concluded(verdict: RunVerdict, alone: tuple[Outcome, str],
     return replace(verdict, outcome=outcome, reason=reason, validity=tuple(findings),
                    validity_effect=worst_effect(findings),
                    headline=headline(outcome, findings, verdict.coverage))
-
-
-def _lost_shares(verdict: RunVerdict, inside: LedgerSegment,
-                 settings: Settings) -> list[tuple[str, float]]:
-    """Return what a run could not use, in words, and its share of the readings in the run."""
-    counts, stamps = inside.counts, verdict.correlation.stamps
-    shares = []
-    step_s = stamps.nominal_s or stamps.typical_s
-    if step_s and verdict.n > 1:
-        expected = verdict.coverage.span_s / step_s
-        shares.append(('lost', max(0.0, 1.0 - (verdict.n - 1) / expected)))
-    for stream in ('ts', 'rs'):
-        if received := inside.received(stream):
-            rejected = sum(n for key, n in counts.items()
-                           if key.startswith(f'{stream}_rejected.'))
-            shares.append((f'of the {stream.upper()} rejected', rejected / received))
-    unpaired = {stream: counts.get(key, 0) / inside.received(stream)
-                for stream, key in (('ts', 'ts_unpaired'), ('rs', 'rs_unused'))
-                if inside.received(stream)}
-    if unpaired:
-        # Of a sensor that is interpolated, most readings may lie between two stamps of the other.
-        other = {'rs': 'ts', 'ts': 'rs'}.get(
-            verdict.pairing.interpolated(settings.pairing.method))
-        shares.append(('without partner', unpaired.get(other, min(unpaired.values()))))
-    return shares
 
 
 class _Decision:
@@ -195,7 +170,7 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
     data = analysed(run, limits, settings)
     moments = data.moments
     n = moments.n
-    drift, rest_deg = drift_of(data.stamp_ns, data.x_deg, SETTLED_SHARE * limits.sigma_max_deg)
+    drift, rest = drift_of(data.stamp_ns, data.x_deg, SETTLED_SHARE * limits.sigma_max_deg)
     left = drift.left_deg2 if data.residual_deg is None and drift.left_deg2 is not None else 0.0
     # Live figures come from the same sums, so they are the same to the bit.
     as_it_came = data.residual_deg is None and not data.n_left_out
@@ -204,7 +179,7 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
     evidence, guarded, printed = decision(data, cells, left)
     outcome, reason = conclude(guarded, printed)
     found = diagnose(data.stamp_ns, data.x_deg, data.rs_deg, settings, guarded, limits,
-                     drift=drift, rest_deg=rest_deg, residual_deg=data.residual_deg,
+                     drift=drift, rest=rest, residual_deg=data.residual_deg,
                      times=correlation_times(data.series_deg),
                      factor=run.factor.values[data.n_left_out:],
                      interpolates_ts=run.interpolates_ts)
@@ -239,6 +214,7 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
         assumptions=found.assumptions,
         warnings=(*_warnings(data, limits, guarded, settings), *found.warnings))
     alone = outcome, reason
+    validity = (*validity, find_losses(verdict, None, settings))
     return RunResult(_concluded(verdict, alone, validity), evidence, limits, printed, alone,
                      settings)
 
@@ -259,7 +235,8 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings) -> LookV
 
     Notes
     -----
-    Only the ledger is not known yet: what is lost on the way to the pairs counts at the end.
+    Only the ledger is not known yet: gaps between the pairs count at a look, readings rejected
+    or without partner at the end.
 
     """
     found = judge(run, settings, 0, '', risk=look.risk).verdict

@@ -12,7 +12,7 @@ import numpy as np
 from .alignment import Skew
 from .criteria import Limits, variance_criterion
 from .detectors import StampSteps
-from .drift import drift_left_deg2, Order, remove_polynomial, select_order, Slope, slope
+from .drift import Detrended, drift_left_deg2, Order, select_order, Slope, slope
 from .noise import allan_deviation, autocorrelation, CorrelationTimes
 from .outcome import Outcome
 from .reference_noise import ReferenceNoise
@@ -170,9 +170,9 @@ def run_skew(estimate: Skew, variance_deg2: float | None, limits: Limits,
 
 
 def drift_of(stamp_ns: np.ndarray, x_deg: np.ndarray,
-             tolerance_deg: float) -> tuple[Drift, np.ndarray]:
+             tolerance_deg: float) -> tuple[Drift, Detrended]:
     """
-    Return the block of the drift, and the residuals about the polynomial of its order.
+    Return the block of the drift, and what it leaves of the differences.
 
     Parameters
     ----------
@@ -187,15 +187,17 @@ def drift_of(stamp_ns: np.ndarray, x_deg: np.ndarray,
     n = x_deg.size
     span_h = (int(stamp_ns[-1]) - int(stamp_ns[0])) / 3.6e12 if n else 0.0
     order = select_order(stamp_ns, x_deg)
-    fit = remove_polynomial(stamp_ns, x_deg, order.order if order else 0)
+    rest = Detrended.of(stamp_ns, x_deg, order.order if order else 0)
+    fit = rest.polynomial
+    line = rest if fit.order == 1 else Detrended.of(stamp_ns, x_deg, 1)
     std = None
     if order is not None:
         rss = float(fit.residual_deg @ fit.residual_deg)
         std = math.sqrt(rss / (n - 1 - order.order))
     return Drift(order, fit.coefficients_deg if order else None,
-                 drift_left_deg2(stamp_ns, x_deg, order.order if order else 0), std, span_h,
-                 slope(stamp_ns, x_deg), warm_up(stamp_ns, x_deg, tolerance_deg),
-                 mser5(stamp_ns, x_deg)), fit.residual_deg
+                 drift_left_deg2(rest if fit.order > 1 else line), std, span_h,
+                 slope(stamp_ns, x_deg, line), warm_up(stamp_ns, x_deg, tolerance_deg),
+                 mser5(stamp_ns, x_deg)), rest
 
 
 def correlation_of(x_deg: np.ndarray, stamps: StampSteps,

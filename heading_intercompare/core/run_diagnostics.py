@@ -14,13 +14,13 @@ from . import assumptions
 from .alignment import Skew, skew
 from .angles import unwrap_deg, wrap360
 from .assumptions import Assumption
-from .cells import Cells
 from .clock_drift import clock_drift, ClockDrift
 from .common_noise import common_noise, CommonNoise
 from .conventions import Convention, convention, mean_difference, MeanDifference
 from .criteria import Limits
 from .detectors import same_source, SameSource, stamp_steps
 from .deviation import deviation, HeadingDependence
+from .drift import Detrended
 from .ergodicity import Homogeneity
 from .guarded import Guarded
 from .interpolation_error import interpolation_error, InterpolationError
@@ -40,7 +40,6 @@ from .run_blocks import (
 )
 from .settings import Detectors, Settings
 from .skew_scan import Scan
-from .squares import spread
 from .standstill import Frozen, frozen, Standstill, standstill
 from .stationarity import Stationarity, stationarity
 
@@ -90,7 +89,7 @@ class Diagnostics:
 
 
 def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settings: Settings,
-             guarded: Guarded, limits: Limits, *, drift: Drift, rest_deg: np.ndarray,
+             guarded: Guarded, limits: Limits, *, drift: Drift, rest: Detrended,
              residual_deg: np.ndarray | None = None, times: CorrelationTimes | None = None,
              scan: Scan | None = None, factor: np.ndarray | None = None,
              interpolates_ts: bool = False) -> Diagnostics:
@@ -111,8 +110,8 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
         That it was made with.
     drift : Drift
         Of the differences, `drift_of`.
-    rest_deg : ndarray, shape (n,)
-        Their residuals about the polynomial of its order, degrees.
+    rest : Detrended
+        What it leaves of them.
     residual_deg : ndarray, shape (n,), optional
         Differences less the polynomial that `drift_order` removed; default the differences.
     times : CorrelationTimes, optional
@@ -159,10 +158,8 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     result = Diagnostics(block, drift, deviation(x_deg, rs_deg), normal,
                          stationarity(residual, stamps.typical_s or 0.0), correlation, allan, (),
                          (), signs)
-    resolved = assumptions.resolved(
-        spread(Cells.of(rest_deg, stamp_ns), drift.order.order if drift.order else 0))
-    rest_found = result.stationarity if rest_deg is residual else stationarity(
-        rest_deg, stamps.typical_s or 0.0)
+    resolved = assumptions.resolved(rest.found)
+    rest_found = stationarity(rest.polynomial.residual_deg, stamps.typical_s or 0.0)
     return replace(result, warnings=tuple(_warnings(result)),
                    assumptions=_assumptions(result, n, settings, guarded, limits, rest_found,
                                             resolved, is_whole))

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Callable, Iterable, Sequence
+from typing import Callable, Iterable
 
 import numpy as np
 
@@ -22,8 +22,8 @@ from .outcome import Outcome
 from .run_diagnostics import Diagnostics
 from .settings import Settings
 
-__all__ = ['CONDITIONS', 'DOUBTFUL', 'examine', 'Examined', 'Finding', 'HOLDS', 'losses',
-           'NOT_TESTABLE', 'VOID', 'VOID_REASONS', 'worst_effect']
+__all__ = ['CONDITIONS', 'DOUBTFUL', 'examine', 'Examined', 'Finding', 'HOLDS', 'NOT_TESTABLE',
+           'VOID', 'VOID_REASONS', 'worst_effect']
 
 HOLDS, NOT_TESTABLE, DOUBTFUL, VOID = 'holds', 'not_testable', 'doubtful', 'void'
 
@@ -120,7 +120,7 @@ class Examined:
 
 
 def examine(examined: Examined) -> tuple[Finding, ...]:
-    """Return what the data of a run say of each condition; `losses` is judged by the ledger."""
+    """Return what the data of a run say of each condition, but for `losses`."""
     return tuple(judge(examined) for judge in (
         _same_source, _convention, _mean_difference, _frozen, _standstill, _outliers, _clocks,
         _interpolation))
@@ -295,27 +295,3 @@ def _would_decide(e: Examined, added_deg2: float, folded: bool) -> bool:
         return share * e.lower_bound_deg2 <= e.limits.rejection_limit_deg2 < e.lower_bound_deg2
     return not folded and (share * e.upper_bound_deg2 <= e.limits.tightened_limit_deg2
                            < e.upper_bound_deg2)
-
-
-def losses(shares: Sequence[tuple[str, float]], settings: Settings) -> Finding:
-    """
-    Judge the readings that the run could not use.
-
-    Parameters
-    ----------
-    shares : sequence of (str, float)
-        What is lost, in words, and its share of the readings inside the run.
-    settings : Settings
-        `detectors.lost_doubtful` and `detectors.lost_void`.
-
-    """
-    if not shares:
-        return Finding('losses', NOT_TESTABLE, '', 'there is no ledger of the readings')
-    what, share = max(shares, key=lambda row: row[1])
-    evidence = ', '.join(f'{name} {100.0 * part:.2g} %' for name, part in shares)
-    words = f'{100.0 * share:.0f} % {what}'
-    if share > settings.detectors.lost_void:
-        return Finding('losses', VOID, words, evidence)
-    if share > settings.detectors.lost_doubtful:
-        return Finding('losses', DOUBTFUL, words, evidence)
-    return Finding('losses', HOLDS, '', evidence)

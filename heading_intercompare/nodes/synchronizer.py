@@ -24,7 +24,7 @@ from .parameters import declare, OVERRIDES
 from .process import run
 from .sending import all_acknowledged
 from .settings import SynchronizerNode, Taking
-from .status_messages import ledger_message, marks_from, OK, WARN
+from .status_messages import ledger_message, MARKS, marks_from, OK, WARN
 from .timing import every
 
 __all__ = ['main', 'Synchronizer']
@@ -95,7 +95,7 @@ class Synchronizer(Node):
 
     def _mark(self, message: DiagnosticArray) -> None:
         for kind, stamp_ns in marks_from(message):
-            if kind == 'start':
+            if kind in MARKS:
                 self._pairer.ledger.cut(stamp_ns + 1)
         self._beat()
 

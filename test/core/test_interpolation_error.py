@@ -72,7 +72,6 @@ def test_it_is_found_under_the_noise_of_both(rng):
         found, true = judged(rng, rs_s=2.0, ts_s=0.2, noise=(0.3, 0.1), span=1800.0)
         assert found.variance_deg2 == pytest.approx(true, rel=0.5)
         inside += true <= found.upper_deg2
-        assert found.ceiling_deg2 > 0.09
     assert inside >= 34
 
 
@@ -83,10 +82,9 @@ def test_without_motion_there_is_next_to_nothing(rng):
 
 
 def test_motion_faster_than_the_readings_is_said_to_be(rng):
-    """Once a second, a motion of 2.1 s: the other sensor shows it whole, a ceiling."""
-    found, true = judged(rng, rs_s=1.0, ts_s=0.1, period=2.1, noise=(0.05, 0.05))
+    """Once a second, a motion of 2.1 s."""
+    found, _ = judged(rng, rs_s=1.0, ts_s=0.1, period=2.1, noise=(0.05, 0.05))
     assert found.folded
-    assert found.ceiling_deg2 == pytest.approx(true, rel=0.1)
 
 
 def test_brackets_tell_the_interval_and_fewer_pairs_do_not(rng):

@@ -58,7 +58,7 @@ def run(x, rs, step_s=0.1, settings=SETTINGS, **given):
     guarded = judged(x, stamps, span_s, limits, settings)
     drift, rest = drift_of(stamps, x, 0.1 * limits.sigma_max_deg)
     return diagnose(stamps, x, np.asarray(rs), settings, guarded, limits, drift=drift,
-                    rest_deg=rest, **given)
+                    rest=rest, **given)
 
 
 def states(found):
@@ -109,7 +109,7 @@ def test_the_palmer_turns_from_non_compliant_to_compliant(real):
     guarded = judged(x, pairs.stamp_ns, 600.0, limits)
     drift, rest = drift_of(pairs.stamp_ns, x, 0.1 * limits.sigma_max_deg)
     found = diagnose(pairs.stamp_ns, x, pairs.rs_deg, SETTINGS, guarded, limits, drift=drift,
-                     rest_deg=rest)
+                     rest=rest)
     assert found.skew.outcome_as_paired.value == 'non_compliant'
     assert found.skew.outcome_aligned.value == 'compliant'
     assert math.sqrt(found.skew.variance_aligned_deg2) == pytest.approx(0.143, abs=0.002)
@@ -170,7 +170,7 @@ def test_silences_are_warned_of(good):
     limits = Limits.of(SETTINGS.norms)
     guarded = judged(x, stamps, 3600.0, limits)
     drift, rest = drift_of(stamps, x, 0.1 * limits.sigma_max_deg)
-    found = diagnose(stamps, x, rs, SETTINGS, guarded, limits, drift=drift, rest_deg=rest)
+    found = diagnose(stamps, x, rs, SETTINGS, guarded, limits, drift=drift, rest=rest)
     assert found.correlation.stamps.silences == 1
     assert any(w.startswith('silence: the pairs fall silent 1 times, for up to 30.1 s')
                for w in found.warnings)

@@ -10,13 +10,10 @@ import pytest
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.ledger import LedgerSegment
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.settings import Settings as CoreSettings
 from heading_intercompare.core.validity import (
     CONDITIONS,
     DOUBTFUL,
     HOLDS,
-    losses,
-    NOT_TESTABLE,
     VOID,
     VOID_REASONS,
     worst_effect,
@@ -289,15 +286,6 @@ def test_the_gravest_effect_counts(pair):
     assert worst_effect(found) == HOLDS and worst_effect(()) == HOLDS
 
 
-@pytest.mark.parametrize('share, effect', [
-    (0.1, HOLDS), (0.1001, DOUBTFUL), (0.5, DOUBTFUL), (0.5001, VOID)])
-def test_losses_bind_above_their_limits_not_at_them(share, effect):
-    found = losses([('lost', share), ('without partner', 0.01)], CoreSettings())
-    assert found.effect == effect
-
-
-def test_losses_without_a_ledger_cannot_be_told():
-    assert losses([], CoreSettings()).effect == NOT_TESTABLE
     assert LedgerSegment(None).received('ts') == 0
 
 

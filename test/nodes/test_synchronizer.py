@@ -143,17 +143,17 @@ def test_rejected_readings_are_counted_by_reason(ros):
         'ts_rejected.stamp_not_increasing': 1, 'ts_unpaired': 1}
 
 
-def test_a_start_mark_opens_a_segment_and_a_stop_mark_does_not(ros, rng):
+def test_a_mark_of_either_kind_opens_a_segment_as_offline(ros, rng):
     marker = ros.plain.create_publisher(DiagnosticArray, 'compliance/marker', qos.MARKER)
     node, sensors, _, ledgers = graph(ros)
     marker.publish(marker_message('start', T0_NS + 450_000_000))
     marker.publish(marker_message('stop', T0_NS + 700_000_000))
-    ros.spin_until(lambda: ledgers and len(ledger_from(ledgers[-1])[0].segments) == 2)
+    ros.spin_until(lambda: ledgers and len(ledger_from(ledgers[-1])[0].segments) == 3)
     send(sensors[0], stream(rng, 10.0, 1.0))
     ledger = finish(ros, node, sensors, ledgers)
-    first, second = ledger.segments
-    assert second.start_ns == T0_NS + 450_000_001
-    assert (first.counts['ts_unpaired'], second.counts['ts_unpaired']) == (5, 5)
+    first, second, third = ledger.segments
+    assert (second.start_ns, third.start_ns) == (T0_NS + 450_000_001, T0_NS + 700_000_001)
+    assert [s.counts['ts_unpaired'] for s in (first, second, third)] == [5, 3, 2]
 
 
 def test_inputs_open_only_when_somebody_takes_the_pairs(ros):

@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Lost readings bind the verdict, at a look as at the end."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare.core.losses import judge_losses
+from heading_intercompare.core.validity import DOUBTFUL, HOLDS, NOT_TESTABLE, VOID
+
+STEP_NS = 10 ** 8
+
+
+@pytest.mark.parametrize('share, effect', [
+    (0.1, HOLDS), (0.1001, DOUBTFUL), (0.5, DOUBTFUL), (0.5001, VOID)])
+def test_losses_bind_above_their_limits_not_at_them(share, effect):
+    found = judge_losses([('lost', share), ('without partner', 0.01)], Settings())
+    assert found.effect == effect
+
+
+def test_losses_of_a_single_pair_cannot_be_told():
+    assert judge_losses([], Settings()).effect == NOT_TESTABLE
+
+
+@pytest.mark.parametrize('kept, expected', [
+    (0.95, 'compliant'), (0.3, 'indeterminate')])
+def test_a_look_judges_the_gaps_between_the_pairs(rng, kept, expected):
+    """Of an hour, the share kept of the first 15 min; all the rest is there."""
+    stamps = np.arange(1, 36_001) * STEP_NS
+    stamps = stamps[(stamps > 900 * 10 ** 9) | (rng.random(stamps.size) < kept)]
+    t = stamps / 1e9
+    ship = 90.0 + 40.0 * np.sin(t / 100.0) + np.sin(2.0 * np.pi * t / 8.0)
+    ts, rs = (Headings.of(stamps, ship + s * rng.standard_normal(stamps.size))
+              for s in (0.1, 0.05))
+    verdict = analyze(ts, rs, Settings.from_mapping({
+        'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.1},
+        'sequential': {'plan_s': 3600.0, 'looks': 3}}))
+    run = verdict.runs[0]
+    first, second = run.looks[:2]
+    assert first.outcome.value == expected
+    assert first.reason == ('void.losses' if kept < 0.5 else 'upper_bound_within_acceptance_limit')
+    assert second.outcome.value == 'compliant'
+    assert run.outcome.value == 'compliant'
