@@ -10,7 +10,7 @@ from pathlib import Path
 import sys
 from typing import Any, Mapping
 
-from heading_intercompare.cli.campaign import capped, judge_inputs, positive
+from heading_intercompare.cli.campaign import judge_inputs, positive
 from heading_intercompare.cli.config import load_config, settings_for
 from heading_intercompare.cli.outputs import check_outputs, naming, tables
 from heading_intercompare.cli.run_table import assigned, read_run_table
@@ -80,8 +80,8 @@ def run(arguments: argparse.Namespace) -> int:
                               sketched=bool(arguments.report), jobs=arguments.jobs,
                               dask=arguments.dask, quiet=arguments.quiet)
     results = [result for each in judged for result in each.results]
-    verdict = join(results, settings, [each.description for each in judged]).to_dict()
-    verdict = capped(verdict, judged)
+    verdict = join(results, settings, [each.description for each in judged],
+                   incomplete=any(each.error or each.no_run for each in judged)).to_dict()
     notes = [note for each in judged for note in each.notes]
     notes += [f'{arguments.runs}: source {source} is none of the INPUTs' for source in elsewhere]
     for note in notes:

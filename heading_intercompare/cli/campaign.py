@@ -16,18 +16,15 @@ import os
 from pathlib import Path
 import signal
 from threading import Thread
-from typing import Any, Callable, ContextManager, Iterable, Iterator, Mapping, Protocol, Sequence
+from typing import Callable, ContextManager, Iterable, Iterator, Protocol, Sequence
 
 from heading_intercompare.cli.job import Job, Judged
 from heading_intercompare.cli.progress import Progress
 from heading_intercompare.cli.run_table import RunTable
-from heading_intercompare.core.campaign import CAMPAIGN_REASONS
-from heading_intercompare.core.headline import OUTCOME_WORDS
-from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 
-__all__ = ['capped', 'cores', 'judge_inputs', 'MOST_READERS', 'positive', 'Workers']
+__all__ = ['cores', 'judge_inputs', 'MOST_READERS', 'positive', 'Workers']
 
 #: Together smaller inputs are judged here: to start processes would take longer.
 _WORTH_BYTES = 100_000_000
@@ -243,26 +240,3 @@ def _size(path: str) -> int:
         return sum(file.stat().st_size for file in files)
     except OSError:
         return 0
-
-
-def capped(verdict: Mapping[str, Any], judged: Sequence[Judged]) -> dict[str, Any]:
-    """
-    Return a verdict that does not claim compliance for inputs that could not be judged.
-
-    Parameters
-    ----------
-    verdict : mapping
-        `Verdict.to_dict()` of those that could.
-    judged : sequence of Judged
-        All of them.
-
-    """
-    if not any(each.error or each.no_run for each in judged):
-        return dict(verdict)
-    least = {key: worst([Outcome(verdict[key]), Outcome.INDETERMINATE]).value
-             for key in ('outcome', 'paper_outcome')}
-    if least['outcome'] != verdict['outcome']:
-        reason = 'an_input_not_judged'
-        least |= {'headline': f'{OUTCOME_WORDS[least["outcome"]]}: {CAMPAIGN_REASONS[reason]}',
-                  'campaign': {**verdict['campaign'], 'reason': reason}}
-    return {**verdict, **least}

@@ -121,7 +121,7 @@ def verdict_text(verdict: Mapping[str, Any]) -> str:
         lines += [f'  {EFFECT_WORDS[found["effect"]]}: {found["evidence"]}'
                   for found in run['validity'] if found['effect'] in ('doubtful', 'void')]
         lines += [f'  look {look["look"]} of {look["looks"]} at {look["span_s"]:.0f} s: '
-                  f'{OUTCOME_WORDS[look["outcome"]]}' for look in run['looks']]
+                  f'{look["headline"]}' for look in run['looks']]
         lines += [f'  warning: {warning}' for warning in run['warnings']]
     reasons = [f'not judged: {given["path"]}: {why}' for given in verdict['inputs']
                if (why := unjudged(given))]

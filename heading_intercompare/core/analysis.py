@@ -116,7 +116,7 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
     Returns
     -------
     Verdict
-        On all runs of all inputs.
+        On all runs of all inputs; not compliant if an input has no run.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
     rs = [rs] if isinstance(rs, Headings) else list(rs)
     if len(ts) != len(rs):
         raise ValueError(f'{len(ts)} TS inputs but {len(rs)} RS inputs: give one RS for each TS')
-    results = []
+    results, incomplete = [], False
     for ts_part, rs_part in zip(ts, rs):
         comparison = Intercomparison(settings)
         comparison.update(ts_part, rs_part)
@@ -142,5 +142,6 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
         found = comparison.results()
         if settings.alignment.skew == 'apply':
             found = aligned(ts_part, rs_part, found, settings)
+        incomplete = incomplete or not found
         results += found
-    return join(results, settings)
+    return join(results, settings, incomplete=incomplete)

@@ -9,7 +9,7 @@ import math
 from typing import Sequence
 
 from .bounds import rate_lower
-from .coverage import least_duration_s, slowest_error_s
+from .coverage import least_apart_s, least_duration_s, least_together_s
 from .criteria import Limits
 from .guarded import count_risk, Evidence, variance_risk
 from .outcome import Outcome, worst
@@ -31,6 +31,7 @@ CAMPAIGN_REASONS = {
     'an_input_not_judged': 'not every input could be judged',
     'a_run_void': 'a run is void, so it says nothing of the sensor',
     'a_run_indeterminate': 'not every run complies, and none is rejected',
+    'a_run_repeated': 'two runs are one record, which shows the sensor once',
     'insufficient_data': 'no run has 128 differences',
     'lower_bound_above_rejection_limit':
         'the variance that the runs share is above the rejection limit, at the stated risk',
@@ -61,6 +62,8 @@ class Together:
         Their differences.
     span_s : float
         Their lengths added up, seconds.
+    apart_s : float
+        Shortest time between two of them, seconds; negative if they overlap, infinite for one.
     d_hat_deg2 : float
         Mean variance, weighted by the number of differences; square degrees. S.12.
     nu, f : float
@@ -84,6 +87,7 @@ class Together:
     runs: int
     n: int
     span_s: float
+    apart_s: float
     d_hat_deg2: float
     nu: float
     f: float
@@ -113,7 +117,8 @@ def together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk, var
         Of GK Table I; only in B is the mean one constant that the means of runs estimate.
     apart_s : float
         Shortest time between two runs, seconds. Means of runs that are no further apart than the
-        slowest error that is stated are not independent, and do not count.
+        slowest error that is stated, or than 600 s if none is, are not independent, and do not
+        count.
 
     Returns
     -------
@@ -132,13 +137,12 @@ def together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk, var
     pooled = pool(spreads)
     upper = upper_bound(pooled, risk.alpha_consumer)
     between = None
-    slowest = slowest_error_s(risk)
-    if variant == 'B' and len(some) >= LEAST_RUNS and (slowest is None or apart_s > slowest):
+    if variant == 'B' and len(some) >= LEAST_RUNS and apart_s > least_apart_s(risk):
         between = between_runs(spreads, [e.mean_deg for e, _ in some], risk.alpha_consumer)
     n_plus = sum(e.n_plus for e, _ in some)
     return Together(
-        len(some), pooled.n, math.fsum(e.span_s for e, _ in some), pooled.d_deg2, pooled.nu,
-        pooled.f, pooled.slow_allowance_deg2, upper, between,
+        len(some), pooled.n, math.fsum(e.span_s for e, _ in some), apart_s, pooled.d_deg2,
+        pooled.nu, pooled.f, pooled.slow_allowance_deg2, upper, between,
         upper if between is None else between, lower_bound(pooled, variance_risk(risk)),
         math.fsum(e.n * lim.tightened_limit_deg2 for e, lim in some) / pooled.n,
         some[0][1].rejection_limit_deg2,
@@ -200,14 +204,16 @@ def conclude_sensor(found: Together | None, limits: Sequence[Limits], totals_met
         return Outcome.NON_COMPLIANT, 'lower_bound_above_rejection_limit'
     if found.rate_plus_lower > float(limits[0].allowed(1)):
         return Outcome.NON_COMPLIANT, 'count_lower_bound_above_allowed'
-    if found.between_upper_bound_deg2 is None and found.span_s < least_duration_s(risk):
+    by_means = found.between_upper_bound_deg2 is not None
+    if found.span_s < (least_together_s(risk) if by_means else least_duration_s(risk)):
         return Outcome.INDETERMINATE, 'insufficient_duration'
     if found.upper_bound_deg2 <= accept:
         if totals_met:
             return Outcome.COMPLIANT, 'upper_bound_within_acceptance_limit'
         return Outcome.INDETERMINATE, 'total_error_not_within_norm'
-    if (found.between_upper_bound_deg2 is None
-            and found.upper_bound_deg2 - found.slow_allowance_deg2 <= accept):
+    if not by_means and (found.upper_bound_deg2 - found.slow_allowance_deg2 <= accept
+                         or found.d_hat_deg2 <= accept
+                         < found.d_hat_deg2 + found.slow_allowance_deg2):
         return Outcome.INDETERMINATE, 'slow_errors_not_resolved'
     if found.lower_bound_deg2 > accept and found.upper_bound_deg2 <= reject:
         return Outcome.INDETERMINATE, 'reference_limited'

@@ -6,13 +6,15 @@ from __future__ import annotations
 
 from typing import Sequence
 
+from .campaign import CAMPAIGN_REASONS
 from .guarded import Guarded, REASONS
 from .outcome import Outcome
 from .printed import Printed
-from .sequential import LookVerdict
-from .validity import DOUBTFUL, Finding, VOID, VOID_REASONS
+from .sequential import LookVerdict, rejecting
+from .validity import DOUBTFUL, Finding, gravest, VOID, VOID_REASONS, worst_effect
 
-__all__ = ['ALL_REASONS', 'conclude', 'with_findings', 'with_looks']
+__all__ = ['ALL_REASONS', 'campaign_words', 'conclude', 'effect_with_looks', 'with_findings',
+           'with_looks']
 
 ALL_REASONS = {
     **REASONS,
@@ -23,6 +25,11 @@ ALL_REASONS = {
     **VOID_REASONS,
 }
 """Why the outcome of a run is what it is: code and words."""
+
+
+#: Void for reasons that do not come and go: how the sensors are set up.
+_ALWAYS_VOID = {f'void.{condition}' for condition in (
+    'same_source', 'convention', 'mean_difference', 'clocks', 'interpolation')}
 
 
 def conclude(guarded: Guarded, printed: Printed) -> tuple[Outcome, str]:
@@ -60,9 +67,47 @@ def with_looks(outcome: Outcome, reason: str,
     Return outcome and reason at the end of a run that was looked at.
 
     The worse of what any look decided and what the end says: a rejection at a look stays, an
-    acceptance does not outlast data that speak against it.
+    acceptance does not outlast data that speak against it. But what makes the whole comparison
+    void made it void at the look, too, though it did not show yet.
     """
-    if outcome is not Outcome.NON_COMPLIANT and any(
-            look.outcome is Outcome.NON_COMPLIANT for look in looks):
+    if reason in _ALWAYS_VOID:
+        return outcome, reason
+    if outcome is not Outcome.NON_COMPLIANT and rejecting(looks) is not None:
         return Outcome.NON_COMPLIANT, 'rejected_at_a_look'
     return outcome, reason
+
+
+def effect_with_looks(findings: Sequence[Finding], reason: str,
+                      looks: Sequence[LookVerdict]) -> str:
+    """Return the gravest effect, that at the look included which decided."""
+    at_end = worst_effect(findings)
+    if reason != 'rejected_at_a_look':
+        return at_end
+    return gravest((at_end, rejecting(looks).validity_effect))
+
+
+def campaign_words(reason: str, runs: Sequence[tuple[int, Outcome, str]]) -> str:
+    """
+    Return the reason of a campaign in words, and that of the first run it comes from.
+
+    Parameters
+    ----------
+    reason : str
+        A key of `CAMPAIGN_REASONS`.
+    runs : sequence of (int, Outcome, str)
+        Number, outcome and reason of each run.
+
+    Examples
+    --------
+    >>> campaign_words('a_run_indeterminate', [(1, Outcome.COMPLIANT, ''),
+    ...                                        (2, Outcome.INDETERMINATE, 'data_limited')])
+    'not every run complies, and none is rejected (run 2: more data can decide)'
+
+    """
+    words = CAMPAIGN_REASONS[reason]
+    blamed = {'a_run_indeterminate': Outcome.INDETERMINATE,
+              'a_run_non_compliant': Outcome.NON_COMPLIANT}.get(reason)
+    for number, outcome, why in runs:
+        if outcome is blamed:
+            return f'{words} (run {number}: {ALL_REASONS[why]})'
+    return words

@@ -5,13 +5,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-import math
 from typing import Mapping
 
 from .settings import Risk
 
-__all__ = ['Coverage', 'coverage_of', 'least_duration_s', 'least_duration_words', 'LEAST_TIMES',
-           'SENSOR_CLASSES', 'SensorClass', 'slowest_error_s', 'span_words', 'UNSTATED_LEAST_S']
+__all__ = ['Coverage', 'coverage_of', 'least_apart_s', 'least_duration_s', 'least_duration_words',
+           'least_together_s', 'LEAST_TIMES', 'SENSOR_CLASSES', 'SensorClass', 'slowest_error_s',
+           'span_words', 'UNSTATED_LEAST_S']
 
 LEAST_TIMES = 20.0
 """Correlation times that a record must hold for the risks to be kept."""
@@ -86,7 +86,8 @@ class Coverage:
     span_s : float
         Length of the record, seconds.
     longest_s : float
-        Slowest errors for which the risks hold: a twentieth of the record; seconds.
+        Slowest errors for which the risks hold: a twentieth of the record, or the shortest time
+        between runs whose means count; seconds.
     stated_s : float or None
         Slowest error that was stated, seconds; None if none was.
     least_duration_s : float
@@ -105,9 +106,9 @@ class Coverage:
     @property
     def words(self) -> str:
         """What a certificate says of itself in its own line."""
-        if self.by_run_means:
-            return 'for errors that change within a run or from run to run'
         covered = f'for errors that change within {span_words(self.longest_s)}'
+        if self.by_run_means:
+            covered += ', from run to run'
         if self.stated_s is None:
             return f'{covered}; slower errors are not covered'
         return f'{covered}; the slowest stated is {span_words(self.stated_s)}'
@@ -160,6 +161,17 @@ def least_duration_s(risk: Risk) -> float:
     return max(stated, default=UNSTATED_LEAST_S)
 
 
+def least_apart_s(risk: Risk) -> float:
+    """Return how far apart runs must be for their means to count as independent, seconds."""
+    slowest = slowest_error_s(risk)
+    return UNSTATED_LEAST_S if slowest is None else slowest
+
+
+def least_together_s(risk: Risk) -> float:
+    """Return how long runs must be together to comply by their means, seconds."""
+    return UNSTATED_LEAST_S if risk.min_duration_s is None else risk.min_duration_s
+
+
 def least_duration_words(risk: Risk) -> str:
     """
     Return how long a run must be to comply, and why, to be said before the trial.
@@ -179,7 +191,21 @@ def least_duration_words(risk: Risk) -> str:
     return f'{text}: {LEAST_TIMES:g} times its slowest error, {span_words(slowest)}'
 
 
-def coverage_of(span_s: float, risk: Risk, *, by_run_means: bool = False) -> Coverage:
-    """Return what a record of this length covers."""
-    longest = math.inf if by_run_means else span_s / LEAST_TIMES
-    return Coverage(span_s, longest, slowest_error_s(risk), least_duration_s(risk), by_run_means)
+def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None) -> Coverage:
+    """
+    Return what a record of this length covers.
+
+    Parameters
+    ----------
+    span_s : float
+        Length of the record, or of all runs together, seconds.
+    risk : Risk
+    apart_s : float, optional
+        Shortest time between runs whose means stand in for slower errors, seconds.
+
+    """
+    longest = span_s / LEAST_TIMES
+    if apart_s is None:
+        return Coverage(span_s, longest, slowest_error_s(risk), least_duration_s(risk))
+    return Coverage(span_s, max(longest, apart_s), slowest_error_s(risk), least_together_s(risk),
+                    True)

@@ -272,7 +272,8 @@ def _variance_outcome(found: Spread, lower: float, upper: float, drift_left_deg2
         if found.d_deg2 + drift_left_deg2 > accept:
             return Outcome.INDETERMINATE, 'drift_left_in'
         return Outcome.COMPLIANT, 'upper_bound_within_acceptance_limit'
-    if upper - found.slow_allowance_deg2 <= accept:
+    slow = found.slow_allowance_deg2
+    if upper - slow <= accept or found.d_deg2 <= accept < found.d_deg2 + slow:
         return Outcome.INDETERMINATE, 'slow_errors_not_resolved'
     if lower > accept and upper <= reject:
         return Outcome.INDETERMINATE, 'reference_limited'

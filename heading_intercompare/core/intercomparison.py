@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Callable, Iterable, Mapping, Sequence
 
 from .columns import Keep
@@ -12,6 +13,7 @@ from .difference import difference
 from .figures import figures
 from .judge import compare_runs, conclude_campaign, judge, look_at, RunResult
 from .ledger import Ledger, LedgerSegment
+from .outcome import Outcome, worst
 from .pairing import Pairer
 from .records import Headings, Pairs
 from .rolling import Rolling
@@ -192,7 +194,7 @@ class Compliance:
 
 
 def join(results: Sequence[RunResult], settings: Settings,
-         inputs: Iterable[Mapping[str, Any]] = ()) -> Verdict:
+         inputs: Iterable[Mapping[str, Any]] = (), *, incomplete: bool = False) -> Verdict:
     """
     Return the verdict on runs, numbered in the order given.
 
@@ -203,13 +205,19 @@ def join(results: Sequence[RunResult], settings: Settings,
     settings : Settings
     inputs : iterable of mapping
         ``path``, ``sha256``, ``ts_topic``, ``rs_topic`` of each input.
+    incomplete : bool
+        Whether there are inputs that could not be judged; then the verdict is not compliant.
 
     """
     runs = compare_runs(results)
     results = [r.among(at + 1, runs) for at, r in enumerate(results)]
     verdicts = [r.verdict for r in results]
-    outcome, coverage, campaign = conclude_campaign(results, runs, settings)
-    return Verdict.of(verdicts, outcome, campaign, coverage, settings, tuple(inputs))
+    outcome, coverage, campaign = conclude_campaign(results, runs, settings, incomplete)
+    verdict = Verdict.of(verdicts, outcome, campaign, coverage, settings, tuple(inputs))
+    if incomplete:
+        verdict = replace(verdict, paper_outcome=worst(
+            [verdict.paper_outcome, Outcome.INDETERMINATE]))
+    return verdict
 
 
 class Intercomparison:

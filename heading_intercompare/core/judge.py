@@ -14,12 +14,12 @@ from .analysed import Analysed, analysed, HIGHEST_ORDER_REMOVED
 from .angles import circular_mean
 from .campaign import conclude_every_run, conclude_sensor, together
 from .cells import Cells
-from .conclusion import conclude, with_findings, with_looks
+from .conclusion import ALL_REASONS, conclude, effect_with_looks, with_findings, with_looks
 from .coverage import Coverage, coverage_of
 from .criteria import Limits
 from .ergodicity import Homogeneity, homogeneity, RunFigures
 from .guarded import decide, Evidence, evidence_of, Guarded
-from .headline import headline
+from .headline import headline, headline_with_looks
 from .ledger import LedgerSegment
 from .losses import find_losses
 from .noise import correlation_times
@@ -30,7 +30,7 @@ from .run_diagnostics import diagnose, SETTLED_SHARE, with_runs
 from .run_series import RunSeries
 from .sequential import Look, LookVerdict, risk_at_the_end
 from .settings import Risk, Settings
-from .validity import examine, Examined, Finding, VOID, worst_effect
+from .validity import examine, Examined, Finding, VOID
 from .verdict import Campaign, PairingFigures, RunVerdict
 
 __all__ = ['compare_runs', 'conclude_campaign', 'judge', 'look_at', 'RunResult']
@@ -69,7 +69,7 @@ class RunResult:
                           warnings=(*self.verdict.warnings, *warnings))
         return replace(self, verdict=_concluded(
             verdict, self.alone, (*(f for f in verdict.validity if f.condition != 'losses'),
-                                  find_losses(verdict, inside, self.settings))))
+                                  find_losses(verdict, share, inside, self.settings))))
 
     def among(self, run: int, runs: Homogeneity) -> 'RunResult':
         """Return the result with its number among the runs, and what they say of each other."""
@@ -94,10 +94,12 @@ class RunResult:
 def _concluded(verdict: RunVerdict, alone: tuple[Outcome, str],
                findings: Sequence[Finding]) -> RunVerdict:
     """Return a verdict as findings and looks leave it."""
-    outcome, reason = with_looks(*with_findings(*alone, findings), verdict.looks)
+    at_end = with_findings(*alone, findings)
+    outcome, reason = with_looks(*at_end, verdict.looks)
+    line = headline(at_end[0], findings, verdict.coverage, ALL_REASONS[at_end[1]])
     return replace(verdict, outcome=outcome, reason=reason, validity=tuple(findings),
-                   validity_effect=worst_effect(findings),
-                   headline=headline(outcome, findings, verdict.coverage))
+                   validity_effect=effect_with_looks(findings, reason, verdict.looks),
+                   headline=headline_with_looks(line, outcome, reason, verdict.looks))
 
 
 class _Decision:
@@ -214,7 +216,7 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
         assumptions=found.assumptions,
         warnings=(*_warnings(data, limits, guarded, settings), *found.warnings))
     alone = outcome, reason
-    validity = (*validity, find_losses(verdict, None, settings))
+    validity = (*validity, find_losses(verdict, None, None, settings))
     return RunResult(_concluded(verdict, alone, validity), evidence, limits, printed, alone,
                      settings)
 
@@ -240,7 +242,8 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings) -> LookV
 
     """
     found = judge(run, settings, 0, '', risk=look.risk).verdict
-    return LookVerdict(look.index + 1, looks, run.span_s, found.outcome, found.reason)
+    return LookVerdict(look.index + 1, looks, run.span_s, found.outcome, found.reason,
+                       found.validity_effect, found.headline)
 
 
 def _printed(data: Analysed, limits: Limits, settings: Settings) -> Printed:
@@ -275,14 +278,16 @@ def compare_runs(results: Sequence[RunResult]) -> Homogeneity:
 
 
 def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
-                      settings: Settings) -> tuple[Outcome, Coverage | None, Campaign]:
+                      settings: Settings, incomplete: bool = False,
+                      ) -> tuple[Outcome, Coverage | None, Campaign]:
     """
     Return what the runs say together: outcome, what it covers, and the figures.
 
     Notes
     -----
     A void run says nothing, so it is not among those that share a variance, and without it
-    the campaign is open, unless the others reject.
+    the campaign is open, unless the others reject. Nor does it comply if it is `incomplete`: if
+    an input could not be judged.
 
     """
     risk = risk_at_the_end(settings)
@@ -292,8 +297,11 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
     if settings.campaign.rule == 'sensor':
         met = all(r.printed.total.outcome in (None, Outcome.COMPLIANT) for r in results)
         outcome, reason = conclude_sensor(shared, [r.limits for r in results], met, risk)
+        if _repeats([r.verdict for r in sound]):
+            outcome, reason = Outcome.INDETERMINATE, 'a_run_repeated'
         coverage = None if shared is None else coverage_of(
-            shared.span_s, risk, by_run_means=shared.between_upper_bound_deg2 is not None)
+            shared.span_s, risk, apart_s=None if shared.between_upper_bound_deg2 is None
+            else shared.apart_s)
     else:
         outcome, reason = conclude_every_run(
             [r.verdict.outcome for r in results],
@@ -302,8 +310,16 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
         coverage = coverage_of(min(spans), risk) if spans else None
     if len(sound) < len(results) and outcome is not Outcome.NON_COMPLIANT:
         outcome, reason = Outcome.INDETERMINATE, 'a_run_void'
+    if incomplete and outcome is Outcome.COMPLIANT:
+        outcome, reason = Outcome.INDETERMINATE, 'an_input_not_judged'
     verdicts = [r.verdict for r in results]
     return outcome, coverage, Campaign.of(verdicts, runs, settings.campaign.rule, reason, shared)
+
+
+def _repeats(runs: Sequence[RunVerdict]) -> bool:
+    """Tell whether two runs are of one record."""
+    seen = {(run.start_ns, run.end_ns, run.n, run.mean_deg, run.variance_deg2) for run in runs}
+    return len(seen) < len(runs)
 
 
 def _apart_s(runs: Sequence[RunVerdict]) -> float:

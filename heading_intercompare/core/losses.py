@@ -14,7 +14,8 @@ from .verdict import RunVerdict
 __all__ = ['find_losses', 'judge_losses', 'lost_shares']
 
 
-def find_losses(run: RunVerdict, inside: LedgerSegment | None, settings: Settings) -> Finding:
+def find_losses(run: RunVerdict, share: LedgerSegment | None, inside: LedgerSegment | None,
+                settings: Settings) -> Finding:
     """
     Judge what a run could not use.
 
@@ -22,16 +23,17 @@ def find_losses(run: RunVerdict, inside: LedgerSegment | None, settings: Setting
     ----------
     run : RunVerdict
         Of which the number and the stamps of the differences are used.
-    inside : LedgerSegment or None
-        What became of the readings between the first and the last pair of the run; None while
-        that is not known, as at a look: then the gaps between the pairs alone are judged.
+    share, inside : LedgerSegment or None
+        What became of the readings of the run, and of those between its first and its last pair;
+        None while that is not known, as at a look: then the gaps between the pairs alone are
+        judged.
     settings : Settings
         `detectors.lost_doubtful` and `detectors.lost_void`.
 
     """
     shares = list(lost_shares(run))
-    if inside is not None:
-        shares += _ledger_shares(run, inside, settings)
+    if share is not None and inside is not None:
+        shares += _ledger_shares(run, share, inside, settings)
     return judge_losses(shares, settings)
 
 
@@ -44,16 +46,20 @@ def lost_shares(run: RunVerdict) -> Iterator[tuple[str, float]]:
         yield 'lost', max(0.0, 1.0 - (run.n - 1) / expected)
 
 
-def _ledger_shares(run: RunVerdict, inside: LedgerSegment,
+def _ledger_shares(run: RunVerdict, share: LedgerSegment, inside: LedgerSegment,
                    settings: Settings) -> Iterator[tuple[str, float]]:
     """Yield what the ledger says is lost, in words, and its share of the readings."""
     counts = inside.counts
     received = {stream: inside.received(stream) for stream in ('ts', 'rs')}
     for stream, n in received.items():
-        if n:
+        # After a stamp of the future no reading makes a pair any more: the run ends there, but
+        # not for want of readings.
+        late = f'{stream}_rejected.stamp_not_increasing'
+        behind = share.counts.get(late, 0) - counts.get(late, 0)
+        if n + behind:
             rejected = sum(of for key, of in counts.items()
                            if key.startswith(f'{stream}_rejected.'))
-            yield f'of the {stream.upper()} rejected', rejected / n
+            yield f'of the {stream.upper()} rejected', (rejected + behind) / (n + behind)
     unpaired = {stream: counts.get(key, 0) / received[stream]
                 for stream, key in (('ts', 'ts_unpaired'), ('rs', 'rs_unused'))
                 if received[stream]}

@@ -48,6 +48,9 @@ __all__ = ['diagnose', 'Diagnostics', 'Signs', 'with_runs']
 MOVING_AVERAGE_S = 1.0
 """Span of the moving average that headings are compared with, seconds."""
 
+LONGEST_BURST_S = 60.0
+"""Longest excursion of the difference that is an outlier, not a slow error; seconds."""
+
 SETTLED_SHARE = 0.1
 """Share of sigma_max to which a warm-up must have died away."""
 
@@ -185,7 +188,8 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
                      rs_step_deg=steps[1].step_deg, ts_step_deg=steps[0].step_deg),
         frozen(stamp_ns, ts_deg, rs_deg, **limits), frozen(stamp_ns, rs_deg, ts_deg, **limits),
         standstill(ts_deg, rs_deg), outliers(
-            stamp_ns, residual_deg, step_deg=max((s.step_deg or 0.0) for s in steps)),
+            stamp_ns, residual_deg, longest_s=LONGEST_BURST_S,
+            step_deg=max((s.step_deg or 0.0) for s in steps)),
         ClockDrift('not_testable') if settings.alignment.skew == 'off' else clock_drift(
             stamp_ns, x_deg, rs_deg, range_s=settings.alignment.skew_range_s,
             max_gap_s=settings.pairing.max_gap_s),

@@ -15,7 +15,7 @@ from .difference import difference
 from .records import Differences, Pairs
 from .sequential import Look, Looks
 from .settings import Norms, Settings
-from .statistics import count_outside, Moments
+from .statistics import count_outside, exact_sum, Moments, UNIT
 
 __all__ = ['RunSeries']
 
@@ -77,7 +77,7 @@ class RunSeries:
             plan.plan_s, plan.looks, settings.risk)
         self._lag_sum_ns = 0
         self._lag_max_ns = 0
-        self._factor_sum = self._ts_factor_sum = 0.0
+        self._factor_units = self._ts_factor_units = 0
 
     def __len__(self) -> int:
         return len(self.x_deg)
@@ -124,8 +124,8 @@ class RunSeries:
         self._cells.update(x.x_deg, x.stamp_ns)
         self._lag_sum_ns += int(pairs.lag_ns.sum())
         self._lag_max_ns = max(self._lag_max_ns, int(np.abs(pairs.lag_ns).max()))
-        self._factor_sum += float(pairs.rs_variance_factor.sum())
-        self._ts_factor_sum += float(pairs.ts_variance_factor.sum())
+        self._factor_units += exact_sum(pairs.rs_variance_factor)
+        self._ts_factor_units += exact_sum(pairs.ts_variance_factor)
 
     def moments(self) -> Moments:
         """Return the moments of the analysed differences so far."""
@@ -160,12 +160,12 @@ class RunSeries:
     @property
     def rs_variance_factor(self) -> float | None:
         """Mean factor by which interpolation shrank the white noise of the RS."""
-        return self._factor_sum / len(self) if len(self) else None
+        return self._factor_units / len(self) * UNIT if len(self) else None
 
     @property
     def ts_variance_factor(self) -> float | None:
         """Mean factor by which interpolation shrank the white noise of the TS."""
-        return self._ts_factor_sum / len(self) if len(self) else None
+        return self._ts_factor_units / len(self) * UNIT if len(self) else None
 
     @property
     def interpolates_ts(self) -> bool:

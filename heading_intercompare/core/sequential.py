@@ -13,7 +13,7 @@ from .coverage import least_duration_s
 from .outcome import Outcome
 from .settings import Risk, Settings, SettingsError
 
-__all__ = ['Look', 'Looks', 'LookVerdict', 'risk_at_the_end', 'standing']
+__all__ = ['Look', 'Looks', 'LookVerdict', 'rejecting', 'risk_at_the_end', 'standing']
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +51,10 @@ class LookVerdict:
     outcome : Outcome
     reason : str
         As for a run; or 'not_confirmed', where an earlier look accepted.
+    validity_effect : {'holds', 'doubtful', 'void'}
+        The gravest effect of a finding at that time.
+    headline : str
+        The same in one line.
 
     """
 
@@ -59,10 +63,17 @@ class LookVerdict:
     span_s: float
     outcome: Outcome
     reason: str
+    validity_effect: str = 'holds'
+    headline: str = ''
 
     def __str__(self) -> str:
         return (f'look {self.look} of {self.looks}, {self.span_s:.1f} s after the first '
                 f'difference: {self.outcome}')
+
+
+def rejecting(looks: Sequence[LookVerdict]) -> LookVerdict | None:
+    """Return the first look that rejected; None if none did."""
+    return next((look for look in looks if look.outcome is Outcome.NON_COMPLIANT), None)
 
 
 def standing(looks: Sequence[LookVerdict]) -> LookVerdict | None:
@@ -76,9 +87,9 @@ def standing(looks: Sequence[LookVerdict]) -> LookVerdict | None:
         that, it is indeterminate and says so. None while no look has decided.
 
     """
-    for look in looks:
-        if look.outcome is Outcome.NON_COMPLIANT:
-            return look
+    rejected = rejecting(looks)
+    if rejected is not None:
+        return rejected
     if not any(look.outcome is Outcome.COMPLIANT for look in looks):
         return None
     last = looks[-1]

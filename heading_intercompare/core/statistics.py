@@ -10,7 +10,28 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-__all__ = ['count_outside', 'Moments']
+__all__ = ['count_outside', 'exact_sum', 'Moments', 'UNIT']
+
+UNIT = 2.0 ** -53
+"""Of the numbers from 1/2 to 1 all are whole multiples of this."""
+
+_HALF = 26
+
+
+def exact_sum(values: ArrayLike) -> int:
+    """
+    Return the sum of numbers from 1/2 to 1 in units of `UNIT`, exactly.
+
+    So a sum does not depend on the chunks in which the numbers come.
+
+    Examples
+    --------
+    >>> exact_sum([0.5, 1.0, 0.75]) * UNIT
+    2.25
+
+    """
+    units = (np.asarray(values, dtype=np.float64) / UNIT).astype(np.int64)
+    return (int((units >> _HALF).sum()) << _HALF) + int((units & ((1 << _HALF) - 1)).sum())
 
 
 @dataclass(frozen=True, slots=True)

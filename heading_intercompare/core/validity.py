@@ -22,8 +22,8 @@ from .outcome import Outcome
 from .run_diagnostics import Diagnostics
 from .settings import Settings
 
-__all__ = ['CONDITIONS', 'DOUBTFUL', 'examine', 'Examined', 'Finding', 'HOLDS', 'NOT_TESTABLE',
-           'VOID', 'VOID_REASONS', 'worst_effect']
+__all__ = ['CONDITIONS', 'DOUBTFUL', 'examine', 'Examined', 'Finding', 'gravest', 'HOLDS',
+           'NOT_TESTABLE', 'VOID', 'VOID_REASONS', 'worst_effect']
 
 HOLDS, NOT_TESTABLE, DOUBTFUL, VOID = 'holds', 'not_testable', 'doubtful', 'void'
 
@@ -83,7 +83,12 @@ class Finding:
 
 def worst_effect(findings: Iterable[Finding]) -> str:
     """Return the gravest effect: 'holds', 'doubtful' or 'void'."""
-    worst = max((_RANK[f.effect] for f in findings), default=0)
+    return gravest(f.effect for f in findings)
+
+
+def gravest(effects: Iterable[str]) -> str:
+    """Return the gravest of effects: 'holds', 'doubtful' or 'void'."""
+    worst = max((_RANK[effect] for effect in effects), default=0)
     return (HOLDS, DOUBTFUL, VOID)[worst]
 
 

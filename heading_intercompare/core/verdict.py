@@ -10,6 +10,7 @@ from typing import Any, Mapping, Sequence
 
 from .assumptions import Assumption
 from .campaign import Together
+from .conclusion import campaign_words
 from .coverage import Coverage
 from .criteria import CountCriterion, TotalError, VarianceCriterion
 from .deviation import HeadingDependence
@@ -23,7 +24,7 @@ from .run_blocks import Allan, Correlation, Drift, RunSkew
 from .sequential import LookVerdict
 from .settings import Settings
 from .stationarity import Stationarity
-from .validity import Finding, worst_effect
+from .validity import Finding, gravest
 from .version import VERSION
 
 __all__ = ['Campaign', 'PairingFigures', 'plain', 'RunVerdict', 'SCHEMA', 'Verdict']
@@ -232,9 +233,14 @@ class Verdict:
            coverage: Coverage | None, settings: Settings,
            inputs: Sequence[Mapping[str, Any]]) -> 'Verdict':
         """Return the verdict on runs and on what they say together."""
-        findings = [f if len(runs) == 1 else replace(f, words=f'run {r.run}: {f.words}')
-                    for r in runs for f in r.validity]
-        return cls(outcome, headline(outcome, findings, coverage), worst_effect(findings),
+        if len(runs) == 1 and runs[0].outcome is outcome and campaign.rule == 'every_run':
+            line = runs[0].headline
+        else:
+            findings = [replace(f, words=f'run {r.run}: {f.words}')
+                        for r in runs for f in r.validity]
+            why = campaign_words(campaign.reason, [(r.run, r.outcome, r.reason) for r in runs])
+            line = headline(outcome, findings, coverage, why)
+        return cls(outcome, line, gravest(r.validity_effect for r in runs),
                    worst(r.paper_outcome for r in runs), settings, tuple(inputs), campaign,
                    tuple(runs))
 

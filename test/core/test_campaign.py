@@ -102,10 +102,51 @@ def test_the_lengths_of_the_runs_add_up(rng):
 
 
 def test_the_means_of_five_runs_stand_in_for_length(rng):
-    """In variant B they show whatever is slower than a run, so no length is asked for."""
-    runs = white(rng, 5)
-    assert concluded(runs, Risk(min_duration_s=10_000.1))[0] is GOOD
-    assert concluded(runs[:4], Risk(min_duration_s=10_000.1)) == (OPEN, 'insufficient_duration')
+    """In variant B they show whatever is slower than a run, but not what is stated to be asked."""
+    runs, slow = white(rng, 5), Risk(slowest_error_s=500.1)
+    assert concluded(runs, slow)[0] is GOOD
+    assert concluded(runs[:4], slow) == (OPEN, 'insufficient_duration')
+    assert concluded(runs, Risk(min_duration_s=10_000.1)) == (OPEN, 'insufficient_duration')
+
+
+@pytest.mark.parametrize('risk, apart_s, has', [
+    (Risk(), 600.0, False), (Risk(), 600.1, True), (Risk(), -10.0, False),
+    (Risk(slowest_error_s=50.0), 50.0, False), (Risk(slowest_error_s=50.0), 50.1, True),
+    (Risk(sensor_class='gyrocompass'), 2300.0, False)])
+def test_means_count_of_runs_further_apart_than_the_slowest_error(risk, apart_s, has, rng):
+    found = together(white(rng, 5), [LIMITS] * 5, risk, 'B', apart_s)
+    assert (found.between_upper_bound_deg2 is not None, found.apart_s) == (has, apart_s)
+
+
+def test_five_short_pieces_of_one_record_certify_nothing(rng):
+    """65 s cut in five: the errors of 10 min that all share are not seen, whatever the rule."""
+    assert concluded([run(0.1 * rng.standard_normal(130), span_s=13.0) for _ in range(5)]) == \
+        (OPEN, 'insufficient_duration')
+
+
+def test_one_record_given_twice_shows_the_sensor_once(rng):
+    ts, rs = inputs(rng, [0.2])
+    found = analyze(ts * 5, rs * 5, settings(campaign__rule='sensor'))
+    assert (found.outcome, found.campaign.reason) == (OPEN, 'a_run_repeated')
+
+
+@pytest.mark.parametrize('rule', ['every_run', 'sensor'])
+def test_an_input_without_a_run_leaves_the_campaign_open(rule, rng):
+    ts, rs = inputs(rng, [0.2, 0.2])
+    none = Headings.empty()
+    found = analyze([*ts, none], [*rs, none], settings(campaign__rule=rule))
+    assert (found.outcome, found.campaign.reason) == (OPEN, 'an_input_not_judged')
+    assert found.headline == 'INDETERMINATE: not every input could be judged'
+    worse = analyze([*ts, none], [*rs, none], settings(
+        campaign__rule=rule, norms__sigma_max_deg=0.1))
+    assert worse.outcome is BAD
+
+
+def test_the_headline_names_the_run_that_keeps_it_open(rng):
+    ts, rs = inputs(rng, [0.2, 0.2])
+    found = analyze([ts[0], ts[1][:1]], rs, settings())
+    assert found.headline == ('INDETERMINATE: not every run complies, and none is rejected (run '
+                              '2: fewer than 128 differences, or too unevenly spread in time)')
 
 
 def test_a_total_error_out_of_its_norm_keeps_the_sensor_open(rng):
@@ -156,7 +197,6 @@ def test_no_run_and_no_difference_leave_it_open():
 
 
 def test_every_reason_is_reached_by_a_test_of_this_file():
-    # That of inputs that were not judged, 'an_input_not_judged', is set where inputs are read.
     text = Path(__file__).read_text('utf-8')
     assert {code for code in CAMPAIGN_REASONS if f"'{code}'" not in text} == set()
     assert all(words and code == code.lower() for code, words in CAMPAIGN_REASONS.items())

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -11,11 +12,12 @@ import pytest
 from heading_intercompare.core.conclusion import (
     ALL_REASONS,
     conclude,
+    effect_with_looks,
     with_findings,
     with_looks,
 )
 from heading_intercompare.core.coverage import coverage_of
-from heading_intercompare.core.headline import headline
+from heading_intercompare.core.headline import headline, headline_with_looks
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.sequential import LookVerdict, standing
 from heading_intercompare.core.settings import Risk
@@ -74,6 +76,37 @@ def test_the_worse_of_a_decision_at_a_look_and_the_end(looks, end, expected):
 def test_what_looks_leave_standing(looks, expected):
     found = standing([look(k, outcome) for k, outcome in enumerate(looks, 1)])
     assert expected == (None if found is None else (found.outcome, found.reason))
+
+
+def test_what_makes_the_whole_comparison_void_made_a_look_void_too():
+    looks = [look(1, N)]
+    assert with_looks(I, 'void.convention', looks) == (I, 'void.convention')
+    assert with_looks(I, 'void.frozen', looks) == (N, 'rejected_at_a_look')
+    void = [Finding('frozen', VOID, 'the TS froze', '')]
+    assert effect_with_looks(void, 'rejected_at_a_look', looks) == VOID
+    doubted = [replace(looks[0], validity_effect=DOUBTFUL)]
+    assert effect_with_looks((), 'rejected_at_a_look', doubted) == DOUBTFUL
+    assert effect_with_looks((), 'data_limited', doubted) == HOLDS
+
+
+@pytest.mark.parametrize('outcome, reason, said, line', [
+    (C, 'x', (C, I), 'END'),
+    (I, 'x', (I, C, C), 'END; look 2 accepted, which is withdrawn'),
+    (N, 'x', (C,), 'END; look 1 accepted, which is withdrawn'),
+    (N, 'rejected_at_a_look', (I, N),
+     'NON-COMPLIANT at look 2 of 4, after 10 min, DOUBTFUL: it; at the end END')])
+def test_the_headline_of_a_run_that_was_looked_at(outcome, reason, said, line):
+    looks = [LookVerdict(k, 4, 300.0 * k, each, 'x', DOUBTFUL, 'NON-COMPLIANT, DOUBTFUL: it')
+             for k, each in enumerate(said, 1)]
+    assert headline_with_looks('END', outcome, reason, looks) == line
+
+
+def test_the_headline_says_why_there_is_no_certificate():
+    covered = coverage_of(624.0, Risk())
+    assert headline(I, (), covered, 'all is said') == 'INDETERMINATE: all is said'
+    doubt = [Finding('x', DOUBTFUL, 'it', '')]
+    assert headline(I, doubt, covered, 'why') == 'INDETERMINATE, DOUBTFUL: it'
+    assert headline(C, (), covered, 'why').startswith('COMPLIANT for errors')
 
 
 def test_every_reason_has_words():

@@ -81,5 +81,11 @@ def test_spans_read_as_people_say_them(span_s, words):
 
 
 def test_means_of_runs_stand_in_for_slow_errors():
-    assert coverage_of(9000.0, Risk(), by_run_means=True).words == \
-        'for errors that change within a run or from run to run'
+    found = coverage_of(9000.0, Risk(), apart_s=3600.0)
+    assert (found.longest_s, found.least_duration_s, found.by_run_means) == (3600.0, 600.0, True)
+    assert found.words == \
+        'for errors that change within 60 min, from run to run; slower errors are not covered'
+    stated = coverage_of(9000.0, Risk(sensor_class='gyrocompass', min_duration_s=7200.0),
+                         apart_s=3600.0)
+    assert stated.least_duration_s == 7200.0
+    assert stated.words.endswith('from run to run; the slowest stated is 38 min')

@@ -44,3 +44,34 @@ def test_a_look_judges_the_gaps_between_the_pairs(rng, kept, expected):
     assert first.reason == ('void.losses' if kept < 0.5 else 'upper_bound_within_acceptance_limit')
     assert second.outcome.value == 'compliant'
     assert run.outcome.value == 'compliant'
+
+
+@pytest.mark.parametrize('at, who, effect', [
+    (7000, 'ts', 'void'), (7000, 'rs', 'void'), (35_900, 'ts', 'holds')])
+def test_a_stamp_of_the_future_locks_the_stream_and_that_counts(rng, at, who, effect):
+    """Of 36 000 readings the one of tomorrow makes all behind it stamped too early."""
+    stamps = np.arange(1, 36_001) * STEP_NS
+    ship = 90.0 + 40.0 * np.sin(stamps / 1e11)
+    late = stamps.copy()
+    late[at] += 86_400 * 10 ** 9
+    heading = {s: ship + sigma * rng.standard_normal(stamps.size)
+               for s, sigma in (('ts', 0.1), ('rs', 0.05))}
+    streams = {s: Headings.of(late if s == who else stamps, h) for s, h in heading.items()}
+    run = analyze(streams['ts'], streams['rs'], Settings.from_mapping({
+        'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.1}})).runs[0]
+    (found,) = (f for f in run.validity if f.condition == 'losses')
+    assert found.effect == effect
+    if effect == 'void':
+        assert found.words == f'81 % of the {who.upper()} rejected'
+
+
+def test_readings_rejected_between_runs_are_not_lost_from_a_run(rng):
+    """Alongside, behind the stop mark, a TS that calls itself invalid for an hour."""
+    stamps = np.arange(1, 50_001) * STEP_NS
+    ship = 90.0 + 40.0 * np.sin(stamps / 1e11)
+    ts = ship + 0.1 * rng.standard_normal(stamps.size)
+    ts[14_000:] = np.nan
+    rs = ship + 0.05 * rng.standard_normal(stamps.size)
+    run = analyze(Headings.of(stamps, ts), Headings.of(stamps, rs), Settings.from_mapping({
+        'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.1}})).runs[0]
+    assert next(f for f in run.validity if f.condition == 'losses').effect == HOLDS

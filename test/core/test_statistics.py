@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 from hypothesis import given, strategies as st
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ import pytest
 from heading_intercompare.core.cells import Cells
 from heading_intercompare.core.records import Differences
 from heading_intercompare.core.rolling import Rolling
-from heading_intercompare.core.statistics import count_outside, Moments
+from heading_intercompare.core.statistics import count_outside, exact_sum, Moments, UNIT
 
 S = 1_000_000_000
 values = st.lists(st.floats(-180.0, 180.0, allow_subnormal=False), max_size=30)
@@ -88,3 +90,13 @@ def test_the_memory_of_the_window_is_bounded(rng):
     for k in range(0, len(d), 100):
         rolling.update(d[k:k + 100])
     assert rolling.moments().n <= 650
+
+
+def test_an_exact_sum_does_not_depend_on_the_chunks(rng):
+    """Numbers from 1/2 to 1; fractions.Fraction adds them exactly, too."""
+    w = rng.random(2000)
+    values = (1.0 - w) ** 2 + w ** 2
+    whole = exact_sum(values)
+    assert whole == exact_sum(values[:7]) + exact_sum(values[7:1300]) + exact_sum(values[1300:])
+    assert Fraction(whole) * Fraction(UNIT) == sum(map(Fraction, values.tolist()))
+    assert exact_sum([]) == 0

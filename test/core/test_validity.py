@@ -275,6 +275,41 @@ def test_a_rejection_at_a_look_stays(ship, rng):
     assert (run.outcome, run.reason) == (Outcome.NON_COMPLIANT, 'rejected_at_a_look')
 
 
+def test_a_burst_of_some_seconds_is_named_where_it_decides(ship, rng):
+    """Five seconds of 20 degrees in 1200 s."""
+    ts, rs = ship + 0.1 * rng.standard_normal(N), ship + 0.05 * rng.standard_normal(N)
+    ts[6000:6050] += 20.0
+    verdict = judged(ts, rs)
+    assert effects(verdict) == {'outliers': DOUBTFUL}
+    assert verdict.headline == 'INDETERMINATE, DOUBTFUL: 1 isolated outlier decides'
+
+
+PLAN = {'plan_s': 1200.0, 'looks': 2}
+SOON = {'sequential': PLAN, 'risk': {'min_duration_s': 60.0}}
+
+
+def test_the_doubt_of_a_look_that_rejected_stays_in_the_headline(ship, rng):
+    """A skew of 0.6 s in the first half; then the clock is set, and the end complies."""
+    late = np.interp(T_S - 0.6, T_S, ship)
+    ts = np.where(T_S <= 620.0, late, ship) + 0.05 * rng.standard_normal(N)
+    rs = ship + 0.05 * rng.standard_normal(N)
+    run = judged(ts, rs, **SOON).runs[0]
+    look = run.looks[0]
+    assert (look.outcome.value, look.validity_effect) == ('non_compliant', DOUBTFUL)
+    assert look.headline.startswith('NON-COMPLIANT, DOUBTFUL: a skew of 0.60 s decides')
+    assert run.reason == 'rejected_at_a_look'
+    assert run.headline.startswith('NON-COMPLIANT at look 1 of 2, after 10 min, DOUBTFUL: a skew')
+    assert run.validity_effect in (DOUBTFUL, VOID)
+
+
+def test_an_acceptance_that_is_withdrawn_is_said_to_be(ship, rng):
+    ts = ship + np.where(T_S <= 620.0, 0.05, 0.3) * rng.standard_normal(N)
+    run = judged(ts, ship + 0.02 * rng.standard_normal(N), **SOON).runs[0]
+    assert run.looks[0].outcome.value == 'compliant'
+    assert run.outcome.value != 'compliant'
+    assert run.headline.endswith('; look 1 accepted, which is withdrawn')
+
+
 # --- the parts ---
 
 def test_every_void_reason_belongs_to_a_condition():
