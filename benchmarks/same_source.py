@@ -136,7 +136,7 @@ def drawn(seed: int, tau_s: float | None, noisy: bool = True, *, spoilt: bool = 
     rs_hz = float(rng.choice([1.0, 2.0, 5.0, 10.0, 50.0], p=[0.3, 0.15, 0.2, 0.25, 0.1]))
     if kicks:
         # Slower readings fold them: no spectrum tells them from noise.
-        rs_hz = max(rs_hz, 5.0)
+        rs_hz = max(rs_hz, 10.0)
     span = float(rng.choice([1200.0, 3600.0, 7200.0]) if rs_hz < 20.0 else 1200.0)
     t = np.arange(round(span * rs_hz)) / rs_hz
     sigma = rng.choice([0.02, 0.05, 0.1, 0.2]) if noisy else 0.0

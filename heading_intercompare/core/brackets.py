@@ -19,8 +19,9 @@ _EQUAL_DEG = 1e-7
 _LOOKED_AT = 100_000
 _LEAST_SHARE = 0.1
 _PHASES = 4096
-_LEAST_POWER = 0.5
+_LEAST_POWER, _LEAST_VARIANCE = 0.5, 0.01
 _SHORT = 0.05
+_REGULAR = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -167,10 +168,12 @@ def pairs_per_reading(factor: ArrayLike) -> float:
     if some.size < _PHASES // 32:
         return 1.0
     phase = -np.cos(np.pi * np.sqrt(np.clip(2.0 * some - 1.0, 0.0, 1.0)))
+    if float(np.var(phase)) < _LEAST_VARIANCE:
+        return 1.0
     power = np.abs(np.fft.rfft((phase - phase.mean()) * np.hanning(phase.size))) ** 2
     at = int(np.argmax(power))
     near = slice(max(0, at - 2), at + 3)
-    if power.sum() < 1e-6 or power[near].sum() < _LEAST_POWER * power.sum():
+    if power[near].sum() < _LEAST_POWER * power.sum():
         return 1.0
     folded = float(np.arange(power.size)[near] @ power[near] / power[near].sum()) / phase.size
     return 1.0 / (1.0 - min(0.5, folded))
@@ -183,4 +186,7 @@ def _usual(where: np.ndarray) -> int:
     # Rounding repeats values, too, or puts them in a line, but it ends at any time.
     apart = np.diff(where)
     least = float(np.quantile(apart, _SHORT, method='lower'))
-    return max(1, math.floor(float(apart[apart < 1.5 * least].mean()) + 0.5))
+    usual = float(apart[apart < 1.5 * least].mean())
+    if float(np.mean(np.cos(2.0 * np.pi / usual * apart))) < _REGULAR:
+        return 1
+    return max(1, math.floor(usual + 0.5))

@@ -23,6 +23,7 @@ _LONGEST = 3
 _QUANTILE = 0.9
 _SURPLUS = 5.0
 _GRAIN = 3.0
+_FLANK = 0.2
 _SHIP_DEG_S2 = 30.0
 _EVEN = 0.2
 _APART_S = 10.0
@@ -175,11 +176,13 @@ def _glitches(stamps: np.ndarray, rs: np.ndarray,
     for lo, hi in zip(begins[high].tolist(), ends[high].tolist()):
         own = far[lo:hi]
         peak = int(own[np.argmax(size[own])])
-        own = own[size[own] > 0.5 * size[peak]]
+        around = np.arange(max(0, int(own[0]) - 2), min(size.size, int(own[-1]) + 3))
+        own = around[size[around] > _FLANK * size[peak]]
         first, last = int(own[0]), int(own[-1])
         # Half of the time there and back, from the reading before to the one behind.
         lasts = 0.5 * (last - first + 2) * step_s
-        if last - first >= _LONGEST or size[peak] <= 0.5 * _SHIP_DEG_S2 * lasts ** 2:
+        needed = 0.5 * _SHIP_DEG_S2 * lasts ** 2 / (1.0 - _FLANK)
+        if last - first >= _LONGEST or size[peak] <= needed:
             continue
         if first <= _BESIDE or last + _BESIDE >= rs.size \
                 or uneven[first - _BESIDE - 1] != uneven[last + _BESIDE]:

@@ -173,10 +173,12 @@ def common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
             # Over a narrow band white noise and motion together look like that colour, too.
             white = fine(power) / np.maximum(fine(response), _RESPONSE)
             unshaped = np.minimum(unshaped, float(np.sort(level[usable])[:3].mean()) / white)
-        # The spectrum that the motion is told by is known to some standard errors only.
-        unsure = 1.0 + _UNSURE * np.sqrt(2.0 / (_BEST * segments * fine.width))
-        motion = np.maximum(0.0, 1.0 - np.minimum(floor / spectrum, unshaped))
-        excess = (fine(coherence) - np.minimum(1.0, motion * unsure))[inside]
+        motion = np.maximum(0.0, 1.0 - floor / spectrum)
+        if share >= _SHARE:
+            # The spectrum that the motion is told by is known to some standard errors only.
+            unsure = 1.0 + _UNSURE * np.sqrt(2.0 / (_BEST * segments * fine.width))
+            motion = np.minimum(1.0, np.maximum(motion, 1.0 - unshaped) * unsure)
+        excess = (fine(coherence) - motion)[inside]
         if not excess.size:
             continue
         wide = min(_BEST, excess.size)
