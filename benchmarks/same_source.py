@@ -4,9 +4,11 @@
 Measure how often one source is found, and how often two sensors are taken for one.
 
 Every row is one kind of TS; the motion, the rate, the length and the noise of the RS are drawn
-at random. "testable" is the share of the runs in which the RS shows noise of its own, "common"
-the share of these in which one source is found. Nominal are 0.95 for copies and 0.001 for
-independent sensors.
+at random. Runs are paired and asked as the product asks them. "testable" counts the runs in which
+the RS shows noise or glitches of its own, "common" those of them in which one source is found, by
+its "noise" and by its "glitches"; "doubt" those that are not testable but differ by rounding
+alone. Then the coherence. Nominal are 0.95 of the testable for copies and 0.001 for independent
+sensors.
 
     python benchmarks/same_source.py --runs 300
     python benchmarks/same_source.py --rows independent --runs 2000
@@ -22,40 +24,53 @@ import sys
 from typing import Callable
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
-from heading_intercompare.core.angles import wrap180
-from heading_intercompare.core.common_noise import common_noise, CommonNoise
+from heading_intercompare.core.one_source import one_source, OneSource
 from heading_intercompare.core.pairing import pair
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.standstill import resolution_of
+from heading_intercompare.core.run_series import RunSeries
+from heading_intercompare.core.settings import from_mapping, Settings
 
 Motion = Callable[[np.ndarray], np.ndarray]
 
 
-def motion(rng: np.random.Generator, span_s: float) -> Motion:
+def seaway(rng: np.random.Generator, span_s: float) -> Motion:
+    """Return the yaw in a sea whose spectrum falls with the fifth power, of the yaw the ninth."""
+    step = 0.125
+    n = 1 << math.ceil(math.log2((span_s + 20.0) / step))
+    frequency = np.fft.rfftfreq(n, step)[1:]
+    peak = rng.uniform(0.08, 0.17)
+    inside = (frequency >= 0.6 * peak) & (frequency <= 6.0 * peak)
+    density = np.where(inside, np.exp(-1.25 * (peak / frequency) ** 4)
+                       * (frequency / peak) ** -9.0, 0.0)
+    lines = np.sqrt(density) * (rng.standard_normal(frequency.size)
+                                + 1j * rng.standard_normal(frequency.size))
+    yaw = np.fft.irfft(np.concatenate(([0.0], lines)), n)
+    yaw *= rng.uniform(0.2, 2.0) / math.sqrt(2.0) / yaw.std()
+    return CubicSpline(step * np.arange(n) - 10.0, yaw)
+
+
+def motion(rng: np.random.Generator, span_s: float, kicks: bool = False) -> Motion:
     """Return a heading as a function of time, s: steady, turning, in swell or in a seaway."""
     lines = []
     if rng.random() < 0.8:
         size = rng.uniform(0.2, 3.0)
         for _ in range(rng.integers(1, 13)):
             lines.append((size / math.sqrt(12.0), rng.uniform(6.0, 12.0)))
-    if rng.random() < 0.3:
-        # A sea whose spectrum falls with the fifth power, of the yaw with the ninth.
-        peak = rng.uniform(0.08, 0.17)
-        frequency = peak * np.linspace(0.6, 6.0, 200)
-        density = frequency ** -9.0 * np.exp(-1.25 * (peak / frequency) ** 4) * frequency[0] ** 9
-        size = np.sqrt(density / density.sum()) * rng.uniform(0.2, 2.0)
-        lines += [(a, 1.0 / f) for a, f in zip(size, frequency * rng.uniform(0.99, 1.01, 200))]
+    sea = seaway(rng, span_s) if rng.random() < 0.3 else None
     if rng.random() < 0.5:
         lines.append((rng.uniform(0.1, 2.0), rng.uniform(60.0, 900.0)))
     lines = [(a, p, rng.uniform(0.0, 2.0 * math.pi)) for a, p in lines]
     turns = [(rng.uniform(0.0, span_s), rng.uniform(-150.0, 150.0), rng.choice([0.2, 1.0, 3.0]))
              for _ in range(rng.integers(0, 8) if rng.random() < 0.6 else 0)]
     start = rng.uniform(0.0, 360.0)
+    blows = [(rng.uniform(0.0, span_s), rng.uniform(-1.4, 1.4))
+             for _ in range(rng.integers(4, 40) if kicks else 0)]
 
     def heading(t: np.ndarray) -> np.ndarray:
-        found = np.full(t.shape, start)
+        found = np.full(t.shape, start) if sea is None else start + sea(t)
         for size, period, phase in lines:
             found += size * np.sin(2.0 * math.pi * t / period + phase)
         for at, angle, rate in turns:
@@ -63,6 +78,10 @@ def motion(rng: np.random.Generator, span_s: float) -> Motion:
             lasts = max(abs(angle) / rate, 10.0)
             u = np.clip((t - at) / lasts, 0.0, 1.0)
             found += angle * (u - np.sin(2.0 * math.pi * u) / (2.0 * math.pi))
+        for at, angle in blows:
+            # There and back in 1.2 s: up to 19 deg/s^2.
+            u = np.clip((t - at) / 1.2, 0.0, 1.0)
+            found += 0.5 * angle * (1.0 - np.cos(2.0 * np.pi * u))
         return found
     return heading
 
@@ -93,21 +112,43 @@ class Run:
     true: np.ndarray
     rs: np.ndarray
     jitter: np.ndarray
+    settings: Settings
 
 
-def drawn(seed: int, tau_s: float | None, noisy: bool = True) -> Run:
-    """Return a run of 20 min to 2 h; the RS is sampled at 1 to 10 Hz, once in ten at 50 Hz."""
+def glitches(rng: np.random.Generator, t: np.ndarray) -> np.ndarray:
+    """Return some glitches of one to three readings, 2 to 12 an hour and four at least."""
+    found = np.zeros(t.size)
+    count = max(4, rng.poisson(rng.uniform(2, 12) * t[-1] / 3600))
+    for at in rng.integers(20, t.size - 20, count):
+        found[at:at + rng.integers(1, 4)] = rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 8.0)
+    return found
+
+
+def drawn(seed: int, tau_s: float | None, noisy: bool = True, *, spoilt: bool = False,
+          kicks: bool = False, method: str = 'auto') -> Run:
+    """
+    Return a run of 20 min to 2 h; the RS is sampled at 1 to 10 Hz, once in ten at 50 Hz.
+
+    The RS has glitches if it is spoilt. Kicks are yaws of a small craft, there and back in 1.2 s.
+
+    """
     rng = np.random.default_rng(seed)
     rs_hz = float(rng.choice([1.0, 2.0, 5.0, 10.0, 50.0], p=[0.3, 0.15, 0.2, 0.25, 0.1]))
+    if kicks:
+        # Slower readings fold them: no spectrum tells them from noise.
+        rs_hz = max(rs_hz, 10.0)
     span = float(rng.choice([1200.0, 3600.0, 7200.0]) if rs_hz < 20.0 else 1200.0)
     t = np.arange(round(span * rs_hz)) / rs_hz
     sigma = rng.choice([0.02, 0.05, 0.1, 0.2]) if noisy else 0.0
     jitter = rng.choice([0.0, 0.02]) / rs_hz * rng.standard_normal(t.size)
-    heading = motion(rng, span)
+    heading = motion(rng, span, kicks)
     true = heading(t + jitter)
     tau = 0.0 if tau_s is None else tau_s * rs_hz
     rs = true + sigma * coloured(rng, t.size, tau)
-    return Run(rng, t, rs_hz, sigma, heading, true, rounded(rs, rng.choice([0.0, 0.01])), jitter)
+    if spoilt:
+        rs = rs + glitches(rng, t)
+    return Run(rng, t, rs_hz, sigma, heading, true, rounded(rs, rng.choice([0.0, 0.01])), jitter,
+               from_mapping(Settings, {'pairing': {'method': method}}))
 
 
 def stamps(t: np.ndarray) -> np.ndarray:
@@ -115,65 +156,66 @@ def stamps(t: np.ndarray) -> np.ndarray:
     return np.rint((t + 1000.0) * 1e9).astype(np.int64)
 
 
-def judged(run: Run, ts_t: np.ndarray, ts: np.ndarray) -> CommonNoise:
-    """Return what is found for a TS."""
+def judged(run: Run, ts_t: np.ndarray, ts: np.ndarray) -> OneSource:
+    """Return what is found for a TS, asked just as the judge of a run asks."""
     pairs, _ = pair(Headings.of(stamps(ts_t), ts % 360.0),
-                    Headings.of(stamps(run.t + run.jitter), run.rs % 360.0))
-    return common_noise(pairs.stamp_ns, wrap180(pairs.ts_deg - pairs.rs_deg), pairs.rs_deg,
-                        rs_factor=pairs.rs_variance_factor,
-                        rs_interval_s=1.0 / run.rs_hz, rs_step_deg=resolution_of(run.rs),
-                        ts_step_deg=resolution_of(ts))
+                    Headings.of(stamps(run.t + run.jitter), run.rs % 360.0), run.settings)
+    taken = RunSeries(0, run.settings)
+    taken.update(pairs)
+    return one_source(taken.stamp_ns.values, taken.x_deg.values, taken.rs_deg.values,
+                      factor=taken.factor.values, interpolates_ts=taken.interpolates_ts,
+                      ratio=run.settings.detectors.same_source_ratio)
 
 
-def exact(run: Run) -> CommonNoise:
+def exact(run: Run) -> OneSource:
     """Judge a copy."""
     return judged(run, run.t + run.jitter, run.rs)
 
 
-def delayed(run: Run) -> CommonNoise:
+def delayed(run: Run) -> OneSource:
     """Judge a copy that comes up to three seconds late."""
     return judged(run, run.t + run.jitter + run.rng.uniform(0.0, 3.0), run.rs)
 
 
-def requantised(run: Run) -> CommonNoise:
+def requantised(run: Run) -> OneSource:
     """Judge a copy rounded to twice the noise at most."""
     step = max(s for s in (0.01, 0.02, 0.05, 0.1, 0.2) if s <= max(0.01, 2.0 * run.sigma))
     return judged(run, run.t + run.jitter, rounded(run.rs, step))
 
 
-def filtered(run: Run) -> CommonNoise:
+def filtered(run: Run) -> OneSource:
     """Judge a copy through a filter of the first order of 1 to 5 s."""
     phi = math.exp(-1.0 / run.rs_hz / run.rng.uniform(1.0, 5.0))
     ts = lfilter([1.0 - phi], [1.0, -phi], run.rs - run.rs[0]) + run.rs[0]
     return judged(run, run.t + run.jitter, ts)
 
 
-def filtered_rounded(run: Run) -> CommonNoise:
+def filtered_rounded(run: Run) -> OneSource:
     """Judge the same, rounded to a hundredth of a degree."""
     phi = math.exp(-1.0 / run.rs_hz / run.rng.uniform(1.0, 5.0))
     ts = lfilter([1.0 - phi], [1.0, -phi], run.rs - run.rs[0]) + run.rs[0]
     return judged(run, run.t + run.jitter, rounded(ts, 0.01))
 
 
-def noisy_copy(run: Run) -> CommonNoise:
+def noisy_copy(run: Run) -> OneSource:
     """Judge a copy with noise of its own, half that of the RS."""
     ts = run.rs + 0.5 * run.sigma * run.rng.standard_normal(run.t.size)
     return judged(run, run.t + run.jitter, ts)
 
 
-def faster_copy(run: Run) -> CommonNoise:
+def faster_copy(run: Run) -> OneSource:
     """Judge an interpolated copy sent five times as often, a second late."""
     t = np.arange(run.t[0], run.t[-1], 0.2 / run.rs_hz)
     return judged(run, t + 0.37, np.interp(t, run.t + run.jitter, run.rs))
 
 
-def held_copy(run: Run) -> CommonNoise:
+def held_copy(run: Run) -> OneSource:
     """Judge a copy whose value is repeated five times."""
     t = np.arange(run.t.size * 5) / (5.0 * run.rs_hz)
     return judged(run, t, np.repeat(run.rs, 5))
 
 
-def independent(run: Run, ts_noise: float | None = None) -> CommonNoise:
+def independent(run: Run, ts_noise: float | None = None) -> OneSource:
     """Judge a TS of its own: its rate, noise, rounding, skew and filter drawn at random."""
     rng = run.rng
     ratio = rng.choice([0.5, 1.0, 1.0, 2.0, 5.0])
@@ -186,17 +228,32 @@ def independent(run: Run, ts_noise: float | None = None) -> CommonNoise:
     return judged(run, t, rounded(ts, rng.choice([0.0, 0.01, 0.1])))
 
 
-def perfect(run: Run) -> CommonNoise:
+def perfect(run: Run) -> OneSource:
     """Judge a TS that follows the motion exactly, with the stamps of the RS."""
     return judged(run, run.t + run.jitter, run.true)
 
 
-def perfect_rounded(run: Run) -> CommonNoise:
+def perfect_rounded(run: Run) -> OneSource:
     """Judge one that does and rounds like the RS."""
     return judged(run, run.t + run.jitter, rounded(run.true, 0.01))
 
 
-ROWS: dict[str, tuple[Callable[[Run], CommonNoise], dict]] = {
+def spoilt(run: Run) -> OneSource:
+    """Judge a TS of its own that has glitches of its own."""
+    noise = run.rng.choice([0.0, 0.01, 0.05]) * run.rng.standard_normal(run.t.size)
+    ts = run.heading(run.t) + noise + glitches(run.rng, run.t)
+    return judged(run, run.t, rounded(ts, 0.01))
+
+
+def perfect_spoilt(run: Run) -> OneSource:
+    """Judge a TS without other errors than glitches of its own."""
+    return judged(run, run.t + run.jitter, run.true + glitches(run.rng, run.t))
+
+
+SPOILT = {'tau_s': None, 'noisy': False, 'spoilt': True}
+KICKED = {'tau_s': None, 'noisy': False, 'kicks': True}
+
+ROWS: dict[str, tuple[Callable[[Run], OneSource], dict]] = {
     'copy, white': (exact, {'tau_s': None}),
     'copy, AR(1) 0.5 s': (exact, {'tau_s': 0.5}),
     'copy, AR(1) 60 s': (exact, {'tau_s': 60.0}),
@@ -214,6 +271,20 @@ ROWS: dict[str, tuple[Callable[[Run], CommonNoise], dict]] = {
     'independent, perfect TS': (perfect, {'tau_s': None}),
     'independent, two perfect': (perfect, {'tau_s': None, 'noisy': False}),
     'independent, two perfect, rounded': (perfect_rounded, {'tau_s': None, 'noisy': False}),
+    'glitches, copy': (exact, SPOILT),
+    'glitches, delayed copy': (delayed, SPOILT),
+    'glitches, requantised copy': (requantised, SPOILT),
+    'glitches, filtered copy': (filtered, SPOILT),
+    'glitches, filtered copy, 0.01 deg': (filtered_rounded, SPOILT),
+    'independent, glitches of the RS': (independent, SPOILT),
+    'independent, glitches of both': (spoilt, SPOILT),
+    'independent, two perfect, glitches': (perfect_spoilt, SPOILT),
+    'independent, kicks': (independent, {'tau_s': None, 'kicks': True}),
+    'independent, two perfect, kicks': (perfect, KICKED),
+    'independent, two rounded, kicks': (perfect_rounded, KICKED),
+    'interpolated RS, faster copy': (faster_copy, {'tau_s': None, 'method': 'interpolate'}),
+    'independent, interpolated RS': (independent, {'tau_s': None, 'method': 'interpolate'}),
+    'independent, interpolated, AR(1) 1 s': (independent, {'tau_s': 1.0, 'method': 'interpolate'}),
 }
 
 
@@ -224,20 +295,23 @@ def main(arguments: list[str]) -> int:
     parser.add_argument('--rows', default='', help='regular expression of the rows wanted')
     parser.add_argument('--seed', type=int, default=0)
     options = parser.parse_args(arguments)
-    print(f'{"TS":34s} {"testable":>8s} {"common":>8s} {"q05":>6s} {"q50":>6s} {"q95":>6s} '
-          f'{"max":>6s}')
+    print(f'{"TS":36s} {"runs":>5s} {"testable":>8s} {"common":>6s} {"noise":>5s} '
+          f'{"glitch":>6s} {"doubt":>5s} {"q50":>6s} {"max":>6s}')
     for number, (name, (kind, how)) in enumerate(ROWS.items()):
         if not re.search(options.rows, name):
             continue
         found = [kind(drawn(options.seed + 100_000 * number + k, **how))
                  for k in range(options.runs)]
-        tested = [f for f in found if f.kind != 'not_testable']
-        values = [f.coherence for f in tested] or [math.nan]
-        common = sum(f.kind == 'common' for f in tested)
-        q = np.quantile(values, [0.05, 0.5, 0.95, 1.0])
-        print(f'{name:34s} {len(tested) / len(found):8.3f} '
-              f'{common / len(tested) if tested else math.nan:8.4f} '
-              + ' '.join(f'{v:6.3f}' for v in q), flush=True)
+        kinds = [f.kind for f in found]
+        values = [f.noise.coherence for f in found if f.noise.coherence is not None]
+        print(f'{name:36s} {len(found):5d} '
+              f'{kinds.count("common") + kinds.count("independent"):8d} '
+              f'{kinds.count("common"):6d} '
+              f'{sum(f.noise.kind == "common" for f in found):5d} '
+              f'{sum(f.glitches.kind == "common" for f in found):6d} '
+              f'{kinds.count("suspected"):5d} '
+              f'{np.median(values) if values else math.nan:6.3f} '
+              f'{max(values, default=math.nan):6.3f}', flush=True)
     return 0
 
 

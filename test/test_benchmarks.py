@@ -28,6 +28,7 @@ from former_rule import former_rule  # noqa: E402
 import plain_rule  # noqa: E402
 from risk_campaigns import CAMPAIGNS  # noqa: E402
 from risk_rows import ROWS  # noqa: E402
+import same_source  # noqa: E402
 
 QUICK = {'A': '^AR.1., 20$', 'cells': '^AR.1., 20$', 'drift': '^AR.1., 20; (order 3|auto)',
          'gaps': '^AR.1., 20; five', 'short': 'white, n = 128$', 'rates': '^10 Hz, n = 512: sea',
@@ -48,6 +49,16 @@ def test_a_table_is_printed(table, capsys):
     assert done in (0, 1)
     assert len(lines) >= 3
     assert len({line.count('|') for line in lines}) == 1
+
+
+@pytest.mark.parametrize('row, kinds', [
+    ('copy, white', {'common'}), ('glitches, copy', {'common', 'suspected'}),
+    ('independent, perfect TS', {'independent', 'not_testable'}),
+    ('independent, two perfect, rounded', {'suspected', 'not_testable'})])
+def test_a_row_of_one_source_holds_what_it_is_called(row, kinds):
+    kind, how = same_source.ROWS[row]
+    found = [kind(same_source.drawn(seed, **how)).kind for seed in (1, 2, 3)]
+    assert found[0] in kinds and set(found) <= {*kinds, 'not_testable', 'suspected'}
 
 
 def test_names_of_rows_are_unique_for_they_are_seeds():

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import math
 
 from .alignment import Skew
-from .detectors import SameSource
 from .deviation import HeadingDependence
 from .drift import Order, Slope
 from .ergodicity import Homogeneity
 from .normality import Shape
+from .one_source import OneSource
 from .settling import WarmUp
 from .squares import Spread
 from .stationarity import Stationarity
@@ -282,7 +282,7 @@ def constant_moments(found: Stationarity, slope: Slope | None, span_h: float,
 
 
 def correlated_errors(upper_deg2: float | None, reference_deg: float,
-                      source: SameSource) -> Assumption:
+                      source: OneSource) -> Assumption:
     """
     Judge (i): two sensors show it only where their difference is too small.
 
@@ -292,12 +292,17 @@ def correlated_errors(upper_deg2: float | None, reference_deg: float,
         As for `reference_norm`.
     reference_deg : float
         Least standard deviation of the RS that the verdict uses, degrees.
-    source : SameSource
+    source : OneSource
 
     """
-    if source.suspected:
-        return _of('i', VIOLATED, f'the differences scatter by {source.std_deg:.2g} deg, rounding '
-                   f'alone gives {source.rounding_deg:.2g} deg: both may come from one sensor')
+    if source.kind == 'common':
+        return _of('i', VIOLATED, 'the TS follows the noise or the glitches of the RS: both come '
+                   'from one sensor')
+    if source.kind == 'suspected':
+        rounding = source.rounding
+        return _of('i', VIOLATED, f'the differences scatter by {rounding.std_deg:.2g} deg, '
+                   f'rounding alone gives {rounding.rounding_deg:.2g} deg: both may come from one '
+                   'sensor')
     below = _below_reference(upper_deg2, reference_deg)
     if below:
         return _of('i', VIOLATED, f'{below}: the errors are correlated, unless (d) is violated')

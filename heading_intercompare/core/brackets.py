@@ -12,12 +12,16 @@ from numpy.typing import ArrayLike
 
 from .angles import unwrap_deg
 
-__all__ = ['Brackets', 'brackets', 'readings_per_pair']
+__all__ = ['Brackets', 'brackets', 'pairs_per_reading', 'readings_per_pair']
 
 _SLOPE = 1e-6
 _EQUAL_DEG = 1e-7
 _LOOKED_AT = 100_000
-_LEAST_SHARE = 0.25
+_LEAST_SHARE = 0.1
+_PHASES = 4096
+_LEAST_POWER, _LEAST_VARIANCE = 0.5, 0.01
+_SHORT = 0.05
+_REGULAR = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,12 +124,69 @@ def readings_per_pair(stamp_ns: ArrayLike, heading_deg: ArrayLike) -> int:
     stamps, heading = np.asarray(stamp_ns)[:_LOOKED_AT], unwrap_deg(heading_deg[:_LOOKED_AT])
     if stamps.size < 3:
         return 1
-    changed = float(np.mean(np.abs(np.diff(heading)) > _EQUAL_DEG))
-    repeated = max(1, round(1.0 / changed)) if changed > 0.0 else 1
+    repeated = _usual(np.flatnonzero(np.abs(np.diff(heading)) > _EQUAL_DEG))
     slope, kink = _slopes(stamps, heading)
     moving = (np.abs(slope) > _SLOPE)[1:]
     if not moving.any() or float(np.mean(kink[moving])) > 1.0 - _LEAST_SHARE:
         return repeated
     # A reading between two pairs makes two kinks in a row, one that meets a pair makes one.
-    nodes = int(np.count_nonzero(np.diff(np.flatnonzero(kink), prepend=-2) > 1))
-    return max(repeated, math.floor(stamps.size / nodes + 0.5) if nodes else 1)
+    kinks = np.flatnonzero(kink)
+    begins = np.flatnonzero(np.diff(kinks, prepend=-2) > 1)
+    if np.count_nonzero(np.diff(begins, append=kinks.size) > 2) > _SHORT * begins.size:
+        return repeated
+    return max(repeated, _usual(kinks[begins]))
+
+
+def pairs_per_reading(factor: ArrayLike) -> float:
+    """
+    Return how many pairs there may be for one reading of an interpolated sensor.
+
+    Parameters
+    ----------
+    factor : array_like, shape (n,)
+        What interpolation left of the variance of white noise, (1-w)^2 + w^2.
+
+    Returns
+    -------
+    float
+        From 1 to 2; 1 if the factors do not tell.
+
+    Notes
+    -----
+    cos(2 pi w) follows from the factor. Of even stamps it is a sine whose frequency is the number
+    of readings a pair, folded: 0.6 cannot be told from 0.4 or 1.4. The slowest sensor with two
+    pairs a reading or fewer is returned; three in a line show a slower one, `readings_per_pair`.
+
+    Examples
+    --------
+    >>> w = [0.1 + 0.7 * k % 1.0 for k in range(200)]
+    >>> round(pairs_per_reading([(1.0 - v) ** 2 + v ** 2 for v in w]), 3)
+    1.429
+
+    """
+    some = np.asarray(factor, dtype=np.float64)[:_PHASES]
+    if some.size < _PHASES // 32:
+        return 1.0
+    phase = -np.cos(np.pi * np.sqrt(np.clip(2.0 * some - 1.0, 0.0, 1.0)))
+    if float(np.var(phase)) < _LEAST_VARIANCE:
+        return 1.0
+    power = np.abs(np.fft.rfft((phase - phase.mean()) * np.hanning(phase.size))) ** 2
+    at = int(np.argmax(power))
+    near = slice(max(0, at - 2), at + 3)
+    if power[near].sum() < _LEAST_POWER * power.sum():
+        return 1.0
+    folded = float(np.arange(power.size)[near] @ power[near] / power[near].sum()) / phase.size
+    return 1.0 / (1.0 - min(0.5, folded))
+
+
+def _usual(where: np.ndarray) -> int:
+    """Return the usual distance of events that a slow sensor makes; 1 if it is none."""
+    if where.size < 2:
+        return 1
+    # Rounding repeats values, too, or puts them in a line, but it ends at any time.
+    apart = np.diff(where)
+    least = float(np.quantile(apart, _SHORT, method='lower'))
+    usual = float(apart[apart < 1.5 * least].mean())
+    if float(np.mean(np.cos(2.0 * np.pi / usual * apart))) < _REGULAR:
+        return 1
+    return max(1, math.floor(usual + 0.5))

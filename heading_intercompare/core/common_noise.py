@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
 from .angles import unwrap_deg
-from .brackets import readings_per_pair
+from .brackets import pairs_per_reading, readings_per_pair
 
 __all__ = ['common_noise', 'CommonNoise']
 
@@ -23,6 +23,7 @@ _LEAST_SEGMENTS = 6
 _LEAST_LENGTH = 64
 _GROUPS = 24
 _QUIET = 4.0
+_KURTOSIS = 8.0
 _RESPONSE = 0.15
 _FLAT = 2.0
 _SHARE, _SHARE_STEEP = 0.6, 0.25
@@ -31,12 +32,14 @@ _NEARLY_ALL = 0.8
 _ROUNDING = 1.0 / 12.0 + 0.09
 _COMMON, _COMMON_STEEP = 0.15, 0.75
 _CHANCE = 6.0
+_UNSURE = 3.0
 _FEWEST = 6
 _BEST = 3
 _LEAST_GROUPS = 8
 _LONGEST_STEP_S = 1.25
 _UNEVEN = 1e-3
 _SLOWER = 1.1
+_INTERPOLATED = 1e-6
 _LEAST_NOISE_DEG = 0.001
 #: Exponents of the spectrum of noise, and from which frequency on no ship moves like that, Hz.
 _COLOURS = (0, 0.0), (2, 1.0)
@@ -76,8 +79,7 @@ class CommonNoise:
 
 
 def common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
-                 rs_factor: ArrayLike | None = None, rs_interval_s: float | None = None,
-                 rs_step_deg: float | None = None,
+                 rs_factor: ArrayLike | None = None, rs_step_deg: float | None = None,
                  ts_step_deg: float | None = None) -> CommonNoise:
     """
     Look for the noise of the RS in the TS.
@@ -90,9 +92,6 @@ def common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
         Differences and headings of the RS, finite, degrees.
     rs_factor : array_like, shape (n,), optional
         Factor of the variance of the RS by interpolation, (1-w)^2 + w^2; default 1.
-    rs_interval_s : float, optional
-        Usual time from one reading of the RS to the next, seconds; default what its values tell,
-        which takes three pairs or more between two readings.
     rs_step_deg, ts_step_deg : float, optional
         Steps in which RS and TS report, degrees. Noise below that of rounding is none: sensors
         that round the same motion make the same errors. Where the RS is interpolated its step
@@ -124,7 +123,7 @@ def common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     """
     stamps = np.asarray(stamp_ns)
     rs, x = (np.asarray(v, dtype=np.float64) for v in (rs_deg, x_deg))
-    cut = _segments(stamps, x, rs, rs_factor, rs_interval_s)
+    cut = _segments(stamps, x, rs, rs_factor)
     if cut is None:
         return CommonNoise('not_testable', 'too_short')
     step_s, ts, rs, factor = cut
@@ -136,7 +135,9 @@ def common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     response = 1.0 - (1.0 - factor) * (1.0 - np.cos(np.pi * frequency / frequency[-1]))
     edges = np.linspace(1, frequency.size, _GROUPS + 1).astype(np.int64)
     grouped = _Groups(edges)
-    step = rs_step_deg if rs_step_deg is not None else ts_step_deg or 0.0
+    step = rs_step_deg or 0.0
+    if rs_step_deg is None and factor < 1.0 - _INTERPOLATED:
+        step = ts_step_deg or 0.0
     level = grouped(power) / np.maximum(grouped(response), _RESPONSE)
     with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
         coherence = np.where((power > 0.0) & (whole > 0.0),
@@ -144,7 +145,6 @@ def common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     coherence = (coherence - 1.0 / segments) / (1.0 - 1.0 / segments)
     middle = grouped(frequency)
     sine = np.sin(0.5 * np.pi * middle / frequency[-1])
-    found = CommonNoise('not_testable', 'no_rs_noise', segments)
     for exponent, lowest_hz in _COLOURS:
         usable = (grouped(response) >= _RESPONSE) & (middle >= lowest_hz)
         if np.count_nonzero(usable) < _LEAST_GROUPS:
@@ -162,23 +162,32 @@ def common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
         noise = math.sqrt(float(level[flat].mean()))
         where = np.flatnonzero(flat)
         band = (float(frequency[edges[where[0]]]), float(frequency[edges[where[-1] + 1] - 1]))
-        # Next to the motion a group holds both: the lowest one of a band is left out.
-        inner = np.repeat(flat & np.append(True, flat[:-1]), np.diff(edges))
         fine = _Groups(_growing(frequency.size))
-        whole_groups = fine(np.append(0.0, inner)) == 1.0
         spectrum = fine(power) * fine(np.sin(0.5 * np.pi * frequency / frequency[-1])) ** exponent
+        # An RS faster than the pairs has a flat response, and its pairs do not tell it.
+        unshaped = float(np.median((grouped(power) * sine ** exponent)[flat])) / spectrum
         spectrum /= np.maximum(fine(response), _RESPONSE)
-        excess = (fine(coherence) - np.maximum(0.0, 1.0 - floor / spectrum))[whole_groups]
+        inside = (fine(response) >= _RESPONSE) & (fine(frequency) >= lowest_hz)
+        inside = _from_above(inside, spectrum <= _FLAT * floor)
+        if exponent:
+            # Over a narrow band white noise and motion together look like that colour, too.
+            white = fine(power) / np.maximum(fine(response), _RESPONSE)
+            unshaped = np.minimum(unshaped, float(np.sort(level[usable])[:3].mean()) / white)
+        motion = np.maximum(0.0, 1.0 - floor / spectrum)
+        if share >= _SHARE:
+            # The spectrum that the motion is told by is known to some standard errors only.
+            unsure = 1.0 + _UNSURE * np.sqrt(2.0 / (_BEST * segments * fine.width))
+            motion = np.minimum(1.0, np.maximum(motion, 1.0 - unshaped) * unsure)
+        excess = (fine(coherence) - motion)[inside]
         if not excess.size:
             continue
         wide = min(_BEST, excess.size)
         best = float(np.convolve(excess, np.full(wide, 1.0 / wide), 'valid').max())
         least = max(_COMMON if share >= _SHARE else _COMMON_STEEP,
                     _CHANCE / segments / math.sqrt(wide * _FEWEST))
-        if found.coherence is None or best > found.coherence:
-            found = CommonNoise('common' if best > least else 'independent', '', segments,
-                                band, noise, best)
-    return found
+        return CommonNoise('common' if best > least else 'independent', '', segments, band, noise,
+                           best)
+    return CommonNoise('not_testable', 'no_rs_noise', segments)
 
 
 def _from_above(usable: np.ndarray, low: np.ndarray) -> np.ndarray:
@@ -193,10 +202,10 @@ class _Groups:
     """Means over groups of frequencies."""
 
     def __init__(self, edges: np.ndarray) -> None:
-        self._first, self._width = edges[:-1], np.diff(edges)
+        self._first, self.width = edges[:-1], np.diff(edges)
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
-        return np.add.reduceat(values, self._first) / self._width
+        return np.add.reduceat(values, self._first) / self.width
 
 
 def _growing(n: int) -> np.ndarray:
@@ -208,7 +217,7 @@ def _growing(n: int) -> np.ndarray:
 
 
 def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLike | None,
-              interval_s: float | None) -> tuple[float, np.ndarray, np.ndarray, float] | None:
+              ) -> tuple[float, np.ndarray, np.ndarray, float] | None:
     """Return step, segments of TS and RS on even times, and the mean factor of those taken."""
     n = stamps.size
     if n < _LEAST_LENGTH * _LEAST_SEGMENTS // 2:
@@ -218,11 +227,10 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
     step = float(np.median(np.diff(stamps[:100_001]))) / 1e9
     if step <= 0.0:
         return None
-    if interval_s is not None:
-        every = max(every, round(interval_s / step))
     step *= every
+    f = None if factor is None else np.asarray(factor, dtype=np.float64)
     # Between pairs of 7 a second and an RS of 5 a second no whole number leads.
-    slower = max(1.0, interval_s / step) if interval_s is not None else 1.0
+    slower = pairs_per_reading(f) if f is not None and every == 1 else 1.0
     longest = 2.0 * n / every / (_LEAST_SEGMENTS + 3)
     length = 1 << round(math.log2(max(_SEGMENT_S / step, _LEAST_LENGTH)))
     while length > longest and length > _LEAST_LENGTH:
@@ -234,7 +242,6 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
     most = min(_MOST_SEGMENTS, _MOST_SAMPLES // length)
     if begins.size > most:
         begins = begins[np.linspace(0, begins.size - 1, most).astype(np.int64)]
-    f = None if factor is None else np.asarray(factor, dtype=np.float64)
     own, other, factors = [], [], []
     for lo in begins.tolist():
         t = (stamps[lo:lo + span] - stamps[lo]) / 1e9
@@ -268,6 +275,9 @@ def _spectra(step_s: float, ts: np.ndarray, rs: np.ndarray,
              ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int]:
     """Return frequencies, spectra of RS, of TS and of both, and the number of segments used."""
     rs, ts = np.diff(rs, 2, axis=1), np.diff(ts, 2, axis=1)
+    # Glitches, and blows of the sea faster than the readings, are not noise.
+    square = np.diff(rs, 2, axis=1) ** 2
+    quiet = (square ** 2).mean(axis=1) <= _KURTOSIS * square.mean(axis=1) ** 2
     m = rs.shape[1]
     window = np.sin(np.pi * (np.arange(m) + 0.5) / m) ** 4
     phase = 2.0 * np.pi * np.fft.rfftfreq(m)
@@ -275,10 +285,11 @@ def _spectra(step_s: float, ts: np.ndarray, rs: np.ndarray,
     gain = np.maximum(4.0 * (1.0 - np.cos(phase)) ** 2, 1e-300) * float(window @ window)
     rs, ts = (np.fft.rfft(h * window, axis=1) for h in (rs, ts))
     rs2, ts2 = np.abs(rs) ** 2, np.abs(ts) ** 2
-    quiet = np.ones(rs.shape[0], bool)
     for square in (rs2, ts2):
         high = square[:, m // 4:].sum(axis=1)
         quiet &= high <= _QUIET * np.median(high)
+    if not quiet.any():
+        quiet[:1] = True
     rs, ts = rs[quiet], ts[quiet]
     return (phase / (2.0 * np.pi * step_s), rs2[quiet].mean(axis=0) / gain,
             ts2[quiet].mean(axis=0) / gain, (rs.conj() * ts).mean(axis=0) / gain, rs.shape[0])

@@ -15,10 +15,9 @@ from .alignment import Skew, skew
 from .angles import unwrap_deg, wrap360
 from .assumptions import Assumption
 from .clock_drift import clock_drift, ClockDrift
-from .common_noise import common_noise, CommonNoise
 from .conventions import Convention, convention, mean_difference, MeanDifference
 from .criteria import Limits
-from .detectors import same_source, SameSource, stamp_steps
+from .detectors import stamp_steps
 from .deviation import deviation, HeadingDependence
 from .drift import Detrended
 from .ergodicity import Homogeneity
@@ -26,6 +25,7 @@ from .guarded import Guarded
 from .interpolation_error import interpolation_error, InterpolationError
 from .noise import correlation_times, CorrelationTimes
 from .normality import Normality, normality
+from .one_source import one_source, OneSource
 from .outliers import Outliers, outliers
 from .reference_noise import reference_noise, ReferenceNoise
 from .resolution import resolution
@@ -61,8 +61,7 @@ class Signs:
 
     convention: Convention
     mean: MeanDifference
-    source: SameSource
-    noise: CommonNoise
+    source: OneSource
     ts_frozen: Frozen
     rs_frozen: Frozen
     standstill: Standstill
@@ -182,10 +181,8 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
     steps = resolution(ts_deg), resolution(rs_deg)
     signs = Signs(
         convention(x_deg, rs_deg, detectors.convention_tolerance_deg), mean_difference(x_deg),
-        same_source(x_deg, rs_deg, *steps, detectors.same_source_ratio),
-        common_noise(stamp_ns, x_deg, rs_deg,
-                     rs_factor=None if interpolates_ts else factor,
-                     rs_step_deg=steps[1].step_deg, ts_step_deg=steps[0].step_deg),
+        one_source(stamp_ns, x_deg, rs_deg, factor=factor, interpolates_ts=interpolates_ts,
+                   ratio=detectors.same_source_ratio),
         frozen(stamp_ns, ts_deg, rs_deg, **limits), frozen(stamp_ns, rs_deg, ts_deg, **limits),
         standstill(ts_deg, rs_deg), outliers(
             stamp_ns, residual_deg, longest_s=LONGEST_BURST_S,

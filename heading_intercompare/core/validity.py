@@ -28,7 +28,8 @@ __all__ = ['CONDITIONS', 'DOUBTFUL', 'examine', 'Examined', 'Finding', 'gravest'
 HOLDS, NOT_TESTABLE, DOUBTFUL, VOID = 'holds', 'not_testable', 'doubtful', 'void'
 
 VOID_REASONS = {
-    'void.same_source': 'void: TS and RS show the same noise, so both may come from one sensor',
+    'void.same_source': 'void: TS and RS show the same noise or glitches, so both may come '
+                        'from one sensor',
     'void.convention': 'void: one sensor does not report its heading by the convention of the '
                        'other',
     'void.mean_difference': 'void: the mean difference is too large for sensors of one axis, and '
@@ -132,15 +133,17 @@ def examine(examined: Examined) -> tuple[Finding, ...]:
 
 
 def _same_source(e: Examined) -> Finding:
-    source, noise = e.found.signs.source, e.found.signs.noise
+    source = e.found.signs.source
+    noise, glitches, rounding = source.noise, source.glitches, source.rounding
     name, words = 'same_source', 'TS and RS look like one sensor'
-    if source.suspected:
-        return Finding(name, VOID, words, f'the difference scatters by {source.std_deg:.2g} deg, '
-                       f'rounding alone gives {source.rounding_deg:.2g} deg')
+    followed = f'the TS follows {glitches.followed} of {glitches.count} glitches of the RS'
     if noise.kind == 'common':
         return Finding(name, VOID, words, f'from {noise.band_hz[0]:.3g} to {noise.band_hz[1]:.3g} '
                        'Hz, above the motion of the ship, the TS follows the noise of the RS: '
                        f'coherence {noise.coherence:.2f}')
+    if glitches.kind == 'common':
+        return Finding(name, VOID, words, f'{followed}, {glitches.delay_s:.3g} s later: by chance '
+                       f'with a probability below {max(glitches.chance, 1e-99):.1g}')
     least = e.limits.m_low * e.limits.sigma_ref_max_deg
     if e.upper_bound_deg2 is not None and 0.0 < e.upper_bound_deg2 < least ** 2:
         return Finding(name, VOID, 'TS and RS differ by less than the RS alone should',
@@ -149,6 +152,12 @@ def _same_source(e: Examined) -> Finding:
     if noise.kind == 'independent':
         return Finding(name, HOLDS, '', f'the noise of the RS, {noise.rs_noise_deg:.2g} deg, is '
                        f'not found in the TS: coherence {noise.coherence:.2f}')
+    if glitches.kind == 'independent':
+        return Finding(name, HOLDS, '', followed)
+    if source.kind == 'suspected':
+        return Finding(name, DOUBTFUL, 'one sensor twice, or two without error', 'the difference '
+                       f'scatters by {rounding.std_deg:.2g} deg, rounding alone gives '
+                       f'{rounding.rounding_deg:.2g} deg, and {_NO_NOISE[noise.reason]}')
     return Finding(name, NOT_TESTABLE, '', _NO_NOISE[noise.reason])
 
 

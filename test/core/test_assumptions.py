@@ -13,11 +13,14 @@ import pytest
 from heading_intercompare.core import assumptions
 from heading_intercompare.core.alignment import Skew
 from heading_intercompare.core.assumptions import MET, model_kurtosis, NOT_TESTABLE, VIOLATED
+from heading_intercompare.core.common_glitches import CommonGlitches
+from heading_intercompare.core.common_noise import CommonNoise
 from heading_intercompare.core.detectors import SameSource
 from heading_intercompare.core.deviation import HeadingDependence
 from heading_intercompare.core.drift import Order, Slope
 from heading_intercompare.core.ergodicity import homogeneity, RunFigures
 from heading_intercompare.core.normality import shape
+from heading_intercompare.core.one_source import OneSource
 from heading_intercompare.core.settling import WarmUp
 from heading_intercompare.core.squares import Spread
 from heading_intercompare.core.stationarity import Stationarity
@@ -29,7 +32,8 @@ STEADY = Stationarity(20, 30.0, 0.3, 0.7, -0.2, 0.8, 0.1, 11, 0.6)
 WARM = WarmUp(0.0, 1.0, 300.0, 0.02, 1173.6, True, 3600.0)
 LINE = Slope(0.1, 0.0, 0.02, 0.05, (-0.02, 0.22), 4.0, 0.1)
 NOT_ROUND = HeadingDependence(5000, 'headings_too_narrow', 300.0, 1e6)
-TWO = SameSource(False, 0.1, 0.03)
+TWO = OneSource(SameSource(False, 0.1, 0.03), CommonNoise('not_testable', 'no_rs_noise'),
+                CommonGlitches('not_testable'))
 
 
 def state(assumption):
@@ -140,8 +144,13 @@ def test_i_is_never_said_to_be_met():
     assert state(assumptions.correlated_errors(0.04, 0.1, TWO)) == ('i', NOT_TESTABLE)
     assert state(assumptions.correlated_errors(None, 0.1, TWO)) == ('i', NOT_TESTABLE)
     assert state(assumptions.correlated_errors(0.009, 0.1, TWO)) == ('i', VIOLATED)
-    assert state(assumptions.correlated_errors(0.04, 0.1, replace(TWO, suspected=True))) \
-        == ('i', VIOLATED)
+    rounding = replace(TWO, rounding=SameSource(True, 0.03, 0.03))
+    for one in (rounding, replace(TWO, noise=CommonNoise('common')),
+                replace(TWO, glitches=CommonGlitches('common'))):
+        assert state(assumptions.correlated_errors(0.04, 0.1, one)) == ('i', VIOLATED)
+    # A coarse TS that does not follow the noise of the RS is a sensor of its own.
+    own = replace(rounding, noise=CommonNoise('independent'))
+    assert state(assumptions.correlated_errors(0.04, 0.1, own)) == ('i', NOT_TESTABLE)
 
 
 @pytest.mark.parametrize('model, share, kurtosis', [

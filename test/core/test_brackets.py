@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.core.brackets import brackets, readings_per_pair
+from heading_intercompare.core.brackets import brackets, pairs_per_reading, readings_per_pair
 
 
 def stamps_of(t):
@@ -54,3 +54,27 @@ def test_a_constant_heading_is_one_piece():
     found = brackets(np.arange(10) * 10 ** 9, np.full(10, 3.0))
     assert (found.first.tolist(), found.last.tolist(), found.node_s.size) == ([0], [9], 0)
     assert readings_per_pair(np.arange(10) * 10 ** 9, np.full(10, 3.0)) == 1
+
+
+@pytest.mark.parametrize('decimals', [1, 2])
+def test_rounding_that_repeats_values_or_lines_makes_no_slow_sensor(decimals, rng):
+    """A random walk that most often stays within its step."""
+    heading = np.round(np.cumsum(0.3 * 10.0 ** -decimals * rng.standard_normal(4000)), decimals)
+    assert readings_per_pair(np.arange(4000) * 10 ** 8, heading % 360.0) == 1
+
+
+@pytest.mark.parametrize('ratio', [1.3, 1.4, 1.7, 2.0])
+def test_the_factors_of_interpolation_tell_a_slower_sensor(ratio, rng):
+    w = (0.1 + np.arange(3000) / ratio + 0.01 * rng.standard_normal(3000)) % 1.0
+    assert pairs_per_reading((1.0 - w) ** 2 + w ** 2) == pytest.approx(ratio, rel=0.01)
+
+
+def test_factors_of_equal_rates_tell_nothing(rng):
+    """Constant, slowly drifting, or of no order; and too few."""
+    for w in (np.full(3000, 0.3), 0.3 + 1e-4 * np.arange(3000), rng.random(3000)):
+        found = pairs_per_reading((1.0 - w % 1.0) ** 2 + (w % 1.0) ** 2)
+        assert found == pytest.approx(1.0, abs=0.002)
+    # What single precision leaves of a constant may repeat itself.
+    w = 0.4 + 1e-7 * np.cos(2.0 * np.pi * 0.37 * np.arange(3000))
+    assert pairs_per_reading((1.0 - w) ** 2 + w ** 2) == 1.0
+    assert pairs_per_reading(np.full(100, 0.7)) == pairs_per_reading([]) == 1.0

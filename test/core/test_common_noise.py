@@ -13,6 +13,7 @@ from heading_intercompare.core.common_noise import common_noise
 from heading_intercompare.core.difference import difference
 from heading_intercompare.core.pairing import pair
 from heading_intercompare.core.records import Headings
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.standstill import resolution_of
 
 RATE = 5.0
@@ -101,19 +102,21 @@ def test_without_noise_of_the_rs_it_is_not_testable(noise, rng):
 
 
 @pytest.mark.parametrize('ts_hz, rs_hz', [(5.0, 1.0), (10.0, 5.0), (1.0, 5.0), (7.0, 5.0)])
-def test_any_rates_may_meet(ts_hz, rs_hz, rng):
+@pytest.mark.parametrize('method', ['auto', 'interpolate'])
+def test_any_rates_may_meet(method, ts_hz, rs_hz, rng):
     """A faster TS meets an interpolated RS; its copies, sent at its own rate, are known."""
     t_rs = np.arange(0.0, 2400.0, 1.0 / rs_hz)
     rs = np.round(swell(t_rs) + 0.05 * rng.standard_normal(t_rs.size), 2)
     t = np.arange(1.03, 2398.0, 1.0 / ts_hz)
     own = swell(t - 0.4) + 0.05 * rng.standard_normal(t.size)
     copy = np.interp(t, t_rs, rs)
+    settings = Settings.from_mapping({'pairing': {'method': method}})
 
     def found(ts):
         pairs, _ = pair(Headings.of(stamps_of(t), ts % 360.0),
-                        Headings.of(stamps_of(t_rs), rs % 360.0))
+                        Headings.of(stamps_of(t_rs), rs % 360.0), settings)
         return common_noise(pairs.stamp_ns, difference(pairs).x_deg, pairs.rs_deg,
-                            rs_factor=pairs.rs_variance_factor, rs_interval_s=1.0 / rs_hz).kind
+                            rs_factor=pairs.rs_variance_factor).kind
     assert found(own) != 'common'
     assert found(copy) == 'common'
 
@@ -143,6 +146,46 @@ def test_copies_of_a_real_sensor_are_found(name, logs):
         pairs, _ = pair(ts, rs)
         assert common_noise(pairs.stamp_ns, difference(pairs).x_deg, pairs.rs_deg,
                             rs_factor=pairs.rs_variance_factor, rs_step_deg=0.01).kind == 'common'
+
+
+def test_rounding_a_smooth_copy_does_not_make_it_a_slow_sensor(rng):
+    """Ten a second through 4 s: 0.05 deg of noise leave steps that repeat most values."""
+    t = np.arange(12_000) / 10.0
+    rs = np.round(swell(t) + 0.05 * rng.standard_normal(t.size), 2)
+    phi = np.exp(-0.1 / 4.0)
+    ts = np.round(lfilter([1.0 - phi], [1.0, -phi], rs - rs[0]) + rs[0], 2)
+    found = judged(ts, rs, t, rs_step_deg=0.01, ts_step_deg=0.01)
+    assert found.kind == 'common' and found.coherence > 0.4
+    assert found.band_hz[1] == pytest.approx(5.0)
+
+
+def test_a_reference_faster_than_the_pairs_shares_only_the_motion():
+    """
+    Ten a second, put onto the 5 a second of a TS without error: its noise is white in the pairs.
+
+    Taken for that of readings as slow as the pairs, it would seem to rise with the frequency,
+    and the motion below half a hertz to be noise.
+    """
+    rng = np.random.default_rng(0)
+    t_rs, t = np.arange(0.0, 3600.0, 0.1), np.arange(0.5, 3598.0, 0.2 / 1.003)
+    lines = [(rng.uniform(0.0, 0.5), rng.uniform(0.0, 2.0 * np.pi)) for _ in range(400)]
+
+    def heading(at_s):
+        return 90.0 + sum(0.0063 * np.sin(2.0 * np.pi * f * at_s + p) for f, p in lines)
+    rs = heading(t_rs) + 0.2 * rng.standard_normal(t_rs.size)
+    pairs, _ = pair(Headings.of(stamps_of(t), heading(t)), Headings.of(stamps_of(t_rs), rs))
+    assert common_noise(pairs.stamp_ns, difference(pairs).x_deg, pairs.rs_deg,
+                        rs_factor=pairs.rs_variance_factor).kind == 'independent'
+
+
+def test_blows_that_both_sensors_see_are_not_noise(rng):
+    """A yaw of up to 1.4 deg there and back in 1.2 s, thirty times, seen by a perfect TS."""
+    t = np.arange(6000) / RATE
+    true = swell(t)
+    for at in rng.uniform(10.0, 1190.0, 30):
+        true += 0.7 * (1.0 - np.cos(2.0 * np.pi * np.clip((t - at) / 1.2, 0.0, 1.0)))
+    assert judged(true, true + 0.05 * rng.standard_normal(t.size), t).kind != 'common'
+    assert judged(true, true, t).kind == 'not_testable'
 
 
 def test_turning_all_headings_and_shifting_the_time_change_nothing(rs, rng):

@@ -80,6 +80,46 @@ def test_one_sensor_twice_is_no_comparison(pair):
     assert verdict.runs[0].guarded.outcome is Outcome.COMPLIANT
 
 
+def same_source(verdict):
+    """Return what the run says of one source."""
+    return next(f for f in verdict.runs[0].validity if f.condition == 'same_source')
+
+
+def test_glitches_that_both_send_are_one_source(ship):
+    """An RS without noise, and its copy, 0.5 s late."""
+    rs = np.round(ship, 2)
+    rs[[900, 2500, 4100, 6000]] += [3.0, -4.0, 5.0, 3.5]
+    late = np.concatenate((rs[:5], rs[:-5]))
+    verdict = judged(late, rs)
+    assert verdict.runs[0].reason == 'void.same_source'
+    assert 'follows 4 of 4 glitches of the RS, 0.5 s later' in same_source(verdict).evidence
+    assert 'glitches' in VOID_REASONS['void.same_source']
+
+
+def test_a_sensor_that_follows_no_glitch_of_the_rs_is_another(ship):
+    rs = np.round(ship, 2)
+    rs[[900, 2500, 4100, 6000]] += [3.0, -4.0, 5.0, 3.5]
+    found = same_source(judged(np.round(ship + 0.02 * np.sin(T_S), 3), rs))
+    assert (found.effect, found.evidence) == (
+        HOLDS, 'the TS follows 0 of 4 glitches of the RS')
+
+
+def test_equal_digits_without_noise_are_doubted_not_void(ship):
+    """Two sensors without error send them, and so does one sensor twice."""
+    both = np.round(ship, 2)
+    verdict = judged(both, both)
+    assert effects(verdict) == {'same_source': DOUBTFUL}
+    assert same_source(verdict).words == 'one sensor twice, or two without error'
+    assert 'the RS shows no noise of its own' in same_source(verdict).evidence
+
+
+def test_a_coarse_sensor_is_not_taken_for_a_copy(ship, rng):
+    """Its differences are those of rounding, but the noise of the RS is not in it."""
+    verdict = judged(np.round(ship, 1), ship + 0.01 * rng.standard_normal(N))
+    assert same_source(verdict).effect == HOLDS
+    assert 'is not found in the TS' in same_source(verdict).evidence
+
+
 @pytest.mark.parametrize('turn', [90.0, -90.0, 180.0, -180.0, 178.0])
 def test_a_turned_sensor_is_void_also_at_the_seam_of_the_wrap(pair, turn):
     ts, rs = pair

@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""All signs that both headings of a run come from one sensor, and what they say together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .angles import wrap360
+from .common_glitches import common_glitches, CommonGlitches
+from .common_noise import common_noise, CommonNoise
+from .detectors import same_source, SameSource
+from .resolution import resolution
+
+__all__ = ['one_source', 'OneSource']
+
+
+@dataclass(frozen=True, slots=True)
+class OneSource:
+    """
+    Signs of one source.
+
+    Attributes
+    ----------
+    rounding : SameSource
+        Whether the differences scatter no more than rounding makes them.
+    noise : CommonNoise
+        Whether the TS follows the noise of the RS.
+    glitches : CommonGlitches
+        Whether it follows its glitches.
+
+    """
+
+    rounding: SameSource
+    noise: CommonNoise
+    glitches: CommonGlitches
+
+    @property
+    def kind(self) -> str:
+        """
+        What they say together.
+
+        'common': one source. 'independent': the RS shows noise or glitches of its own, and the
+        TS has neither. 'suspected': it shows none, and the differences are those of rounding,
+        as they are for a copy and for two sensors without error. Else 'not_testable'.
+        """
+        if 'common' in (self.noise.kind, self.glitches.kind):
+            return 'common'
+        if 'independent' in (self.noise.kind, self.glitches.kind):
+            return 'independent'
+        return 'suspected' if self.rounding.suspected else 'not_testable'
+
+
+def one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
+               factor: ArrayLike | None = None, interpolates_ts: bool = False,
+               ratio: float = 1.5) -> OneSource:
+    """
+    Look for signs of one source in the pairs of a run.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps of the pairs in increasing order, nanoseconds.
+    x_deg, rs_deg : array_like, shape (n,)
+        Differences and headings of the RS, finite, degrees.
+    factor : array_like, shape (n,), optional
+        What interpolation left of the variance of white noise, (1-w)^2 + w^2; default 1.
+    interpolates_ts : bool
+        Whether that is of the TS; else it is of the RS.
+    ratio : float
+        `detectors.same_source_ratio`.
+
+    Returns
+    -------
+    OneSource
+
+    Notes
+    -----
+    Pairs are all that is used: so a run says the same live, in replay and offline.
+
+    References
+    ----------
+    E.20 of ``docs/diagnostics.md``.
+
+    """
+    x, rs = (np.asarray(v, dtype=np.float64) for v in (x_deg, rs_deg))
+    steps = resolution(wrap360(x + rs)), resolution(rs)
+    return OneSource(
+        same_source(x, rs, *steps, ratio),
+        common_noise(stamp_ns, x, rs, rs_factor=None if interpolates_ts else factor,
+                     ts_step_deg=steps[0].step_deg, rs_step_deg=steps[1].step_deg),
+        common_glitches(stamp_ns, x, rs))
