@@ -16,9 +16,9 @@ from typing import Callable, Iterable
 import numpy as np
 
 from .analysed import Analysed
-from .angles import unwrap_deg
 from .criteria import Limits
 from .outcome import Outcome
+from .realigned import realigned
 from .run_diagnostics import Diagnostics
 from .settings import Settings
 
@@ -54,7 +54,6 @@ _NO_NOISE = {
 
 LARGE_SIGMAS = 3.0
 """A mean difference above so many norms of the standard deviation is doubtful."""
-
 
 @dataclass(frozen=True, slots=True)
 class Finding:
@@ -238,7 +237,7 @@ def _clocks(e: Examined) -> Finding:
     if clock.kind == 'drifting':
         slope = (f'the clocks drift apart by {clock.slope_s_per_h:.2g} s/h (95 % interval '
                  f'{clock.interval_s_per_h[0]:.2g} to {clock.interval_s_per_h[1]:.2g})')
-        steady = e.decided(e.data.stamp_ns, *_aligned(e.data, clock.skew_s, clock.slope_s_per_h))
+        steady = e.decided(*_aligned(e.data, clock.skew_s, clock.slope_s_per_h))
         if steady is not e.outcome and e.outcome is not Outcome.COMPLIANT:
             return Finding('clocks', VOID, f'the clocks drift apart by {clock.slope_s_per_h:.2g} '
                            's/h', f'{slope}; with that taken out the outcome is {steady}')
@@ -249,7 +248,7 @@ def _clocks(e: Examined) -> Finding:
     figures = f'the skew is {estimate.skew_s:.3f} s (standard uncertainty {estimate.u_s:.3f} s)'
     if not estimate.significant:
         return Finding('clocks', HOLDS, '', figures)
-    aligned = e.decided(e.data.stamp_ns, *_aligned(e.data, estimate.skew_s))
+    aligned = e.decided(*_aligned(e.data, estimate.skew_s))
     # A skew only adds to the variance: what complies with it complies without.
     if aligned is e.outcome or e.outcome is Outcome.COMPLIANT:
         return Finding('clocks', HOLDS, '', f'{figures}; the outcome is the same without it')
@@ -258,15 +257,11 @@ def _clocks(e: Examined) -> Finding:
 
 
 def _aligned(data: Analysed, skew_s: float,
-             slope_s_per_h: float = 0.0) -> tuple[np.ndarray, float]:
-    """Return the differences with the RS read so much earlier, and the factor of its noise."""
+             slope_s_per_h: float = 0.0) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return stamps and differences with the RS read so much earlier, and its noise factor."""
     t = (data.stamp_ns - data.stamp_ns[0]) / 1e9
-    rs = unwrap_deg(data.rs_deg)
-    earlier = t - skew_s - slope_s_per_h / 3600.0 * (t - 0.5 * (t[0] + t[-1]))
-    place = np.interp(earlier, t, np.arange(t.size, dtype=np.float64))
-    w = place - np.floor(place)
-    return (data.x_deg + rs - np.interp(earlier, t, rs),
-            float(np.mean((1.0 - w) ** 2 + w ** 2)))
+    late = skew_s + slope_s_per_h / 3600.0 * (t - 0.5 * (t[0] + t[-1]))
+    return realigned(data.stamp_ns, data.x_deg, data.rs_deg, late)
 
 
 def _interpolation(e: Examined) -> Finding:

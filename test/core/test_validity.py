@@ -189,6 +189,21 @@ def test_a_skew_that_decides_nothing_does_not_bind(ship, rng):
     assert effects(verdict) == {} and verdict.outcome is Outcome.COMPLIANT
 
 
+@pytest.mark.parametrize('late_s', [0.7, 1.0, 1.3])
+def test_the_alternative_that_a_headline_gives_is_that_of_the_aligned_run(late_s, rng):
+    """RS headings made up at the ends of the run once called these indeterminate."""
+    t = T_S + 200.0
+
+    def heading(at_s):
+        return 90.0 + 40.0 * np.sin(2.0 * np.pi * at_s / 600.0) + np.sin(
+            2.0 * np.pi * at_s / 8.0)
+
+    pair = (heading(t - late_s) + 0.1 * rng.standard_normal(N),
+            heading(t) + 0.05 * rng.standard_normal(N))
+    assert f'a skew of {late_s:.2f} s decides, without it compliant' in judged(*pair).headline
+    assert judged(*pair, alignment={'skew': 'apply'}).outcome is Outcome.COMPLIANT
+
+
 # --- a slow part ---
 
 def test_a_drift_gets_no_certificate_and_a_negligible_slope_does(pair):
