@@ -32,7 +32,7 @@ VOID_REASONS = {
     'void.convention': 'void: one sensor does not report its heading by the convention of the '
                        'other',
     'void.mean_difference': 'void: the mean difference is too large for sensors of one axis, and '
-                            'no installation angle is stated',
+                            'no installation angle stated explains it',
     'void.frozen': 'void: a sensor repeats its value while the other shows that the ship turns',
     'void.clocks': 'void: the clocks of the sensors drift apart, and that decides',
     'void.interpolation': 'void: the slower sensor is too slow for the motion, and that decides',
@@ -54,6 +54,10 @@ _NO_NOISE = {
 
 LARGE_SIGMAS = 3.0
 """A mean difference above so many norms of the standard deviation is doubtful."""
+
+COVERED_SIGMAS = 3.0
+"""A stated installation angle covers what is within so many of its standard uncertainties."""
+
 
 @dataclass(frozen=True, slots=True)
 class Finding:
@@ -171,10 +175,11 @@ def _mean_difference(e: Examined) -> Finding:
         return Finding(name, NOT_TESTABLE, '', 'there is no mean difference')
     words = f'the mean difference is {found.mean_deg:.2f} deg'
     most = settings.detectors.mean_max_deg
-    stated = settings.installation_offset_deg != 0.0 or settings.installation_offset_u_deg > 0.0
-    if abs(found.mean_deg) > most and not stated:
-        return Finding(name, VOID, words, f'{words}, above {most:g} deg, and no installation '
-                       'angle is stated (installation_offset_deg)')
+    u_offset = settings.installation_offset_u_deg
+    if abs(found.mean_deg) > max(most, COVERED_SIGMAS * u_offset):
+        return Finding(name, VOID, words, f'{words}, above {most:g} deg, and the installation '
+                       f'angle stated, {settings.installation_offset_deg:g} deg with a standard '
+                       f'uncertainty of {u_offset:g} deg, does not explain it')
     if found.surely_exceeds(LARGE_SIGMAS * e.limits.sigma_max_deg):
         return Finding(name, DOUBTFUL, words, f'{words}, significantly above {LARGE_SIGMAS:g} '
                        f'sigma_max = {LARGE_SIGMAS * e.limits.sigma_max_deg:.3g} deg')

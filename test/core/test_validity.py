@@ -105,6 +105,19 @@ def test_thirty_degrees_off_without_a_word_is_void_and_with_one_is_not(pair):
     assert judged(ts + 30.0, rs, detectors={'mean_max_deg': 31.0}).validity_effect == DOUBTFUL
 
 
+@pytest.mark.parametrize('stated, u_deg, effect', [
+    (0.1, 0.0, VOID), (30.0, 0.0, VOID), (0.0, 0.1, VOID), (60.0, 0.1, HOLDS),
+    (0.0, 19.9, VOID), (0.0, 20.1, DOUBTFUL), (-300.0, 0.0, HOLDS)])
+def test_an_installation_angle_excuses_only_what_it_explains(pair, stated, u_deg, effect):
+    """Mounted at 60 deg: what 3 standard uncertainties of the stated angle leave of it is void."""
+    ts, rs = pair
+    verdict = judged(ts + 60.0, rs, installation_offset_deg=stated,
+                     installation_offset_u_deg=u_deg)
+    assert effects(verdict).get('mean_difference', HOLDS) == effect
+    if effect == VOID:
+        assert verdict.runs[0].reason == 'void.mean_difference'
+
+
 def test_a_frozen_sensor_is_void_even_if_its_variance_would_be_rejected(pair):
     ts, rs = pair
     ts[4000:6000] = ts[4000]
