@@ -30,7 +30,7 @@ HOLDS, NOT_TESTABLE, DOUBTFUL, VOID = 'holds', 'not_testable', 'doubtful', 'void
 VOID_REASONS = {
     'void.same_source': 'void: TS and RS show the same noise, so both may come from one sensor',
     'void.convention': 'void: one sensor does not report its heading by the convention of the '
-                       'other',
+                       'other, or the wrap tears the differences apart',
     'void.mean_difference': 'void: the mean difference is too large for sensors of one axis, and '
                             'no installation angle stated explains it',
     'void.frozen': 'void: a sensor repeats its value while the other shows that the ship turns',
@@ -162,6 +162,13 @@ def _convention(e: Examined) -> Finding:
         return Finding('convention', VOID, 'TS turns against RS', 'TS turns against RS, their sum '
                        f'stays at {found.angle_deg:.1f} deg: one of them counts '
                        'counter-clockwise')
+    mean = e.found.signs.mean
+    if mean.torn(e.settings.wrap_center_deg):
+        return Finding('convention', VOID, 'the differences lie on the seam of wrap_center_deg',
+                       'the differences are reduced to 180 deg either way of '
+                       f'{e.settings.wrap_center_deg:g} deg, which tears them apart: they lie '
+                       f'about {mean.mean_deg:.2f} deg, {100.0 * mean.seam_share:.3g} % of them a '
+                       'whole turn away from the others')
     if found.direction == 'not_testable':
         return Finding('convention', NOT_TESTABLE, '', 'the ship did not turn enough to tell '
                        'whether both count clockwise')

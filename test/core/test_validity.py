@@ -118,6 +118,27 @@ def test_an_installation_angle_excuses_only_what_it_explains(pair, stated, u_deg
         assert verdict.runs[0].reason == 'void.mean_difference'
 
 
+@pytest.mark.parametrize('center, turn, effect', [
+    (180.0, 0.0, VOID), (-180.0, 0.0, VOID), (180.0, 0.4, VOID), (180.0, 2.0, HOLDS),
+    (0.0, 0.0, HOLDS), (90.0, 0.0, HOLDS)])
+def test_differences_on_the_seam_of_the_wrap_are_void(pair, center, turn, effect):
+    """The seam of 180 deg is at 0: half the differences are near 0, half near 360 deg."""
+    ts, rs = pair
+    verdict = judged(ts + turn, rs, wrap_center_deg=center)
+    assert effects(verdict).get('convention', HOLDS) == effect
+    if effect == VOID:
+        assert verdict.runs[0].reason == 'void.convention'
+        assert 'the differences lie on the seam of wrap_center_deg' in verdict.headline
+    else:
+        assert verdict.outcome is Outcome.COMPLIANT
+
+
+def test_no_verdict_comes_from_the_seam_with_the_conventions_switched_off(pair):
+    ts, rs = pair
+    off = {'convention_tolerance_deg': 0.0, 'mean_max_deg': 180.0}
+    assert judged(ts + 180.0, rs, detectors=off).runs[0].reason == 'void.convention'
+
+
 def test_a_frozen_sensor_is_void_even_if_its_variance_would_be_rejected(pair):
     ts, rs = pair
     ts[4000:6000] = ts[4000]
