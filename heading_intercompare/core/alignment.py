@@ -10,27 +10,25 @@ stamps say, compared with those of the RS.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .angles import unwrap_deg
-from .blocks import block_means, block_size, student_95, sum_covariance
+from .blocks import student_95
+from .instrument import common_tracks, Fit, HALF_SPAN_S, Instrument, LEAST_STRENGTH
 from .records import Headings
+from .skew_search import coarser, find_skew, has_turned
 from .track import Track
 
-__all__ = ['common_tracks', 'Fit', 'Instrument', 'LEAST_STRENGTH', 'Regression', 'skew', 'Skew',
-           'skew_regression']
+__all__ = ['Regression', 'skew', 'Skew', 'skew_regression']
 
-LEAST_STRENGTH = 10.0
-"""Least F of the common turning of both sensors; below, the instrument is weak."""
-
-_HALF_SPAN_S = 0.5
 _MAX_GAP_S = 3.0
-_BLOCK_S = 0.1
 _STEPS = 20
+_SEARCH_BLOCK_S = 0.25
+_SEARCHED = 8192
+_SAME_S = 0.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +66,7 @@ class Regression:
 
 
 def skew_regression(stamp_ns: ArrayLike, x_deg: ArrayLike, rs: Headings,
-                    half_span_s: float = _HALF_SPAN_S) -> Regression | None:
+                    half_span_s: float = HALF_SPAN_S) -> Regression | None:
     """
     Regress the differences on the rate of the RS.
 
@@ -129,6 +127,10 @@ class Skew:
     n : int
         Pairs, or short averages of pairs, that the estimate rests on; 0 if there are fewer than
         64, and all figures are None then.
+    kind : {'found', 'unclear', 'beyond', 'no_fit', 'not_turned', 'too_few'}
+        'found': well determined. 'unclear': found, but not so well. 'beyond': the differences
+        scatter least at a skew beyond the range. 'no_fit': the ship moved, but no skew fits.
+        'not_turned': the ship did not turn enough. 'too_few': too few pairs.
     rs_rate_std_deg_s : float or None
         Standard deviation of the rate of turn as the RS shows it, with its noise.
     rate_std_deg_s : float or None
@@ -152,10 +154,13 @@ class Skew:
     std_deg, std_aligned_deg, mean_aligned_deg : float or None
         Standard deviation of the differences as paired, of the same differences with the skew
         removed, and the mean of these.
+    beyond_s : float or None
+        About the skew beyond the range, up to 60 s; None unless `kind` is 'beyond'.
 
     """
 
     n: int
+    kind: str = 'too_few'
     rs_rate_std_deg_s: float | None = None
     rate_std_deg_s: float | None = None
     strength: float | None = None
@@ -170,6 +175,25 @@ class Skew:
     std_deg: float | None = None
     std_aligned_deg: float | None = None
     mean_aligned_deg: float | None = None
+    beyond_s: float | None = None
+
+    @property
+    def about_s(self) -> float:
+        """The skew, be it within the range or beyond; 0 if none is known, seconds."""
+        return (self.skew_s if self.well_determined else self.beyond_s) or 0.0
+
+    def why_not(self, range_s: float) -> str:
+        """Say why the skew is not well determined, within a range in seconds."""
+        if self.kind == 'beyond':
+            return (f'the differences scatter least with a skew of about {self.beyond_s:.1f} s, '
+                    f'beyond alignment.skew_range_s = {range_s:g} s')
+        if self.kind == 'no_fit':
+            return (f'the ship moved, but no skew within {range_s:g} s '
+                    '(alignment.skew_range_s) fits')
+        if self.kind == 'unclear':
+            return (f'the skew, {self.skew_s:.3f} s, is not well determined (standard uncertainty '
+                    f'{self.u_s:.3f} s)')
+        return 'the ship did not turn enough to see a skew of the clocks'
 
     def largest_variance_deg2(self, range_s: float) -> float | None:
         """
@@ -186,7 +210,7 @@ class Skew:
 
 
 def skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
-         range_s: float = 2.0, half_span_s: float = _HALF_SPAN_S,
+         range_s: float = 2.0, half_span_s: float = HALF_SPAN_S,
          max_gap_s: float = _MAX_GAP_S) -> Skew:
     """
     Estimate the time skew of a run from its pairs.
@@ -212,9 +236,10 @@ def skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     -----
     Rates of the RS are noisy, which draws ordinary least squares to zero; the rate of the TS
     serves as an instrument, for its noise over a span symmetric about the pair is correlated
-    neither with the noise of the pair nor with the RS. Interpolating a shifted RS changes its
-    noise, but not this estimate. Pairs more frequent than 10 a second are averaged over up to
-    0.1 s first, both sensors alike, which moves neither.
+    neither with the noise of the pair nor with the RS. Where it settles is sought first, on
+    averages over 0.25 s of which up to 8192 are looked at, from several starts. Interpolating a
+    shifted RS changes its noise, but not this estimate. Pairs more frequent than 10 a second are
+    averaged over up to 0.1 s first, both sensors alike, which moves neither.
 
     References
     ----------
@@ -231,143 +256,50 @@ def skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     if found is None:
         return Skew(0)
     ols = _regress(found.x, found.rate)
-    result = Skew(found.x.size, float(found.rate.std(ddof=1)), found.rate_std_deg_s,
-                  found.strength, ols.skew_s if ols else None, ols.u_naive_s if ols else None,
+    result = Skew(found.x.size, 'not_turned', float(found.rate.std(ddof=1)),
+                  found.rate_std_deg_s, found.strength, ols.skew_s if ols else None,
+                  ols.u_naive_s if ols else None,
                   found.step_s if found.strength > 0.0 else None, well_determined=False,
                   std_deg=float(found.x.std(ddof=1)))
+    coarse = coarser(ts, _SEARCH_BLOCK_S), coarser(rs, _SEARCH_BLOCK_S)
+    place = find_skew(Instrument(*coarse, half_span_s, max_gap_s, _SEARCHED), 0.0, range_s)
+    if place is not None and abs(place[0]) > range_s:
+        return replace(result, kind='beyond', beyond_s=place[0])
+    settled = _settle(fit, found, 0.0, range_s)
+    if place is not None and (settled is None or abs(settled[0] - place[0]) > _SAME_S):
+        begun = fit(place[0])
+        settled = None if begun is None else _settle(fit, begun, place[0], range_s)
+    if settled is None:
+        return replace(result, kind='no_fit' if has_turned(coarse[1], max_gap_s) else
+                       'not_turned')
+    d, found = settled
+    return _filled(result, found, d, range_s, ts.at(found.t_s) - rs.at(found.t_s))
+
+
+def _settle(fit: Instrument, found: Fit, d: float, range_s: float) -> tuple[float, Fit] | None:
+    """Return the skew at which nothing is left, from the fit at one; None without any."""
     if not found.strength >= LEAST_STRENGTH:
-        return result
-    d = 0.0
+        return None
     for _ in range(_STEPS):
         step = found.step_s
         d += step
         found = fit(d) if abs(d) <= range_s else None
         if found is None:
-            return result
-        if abs(step) < 1e-7:
-            break
-    else:
-        return result
-    return _filled(result, found, d, range_s, ts.at(found.t_s) - rs.at(found.t_s))
-
-
-def common_tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray,
-                  block_s: float = _BLOCK_S) -> tuple[Track, Track]:
-    """
-    Return TS and RS on common times, averaged over short blocks.
-
-    Parameters
-    ----------
-    stamps : ndarray of int64, shape (n,)
-        Stamps of the pairs in increasing order, nanoseconds; n >= 64.
-    x, rs_deg : ndarray, shape (n,)
-        Differences and RS headings, finite, degrees.
-    block_s : float
-        Longest block, seconds.
-
-    Returns
-    -------
-    ts, rs : Track
-        Their time zero is the first stamp.
-
-    """
-    step = float(np.median(np.diff(stamps[:100_001]))) / 1e9
-    size = block_size(math.floor(block_s / step), 1) if step < block_s else 1
-    if size > block_size(x.size, 64):
-        size = 1
-
-    def averaged(values: np.ndarray) -> np.ndarray:
-        return block_means(values, size) if size > 1 else values
-
-    ts, rs = Track(Headings.empty()), Track(Headings.empty())
-    ts.heading_deg, rs.heading_deg = averaged(unwrap_deg(x)), averaged(unwrap_deg(rs_deg))
-    ts.heading_deg += rs.heading_deg
-    ts.t_s = rs.t_s = averaged((stamps - int(stamps[0])) / 1e9)
-    return ts, rs
-
-
-@dataclass(frozen=True, slots=True)
-class Fit:
-    """
-    The instrumental estimate at one shift of the RS.
-
-    Attributes
-    ----------
-    t_s, x, rate : ndarray, shape (n,)
-        Times used, seconds; differences with the RS shifted, degrees; its rates, degrees a
-        second.
-    step_s, u_s : float
-        Skew that is left, and its standard uncertainty, seconds.
-    dof : int
-        Degrees of freedom of the uncertainty.
-    strength : float
-        F of the common rate.
-    rate_std_deg_s : float
-        Standard deviation of the common rate, degrees a second.
-
-    """
-
-    t_s: np.ndarray
-    x: np.ndarray
-    rate: np.ndarray
-    step_s: float
-    u_s: float
-    dof: int
-    strength: float
-    rate_std_deg_s: float
-
-
-class Instrument:
-    """
-    Estimates what skew is left once the RS is shifted by some seconds.
-
-    Parameters
-    ----------
-    ts, rs : Track
-        Both sensors on common times; the RS may reach further.
-    half_span_s : float
-        Rates are taken from so long before a pair to so long after it, seconds.
-    max_gap_s : float
-        Spans that hold a longer silence are left out, seconds.
-
-    """
-
-    def __init__(self, ts: Track, rs: Track, half_span_s: float, max_gap_s: float) -> None:
-        self.ts, self.rs = ts, rs
-        self.half_span_s, self.max_gap_s = half_span_s, max_gap_s
-
-    def __call__(self, shift_s: float) -> Fit | None:
-        h = self.half_span_s
-        t = self.ts.t_s
-        t = t[self.ts.covers(t - h - max(0.0, shift_s), t + h + max(0.0, -shift_s),
-                             self.max_gap_s)]
-        if t.size < 64:
             return None
-        ts_rate = self.ts.rate(t, h)
-        ts_rate -= ts_rate.mean()
-        rate = self.rs.rate(t - shift_s, h)
-        x = self.ts.at(t) - self.rs.at(t - shift_s)
-        common = ts_rate * (rate - rate.mean())
-        total = float(common.sum())
-        u_total = math.sqrt(float(sum_covariance(common)[0]))
-        strength = (total / u_total) ** 2 if u_total > 0.0 and total > 0.0 else 0.0
-        if strength == 0.0:
-            return Fit(t, x, rate, 0.0, math.inf, 0, 0.0, 0.0)
-        e = x - x.mean()
-        step = -float(ts_rate @ e) / total
-        e += step * (rate - rate.mean())
-        covariance, dof = sum_covariance(ts_rate * e)
-        return Fit(t, x, rate, step, math.sqrt(float(covariance)) / total, dof, strength,
-                    math.sqrt(total / (t.size - 1)))
+        if abs(step) < 1e-7:
+            return d, found
+    return None
 
 
 def _filled(result: Skew, found: Fit, d: float, range_s: float, x_paired: np.ndarray) -> Skew:
     half = student_95(found.dof) * found.u_s
     interval = d - half, d + half
+    clear = found.strength >= LEAST_STRENGTH and found.u_s <= 0.1 * range_s
     return Skew(
-        found.x.size, result.rs_rate_std_deg_s, found.rate_std_deg_s, found.strength,
+        found.x.size, 'found' if clear else 'unclear', result.rs_rate_std_deg_s,
+        found.rate_std_deg_s, found.strength,
         result.ols_s, result.ols_u_s, result.iv_s, d, found.u_s, interval,
-        well_determined=found.strength >= LEAST_STRENGTH and found.u_s <= 0.1 * range_s,
+        well_determined=clear,
         significant=not interval[0] <= 0.0 <= interval[1],
         std_deg=float(x_paired.std(ddof=1)), std_aligned_deg=float(found.x.std(ddof=1)),
         mean_aligned_deg=float(found.x.mean()))

@@ -58,8 +58,8 @@ def _again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
     ts, rs = _readings_of(ts, rs, result, settings)
     found = scan(ts, rs, settings.alignment.skew_range_s)
     if not estimate.well_determined:
-        return _said(result, found, 'not_aligned: the ship did not turn enough to determine a '
-                     'skew; the run is judged as its stamps say')
+        why = estimate.why_not(settings.alignment.skew_range_s)
+        return _said(result, found, f'not_aligned: {why}; the run is judged as its stamps say')
     shift_ns = round(estimate.skew_s * 1e9)
     skew_s = settings.alignment.skew_s + shift_ns / 1e9
     table = [(result.verdict.start_ns - shift_ns, result.verdict.end_ns - shift_ns + 1)]

@@ -16,6 +16,7 @@ from .blocks import block_means, block_size, student_95, sum_covariance
 __all__ = ['Convention', 'convention', 'mean_difference', 'MeanDifference']
 
 _CONCENTRATED = 0.9
+_ON_SEAM_SIGMAS = 5.0
 _TURNED_DEG = 3.0
 _CLEAR = 4.0
 _LOOKED_AT = 1 << 17
@@ -150,6 +151,8 @@ class MeanDifference:
         Standard uncertainty of the mean, which allows for correlation; None for n < 16.
     interval_deg : pair of float or None
         95 % interval; it is not wrapped.
+    seam_share : float
+        Share of the differences that the seam of the wrap puts a whole turn away from the others.
 
     """
 
@@ -158,6 +161,14 @@ class MeanDifference:
     resultant: float | None = None
     u_deg: float | None = None
     interval_deg: tuple[float, float] | None = None
+    seam_share: float = 0.0
+
+    def torn(self, wrap_center_deg: float) -> bool:
+        """Tell whether the differences lie on both sides of the seam of their wrap."""
+        if not self.seam_share or self.resultant <= _CONCENTRATED:
+            return False
+        away = abs(float(wrap180(self.mean_deg - wrap_center_deg - 180.0)))
+        return away <= _ON_SEAM_SIGMAS * _spread(self.resultant)
 
     def surely_exceeds(self, limit_deg: float) -> bool:
         """Tell whether all of the interval lies outside of plus and minus a limit, degrees."""
@@ -202,11 +213,14 @@ def mean_difference(x_deg: ArrayLike) -> MeanDifference:
     centre, length = circular_mean(x[::max(1, -(-x.size // _LOOKED_AT))])
     if not math.isfinite(centre):
         return MeanDifference(x.size, None, length)
-    off = wrap180(x - centre)
+    off = x - centre
+    share = np.count_nonzero(np.abs(off) > 180.0) / x.size
+    share = min(share, 1.0 - share)
+    off = wrap180(off)
     mean = float(wrap180(centre + off.mean()))
     if not block_size(x.size, 16):
-        return MeanDifference(x.size, mean, length)
+        return MeanDifference(x.size, mean, length, seam_share=share)
     covariance, dof = sum_covariance(off)
     u = math.sqrt(float(covariance)) / x.size
     half = student_95(dof) * u
-    return MeanDifference(x.size, mean, length, u, (mean - half, mean + half))
+    return MeanDifference(x.size, mean, length, u, (mean - half, mean + half), share)

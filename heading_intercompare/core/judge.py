@@ -25,7 +25,7 @@ from .losses import find_losses
 from .noise import correlation_times
 from .outcome import Outcome
 from .printed import as_printed, Printed
-from .run_blocks import drift_of
+from .run_blocks import drift_of, left_in_deg2
 from .run_diagnostics import diagnose, SETTLED_SHARE, with_runs
 from .run_series import RunSeries
 from .sequential import Look, LookVerdict, risk_at_the_end
@@ -122,13 +122,14 @@ class _Decision:
             drift_left_deg2=drift_left_deg2)
         return evidence, decide(evidence, self._limits, self._risk), printed
 
-    def outcome(self, stamp_ns: np.ndarray, x_deg: np.ndarray, drift_left_deg2: float,
+    def outcome(self, stamp_ns: np.ndarray, x_deg: np.ndarray,
                 rs_factor: float = 1.0) -> Outcome:
         """Return the outcome of other differences, the noise of the RS shrunk once more."""
         if rs_factor != 1.0:
             other = _Decision(self._limits.with_rs_factor(rs_factor), self._settings, self._risk)
-            return other.outcome(stamp_ns, x_deg, drift_left_deg2)
+            return other.outcome(stamp_ns, x_deg)
         data = Analysed.of(stamp_ns, x_deg, np.zeros_like(x_deg), self._settings)
+        drift_left_deg2 = left_in_deg2(stamp_ns, x_deg) if data.residual_deg is None else 0.0
         _, guarded, printed = self(data, Cells.of(data.series_deg, stamp_ns), drift_left_deg2)
         return conclude(guarded, printed)[0]
 
@@ -186,8 +187,7 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
                      factor=run.factor.values[data.n_left_out:],
                      interpolates_ts=run.interpolates_ts)
     validity = examine(Examined(
-        data, found, limits, settings, outcome,
-        lambda stamp_ns, x_deg, rs_factor=1.0: decision.outcome(stamp_ns, x_deg, left, rs_factor),
+        data, found, limits, settings, outcome, decision.outcome,
         guarded.d_hat_deg2, guarded.lower_bound_deg2, guarded.upper_bound_deg2))
     coverage = coverage_of(data.span_s, risk)
     direction, length = circular_mean(data.x_deg) if n else (None, None)

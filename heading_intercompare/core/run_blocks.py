@@ -19,8 +19,8 @@ from .reference_noise import ReferenceNoise
 from .settling import mser5, warm_up, WarmUp
 from .skew_scan import Scan
 
-__all__ = ['Allan', 'allan_of', 'Correlation', 'correlation_of', 'Drift', 'drift_of', 'RunSkew',
-           'run_skew']
+__all__ = ['Allan', 'allan_of', 'Correlation', 'correlation_of', 'Drift', 'drift_of',
+           'left_in_deg2', 'RunSkew', 'run_skew']
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,6 +198,28 @@ def drift_of(stamp_ns: np.ndarray, x_deg: np.ndarray,
                  drift_left_deg2(rest if fit.order > 1 else line), std, span_h,
                  slope(stamp_ns, x_deg, line), warm_up(stamp_ns, x_deg, tolerance_deg),
                  mser5(stamp_ns, x_deg)), rest
+
+
+def left_in_deg2(stamp_ns: np.ndarray, x_deg: np.ndarray) -> float:
+    """
+    Return the upper bound of the variance that a drift makes if it is left in, square degrees.
+
+    Parameters
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    x_deg : ndarray, shape (n,)
+        Differences, finite, degrees.
+
+    Returns
+    -------
+    float
+        `Drift.left_deg2` of `drift_of`; 0 where that is None.
+
+    """
+    order = select_order(stamp_ns, x_deg)
+    rest = Detrended.of(stamp_ns, x_deg, max(1, order.order if order else 0))
+    return drift_left_deg2(rest) or 0.0
 
 
 def correlation_of(x_deg: np.ndarray, stamps: StampSteps,

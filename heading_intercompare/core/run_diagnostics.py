@@ -153,7 +153,7 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     correlation = correlation_of(residual, stamps, times or correlation_times(residual))
     signs, normal = _examine_headings(stamp_ns, x_deg, rs_deg, residual, settings, detectors,
                                       math.sqrt(limits.limit_deg2), factor, interpolates_ts,
-                                      correlation)
+                                      correlation, estimate)
     allan = allan_of(x_deg, stamps.typical_s, _noise_of_rs(x_deg, rs_deg, estimate, range_s))
     variance = float(np.var(x_deg, ddof=1)) if n > 1 else None
     block = run_skew(estimate, variance, limits, scan)
@@ -170,7 +170,7 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
 def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
                       residual_deg: np.ndarray, settings: Settings, detectors: Detectors,
                       sigma_deg: float, factor: np.ndarray | None, interpolates_ts: bool,
-                      correlation: Correlation) -> tuple[Signs, Normality]:
+                      correlation: Correlation, estimate: Skew) -> tuple[Signs, Normality]:
     """Look at the headings of both sensors; those of the TS follow from the differences."""
     ts_deg = x_deg + rs_deg
     ts_deg += settings.installation_offset_deg
@@ -189,7 +189,7 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
             step_deg=max((s.step_deg or 0.0) for s in steps)),
         ClockDrift('not_testable') if settings.alignment.skew == 'off' else clock_drift(
             stamp_ns, x_deg, rs_deg, range_s=settings.alignment.skew_range_s,
-            max_gap_s=settings.pairing.max_gap_s),
+            max_gap_s=settings.pairing.max_gap_s, near_s=estimate.about_s),
         interpolation_error(stamp_ns, *both, np.ones(x_deg.size) if factor is None else factor))
     step = correlation.stamps.typical_s
     width = 2 * max(1, round(0.5 * MOVING_AVERAGE_S / step)) + 1 if step else 3

@@ -341,8 +341,8 @@ class Detectors(Checked):
         1.5, 'the sensors are one if the variance of the difference is at most so many times '
         'what rounding alone gives', 1.0)
     mean_max_deg: float = setting(
-        15.0, 'a larger mean difference makes a run void unless an installation angle is stated '
-        '[deg]', 0.0, 180.0)
+        15.0, 'a larger mean difference, less the installation angle stated, makes a run void '
+        'unless 3 standard uncertainties of that angle cover it [deg]', 0.0, 180.0)
     lost_doubtful: float = setting(
         0.1, 'a run that lacks a larger share of its readings is doubtful', 0.0, 1.0)
     lost_void: float = setting(0.5, 'and void if a larger share', 0.0, 1.0)

@@ -9,9 +9,9 @@ import math
 
 import numpy as np
 
-from .alignment import LEAST_STRENGTH
 from .angles import wrap180
 from .blocks import sum_covariance
+from .instrument import LEAST_STRENGTH
 from .records import Headings
 from .track import Track
 

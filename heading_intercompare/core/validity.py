@@ -16,9 +16,10 @@ from typing import Callable, Iterable
 import numpy as np
 
 from .analysed import Analysed
-from .angles import unwrap_deg
+from .clock_drift import ClockDrift
 from .criteria import Limits
 from .outcome import Outcome
+from .realigned import realigned
 from .run_diagnostics import Diagnostics
 from .settings import Settings
 
@@ -31,11 +32,11 @@ VOID_REASONS = {
     'void.same_source': 'void: TS and RS show the same noise or glitches, so both may come '
                         'from one sensor',
     'void.convention': 'void: one sensor does not report its heading by the convention of the '
-                       'other',
+                       'other, or the wrap tears the differences apart',
     'void.mean_difference': 'void: the mean difference is too large for sensors of one axis, and '
-                            'no installation angle is stated',
+                            'no installation angle stated explains it',
     'void.frozen': 'void: a sensor repeats its value while the other shows that the ship turns',
-    'void.clocks': 'void: the clocks of the sensors drift apart, and that decides',
+    'void.clocks': 'void: the clocks of the sensors drift apart or step, and that decides',
     'void.interpolation': 'void: the slower sensor is too slow for the motion, and that decides',
     'void.losses': 'void: too many readings of the run are lost, rejected or without partner',
 }
@@ -55,6 +56,9 @@ _NO_NOISE = {
 
 LARGE_SIGMAS = 3.0
 """A mean difference above so many norms of the standard deviation is doubtful."""
+
+COVERED_SIGMAS = 3.0
+"""A stated installation angle covers what is within so many of its standard uncertainties."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,6 +177,13 @@ def _convention(e: Examined) -> Finding:
         return Finding('convention', VOID, 'TS turns against RS', 'TS turns against RS, their sum '
                        f'stays at {found.angle_deg:.1f} deg: one of them counts '
                        'counter-clockwise')
+    mean = e.found.signs.mean
+    if mean.torn(e.settings.wrap_center_deg):
+        return Finding('convention', VOID, 'the differences lie on the seam of wrap_center_deg',
+                       'the differences are reduced to 180 deg either way of '
+                       f'{e.settings.wrap_center_deg:g} deg, which tears them apart: they lie '
+                       f'about {mean.mean_deg:.2f} deg, {100.0 * mean.seam_share:.3g} % of them a '
+                       'whole turn away from the others')
     if found.direction == 'not_testable':
         return Finding('convention', NOT_TESTABLE, '', 'the ship did not turn enough to tell '
                        'whether both count clockwise')
@@ -186,10 +197,11 @@ def _mean_difference(e: Examined) -> Finding:
         return Finding(name, NOT_TESTABLE, '', 'there is no mean difference')
     words = f'the mean difference is {found.mean_deg:.2f} deg'
     most = settings.detectors.mean_max_deg
-    stated = settings.installation_offset_deg != 0.0 or settings.installation_offset_u_deg > 0.0
-    if abs(found.mean_deg) > most and not stated:
-        return Finding(name, VOID, words, f'{words}, above {most:g} deg, and no installation '
-                       'angle is stated (installation_offset_deg)')
+    u_offset = settings.installation_offset_u_deg
+    if abs(found.mean_deg) > max(most, COVERED_SIGMAS * u_offset):
+        return Finding(name, VOID, words, f'{words}, above {most:g} deg, and the installation '
+                       f'angle stated, {settings.installation_offset_deg:g} deg with a standard '
+                       f'uncertainty of {u_offset:g} deg, does not explain it')
     if found.surely_exceeds(LARGE_SIGMAS * e.limits.sigma_max_deg):
         return Finding(name, DOUBTFUL, words, f'{words}, significantly above {LARGE_SIGMAS:g} '
                        f'sigma_max = {LARGE_SIGMAS * e.limits.sigma_max_deg:.3g} deg')
@@ -249,21 +261,23 @@ def _clocks(e: Examined) -> Finding:
         return Finding('clocks', NOT_TESTABLE, '', 'the skew is not estimated (alignment.skew '
                        'off)')
     estimate, clock = e.found.skew.estimate, e.found.signs.clock
-    if clock.kind == 'drifting':
-        slope = (f'the clocks drift apart by {clock.slope_s_per_h:.2g} s/h (95 % interval '
-                 f'{clock.interval_s_per_h[0]:.2g} to {clock.interval_s_per_h[1]:.2g})')
-        steady = e.decided(e.data.stamp_ns, *_aligned(e.data, clock.skew_s, clock.slope_s_per_h))
+    if clock.kind in ('drifting', 'stepped'):
+        words, evidence = _unsteady(clock, e.data)
+        t = (e.data.stamp_ns - e.data.stamp_ns[0]) / 1e9
+        steady = _without(e, clock.late_s(t))
         if steady is not e.outcome and e.outcome is not Outcome.COMPLIANT:
-            return Finding('clocks', VOID, f'the clocks drift apart by {clock.slope_s_per_h:.2g} '
-                           's/h', f'{slope}; with that taken out the outcome is {steady}')
-        return Finding('clocks', HOLDS, '', f'{slope}; the outcome is the same without')
+            return Finding('clocks', VOID, words,
+                           f'{evidence}; with that taken out the outcome is {steady}')
+        return Finding('clocks', HOLDS, '', f'{evidence}; the outcome is the same without')
+    if estimate.kind == 'beyond':
+        return _beyond(e, estimate.beyond_s)
     if not estimate.well_determined:
-        return Finding('clocks', NOT_TESTABLE, '', 'the ship did not turn enough to see a skew '
-                       'of the clocks')
+        return Finding('clocks', NOT_TESTABLE, '', estimate.why_not(
+            e.settings.alignment.skew_range_s))
     figures = f'the skew is {estimate.skew_s:.3f} s (standard uncertainty {estimate.u_s:.3f} s)'
     if not estimate.significant:
         return Finding('clocks', HOLDS, '', figures)
-    aligned = e.decided(e.data.stamp_ns, *_aligned(e.data, estimate.skew_s))
+    aligned = _without(e, estimate.skew_s)
     # A skew only adds to the variance: what complies with it complies without.
     if aligned is e.outcome or e.outcome is Outcome.COMPLIANT:
         return Finding('clocks', HOLDS, '', f'{figures}; the outcome is the same without it')
@@ -271,16 +285,37 @@ def _clocks(e: Examined) -> Finding:
                    f'{aligned}', f'{figures}; with it taken out the outcome is {aligned}')
 
 
-def _aligned(data: Analysed, skew_s: float,
-             slope_s_per_h: float = 0.0) -> tuple[np.ndarray, float]:
-    """Return the differences with the RS read so much earlier, and the factor of its noise."""
-    t = (data.stamp_ns - data.stamp_ns[0]) / 1e9
-    rs = unwrap_deg(data.rs_deg)
-    earlier = t - skew_s - slope_s_per_h / 3600.0 * (t - 0.5 * (t[0] + t[-1]))
-    place = np.interp(earlier, t, np.arange(t.size, dtype=np.float64))
-    w = place - np.floor(place)
-    return (data.x_deg + rs - np.interp(earlier, t, rs),
-            float(np.mean((1.0 - w) ** 2 + w ** 2)))
+def _unsteady(clock: ClockDrift, data: Analysed) -> tuple[str, str]:
+    """Return in few words and with the figures how the skew changes."""
+    if clock.kind == 'drifting':
+        words = f'the clocks drift apart by {clock.slope_s_per_h:.2g} s/h'
+        return words, (f'{words} (95 % interval {clock.interval_s_per_h[0]:.2g} to '
+                       f'{clock.interval_s_per_h[1]:.2g})')
+    sizes = [(step.after_s - step.before_s, int(data.stamp_ns[0]) + round(step.time_s * 1e9))
+             for step in clock.steps]
+    size, at_ns = max(sizes, key=lambda one: abs(one[0]))
+    each = ', '.join(f'by {size:.2f} s at {at}' for size, at in sizes)
+    return (f'the skew changes by {size:.2g} s at {at_ns}',
+            f'the skew changes at once {each}; it is {clock.steps[0].before_s:.2f} s before')
+
+
+def _beyond(e: Examined, skew_s: float) -> Finding:
+    """Judge a skew beyond the range, where the differences scatter least."""
+    range_s = e.settings.alignment.skew_range_s
+    words = (f'the TS may be {"late" if skew_s > 0.0 else "early"} by about {abs(skew_s):.1f} s, '
+             'beyond alignment.skew_range_s')
+    evidence = (f'the clocks may be off by more than {range_s:g} s (alignment.skew_range_s): '
+                f'the differences scatter least with a skew of about {skew_s:.1f} s')
+    aligned = _without(e, skew_s)
+    if aligned is e.outcome or e.outcome is Outcome.COMPLIANT:
+        return Finding('clocks', HOLDS, '', f'{evidence}; the outcome is the same without it')
+    return Finding('clocks', DOUBTFUL, f'{words}, without that {aligned}',
+                   f'{evidence}; with it taken out the outcome is {aligned}')
+
+
+def _without(e: Examined, late_s: float | np.ndarray) -> Outcome:
+    """Return the outcome with the RS read so much earlier."""
+    return e.decided(*realigned(e.data.stamp_ns, e.data.x_deg, e.data.rs_deg, late_s))
 
 
 def _interpolation(e: Examined) -> Finding:

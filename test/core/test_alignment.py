@@ -204,3 +204,39 @@ def test_a_frozen_pair_gives_no_skew(x):
     found = skew(stamps(200), np.full(200, x), np.full(200, 3.0))
     assert found.skew_s is None
     assert found.well_determined is False
+
+
+@pytest.mark.parametrize('late_s', [-1.9, -1.3, 1.3, 1.9])
+@pytest.mark.parametrize('period_s', [5.0, 6.0, 9.0])
+def test_a_skew_of_any_part_of_the_yaw_period_is_found(late_s, period_s, rng):
+    """Within six standard uncertainties and 5 ms of interpolation, once a turn tells periods."""
+    n, t = 12_000, seconds(12_000)
+
+    def heading(at_s):
+        return 5.0 * np.sin(at_s / 60.0) + np.sin(2.0 * np.pi * at_s / period_s)
+    rs = heading(t) + 0.05 * rng.standard_normal(n)
+    found = skew(stamps(n), heading(t - late_s) + 0.1 * rng.standard_normal(n) - rs, rs)
+    assert found.kind == 'found' and found.well_determined
+    assert abs(found.skew_s - late_s) < 6.0 * found.u_s + 5e-3
+
+
+@pytest.mark.parametrize('late_s', [-40.0, 2.2, 17.0])
+def test_a_skew_beyond_the_range_has_its_size(late_s, rng):
+    n, t = 12_000, seconds(12_000)
+
+    def heading(at_s):
+        return 20.0 * np.sin(at_s / 60.0) + np.sin(2.0 * np.pi * at_s / 7.0)
+    rs = heading(t) + 0.05 * rng.standard_normal(n)
+    found = skew(stamps(n), heading(t - late_s) + 0.1 * rng.standard_normal(n) - rs, rs)
+    assert (found.kind, found.skew_s) == ('beyond', None)
+    assert found.beyond_s == pytest.approx(late_s, abs=0.05)
+
+
+def test_a_ship_that_moves_is_told_from_one_that_does_not(yaw, rng):
+    """The TS stays at one heading: no skew fits."""
+    n, t = 6000, seconds(6000)
+    noise = 0.05 * rng.standard_normal((2, n))
+    moved = skew(stamps(n), 90.0 + noise[0] - yaw(t) - noise[1], yaw(t) + noise[1])
+    still = skew(stamps(n), noise[0] - noise[1], 90.0 + noise[1])
+    assert (moved.kind, still.kind) == ('no_fit', 'not_turned')
+    assert 'the ship moved' in moved.why_not(2.0) and 'did not turn' in still.why_not(2.0)

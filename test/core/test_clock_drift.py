@@ -98,3 +98,25 @@ def test_turning_and_shifting_change_nothing(rng):
     there = clock_drift(pairs.stamp_ns + 10 ** 15, x, (pairs.rs_deg + 200.0) % 360.0)
     assert there.slope_s_per_h == pytest.approx(here.slope_s_per_h, abs=1e-4)
     assert len(there.parts) == len(here.parts)
+
+
+@pytest.mark.parametrize('steps', [[(900.0, 1.0)], [(1000.0, -5.0)], [(600.0, 5.0), (1300.0, 0.0)],
+                                   [(800.0, 30.0)]])
+def test_steps_of_a_clock_are_found_with_size_and_time(steps, rng):
+    """Sizes to 20 ms, times to a few seconds: the yaw hides a step where both skews agree."""
+    t = np.arange(0.0, 1800.0, 0.2)
+    late = np.zeros(t.size)
+    for at_s, level_s in steps:
+        late[t >= at_s] = level_s
+
+    def heading(at_s):
+        return 40.0 * np.sin(at_s / 100.0) + np.sin(2.0 * np.pi * at_s / 8.0)
+    rs = heading(t) + 0.05 * rng.standard_normal(t.size)
+    found = clock_drift(stamps_of(t), heading(t - late) + 0.1 * rng.standard_normal(t.size) - rs,
+                        rs)
+    assert found.kind == 'stepped' and len(found.steps) == len(steps)
+    for step, (at_s, level_s) in zip(found.steps, steps):
+        assert step.time_s == pytest.approx(at_s, abs=10.0)
+        assert step.after_s == pytest.approx(level_s, abs=0.02)
+    assert found.late_s(t)[0] == pytest.approx(0.0, abs=0.02)
+    assert found.late_s(t)[-1] == pytest.approx(steps[-1][1], abs=0.02)

@@ -159,3 +159,19 @@ def test_too_few_differences_have_a_mean_without_an_interval():
     found = mean_difference([100.0] * 15)
     assert (found.mean_deg, found.u_deg) == (pytest.approx(100.0), None)
     assert not found.surely_exceeds(15.0)
+
+
+def test_the_share_beyond_the_seam_by_hand():
+    """179 three times and -179 once, about 180: one of four is a whole turn away."""
+    found = mean_difference([179.0, 179.0, -179.0, 179.0])
+    assert found.seam_share == 0.25
+    assert found.torn(0.0) and not found.torn(180.0)
+    assert mean_difference([1.0, 359.0]).torn(180.0)
+    assert mean_difference([270.0, 271.0, 269.0]).seam_share == 0.0
+    assert not mean_difference([]).torn(0.0)
+
+
+def test_wild_readings_are_not_the_seam(rng):
+    """A sensor near zero of which one reading in fifty is anything."""
+    x = np.where(rng.random(5000) < 0.02, rng.uniform(-180.0, 180.0, 5000), 0.0)
+    assert not mean_difference(x).torn(0.0)

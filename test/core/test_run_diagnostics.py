@@ -29,7 +29,14 @@ from heading_intercompare.core.guarded import decide, evidence_of, Guarded
 from heading_intercompare.core.intercomparison import join
 from heading_intercompare.core.normality import Normality, Shape
 from heading_intercompare.core.reference_noise import ReferenceNoise
-from heading_intercompare.core.run_blocks import Allan, Correlation, Drift, drift_of, RunSkew
+from heading_intercompare.core.run_blocks import (
+    Allan,
+    Correlation,
+    Drift,
+    drift_of,
+    left_in_deg2,
+    RunSkew,
+)
 from heading_intercompare.core.run_diagnostics import diagnose, Diagnostics, with_runs
 from heading_intercompare.core.sequential import LookVerdict
 from heading_intercompare.core.settings import Settings
@@ -256,3 +263,10 @@ def test_the_page_knows_every_block_there_is(good):
         if is_dataclass(block):
             assert type(block) in known, type(block)
             seen += [getattr(block, f.name) for f in fields(block)]
+
+def test_the_drift_left_in_is_that_of_the_block(rng):
+    stamps = np.arange(4000) * 10 ** 8
+    for slope in (0.0, 2e-4):
+        x = slope * np.arange(4000) + rng.standard_normal(4000)
+        assert left_in_deg2(stamps, x) == drift_of(stamps, x, 0.1)[0].left_deg2
+    assert left_in_deg2(stamps[:0], x[:0]) == 0.0

@@ -145,6 +145,40 @@ def test_thirty_degrees_off_without_a_word_is_void_and_with_one_is_not(pair):
     assert judged(ts + 30.0, rs, detectors={'mean_max_deg': 31.0}).validity_effect == DOUBTFUL
 
 
+@pytest.mark.parametrize('stated, u_deg, effect', [
+    (0.1, 0.0, VOID), (30.0, 0.0, VOID), (0.0, 0.1, VOID), (60.0, 0.1, HOLDS),
+    (0.0, 19.9, VOID), (0.0, 20.1, DOUBTFUL), (-300.0, 0.0, HOLDS)])
+def test_an_installation_angle_excuses_only_what_it_explains(pair, stated, u_deg, effect):
+    """Mounted at 60 deg: what 3 standard uncertainties of the stated angle leave of it is void."""
+    ts, rs = pair
+    verdict = judged(ts + 60.0, rs, installation_offset_deg=stated,
+                     installation_offset_u_deg=u_deg)
+    assert effects(verdict).get('mean_difference', HOLDS) == effect
+    if effect == VOID:
+        assert verdict.runs[0].reason == 'void.mean_difference'
+
+
+@pytest.mark.parametrize('center, turn, effect', [
+    (180.0, 0.0, VOID), (-180.0, 0.0, VOID), (180.0, 0.4, VOID), (180.0, 2.0, HOLDS),
+    (0.0, 0.0, HOLDS), (90.0, 0.0, HOLDS)])
+def test_differences_on_the_seam_of_the_wrap_are_void(pair, center, turn, effect):
+    """The seam of 180 deg is at 0: half the differences are near 0, half near 360 deg."""
+    ts, rs = pair
+    verdict = judged(ts + turn, rs, wrap_center_deg=center)
+    assert effects(verdict).get('convention', HOLDS) == effect
+    if effect == VOID:
+        assert verdict.runs[0].reason == 'void.convention'
+        assert 'the differences lie on the seam of wrap_center_deg' in verdict.headline
+    else:
+        assert verdict.outcome is Outcome.COMPLIANT
+
+
+def test_no_verdict_comes_from_the_seam_with_the_conventions_switched_off(pair):
+    ts, rs = pair
+    off = {'convention_tolerance_deg': 0.0, 'mean_max_deg': 180.0}
+    assert judged(ts + 180.0, rs, detectors=off).runs[0].reason == 'void.convention'
+
+
 def test_a_frozen_sensor_is_void_even_if_its_variance_would_be_rejected(pair):
     ts, rs = pair
     ts[4000:6000] = ts[4000]
@@ -227,6 +261,21 @@ def test_a_skew_that_decides_nothing_does_not_bind(ship, rng):
     verdict = judged(late + 0.05 * rng.standard_normal(N), ship + 0.05 * rng.standard_normal(N))
     assert verdict.runs[0].skew.estimate.significant
     assert effects(verdict) == {} and verdict.outcome is Outcome.COMPLIANT
+
+
+@pytest.mark.parametrize('late_s', [0.7, 1.0, 1.3])
+def test_the_alternative_that_a_headline_gives_is_that_of_the_aligned_run(late_s, rng):
+    """RS headings made up at the ends of the run once called these indeterminate."""
+    t = T_S + 200.0
+
+    def heading(at_s):
+        return 90.0 + 40.0 * np.sin(2.0 * np.pi * at_s / 600.0) + np.sin(
+            2.0 * np.pi * at_s / 8.0)
+
+    pair = (heading(t - late_s) + 0.1 * rng.standard_normal(N),
+            heading(t) + 0.05 * rng.standard_normal(N))
+    assert f'a skew of {late_s:.2f} s decides, without it compliant' in judged(*pair).headline
+    assert judged(*pair, alignment={'skew': 'apply'}).outcome is Outcome.COMPLIANT
 
 
 # --- a slow part ---
@@ -409,3 +458,56 @@ def test_a_slow_reference_rejects_no_sound_sensor(rs_hz, yaw_deg, period_s, rng)
     assert forced.runs[0].guarded.outcome is not Outcome.COMPLIANT
     assert forced.runs[0].reason == 'void.interpolation'
     assert 'the slower sensor is too slow for the motion' in forced.headline
+
+
+# --- skews of all sizes, and clocks that step ---
+
+def late_pair(rng, late_s, yaw_period_s=8.0):
+    """Return headings of a sound TS that is late, and of the RS, of a ship that turns and yaws."""
+    def heading(at_s):
+        return 90.0 + 40.0 * np.sin(2.0 * np.pi * at_s / 600.0) + np.sin(
+            2.0 * np.pi * at_s / yaw_period_s)
+
+    return (heading(T_S - late_s) + 0.1 * rng.standard_normal(N),
+            heading(T_S) + 0.05 * rng.standard_normal(N))
+
+
+@pytest.mark.parametrize('late_s, yaw_period_s', [(1.3, 6.0), (-1.7, 6.0), (1.9, 8.0),
+                                                  (1.9, 15.0)])
+def test_no_skew_within_the_range_rejects_a_sound_sensor(late_s, yaw_period_s, rng):
+    """From a fifth of the yaw period on these were rejected without a doubt."""
+    ts, rs = late_pair(rng, late_s, yaw_period_s)
+    verdict = judged(ts, rs)
+    assert effects(verdict) == {'clocks': DOUBTFUL}
+    assert f'a skew of {late_s:.2f} s decides, without it compliant' in verdict.headline
+    assert judged(ts, rs, alignment={'skew': 'apply'}).outcome is Outcome.COMPLIANT
+
+
+@pytest.mark.parametrize('late_s, yaw_period_s', [(2.1, 6.0), (2.1, 8.0), (3.0, 6.0),
+                                                  (-3.0, 15.0), (10.0, 8.0)])
+def test_a_skew_beyond_the_range_is_named(late_s, yaw_period_s, rng):
+    ts, rs = late_pair(rng, late_s, yaw_period_s)
+    verdict = judged(ts, rs)
+    assert effects(verdict) == {'clocks': DOUBTFUL}
+    assert (f'the TS may be {"late" if late_s > 0.0 else "early"} by about {abs(late_s):.1f} s, '
+            'beyond alignment.skew_range_s, without that compliant') in verdict.headline
+    estimate = verdict.runs[0].skew.estimate
+    assert (estimate.kind, estimate.well_determined) == ('beyond', False)
+    (said,) = (w for w in judged(ts, rs, alignment={'skew': 'apply'}).runs[0].warnings
+               if w.startswith('not_aligned'))
+    assert 'beyond alignment.skew_range_s' in said and 'turn' not in said
+
+
+@pytest.mark.parametrize('step_s', [1.0, 5.0, -30.0])
+def test_a_clock_that_steps_is_named_and_void(step_s, rng):
+    ts, rs = late_pair(rng, np.where(T_S > 700.0, step_s, 0.0))
+    verdict = judged(ts, rs)
+    assert verdict.runs[0].reason == 'void.clocks'
+    assert f'the skew changes by {step_s:.2g} s at 70' in verdict.headline
+
+
+@pytest.mark.parametrize('sigma_deg, late_s', [(0.5, 0.0), (0.5, 3.0), (2.0, 0.5)])
+def test_a_bad_sensor_is_not_excused_by_a_skew(sigma_deg, late_s, rng):
+    ts, rs = late_pair(rng, late_s)
+    verdict = judged(ts + sigma_deg * rng.standard_normal(N), rs)
+    assert effects(verdict) == {} and verdict.outcome is Outcome.NON_COMPLIANT
