@@ -102,3 +102,66 @@ def test_steps_without_a_common_measure_have_none(rng):
 def test_the_step_of_a_sensor_survives_jitter(rng):
     stamps = np.arange(5000) * 10 ** 8 + rng.integers(-10 ** 6, 10 ** 6, 5000)
     assert stamp_steps(stamps).nominal_s == pytest.approx(0.1, rel=0.02)
+
+
+@pytest.mark.parametrize('apart_s', [0.001, 0.003, 0.005, 0.01, 0.02, 0.03])
+def test_sentences_in_twins_lose_nothing(apart_s):
+    """HDT and THS of one reading: 0.1 s is no multiple of 3 ms, nor twenty of 5 ms lost."""
+    t = np.arange(12_000) * 0.1
+    found = stamp_steps(stamps_at(t, t + apart_s))
+    assert found.nominal_s == pytest.approx(0.1, rel=0.01) and found.lost_share == 0.0
+
+
+def test_twins_do_not_hide_what_is_lost(rng):
+    t = np.flatnonzero(rng.random(12_000) < 0.4) * 0.1
+    assert stamp_steps(stamps_at(t, t + 0.003)).lost_share == pytest.approx(
+        1.0 - t.size / 12_000, abs=0.01)
+
+
+def test_stamps_out_of_step_lose_nothing(rng):
+    """A quarter of the readings twice; every fifth early; events; bursts, even and uneven."""
+    t = np.arange(12_000) * 0.1
+    pauses = np.cumsum(0.1 + rng.exponential(1.0, 1200))
+    for stamps in (
+            stamps_at(t, t[rng.random(t.size) < 0.25] + 0.003),
+            stamps_at(t - 0.09 * (np.arange(t.size) % 5 == 0)),
+            stamps_at(np.cumsum(rng.exponential(0.1, 12_000))),
+            stamps_at(np.cumsum(rng.gamma(11.0, 0.1 / 11.0, 12_000))),
+            stamps_at((np.arange(1200)[:, None] + np.arange(10) * 0.01).ravel()),
+            stamps_at(*(start + 0.001 * np.arange(rng.integers(1, 30)) for start in pauses))):
+        assert stamp_steps(stamps).lost_share < 0.01
+
+
+@pytest.mark.parametrize('jitter', ['none', 'uniform', 'normal'])
+@pytest.mark.parametrize('lost', [0.0, 0.1, 0.11, 0.49, 0.52, 0.7])
+def test_what_is_lost_at_random_is_found_in_spite_of_jitter(lost, jitter, rng):
+    """Up to a fifth of the step, or with a standard deviation of a seventh of it."""
+    n = 12_000
+    off = {'none': 0.0, 'uniform': rng.uniform(-0.2, 0.2, n),
+           'normal': 0.15 * rng.standard_normal(n)}[jitter]
+    keep = rng.random(n) >= lost
+    found = stamp_steps(stamps_at((0.1 * (np.arange(n) + off))[keep]))
+    assert found.lost_share == pytest.approx(
+        1.0 - np.mean(keep), abs=0.02 if jitter == 'normal' else 0.001)
+
+
+def test_what_is_lost_in_outages_is_found(rng):
+    """Sixty percent of the time, in outages of two seconds; and 36 s of every minute."""
+    t = np.arange(12_000) * 0.1
+    edges = np.cumsum(np.stack((rng.exponential(4.0 / 3.0, 900),
+                                rng.exponential(2.0, 900)), axis=1).ravel())
+    keep = np.searchsorted(edges, t) % 2 == 0
+    assert stamp_steps(stamps_at(t[keep])).lost_share == pytest.approx(
+        1.0 - np.mean(keep), abs=0.01)
+    assert stamp_steps(stamps_at(t[t % 60.0 >= 36.0])).lost_share == pytest.approx(0.59, abs=0.01)
+
+
+def test_silences_of_a_sensor_out_of_step_are_lost(rng):
+    """Half an hour of events, every fourth minute silent."""
+    t = np.cumsum(rng.exponential(0.1, 18_000))
+    assert stamp_steps(stamps_at(t[t % 240.0 >= 60.0])).lost_share == pytest.approx(
+        0.25, abs=0.02)
+
+
+def stamps_at(*seconds):
+    return np.sort(np.rint(np.concatenate(seconds) * 1e9).astype(np.int64))

@@ -44,3 +44,20 @@ def test_a_look_judges_the_gaps_between_the_pairs(rng, kept, expected):
     assert first.reason == ('void.losses' if kept < 0.5 else 'upper_bound_within_acceptance_limit')
     assert second.outcome.value == 'compliant'
     assert run.outcome.value == 'compliant'
+
+
+@pytest.mark.parametrize('twin', ['TS', 'RS'])
+def test_a_sound_sensor_that_sends_two_sentences_a_reading_is_certified(twin, rng):
+    """HDT and THS 5 ms apart: void before, with 90 % lost."""
+    t = np.arange(1, 12_001) * 0.1
+    ship = 90.0 + 40.0 * np.sin(t / 100.0) + np.sin(2.0 * np.pi * t / 8.0)
+    streams = []
+    for name, sigma in (('TS', 0.1), ('RS', 0.05)):
+        heading, at = ship + sigma * rng.standard_normal(t.size), t
+        if name == twin:
+            heading, at = np.repeat(heading, 2), np.sort(np.concatenate((t, t + 0.005)))
+        streams.append(Headings.of(np.rint(at * 1e9).astype(np.int64), heading))
+    verdict = analyze(*streams, Settings.from_mapping({
+        'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}}))
+    losses = next(f for f in verdict.runs[0].validity if f.condition == 'losses')
+    assert (losses.effect, verdict.outcome.value) == (HOLDS, 'compliant')
