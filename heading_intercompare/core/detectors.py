@@ -189,8 +189,9 @@ def _lost(steps: np.ndarray, nominal: float | None, silence_steps: float) -> flo
 def _usual_ns(steps: np.ndarray) -> float:
     """Return the step that half of the time is bridged by, without pauses if it is one."""
     usual = typical_step_ns(np.append(0, np.cumsum(steps)))
-    if usual > max(_LONGEST_NS, _PAUSE * float(np.median(steps))):
-        usual = typical_step_ns(np.append(0, np.cumsum(steps[steps <= _LONGEST_NS])))
+    longest = max(_LONGEST_NS, _PAUSE * float(np.median(steps)))
+    if usual > longest:
+        usual = typical_step_ns(np.append(0, np.cumsum(steps[steps <= longest])))
     return float(usual)
 
 
