@@ -196,6 +196,15 @@ def _frozen(e: Examined) -> Finding:
             return Finding('frozen', VOID, f'the {name} sent one value for an hour',
                            f'the {name} sent one value for {sign.longest_s:.0f} s, although it '
                            'reports decimals')
+    for name, sign in (('TS', signs.ts_frozen), ('RS', signs.rs_frozen)):
+        if sign.kind == 'constant':
+            lasted = f'for {sign.longest_s:.0f} s'
+            never = sign.hold_s is None and sign.longest_s >= (
+                int(e.data.stamp_ns[-1]) - int(e.data.stamp_ns[0])) / 1e9
+            return Finding('frozen', DOUBTFUL, f'the {name} never changed its value' if never
+                           else f'the {name} did not change its value {lasted}',
+                           f'the {name} sent one value {lasted}, although it reports decimals, '
+                           'and the other sensor did not')
     longest = max(signs.ts_frozen.longest_s, signs.rs_frozen.longest_s)
     return Finding('frozen', HOLDS, '', f'no value was repeated for more than {longest:.1f} s '
                    'while the other sensor turned' if longest else 'no value was repeated')
