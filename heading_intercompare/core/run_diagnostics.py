@@ -178,7 +178,7 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
     steps = resolution(ts_deg), resolution(rs_deg)
     signs = Signs(
         convention(x_deg, rs_deg, detectors.convention_tolerance_deg), mean_difference(x_deg),
-        same_source(x_deg, rs_deg, *steps, detectors.same_source_ratio),
+        same_source(x_deg, rs_deg, *steps, detectors.same_source_share),
         common_noise(stamp_ns, x_deg, rs_deg,
                      rs_factor=None if interpolates_ts else factor,
                      rs_step_deg=steps[1].step_deg, ts_step_deg=steps[0].step_deg),

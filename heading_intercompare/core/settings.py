@@ -337,9 +337,9 @@ class Detectors(Checked):
     frozen_moved_deg: float = setting(
         0.0, 'and the other one turns by so much meanwhile, and by more than the errors and steps '
         'of both explain [deg]', 0.0, 180.0)
-    same_source_ratio: float = setting(
-        1.5, 'the sensors are one if the variance of the difference is at most so many times '
-        'what rounding alone gives', 1.0)
+    same_source_share: float = setting(
+        0.001, 'the sensors are one if at most so many readings differ, as a share of those that '
+        'change', 0.0, 1.0)
     mean_max_deg: float = setting(
         15.0, 'a larger mean difference makes a run void unless an installation angle is stated '
         '[deg]', 0.0, 180.0)

@@ -21,13 +21,50 @@ def turning(n, rng, noise=0.1):
 
 # --- same source ---
 
-def test_a_copy_is_suspected_and_so_is_a_rounded_copy(rng):
+def suspected(ts, rs, offset=0.0):
+    return same_source(wrap180(ts - rs - offset), rs, resolution(ts), resolution(rs)).suspected
+
+
+@pytest.mark.parametrize('step', [None, 0.01, 0.1, 1.0])
+def test_a_copy_is_suspected_whatever_its_step_and_mounting(step, rng):
+    """One of 3000 readings may differ, from a thousand changes on; ten may not."""
+    rs, _ = turning(3000, rng)
+    rs = rs if step is None else np.round(rs / step) * step % 360.0
+    assert suspected(rs, rs) is True
+    assert suspected((rs + 90.0) % 360.0, rs) is True
+    assert suspected((rs + 30.0) % 360.0, rs, 30.0) is True
+    ts = rs.copy()
+    ts[1500] += 1.0
+    assert suspected(ts, rs) is True
+    ts[1500:1510] += 2.0
+    assert suspected(ts, rs) is False
+
+
+def test_a_copy_alongside_shows_by_its_noise(rng):
+    rs = np.round(30.0 + 0.05 * rng.standard_normal(3000), 1)
+    assert suspected(rs.copy(), rs) is True
+    assert suspected(np.round(30.0 + 0.05 * rng.standard_normal(3000), 1), rs) is False
+
+
+@pytest.mark.parametrize('ts_step, rs_step, ts_noise, rs_noise', [
+    (1.0, None, 0.1, 0.05), (1.0, 0.01, 0.1, 0.05), (1.0, 0.1, 0.1, 0.05), (1.0, 1.0, 0.03, 0.03),
+    (0.5, 0.1, 0.05, 0.05), (0.1, 0.1, 0.02, 0.02), (0.1, 0.1, 0.01, 0.01), (1.0, 0.1, 0.0, 0.0)])
+def test_coarse_quiet_sensors_are_two(ts_step, rs_step, ts_noise, rs_noise, rng):
+    """Rounding alone makes the difference of two good sensors, and less where they round alike."""
+    t = np.arange(12_000) / 10.0
+    ship = 90.0 + 40.0 * np.sin(t / 100.0) + np.sin(2.0 * np.pi * t / 8.0)
+    ts, rs = (h if step is None else np.round(h / step) * step for h, step in (
+        (ship + ts_noise * rng.standard_normal(t.size), ts_step),
+        (ship + rs_noise * rng.standard_normal(t.size), rs_step)))
+    assert suspected(ts, rs) is False
+
+
+def test_a_copy_rounded_again_is_no_smaller_than_two_good_sensors(rng):
     rs, _ = turning(3000, rng)
     rs = np.round(rs, 2) % 360.0
     ts = np.round(rs, 1) % 360.0
-    for copy in (rs, ts):
-        found = same_source(wrap180(copy - rs), rs, resolution(copy), resolution(rs))
-        assert found.suspected is True
+    found = same_source(wrap180(ts - rs), rs, resolution(ts), resolution(rs))
+    assert found.suspected is False
     assert found.rounding_deg == pytest.approx(0.1 / np.sqrt(12.0), rel=0.01)
     assert found.std_deg == pytest.approx(found.rounding_deg, rel=0.05)
 
@@ -37,6 +74,12 @@ def test_two_good_sensors_are_not_suspected(rng):
     ts = np.round(ts, 1) % 360.0
     found = same_source(wrap180(ts - rs), rs, resolution(ts), resolution(rs))
     assert found.suspected is False
+
+
+def test_too_few_changes_do_not_tell(rng):
+    """A ship that keeps within a degree for long, and turns: both read the same whole degrees."""
+    rs = np.round(np.repeat(np.arange(0.0, 200.0), 20))
+    assert suspected(rs.copy(), rs) is None
 
 
 @pytest.mark.parametrize('name', ['gyr1-s330', 'seap-s330', 'lgyr-lsep'])
@@ -84,8 +127,8 @@ def test_equal_stamps_are_no_silence():
 
 def test_settings_of_the_detectors_are_checked():
     assert from_mapping(Detectors, {'frozen_s': 3}).frozen_s == 3.0
-    with pytest.raises(SettingsError, match='same_source_ratio = 0.5'):
-        Detectors(same_source_ratio=0.5)
+    with pytest.raises(SettingsError, match='same_source_share = 2.0'):
+        Detectors(same_source_share=2.0)
 
 
 def test_the_step_of_a_sensor_shows_although_most_readings_are_missing(rng):
@@ -161,6 +204,12 @@ def test_silences_of_a_sensor_out_of_step_are_lost(rng):
     t = np.cumsum(rng.exponential(0.1, 18_000))
     assert stamp_steps(stamps_at(t[t % 240.0 >= 60.0])).lost_share == pytest.approx(
         0.25, abs=0.02)
+
+
+def test_stamps_of_a_sensor_slower_than_any_pause(rng):
+    """Nothing shorter than five seconds, and half of the time in one silence."""
+    t = np.append(np.arange(200.0) * 6.0, 3600.0) + rng.uniform(0.0, 5.0, 201)
+    assert 0.5 < stamp_steps(stamps_at(t)).lost_share < 0.7
 
 
 def stamps_at(*seconds):
