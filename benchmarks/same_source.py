@@ -164,7 +164,7 @@ def judged(run: Run, ts_t: np.ndarray, ts: np.ndarray) -> OneSource:
     taken.update(pairs)
     return one_source(taken.stamp_ns.values, taken.x_deg.values, taken.rs_deg.values,
                       factor=taken.factor.values, interpolates_ts=taken.interpolates_ts,
-                      ratio=run.settings.detectors.same_source_ratio)
+                      share=run.settings.detectors.same_source_share)
 
 
 def exact(run: Run) -> OneSource:

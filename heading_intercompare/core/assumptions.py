@@ -300,10 +300,8 @@ def correlated_errors(upper_deg2: float | None, reference_deg: float,
         return _of('i', VIOLATED, 'the TS follows the noise or the glitches of the RS: both come '
                    'from one sensor')
     if source.kind == 'suspected':
-        rounding = source.rounding
-        return _of('i', VIOLATED, f'the differences scatter by {rounding.std_deg:.2g} deg, '
-                   f'rounding alone gives {rounding.rounding_deg:.2g} deg: both may come from one '
-                   'sensor')
+        return _of('i', VIOLATED, 'the TS repeats the RS, reading by reading: both may come from '
+                   'one sensor')
     below = _below_reference(upper_deg2, reference_deg)
     if below:
         return _of('i', VIOLATED, f'{below}: the errors are correlated, unless (d) is violated')

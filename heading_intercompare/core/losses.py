@@ -39,11 +39,9 @@ def find_losses(run: RunVerdict, share: LedgerSegment | None, inside: LedgerSegm
 
 def lost_shares(run: RunVerdict) -> Iterator[tuple[str, float]]:
     """Yield the share of the pairs that gaps between them leave out, if it can be told."""
-    stamps = run.correlation.stamps
-    step_s = stamps.nominal_s or stamps.typical_s
-    if step_s and run.n > 1:
-        expected = run.coverage.span_s / step_s
-        yield 'lost', max(0.0, 1.0 - (run.n - 1) / expected)
+    lost = run.correlation.stamps.lost_share
+    if lost is not None:
+        yield 'lost', lost
 
 
 def _ledger_shares(run: RunVerdict, share: LedgerSegment, inside: LedgerSegment,

@@ -25,8 +25,8 @@ class OneSource:
 
     Attributes
     ----------
-    rounding : SameSource
-        Whether the differences scatter no more than rounding makes them.
+    readings : SameSource
+        Whether the TS repeats the RS, reading by reading.
     noise : CommonNoise
         Whether the TS follows the noise of the RS.
     glitches : CommonGlitches
@@ -34,7 +34,7 @@ class OneSource:
 
     """
 
-    rounding: SameSource
+    readings: SameSource
     noise: CommonNoise
     glitches: CommonGlitches
 
@@ -44,19 +44,20 @@ class OneSource:
         What they say together.
 
         'common': one source. 'independent': the RS shows noise or glitches of its own, and the
-        TS has neither. 'suspected': it shows none, and the differences are those of rounding,
-        as they are for a copy and for two sensors without error. Else 'not_testable'.
+        TS has neither. 'suspected': it shows none, and the TS repeats it reading by reading, as a
+        copy does, and a sensor without error beside another. Else 'not_testable'.
         """
-        if 'common' in (self.noise.kind, self.glitches.kind):
+        kinds = self.noise.kind, self.glitches.kind
+        if 'common' in kinds:
             return 'common'
-        if 'independent' in (self.noise.kind, self.glitches.kind):
+        if 'independent' in kinds:
             return 'independent'
-        return 'suspected' if self.rounding.suspected else 'not_testable'
+        return 'suspected' if self.readings.suspected else 'not_testable'
 
 
 def one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
                factor: ArrayLike | None = None, interpolates_ts: bool = False,
-               ratio: float = 1.5) -> OneSource:
+               share: float = 0.001) -> OneSource:
     """
     Look for signs of one source in the pairs of a run.
 
@@ -70,8 +71,8 @@ def one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
         What interpolation left of the variance of white noise, (1-w)^2 + w^2; default 1.
     interpolates_ts : bool
         Whether that is of the TS; else it is of the RS.
-    ratio : float
-        `detectors.same_source_ratio`.
+    share : float
+        `detectors.same_source_share`.
 
     Returns
     -------
@@ -89,7 +90,7 @@ def one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     x, rs = (np.asarray(v, dtype=np.float64) for v in (x_deg, rs_deg))
     steps = resolution(wrap360(x + rs)), resolution(rs)
     return OneSource(
-        same_source(x, rs, *steps, ratio),
+        same_source(x, rs, *steps, share),
         common_noise(stamp_ns, x, rs, rs_factor=None if interpolates_ts else factor,
                      ts_step_deg=steps[0].step_deg, rs_step_deg=steps[1].step_deg),
         common_glitches(stamp_ns, x, rs))

@@ -152,8 +152,7 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     stamps = stamp_steps(stamp_ns, detectors.silence_steps)
     correlation = correlation_of(residual, stamps, times or correlation_times(residual))
     signs, normal = _examine_headings(stamp_ns, x_deg, rs_deg, residual, settings, detectors,
-                                      math.sqrt(limits.limit_deg2), factor, interpolates_ts,
-                                      correlation, estimate)
+                                      limits, factor, interpolates_ts, correlation, estimate)
     allan = allan_of(x_deg, stamps.typical_s, _noise_of_rs(x_deg, rs_deg, estimate, range_s))
     variance = float(np.var(x_deg, ddof=1)) if n > 1 else None
     block = run_skew(estimate, variance, limits, scan)
@@ -169,21 +168,21 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
 
 def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
                       residual_deg: np.ndarray, settings: Settings, detectors: Detectors,
-                      sigma_deg: float, factor: np.ndarray | None, interpolates_ts: bool,
+                      limits: Limits, factor: np.ndarray | None, interpolates_ts: bool,
                       correlation: Correlation, estimate: Skew) -> tuple[Signs, Normality]:
     """Look at the headings of both sensors; those of the TS follow from the differences."""
     ts_deg = x_deg + rs_deg
     ts_deg += settings.installation_offset_deg
     ts_deg = wrap360(ts_deg)
-    limits = {'least_s': detectors.frozen_s, 'moved_deg': detectors.frozen_moved_deg,
-              'sigma_deg': sigma_deg}
+    least = {'least_s': detectors.frozen_s, 'moved_deg': detectors.frozen_moved_deg}
     both = (ts_deg, rs_deg) if interpolates_ts else (rs_deg, ts_deg)
     steps = resolution(ts_deg), resolution(rs_deg)
     signs = Signs(
         convention(x_deg, rs_deg, detectors.convention_tolerance_deg), mean_difference(x_deg),
         one_source(stamp_ns, x_deg, rs_deg, factor=factor, interpolates_ts=interpolates_ts,
-                   ratio=detectors.same_source_ratio),
-        frozen(stamp_ns, ts_deg, rs_deg, **limits), frozen(stamp_ns, rs_deg, ts_deg, **limits),
+                   share=detectors.same_source_share),
+        frozen(stamp_ns, ts_deg, rs_deg, **least, sigma_deg=limits.sigma_ref_max_deg),
+        frozen(stamp_ns, rs_deg, ts_deg, **least, sigma_deg=limits.sigma_max_deg),
         standstill(ts_deg, rs_deg), outliers(
             stamp_ns, residual_deg, longest_s=LONGEST_BURST_S,
             step_deg=max((s.step_deg or 0.0) for s in steps)),

@@ -25,6 +25,9 @@ _NO_GATE = ('is gone: the decision has no gate any more, its bounds grow where t
 
 _GONE = {
     'risk.method': 'is gone: there is one rule, live and at the end; leave it out',
+    'detectors.same_source_ratio':
+        'is gone: rounding proves no common source; detectors.same_source_share is the share of '
+        'readings that may differ',
     'risk.nu_min': _NO_GATE, 'risk.r1_max': _NO_GATE, 'risk.share_max': _NO_GATE,
 }
 """Settings of earlier versions, and what to do instead."""
@@ -337,9 +340,9 @@ class Detectors(Checked):
     frozen_moved_deg: float = setting(
         0.0, 'and the other one turns by so much meanwhile, and by more than the errors and steps '
         'of both explain [deg]', 0.0, 180.0)
-    same_source_ratio: float = setting(
-        1.5, 'the sensors are one if the variance of the difference is at most so many times '
-        'what rounding alone gives', 1.0)
+    same_source_share: float = setting(
+        0.001, 'the sensors are one if at most so many readings differ, as a share of those that '
+        'change', 0.0, 1.0)
     mean_max_deg: float = setting(
         15.0, 'a larger mean difference, less the installation angle stated, makes a run void '
         'unless 3 standard uncertainties of that angle cover it [deg]', 0.0, 180.0)

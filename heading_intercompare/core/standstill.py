@@ -10,7 +10,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .angles import unwrap_deg, wrap180
+from .angles import wrap180
+from .repetition import Windows
 from .resolution import resolution
 
 __all__ = ['Frozen', 'frozen', 'resolution_of', 'standstill', 'Standstill']
@@ -18,19 +19,16 @@ __all__ = ['Frozen', 'frozen', 'resolution_of', 'standstill', 'Standstill']
 _EQUAL_DEG = 1e-7
 _DECIMAL_DEG = 1e-6
 _MOST_DECIMALS = 4
+_CHANGES_IN = 100_000
+_LEAST_CHANGES = 3
+_OFF = 1e-3
 _REPEATED = 0.9
 _MARGIN_S = 2.0
 _PART_S = 1.0
-_MOST_PARTS = 512
 _LOOKED_AT = 1 << 14
-_WINDOWS = 64
-_LEAST_WINDOWS = 8
-_LEAST_READINGS = 4
-_FOLLOWS = 0.3
-_FOLLOWS_S = 16.0
-_SPAN_SHARE = 0.9
 _LONGEST_STRETCHES = 256
 _DEAD_S = 3600.0
+_NEARLY_ALL = 0.9
 _STEPS = 2.0
 
 
@@ -49,9 +47,10 @@ class Frozen:
         Stamp of the one of these during which the other turned most, nanoseconds.
     duration_s, other_moved_deg : float or None
         How long it lasted, and by how much the other turned meanwhile.
-    kind : {'alive', 'frozen', 'dead', 'not_testable'}
+    kind : {'alive', 'frozen', 'dead', 'constant', 'not_testable'}
         'frozen': there are such stretches. 'dead': one value for an hour from a sensor that
-        reports decimals, while the other's value changed. 'not_testable': n < 2.
+        reports decimals, while the other's value changed. 'constant': the same for nine tenths of
+        a shorter run. 'not_testable': n < 2.
     frozen_s : float
         Total duration of these stretches, seconds.
     resolution_deg : float or None
@@ -92,8 +91,9 @@ def resolution_of(heading_deg: ArrayLike) -> float | None:
     float or None
         The step of its changes; where they are too few to tell, or fewer than a tenth of the
         readings, the last decimal that a thousand readings show: those that occur more than
-        once, if any, for others may be interpolated. None without readings, or beyond four
-        decimals.
+        once, if any, for others may be interpolated. Of that, the multiple that all changes are
+        of, if there are three or more; or five, if it is always 5 or 0. None without readings,
+        or beyond four decimals.
 
     Examples
     --------
@@ -111,8 +111,18 @@ def resolution_of(heading_deg: ArrayLike) -> float | None:
     for decimals in range(_MOST_DECIMALS + 1):
         scaled = some * 10.0 ** decimals
         if (np.abs(scaled - np.rint(scaled)) <= _DECIMAL_DEG * 10.0 ** decimals).all():
-            return 10.0 ** -decimals if some.size else None
+            return _coarsest(heading, some, 10.0 ** -decimals) if some.size else None
     return found.step_deg
+
+
+def _coarsest(heading: np.ndarray, values: np.ndarray, unit_deg: float) -> float:
+    """Return the coarsest step that a heading with this last decimal shows."""
+    changes = np.abs(wrap180(np.diff(heading[:_CHANGES_IN])))
+    changes = changes[changes > _EQUAL_DEG] / unit_deg
+    if changes.size >= _LEAST_CHANGES and (np.abs(changes - np.rint(changes)) < _OFF).all():
+        return unit_deg * int(np.gcd.reduce(np.rint(changes).astype(np.int64)))
+    halves = np.rint(values / unit_deg).astype(np.int64) % 5 == 0
+    return 5.0 * unit_deg if unit_deg < 1.0 and halves.all() else unit_deg
 
 
 def frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
@@ -133,8 +143,8 @@ def frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
     moved_deg : float
         Least range of the other sensor within that time, degrees.
     sigma_deg : float, optional
-        Norm of the standard deviation of the difference, degrees: bounds the errors where the
-        sensor repeats itself for so much of the run that the rest does not tell.
+        Norm of the standard deviation of the other's errors, degrees: bounds them where the
+        sensor repeats itself for so much of the run that the rest does not tell; default 0.
 
     Returns
     -------
@@ -145,13 +155,17 @@ def frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
     Judged is the range of the other's means over about a second, within the stretch less two
     seconds and one hold at either end: a skew, or a sensor slower than its messages, repeats
     values into and out of a turn. A sensor that works may repeat a value while the ship stays
-    within two of its steps; the errors of both add twice the range that the difference has in
-    nine of ten other windows as long. Of normal errors twice that range is exceeded with a
-    probability below 1e-6. Nothing is added where in nine of ten windows as long, of 16
-    seconds or more, in which the other moved about as much (half to twice), the sensor followed
-    by 0.3 of it or more: then the difference ranges because of a skew. Windows that overlap a
-    long repetition are left out. Where fewer than eight are left, 8 `sigma_deg` are added
-    instead.
+    within two of its steps and the other rounds by one of its own; the errors of both add twice
+    the range that the difference has in nine of ten other windows as long. Of normal errors
+    twice that range is exceeded with a probability below 1e-6. Nothing is added where in nine of
+    ten windows as long, of 16 seconds or more, in which the other moved about as much (half to
+    twice), the sensor followed by 0.3 of it or more and by more than those steps: then the
+    difference ranges because of a skew. Windows that overlap a long repetition are left out.
+    Where fewer than eight are left, a stretch is judged by the windows of half its length, a
+    quarter, and so on to eight seconds, of which eight are left that do not overlap: by the one
+    in which the other moved most. Where there are none, and the repetitions make more than half
+    of the run, the other may range over 8 `sigma_deg` more than two steps, and within half a
+    minute scatter by 1.5 `sigma_deg` and one step.
 
     References
     ----------
@@ -167,32 +181,43 @@ def frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
     lasted = (stamps[last] - stamps[first]) / 1e9
     longest = float(lasted.max(initial=0.0))
     step = resolution_of(heading)
-    dead = longest >= _DEAD_S and step is not None and step < 1.0 and not _is_still(other)
+    kind = _kind(stamps, longest, step, other, least_s)
     margin = _MARGIN_S + (hold or 0.0)
     long = np.flatnonzero(lasted >= max(least_s, 2.0 * margin + _PART_S))
     long = long[np.argsort(-lasted[long], kind='stable')][:_LONGEST_STRETCHES]
-    alive = Frozen(longest, kind='dead' if dead else 'alive', resolution_deg=step, hold_s=hold)
+    alive = Frozen(longest, kind=kind, resolution_deg=step, hold_s=hold)
     if not long.size:
         return alive
     busy = np.zeros(stamps.size, bool)
     for lo, hi in zip(first[long], last[long]):
         busy[lo:hi + 1] = True
-    windows = _Windows(stamps, heading, other, busy, sigma_deg)
+    windows = Windows(stamps, heading, other, busy, resolution_of(other) or 0.0, sigma_deg)
     grain = max(moved_deg, _STEPS * (step or 0.0))
     found = []
     for at in long:
         lo, hi = _within(stamps, int(first[at]), int(last[at]), margin)
-        moved = _moved(stamps, other[lo:hi], lo, hi)
-        if moved <= grain:
-            continue
-        allowed = windows.allowed_deg((int(stamps[hi - 1]) - int(stamps[lo])) / 1e9, moved, grain)
-        if moved > allowed:
-            found.append((moved, allowed, float(lasted[at]), int(stamps[first[at]])))
+        excess = windows.excess(lo, hi, grain)
+        if excess is not None:
+            found.append((*excess, float(lasted[at]), int(stamps[first[at]])))
     if not found:
         return alive
     moved, allowed, duration, start = max(found)
-    return Frozen(longest, len(found), start, duration, moved, 'dead' if dead else 'frozen',
-                  sum(f[2] for f in found), step, hold, allowed)
+    return Frozen(longest, len(found), start, duration, moved,
+                  'dead' if kind == 'dead' else 'frozen', sum(f[2] for f in found), step, hold,
+                  allowed)
+
+
+def _kind(stamps: np.ndarray, longest_s: float, step: float | None, other: np.ndarray,
+          least_s: float) -> str:
+    """Return what the longest repetition says by itself."""
+    whole_s = (int(stamps[-1]) - int(stamps[0])) / 1e9
+    # A value is held until the next one: from n readings it lasts n steps.
+    lasted = longest_s + float(np.median(np.diff(stamps[:_LOOKED_AT]))) / 1e9
+    is_dead = lasted >= _DEAD_S
+    is_constant = longest_s >= max(least_s, _NEARLY_ALL * whole_s)
+    if not (is_dead or is_constant) or (step is not None and step >= 1.0) or _is_still(other):
+        return 'alive'
+    return 'dead' if is_dead else 'constant'
 
 
 def _stretches(stamps: np.ndarray,
@@ -215,61 +240,6 @@ def _within(stamps: np.ndarray, lo: int, hi: int, margin_s: float) -> tuple[int,
     margin = round(margin_s * 1e9)
     first, last = np.searchsorted(stamps[lo:hi + 1], [stamps[lo] + margin, stamps[hi] - margin])
     return lo + int(first), lo + max(int(last), int(first)) + 1
-
-
-def _moved(stamps: np.ndarray, values: np.ndarray, lo: int, hi: int) -> float:
-    """Return the range of the means over about a second; of readings, if they are fewer."""
-    values = unwrap_deg(values[::max(1, values.size // _LOOKED_AT)])
-    span = (int(stamps[hi - 1]) - int(stamps[lo])) / 1e9
-    parts = min(_MOST_PARTS, values.size, max(1, math.floor(span / _PART_S)))
-    if parts < 2:
-        return float(np.ptp(values)) if values.size else 0.0
-    edges = np.linspace(0, values.size, parts + 1).astype(np.int64)
-    return float(np.ptp(np.add.reduceat(values, edges[:-1]) / np.diff(edges)))
-
-
-class _Windows:
-    """What both sensors do in windows that hold no long repetition."""
-
-    def __init__(self, stamps: np.ndarray, heading: np.ndarray, other: np.ndarray,
-                 busy: np.ndarray, sigma_deg: float | None) -> None:
-        self._stamps, self._heading, self._other = stamps, heading, other
-        self._busy = busy
-        self._sigma_deg = sigma_deg
-        self._least_s = _LEAST_READINGS * float(np.median(np.diff(stamps[:_LOOKED_AT]))) / 1e9
-        self._known: dict[float, np.ndarray] = {}
-
-    def allowed_deg(self, span_s: float, moved_deg: float, grain_deg: float) -> float:
-        """Return how far the other may move in a stretch that a working sensor repeats."""
-        span_s = _PART_S * 2.0 ** math.ceil(math.log2(max(span_s, self._least_s, _PART_S)))
-        if span_s not in self._known:
-            self._known[span_s] = self._ranges(span_s)
-        own, others, errors = self._known[span_s]
-        if errors.size < _LEAST_WINDOWS:
-            mostly = np.count_nonzero(self._busy) > 0.5 * self._busy.size
-            return grain_deg + (8.0 * self._sigma_deg if self._sigma_deg is not None
-                                else 0.0 if mostly else math.inf)
-        alike = (others >= 0.5 * moved_deg) & (others <= 2.0 * moved_deg)
-        if span_s >= _FOLLOWS_S and np.count_nonzero(alike) >= _LEAST_WINDOWS and np.quantile(
-                own[alike] / others[alike], 1.0 - _SPAN_SHARE) >= _FOLLOWS:
-            return grain_deg
-        return grain_deg + 2.0 * float(np.quantile(errors, _SPAN_SHARE))
-
-    def _ranges(self, span_s: float) -> np.ndarray:
-        """Return the ranges of the sensor, of the other and of the difference by window."""
-        stamps, whole = self._stamps, int(self._stamps[-1]) - int(self._stamps[0])
-        length = round(span_s * 1e9)
-        rows = []
-        if 2 * length < whole:
-            begins = stamps[0] + np.linspace(0, whole - length, _WINDOWS).astype(np.int64)
-            lo, hi = np.searchsorted(stamps, begins), np.searchsorted(stamps, begins + length)
-            for a, b in zip(lo.tolist(), hi.tolist()):
-                if b - a < 2 or stamps[b - 1] - stamps[a] < 0.5 * length \
-                        or self._busy[a:b].any():
-                    continue
-                own, other = self._heading[a:b], self._other[a:b]
-                rows.append([_moved(stamps, h, a, b) for h in (own, other, own - other)])
-        return np.array(rows).reshape(-1, 3).T
 
 
 def _is_still(heading: np.ndarray) -> bool:

@@ -138,7 +138,7 @@ def examine(examined: Examined) -> tuple[Finding, ...]:
 
 def _same_source(e: Examined) -> Finding:
     source = e.found.signs.source
-    noise, glitches, rounding = source.noise, source.glitches, source.rounding
+    noise, glitches = source.noise, source.glitches
     name, words = 'same_source', 'TS and RS look like one sensor'
     followed = f'the TS follows {glitches.followed} of {glitches.count} glitches of the RS'
     if noise.kind == 'common':
@@ -159,9 +159,10 @@ def _same_source(e: Examined) -> Finding:
     if glitches.kind == 'independent':
         return Finding(name, HOLDS, '', followed)
     if source.kind == 'suspected':
-        return Finding(name, DOUBTFUL, 'one sensor twice, or two without error', 'the difference '
-                       f'scatters by {rounding.std_deg:.2g} deg, rounding alone gives '
-                       f'{rounding.rounding_deg:.2g} deg, and {_NO_NOISE[noise.reason]}')
+        # Without noise two perfect sensors do that, too; real ones never.
+        effect = DOUBTFUL if noise.reason == 'no_rs_noise' else VOID
+        return Finding(name, effect, 'one sensor twice, or two without error', 'the TS repeats '
+                       f'the RS, reading by reading, and {_NO_NOISE[noise.reason]}')
     return Finding(name, NOT_TESTABLE, '', _NO_NOISE[noise.reason])
 
 
@@ -222,6 +223,15 @@ def _frozen(e: Examined) -> Finding:
             return Finding('frozen', VOID, f'the {name} sent one value for an hour',
                            f'the {name} sent one value for {sign.longest_s:.0f} s, although it '
                            'reports decimals')
+    for name, sign in (('TS', signs.ts_frozen), ('RS', signs.rs_frozen)):
+        if sign.kind == 'constant':
+            lasted = f'for {sign.longest_s:.0f} s'
+            never = sign.hold_s is None and sign.longest_s >= (
+                int(e.data.stamp_ns[-1]) - int(e.data.stamp_ns[0])) / 1e9
+            return Finding('frozen', DOUBTFUL, f'the {name} never changed its value' if never
+                           else f'the {name} did not change its value {lasted}',
+                           f'the {name} sent one value {lasted}, although it reports decimals, '
+                           'and the other sensor did not')
     longest = max(signs.ts_frozen.longest_s, signs.rs_frozen.longest_s)
     return Finding('frozen', HOLDS, '', f'no value was repeated for more than {longest:.1f} s '
                    'while the other sensor turned' if longest else 'no value was repeated')

@@ -144,7 +144,7 @@ def test_i_is_never_said_to_be_met():
     assert state(assumptions.correlated_errors(0.04, 0.1, TWO)) == ('i', NOT_TESTABLE)
     assert state(assumptions.correlated_errors(None, 0.1, TWO)) == ('i', NOT_TESTABLE)
     assert state(assumptions.correlated_errors(0.009, 0.1, TWO)) == ('i', VIOLATED)
-    rounding = replace(TWO, rounding=SameSource(True, 0.03, 0.03))
+    rounding = replace(TWO, readings=SameSource(True, 0.03, 0.03))
     for one in (rounding, replace(TWO, noise=CommonNoise('common')),
                 replace(TWO, glitches=CommonGlitches('common'))):
         assert state(assumptions.correlated_errors(0.04, 0.1, one)) == ('i', VIOLATED)

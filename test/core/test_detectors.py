@@ -21,13 +21,50 @@ def turning(n, rng, noise=0.1):
 
 # --- same source ---
 
-def test_a_copy_is_suspected_and_so_is_a_rounded_copy(rng):
+def suspected(ts, rs, offset=0.0):
+    return same_source(wrap180(ts - rs - offset), rs, resolution(ts), resolution(rs)).suspected
+
+
+@pytest.mark.parametrize('step', [None, 0.01, 0.1, 1.0])
+def test_a_copy_is_suspected_whatever_its_step_and_mounting(step, rng):
+    """One of 3000 readings may differ, from a thousand changes on; ten may not."""
+    rs, _ = turning(3000, rng)
+    rs = rs if step is None else np.round(rs / step) * step % 360.0
+    assert suspected(rs, rs) is True
+    assert suspected((rs + 90.0) % 360.0, rs) is True
+    assert suspected((rs + 30.0) % 360.0, rs, 30.0) is True
+    ts = rs.copy()
+    ts[1500] += 1.0
+    assert suspected(ts, rs) is True
+    ts[1500:1510] += 2.0
+    assert suspected(ts, rs) is False
+
+
+def test_a_copy_alongside_shows_by_its_noise(rng):
+    rs = np.round(30.0 + 0.05 * rng.standard_normal(3000), 1)
+    assert suspected(rs.copy(), rs) is True
+    assert suspected(np.round(30.0 + 0.05 * rng.standard_normal(3000), 1), rs) is False
+
+
+@pytest.mark.parametrize('ts_step, rs_step, ts_noise, rs_noise', [
+    (1.0, None, 0.1, 0.05), (1.0, 0.01, 0.1, 0.05), (1.0, 0.1, 0.1, 0.05), (1.0, 1.0, 0.03, 0.03),
+    (0.5, 0.1, 0.05, 0.05), (0.1, 0.1, 0.02, 0.02), (0.1, 0.1, 0.01, 0.01), (1.0, 0.1, 0.0, 0.0)])
+def test_coarse_quiet_sensors_are_two(ts_step, rs_step, ts_noise, rs_noise, rng):
+    """Rounding alone makes the difference of two good sensors, and less where they round alike."""
+    t = np.arange(12_000) / 10.0
+    ship = 90.0 + 40.0 * np.sin(t / 100.0) + np.sin(2.0 * np.pi * t / 8.0)
+    ts, rs = (h if step is None else np.round(h / step) * step for h, step in (
+        (ship + ts_noise * rng.standard_normal(t.size), ts_step),
+        (ship + rs_noise * rng.standard_normal(t.size), rs_step)))
+    assert suspected(ts, rs) is False
+
+
+def test_a_copy_rounded_again_is_no_smaller_than_two_good_sensors(rng):
     rs, _ = turning(3000, rng)
     rs = np.round(rs, 2) % 360.0
     ts = np.round(rs, 1) % 360.0
-    for copy in (rs, ts):
-        found = same_source(wrap180(copy - rs), rs, resolution(copy), resolution(rs))
-        assert found.suspected is True
+    found = same_source(wrap180(ts - rs), rs, resolution(ts), resolution(rs))
+    assert found.suspected is False
     assert found.rounding_deg == pytest.approx(0.1 / np.sqrt(12.0), rel=0.01)
     assert found.std_deg == pytest.approx(found.rounding_deg, rel=0.05)
 
@@ -37,6 +74,12 @@ def test_two_good_sensors_are_not_suspected(rng):
     ts = np.round(ts, 1) % 360.0
     found = same_source(wrap180(ts - rs), rs, resolution(ts), resolution(rs))
     assert found.suspected is False
+
+
+def test_too_few_changes_do_not_tell(rng):
+    """A ship that keeps within a degree for long, and turns: both read the same whole degrees."""
+    rs = np.round(np.repeat(np.arange(0.0, 200.0), 20))
+    assert suspected(rs.copy(), rs) is None
 
 
 @pytest.mark.parametrize('name', ['gyr1-s330', 'seap-s330', 'lgyr-lsep'])
@@ -84,8 +127,8 @@ def test_equal_stamps_are_no_silence():
 
 def test_settings_of_the_detectors_are_checked():
     assert from_mapping(Detectors, {'frozen_s': 3}).frozen_s == 3.0
-    with pytest.raises(SettingsError, match='same_source_ratio = 0.5'):
-        Detectors(same_source_ratio=0.5)
+    with pytest.raises(SettingsError, match='same_source_share = 2.0'):
+        Detectors(same_source_share=2.0)
 
 
 def test_the_step_of_a_sensor_shows_although_most_readings_are_missing(rng):
@@ -102,3 +145,72 @@ def test_steps_without_a_common_measure_have_none(rng):
 def test_the_step_of_a_sensor_survives_jitter(rng):
     stamps = np.arange(5000) * 10 ** 8 + rng.integers(-10 ** 6, 10 ** 6, 5000)
     assert stamp_steps(stamps).nominal_s == pytest.approx(0.1, rel=0.02)
+
+
+@pytest.mark.parametrize('apart_s', [0.001, 0.003, 0.005, 0.01, 0.02, 0.03])
+def test_sentences_in_twins_lose_nothing(apart_s):
+    """HDT and THS of one reading: 0.1 s is no multiple of 3 ms, nor twenty of 5 ms lost."""
+    t = np.arange(12_000) * 0.1
+    found = stamp_steps(stamps_at(t, t + apart_s))
+    assert found.nominal_s == pytest.approx(0.1, rel=0.01) and found.lost_share == 0.0
+
+
+def test_twins_do_not_hide_what_is_lost(rng):
+    t = np.flatnonzero(rng.random(12_000) < 0.4) * 0.1
+    assert stamp_steps(stamps_at(t, t + 0.003)).lost_share == pytest.approx(
+        1.0 - t.size / 12_000, abs=0.01)
+
+
+def test_stamps_out_of_step_lose_nothing(rng):
+    """A quarter of the readings twice; every fifth early; events; bursts, even and uneven."""
+    t = np.arange(12_000) * 0.1
+    pauses = np.cumsum(0.1 + rng.exponential(1.0, 1200))
+    for stamps in (
+            stamps_at(t, t[rng.random(t.size) < 0.25] + 0.003),
+            stamps_at(t - 0.09 * (np.arange(t.size) % 5 == 0)),
+            stamps_at(np.cumsum(rng.exponential(0.1, 12_000))),
+            stamps_at(np.cumsum(rng.gamma(11.0, 0.1 / 11.0, 12_000))),
+            stamps_at((np.arange(1200)[:, None] + np.arange(10) * 0.01).ravel()),
+            stamps_at(*(start + 0.001 * np.arange(rng.integers(1, 30)) for start in pauses))):
+        assert stamp_steps(stamps).lost_share < 0.01
+
+
+@pytest.mark.parametrize('jitter', ['none', 'uniform', 'normal'])
+@pytest.mark.parametrize('lost', [0.0, 0.1, 0.11, 0.49, 0.52, 0.7])
+def test_what_is_lost_at_random_is_found_in_spite_of_jitter(lost, jitter, rng):
+    """Up to a fifth of the step, or with a standard deviation of a seventh of it."""
+    n = 12_000
+    off = {'none': 0.0, 'uniform': rng.uniform(-0.2, 0.2, n),
+           'normal': 0.15 * rng.standard_normal(n)}[jitter]
+    keep = rng.random(n) >= lost
+    found = stamp_steps(stamps_at((0.1 * (np.arange(n) + off))[keep]))
+    assert found.lost_share == pytest.approx(
+        1.0 - np.mean(keep), abs=0.02 if jitter == 'normal' else 0.001)
+
+
+def test_what_is_lost_in_outages_is_found(rng):
+    """Sixty percent of the time, in outages of two seconds; and 36 s of every minute."""
+    t = np.arange(12_000) * 0.1
+    edges = np.cumsum(np.stack((rng.exponential(4.0 / 3.0, 900),
+                                rng.exponential(2.0, 900)), axis=1).ravel())
+    keep = np.searchsorted(edges, t) % 2 == 0
+    assert stamp_steps(stamps_at(t[keep])).lost_share == pytest.approx(
+        1.0 - np.mean(keep), abs=0.01)
+    assert stamp_steps(stamps_at(t[t % 60.0 >= 36.0])).lost_share == pytest.approx(0.59, abs=0.01)
+
+
+def test_silences_of_a_sensor_out_of_step_are_lost(rng):
+    """Half an hour of events, every fourth minute silent."""
+    t = np.cumsum(rng.exponential(0.1, 18_000))
+    assert stamp_steps(stamps_at(t[t % 240.0 >= 60.0])).lost_share == pytest.approx(
+        0.25, abs=0.02)
+
+
+def test_stamps_of_a_sensor_slower_than_any_pause(rng):
+    """Nothing shorter than five seconds, and half of the time in one silence."""
+    t = np.append(np.arange(200.0) * 6.0, 3600.0) + rng.uniform(0.0, 5.0, 201)
+    assert 0.5 < stamp_steps(stamps_at(t)).lost_share < 0.7
+
+
+def stamps_at(*seconds):
+    return np.sort(np.rint(np.concatenate(seconds) * 1e9).astype(np.int64))

@@ -75,3 +75,18 @@ def test_readings_rejected_between_runs_are_not_lost_from_a_run(rng):
     run = analyze(Headings.of(stamps, ts), Headings.of(stamps, rs), Settings.from_mapping({
         'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.1}})).runs[0]
     assert next(f for f in run.validity if f.condition == 'losses').effect == HOLDS
+@pytest.mark.parametrize('twin', ['TS', 'RS'])
+def test_a_sound_sensor_that_sends_two_sentences_a_reading_is_certified(twin, rng):
+    """HDT and THS 5 ms apart: void before, with 90 % lost."""
+    t = np.arange(1, 12_001) * 0.1
+    ship = 90.0 + 40.0 * np.sin(t / 100.0) + np.sin(2.0 * np.pi * t / 8.0)
+    streams = []
+    for name, sigma in (('TS', 0.1), ('RS', 0.05)):
+        heading, at = ship + sigma * rng.standard_normal(t.size), t
+        if name == twin:
+            heading, at = np.repeat(heading, 2), np.sort(np.concatenate((t, t + 0.005)))
+        streams.append(Headings.of(np.rint(at * 1e9).astype(np.int64), heading))
+    verdict = analyze(*streams, Settings.from_mapping({
+        'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}}))
+    losses = next(f for f in verdict.runs[0].validity if f.condition == 'losses')
+    assert (losses.effect, verdict.outcome.value) == (HOLDS, 'compliant')

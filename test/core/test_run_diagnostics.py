@@ -160,12 +160,12 @@ def test_each_detector_sees_its_fault(good):
         return run(wrap180(ts - rs), rs % 360.0).signs
     clean = signs(ts, rs + course)
     assert clean.convention.kind == 'consistent'
-    assert not (clean.source.rounding.suspected or clean.ts_frozen.stretches
+    assert not (clean.source.readings.suspected or clean.ts_frozen.stretches
                 or clean.rs_frozen.stretches)
     assert signs(ts + 90.0, rs + course).convention.kind == 'offset'
     assert signs(90.0 - ts - 5.0 * course, rs + 6.0 * course).convention.kind == 'mirrored'
     assert signs(stuck, rs + course).ts_frozen.stretches == 1
-    assert signs(rs, rs).source.rounding.suspected
+    assert signs(rs, rs).source.readings.suspected
     coarse = run(wrap180(np.round(rs + 0.01 * x, 1) - rs), rs % 360.0)
     assert any(w.startswith('resolution: ') for w in coarse.warnings)
 

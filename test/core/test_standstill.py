@@ -40,7 +40,7 @@ def test_a_frozen_stretch_by_hand():
     assert (found.start_ns, found.duration_s, found.frozen_s) == (30 * 10 ** 9, 30.0, 30.0)
     assert found.other_moved_deg == pytest.approx(23.5)
     assert (found.resolution_deg, found.hold_s) == (pytest.approx(1.0), 1.0)
-    assert found.allowed_deg == pytest.approx(2.0)
+    assert found.allowed_deg == pytest.approx(3.0)
     assert frozen(stamps, rs, ts).kind == 'alive'
 
 
@@ -141,8 +141,9 @@ def test_an_hour_of_one_value_is_dead_though_the_ship_lies_alongside(rng):
     found = frozen(stamps_of(t), dead, rs)
     assert (found.kind, found.longest_s, found.resolution_deg) == ('dead', 3600.0, 0.1)
     assert (found.stretches, found.hold_s) == (0, None)
-    assert frozen(stamps_of(t), dead[:-2], rs[:-2]).kind == 'alive'
-    assert frozen(stamps_of(t)[:-2], dead[:-2], rs[:-2]).kind == 'alive'
+    # 36 000 readings of a tenth of a second are an hour, 35 999 are none.
+    assert frozen(stamps_of(t)[:-1], dead[:-1], rs[:-1]).kind == 'dead'
+    assert frozen(stamps_of(t)[:-2], dead[:-2], rs[:-2]).kind == 'constant'
 
 
 def test_whole_degrees_may_stand_for_an_hour(rng):
@@ -152,13 +153,48 @@ def test_whole_degrees_may_stand_for_an_hour(rng):
 
 
 def test_a_constant_sensor_is_frozen_in_a_run_of_minutes_under_way(rng):
-    """Nothing else in the run tells the errors: the norm of the difference bounds them."""
+    """Nothing else in the run tells the errors: the norm of the other sensor bounds them."""
     t = np.arange(6000) / 10.0
     rs = ship(t, rng) + 0.02 * rng.standard_normal(t.size)
     constant = np.full(t.size, 123.4)
     assert frozen(stamps_of(t), constant, rs).kind == 'frozen'
     assert frozen(stamps_of(t), constant, rs, sigma_deg=0.1).kind == 'frozen'
-    assert frozen(stamps_of(t), constant, rs, sigma_deg=1.0).kind == 'alive'
+    assert frozen(stamps_of(t), constant, rs, sigma_deg=1.0).kind == 'constant'
+
+
+@pytest.mark.parametrize('run_s, yaw_deg', [(3590, 0.3), (1200, 0.5), (3600, 0.3)])
+def test_a_constant_sensor_of_a_ship_that_yaws_is_frozen(run_s, yaw_deg, rng):
+    """Means of more than a second would average the yaw away; the norm of the RS is 0.1 deg."""
+    t = np.arange(1, run_s * 10 + 1) / 10.0
+    rs = 45.3 + yaw_deg * np.sin(2.0 * np.pi * t / 8.0) + 0.05 * rng.standard_normal(t.size)
+    found = frozen(stamps_of(t), np.full(t.size, 45.3), rs, moved_deg=0.0, sigma_deg=0.1)
+    assert (found.kind, found.stretches) == ('dead' if run_s == 3600 else 'frozen', 1)
+
+
+@pytest.mark.parametrize('run_s', [1200, 3500])
+def test_a_constant_sensor_alongside_is_told_from_one_that_works(run_s, rng):
+    """The noise of the RS is no motion: within two steps of the TS nothing is shown."""
+    t = np.arange(1, run_s * 10 + 1) / 10.0
+    rs = 90.1 + 0.02 * np.sin(t / 50.0) + 0.05 * rng.standard_normal(t.size)
+    stamps = stamps_of(t)
+    works = np.round(rs + 0.05 * rng.standard_normal(t.size), 1)
+    for ts, kind in ((np.full(t.size, 90.1), 'constant'), (np.full(t.size, 90.0), 'alive'),
+                     (np.full(t.size, 90.0 + 1.0 / 3.0), 'constant'), (works, 'alive')):
+        assert frozen(stamps, ts, rs, moved_deg=0.0, sigma_deg=0.1).kind == kind
+
+
+@pytest.mark.parametrize('share', [0.1, 0.33, 0.45, 0.6, 0.85])
+def test_a_sensor_that_stops_for_a_large_part_of_a_run_is_frozen(share, rng):
+    """No window as long is left: shorter ones tell."""
+    t = np.arange(1, 36_001) / 10.0
+    yaw = 45.3 + 0.3 * np.sin(2.0 * np.pi * t / 8.0)
+    ts = np.round(yaw + 0.1 * rng.standard_normal(t.size), 3)
+    rs = yaw + 0.05 * rng.standard_normal(t.size)
+    assert frozen(stamps_of(t), ts, rs, moved_deg=0.0, sigma_deg=0.1).kind == 'alive'
+    first = t.size - round(share * t.size)
+    ts[first:] = ts[first]
+    found = frozen(stamps_of(t), ts, rs, moved_deg=0.0, sigma_deg=0.1)
+    assert (found.kind, found.start_ns) == ('frozen', stamps_of(t)[first])
 
 
 def test_two_sensors_alongside_show_nothing(rng):
@@ -183,8 +219,9 @@ def test_an_interpolated_standstill_is_one():
 
 
 @pytest.mark.parametrize('values, step', [
-    ([123.4] * 5, 0.1), ([123.0] * 5, 1.0), ([0.25, 0.25], 0.01), ([1.0 / 3.0] * 9, None),
-    ([], None)])
+    ([123.4] * 5, 0.1), ([123.0] * 5, 1.0), ([0.24, 0.24], 0.01), ([1.0 / 3.0] * 9, None),
+    ([], None), ([90.5] * 5, 0.5), ([90.5] * 5 + [91.0] * 5 + [90.5] * 5 + [91.5] * 5, 0.5),
+    ([90.5] * 5 + [90.6] * 5 + [90.5] * 5 + [90.4] * 5, 0.1)])
 def test_decimals_tell_the_step_of_a_constant(values, step):
     assert resolution_of(values) == step
 

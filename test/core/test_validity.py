@@ -197,6 +197,17 @@ def test_a_dead_sensor_alongside_is_void(rng):
     assert 'one value for an hour' in verdict.headline
 
 
+def test_a_value_that_never_changes_gets_no_certificate_without_doubt(ship, rng):
+    """Alongside it is doubtful, as the RS shows little but noise; under way it is void."""
+    rs = 90.1 + 0.05 * rng.standard_normal(N)
+    verdict = judged(np.full(N, 90.1), rs)
+    assert effects(verdict) == {'frozen': DOUBTFUL}
+    assert 'DOUBTFUL: the TS never changed its value' in verdict.headline
+    yaw = rs + 0.5 * np.sin(2.0 * np.pi * T_S / 8.0)
+    verdict = judged(np.full(N, 90.1), yaw, norms={**NORMS, 'sigma_max_deg': 0.5})
+    assert verdict.runs[0].reason == 'void.frozen'
+
+
 @pytest.mark.parametrize('missing, effect', [(0.05, HOLDS), (0.3, DOUBTFUL), (0.6, VOID)])
 def test_readings_that_no_partner_is_found_for_bind(pair, missing, effect):
     """The RS is silent for 12 s in every minute or two, longer than pairing.max_gap_s."""
