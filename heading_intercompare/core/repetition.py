@@ -123,19 +123,23 @@ class Windows:
         if rows.shape[1] >= _LEAST_WINDOWS:
             allowed = _allowed_deg(rows, length, moved, rounded)
             return (moved, allowed) if moved > allowed else None
-        judged = False
+        longest = None
         while length >= max(2.0 * _SHORTEST_S, 2.0 * self._least_s):
             length *= 0.5
             rows, apart = self._ranges(length)
             if apart < _LEAST_WINDOWS or length > span:
                 continue
-            judged = True
             most = max((range_deg(self._stamps[a:b], self._other[a:b])
                         for a, b in self._within(lo, hi, length, 2)), default=0.0)
             allowed = _allowed_deg(rows, length, most, rounded)
             if most > allowed:
                 return most, allowed
-        return None if judged else self._beyond_norm(lo, hi, moved, grain_deg)
+            longest = allowed if longest is None else longest
+        if longest is None:
+            return self._beyond_norm(lo, hi, moved, grain_deg)
+        # A slow turn shows in the whole stretch alone.
+        allowed = longest + _RANGE_NORMS * (self._sigma_deg or 0.0)
+        return (moved, allowed) if moved > allowed else None
 
     def _beyond_norm(self, lo: int, hi: int, moved: float,
                      grain_deg: float) -> tuple[float, float] | None:

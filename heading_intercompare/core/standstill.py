@@ -163,9 +163,9 @@ def frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
     difference ranges because of a skew. Windows that overlap a long repetition are left out.
     Where fewer than eight are left, a stretch is judged by the windows of half its length, a
     quarter, and so on to eight seconds, of which eight are left that do not overlap: by the one
-    in which the other moved most. Where there are none, and the repetitions make more than half
-    of the run, the other may range over 8 `sigma_deg` more than two steps, and within half a
-    minute scatter by 1.5 `sigma_deg` and one step.
+    in which the other moved most, and as a whole with 8 `sigma_deg` more. Where there are none,
+    and the repetitions make more than half of the run, the other may range over 8 `sigma_deg`
+    more than two steps, and within half a minute scatter by 1.5 `sigma_deg` and one step.
 
     References
     ----------

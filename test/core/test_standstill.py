@@ -197,6 +197,15 @@ def test_a_sensor_that_stops_for_a_large_part_of_a_run_is_frozen(share, rng):
     assert (found.kind, found.start_ns) == ('frozen', stamps_of(t)[first])
 
 
+def test_a_slow_turn_shows_a_long_stop(rng):
+    """Thirty degrees in 10 min: hardly a step in the short windows that are left."""
+    t = np.arange(1, 12_001) / 10.0
+    rs = 45.3 + 30.0 * np.clip((t - 300.0) / 600.0, 0.0, 1.0) + 0.05 * rng.standard_normal(t.size)
+    ts = np.round(rs + 0.05 * rng.standard_normal(t.size))
+    ts[2000:] = ts[2000]
+    assert frozen(stamps_of(t), ts, rs, moved_deg=0.0, sigma_deg=0.1).kind == 'frozen'
+
+
 def test_two_sensors_alongside_show_nothing(rng):
     t = np.arange(HOUR + 1) / 10.0
     rs = np.full(t.size, 10.01)
