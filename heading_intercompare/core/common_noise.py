@@ -133,7 +133,7 @@ def common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     if segments < _LEAST_SEGMENTS:
         return CommonNoise('not_testable', 'too_short', segments)
     response = 1.0 - (1.0 - factor) * (1.0 - np.cos(np.pi * frequency / frequency[-1]))
-    edges = np.linspace(1, frequency.size, _GROUPS + 1).astype(np.int64)
+    edges = np.unique(np.linspace(1, frequency.size, _GROUPS + 1).astype(np.int64))
     grouped = _Groups(edges)
     step = rs_step_deg or 0.0
     if rs_step_deg is None and factor < 1.0 - _INTERPOLATED:
