@@ -178,7 +178,8 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
     both = (ts_deg, rs_deg) if interpolates_ts else (rs_deg, ts_deg)
     steps = resolution(ts_deg), resolution(rs_deg)
     signs = Signs(
-        convention(x_deg, rs_deg, detectors.convention_tolerance_deg), mean_difference(x_deg),
+        convention(x_deg, rs_deg, detectors.convention_tolerance_deg, stamp_ns=stamp_ns,
+                   range_s=settings.alignment.skew_range_s), mean_difference(x_deg),
         same_source(x_deg, rs_deg, *steps, detectors.same_source_ratio),
         common_noise(stamp_ns, x_deg, rs_deg,
                      rs_factor=None if interpolates_ts else factor,
