@@ -10,17 +10,16 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .angles import circular_mean, unwrap_deg, wrap180
-from .blocks import block_means, block_size, student_95, sum_covariance
+from .angles import circular_mean, wrap180
+from .blocks import block_size, student_95, sum_covariance
+from .turn_direction import turn_direction
 
 __all__ = ['Convention', 'convention', 'mean_difference', 'MeanDifference']
 
 _CONCENTRATED = 0.9
 _ON_SEAM_SIGMAS = 5.0
-_TURNED_DEG = 3.0
-_CLEAR = 4.0
 _LOOKED_AT = 1 << 17
-_LEAST_BLOCKS = 8
+_STEP_NS = 250_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,13 +37,13 @@ class Convention:
     spread_deg : float or None
         Circular standard deviation of the same.
     direction : {'with', 'against', 'not_testable'}
-        How TS turns: with RS, against it, or unknown since the ship did not turn.
+        How TS turns: with RS, against it, or unknown since no motion shows above the noise.
     turned_deg : float
-        Range of the heading of the RS, degrees, in the block length that tells the direction
+        Range of the heading of the RS, degrees, in means over the span that tells the direction
         best; 0 if none does.
     balance : float or None
         There, the square sum of the changes of TS + RS over that of TS - RS: above 4 they turn
-        together, below 1/4 against each other. None where the RS did not turn by 3 degrees.
+        together, below 1/4 against each other. None where no motion shows.
 
     """
 
@@ -56,8 +55,8 @@ class Convention:
     balance: float | None = None
 
 
-def convention(x_deg: ArrayLike, rs_deg: ArrayLike,
-               tolerance_deg: float = 10.0) -> Convention:
+def convention(x_deg: ArrayLike, rs_deg: ArrayLike, tolerance_deg: float = 10.0, *,
+               stamp_ns: ArrayLike | None = None, range_s: float = 2.0) -> Convention:
     """
     Look for a difference of conventions between the sensors.
 
@@ -67,6 +66,10 @@ def convention(x_deg: ArrayLike, rs_deg: ArrayLike,
         Differences and headings of the RS, in sample order, finite, degrees.
     tolerance_deg : float
         How near to 90, -90 or 180 a mean difference is suspicious, degrees.
+    stamp_ns : array_like of int, shape (n,), optional
+        Stamps of the pairs in increasing order, nanoseconds; without them no skew is allowed for.
+    range_s : float
+        Skews so large are allowed for, either way, seconds.
 
     Returns
     -------
@@ -74,12 +77,9 @@ def convention(x_deg: ArrayLike, rs_deg: ArrayLike,
 
     Notes
     -----
-    The direction is told by the changes d from block mean to block mean, in the block length
-    from 2^l samples in which it is clearest, so that a short turn in a long run suffices: when
-    both turn together TS + RS changes by 2 d and TS - RS by the noise, when they turn against
-    each other it is the other way round. The blocks of the RS must range over 3 degrees. A yaw
-    taken for a heading, TS = 90 - heading, gives 'mirrored' with 90. The means are circular:
-    nothing happens at the seam of the wrap. More than 131072 samples are thinned evenly.
+    The direction is told by `turn_direction`. A yaw taken for a heading, TS = 90 - heading, gives
+    'mirrored' with 90. The means are circular: nothing happens at the seam of the wrap; of more
+    than 131072 samples they are taken over so many, spread evenly.
 
     References
     ----------
@@ -89,9 +89,11 @@ def convention(x_deg: ArrayLike, rs_deg: ArrayLike,
     x, rs = np.asarray(x_deg, dtype=np.float64), np.asarray(rs_deg, dtype=np.float64)
     if not x.size:
         return Convention('not_testable', None, None)
+    if stamp_ns is None:
+        stamp_ns, range_s = np.arange(x.size) * _STEP_NS, 0.0
+    direction, turned, balance = turn_direction(np.asarray(stamp_ns), x, rs, range_s)
     every = max(1, -(-x.size // _LOOKED_AT))
     x, rs = x[::every], rs[::every]
-    direction, turned, balance = _direction(x, rs)
     mirrored = direction == 'against'
     angle, length = circular_mean(x + 2.0 * rs if mirrored else x)
     off = min(abs(float(wrap180(angle - wrong))) for wrong in (90.0, -90.0, 180.0)) \
@@ -106,31 +108,6 @@ def convention(x_deg: ArrayLike, rs_deg: ArrayLike,
 def _spread(length: float) -> float:
     """Return the circular standard deviation, degrees."""
     return math.degrees(math.sqrt(-2.0 * math.log(length))) if length > 0.0 else math.inf
-
-
-def _direction(x: np.ndarray, rs: np.ndarray) -> tuple[str, float, float | None]:
-    """Return how TS turns, how far RS turned, and the balance that tells it."""
-    rs, x = unwrap_deg(rs), unwrap_deg(x)
-    best = 'not_testable', 0.0, None
-    clearest = 0.0
-    while rs.size >= _LEAST_BLOCKS:
-        turned = float(np.ptp(rs))
-        if turned < _TURNED_DEG:
-            break
-        d, d_rs = np.diff(x), np.diff(rs)
-        apart = float(d @ d)
-        together = float(np.sum((d + 2.0 * d_rs) ** 2))
-        if together + apart > 0.0:
-            ratio = together / apart if apart > 0.0 else math.inf
-            clear = max(ratio, 1.0 / ratio if ratio > 0.0 else math.inf)
-            if clear > clearest:
-                clearest = clear
-                word = 'not_testable' if clear <= _CLEAR else 'with' if ratio > 1.0 else 'against'
-                best = word, turned, ratio if math.isfinite(ratio) else None
-        if rs.size < 2 * _LEAST_BLOCKS:
-            break
-        rs, x = block_means(rs, 2), block_means(x, 2)
-    return best
 
 
 @dataclass(frozen=True, slots=True)

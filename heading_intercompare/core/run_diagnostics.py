@@ -178,7 +178,8 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
     both = (ts_deg, rs_deg) if interpolates_ts else (rs_deg, ts_deg)
     steps = resolution(ts_deg), resolution(rs_deg)
     signs = Signs(
-        convention(x_deg, rs_deg, detectors.convention_tolerance_deg), mean_difference(x_deg),
+        convention(x_deg, rs_deg, detectors.convention_tolerance_deg, stamp_ns=stamp_ns,
+                   range_s=settings.alignment.skew_range_s), mean_difference(x_deg),
         one_source(stamp_ns, x_deg, rs_deg, factor=factor, interpolates_ts=interpolates_ts,
                    share=detectors.same_source_share),
         frozen(stamp_ns, ts_deg, rs_deg, **least, sigma_deg=limits.sigma_ref_max_deg),

@@ -57,6 +57,8 @@ _NO_NOISE = {
 LARGE_SIGMAS = 3.0
 """A mean difference above so many norms of the standard deviation is doubtful."""
 
+_YAWED_DEG = 5.0
+
 COVERED_SIGMAS = 3.0
 """A stated installation angle covers what is within so many of its standard uncertainties."""
 
@@ -177,7 +179,7 @@ def _convention(e: Examined) -> Finding:
     if found.kind == 'mirrored':
         return Finding('convention', VOID, 'TS turns against RS', 'TS turns against RS, their sum '
                        f'stays at {found.angle_deg:.1f} deg: one of them counts '
-                       'counter-clockwise')
+                       f'counter-clockwise{_unless_late(found.turned_deg)}')
     mean = e.found.signs.mean
     if mean.torn(e.settings.wrap_center_deg):
         return Finding('convention', VOID, 'the differences lie on the seam of wrap_center_deg',
@@ -186,9 +188,14 @@ def _convention(e: Examined) -> Finding:
                        f'about {mean.mean_deg:.2f} deg, {100.0 * mean.seam_share:.3g} % of them a '
                        'whole turn away from the others')
     if found.direction == 'not_testable':
-        return Finding('convention', NOT_TESTABLE, '', 'the ship did not turn enough to tell '
-                       'whether both count clockwise')
+        return Finding('convention', NOT_TESTABLE, '', 'the ship did not move enough, or only in '
+                       'a swell in which a skew looks alike, to tell whether both count clockwise')
     return Finding('convention', HOLDS, '', 'TS turns with RS, by the same axes')
+
+
+def _unless_late(turned_deg: float) -> str:
+    """Return what else it may be where the ship only yawed."""
+    return ', or is late by half a period of the yaw' if turned_deg < _YAWED_DEG else ''
 
 
 def _mean_difference(e: Examined) -> Finding:

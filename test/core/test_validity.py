@@ -138,6 +138,18 @@ def test_a_sensor_that_counts_the_other_way_is_void(pair):
         assert verdict.headline == 'INDETERMINATE, VOID: TS turns against RS'
 
 
+@pytest.mark.parametrize('yaw_deg', [0.1, 0.5])
+def test_a_mirrored_sensor_on_a_steady_course_is_void(yaw_deg, rng):
+    """Near 45 deg, where 90 - heading is near the heading: was rejected, or certified."""
+    yaw = yaw_deg * np.sin(2.0 * np.pi * T_S / 8.0)
+    noise = rng.standard_normal((2, N))
+    verdict = judged(45.0 - yaw + 0.1 * noise[0], 45.0 + yaw + 0.05 * noise[1])
+    assert verdict.runs[0].reason == 'void.convention'
+    assert 'TS turns against RS' in verdict.headline
+    sound = judged(45.0 + yaw + 0.1 * noise[0], 45.0 + yaw + 0.05 * noise[1])
+    assert effects(sound) == {} and sound.outcome is Outcome.COMPLIANT
+
+
 def test_thirty_degrees_off_without_a_word_is_void_and_with_one_is_not(pair):
     ts, rs = pair
     verdict = judged(ts + 30.0, rs)

@@ -284,7 +284,7 @@ def test_a_look_at_the_run_in_progress_that_decides_is_a_verdict_but_no_report(r
     graph.send(some_pairs(rng, 0, 500))
     ros.spin_until(lambda: graph.heard['verdict'])
     whole, progress = graph.heard['verdict'][0].status
-    assert (whole.message, progress.name) == ('INDETERMINATE', 'run in progress')
+    assert (whole.message, progress.name) == ('INDETERMINATE: there is no run', 'run in progress')
     shown = {pair.key: pair.value for pair in progress.values}
     assert (shown['look'], shown['looks'], shown['outcome']) == ('1', '2', 'compliant')
     assert graph.reports() == []
