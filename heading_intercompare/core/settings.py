@@ -25,9 +25,7 @@ _NO_GATE = ('is gone: the decision has no gate any more, its bounds grow where t
 
 _GONE = {
     'risk.method': 'is gone: there is one rule, live and at the end; leave it out',
-    'detectors.same_source_ratio':
-        'is gone: rounding proves no common source; detectors.same_source_share is the share of '
-        'readings that may differ',
+    'detectors.same_source_ratio': 'is gone: detectors.same_source_share takes its place',
     'risk.nu_min': _NO_GATE, 'risk.r1_max': _NO_GATE, 'risk.share_max': _NO_GATE,
 }
 """Settings of earlier versions, and what to do instead."""
