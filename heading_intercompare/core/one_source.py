@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from .angles import wrap360
 from .common_glitches import common_glitches, CommonGlitches
 from .common_noise import common_noise, CommonNoise
-from .detectors import same_source, SameSource
 from .resolution import resolution
+from .same_readings import same_source, SameSource
 
 __all__ = ['one_source', 'OneSource']
 

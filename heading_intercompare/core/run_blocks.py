@@ -11,13 +11,13 @@ import numpy as np
 
 from .alignment import Skew
 from .criteria import Limits, variance_criterion
-from .detectors import StampSteps
 from .drift import Detrended, drift_left_deg2, Order, select_order, Slope, slope
 from .noise import allan_deviation, autocorrelation, CorrelationTimes
 from .outcome import Outcome
 from .reference_noise import ReferenceNoise
 from .settling import mser5, warm_up, WarmUp
 from .skew_scan import Scan
+from .stamp_steps import StampSteps
 
 __all__ = ['Allan', 'allan_of', 'Correlation', 'correlation_of', 'Drift', 'drift_of',
            'left_in_deg2', 'RunSkew', 'run_skew']

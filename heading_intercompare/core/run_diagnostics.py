@@ -17,7 +17,6 @@ from .assumptions import Assumption
 from .clock_drift import clock_drift, ClockDrift
 from .conventions import Convention, convention, mean_difference, MeanDifference
 from .criteria import Limits
-from .detectors import stamp_steps
 from .deviation import deviation, HeadingDependence
 from .drift import Detrended
 from .ergodicity import Homogeneity
@@ -40,6 +39,7 @@ from .run_blocks import (
 )
 from .settings import Detectors, Settings
 from .skew_scan import Scan
+from .stamp_steps import stamp_steps
 from .standstill import Frozen, frozen, Standstill, standstill
 from .stationarity import Stationarity, stationarity
 

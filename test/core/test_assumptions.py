@@ -15,12 +15,12 @@ from heading_intercompare.core.alignment import Skew
 from heading_intercompare.core.assumptions import MET, model_kurtosis, NOT_TESTABLE, VIOLATED
 from heading_intercompare.core.common_glitches import CommonGlitches
 from heading_intercompare.core.common_noise import CommonNoise
-from heading_intercompare.core.detectors import SameSource
 from heading_intercompare.core.deviation import HeadingDependence
 from heading_intercompare.core.drift import Order, Slope
 from heading_intercompare.core.ergodicity import homogeneity, RunFigures
 from heading_intercompare.core.normality import shape
 from heading_intercompare.core.one_source import OneSource
+from heading_intercompare.core.same_readings import SameSource
 from heading_intercompare.core.settling import WarmUp
 from heading_intercompare.core.squares import Spread
 from heading_intercompare.core.stationarity import Stationarity

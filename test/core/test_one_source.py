@@ -9,8 +9,8 @@ import pytest
 
 from heading_intercompare.core.common_glitches import CommonGlitches
 from heading_intercompare.core.common_noise import CommonNoise
-from heading_intercompare.core.detectors import SameSource
 from heading_intercompare.core.one_source import one_source, OneSource
+from heading_intercompare.core.same_readings import SameSource
 
 N = 12_000
 T_S = np.arange(N) / 10.0

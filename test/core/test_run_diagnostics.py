@@ -21,7 +21,6 @@ from heading_intercompare.core.campaign import Together
 from heading_intercompare.core.cells import Cells
 from heading_intercompare.core.coverage import Coverage
 from heading_intercompare.core.criteria import Limits
-from heading_intercompare.core.detectors import StampSteps
 from heading_intercompare.core.deviation import HeadingDependence
 from heading_intercompare.core.drift import Order, remove_polynomial, Slope
 from heading_intercompare.core.ergodicity import Homogeneity, homogeneity, RunFigures
@@ -42,6 +41,7 @@ from heading_intercompare.core.sequential import LookVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.settling import WarmUp
 from heading_intercompare.core.skew_scan import Scan
+from heading_intercompare.core.stamp_steps import StampSteps
 from heading_intercompare.core.stationarity import Stationarity
 from heading_intercompare.core.validity import Finding
 from heading_intercompare.core.verdict import Campaign, PairingFigures, plain, RunVerdict, SCHEMA
