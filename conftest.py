@@ -16,7 +16,7 @@ MISSING = [name for name in OPTIONAL if find_spec(name) is None]
 # The examples in the docstrings of nodes can only be collected with ROS.
 collect_ignore_glob = ['heading_intercompare/nodes/*.py'] if 'rclpy' in MISSING else []
 if {'distributed', 'threadpoolctl'} & {*MISSING}:
-    collect_ignore_glob.append('heading_intercompare/cli/cluster.py')
+    collect_ignore_glob.append('heading_intercompare/app/cluster.py')
 
 
 def pytest_configure():

@@ -42,12 +42,17 @@ from mcap.writer import CompressionType, Writer as McapWriter
 import numpy as np
 import zstandard
 
-from heading_intercompare.bags.cdr import encode
-from heading_intercompare.bags.heading_messages import encode_imu, encode_pairs, IMU, PAIRS_TYPE
-from heading_intercompare.bags.reader import BagReader
-from heading_intercompare.bags.schemas import shipped_schema
+from heading_intercompare.bags.codec.cdr import encode
+from heading_intercompare.bags.codec.heading_messages import (
+    encode_imu,
+    encode_pairs,
+    IMU,
+    PAIRS_TYPE,
+)
+from heading_intercompare.bags.codec.schemas import shipped_schema
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.bags.writer import BagWriter, Rows
 from heading_intercompare.cli.campaign import cores, MOST_READERS
 from heading_intercompare.core.angles import quaternion_from_heading
 from heading_intercompare.core.records import Headings, Pairs

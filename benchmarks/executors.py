@@ -8,7 +8,7 @@ What it costs to take messages: executors and ways of taking, side by side.
 A process publishes two topics of sensor_msgs/Imu; another one, of the candidate measured, takes
 them and makes headings of them. Printed are the CPU time of the latter as a share of one core,
 the latency from the call of `publish` to the heading, and the messages lost, counted by
-`publication_sequence_number`. The nodes use what is best here: see `nodes/batches.py`.
+`publication_sequence_number`. The nodes use what is best here: see `nodes/ros/batches.py`.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import Imu
 
-from heading_intercompare.bags.heading_messages import decode_headings, IMU
-from heading_intercompare.nodes.batches import take_all, Unwatched
-from heading_intercompare.nodes.messages import headings_from
+from heading_intercompare.bags.codec.heading_messages import decode_headings, IMU
+from heading_intercompare.nodes.ros.batches import take_all, Unwatched
+from heading_intercompare.nodes.ros.messages import headings_from
 
 TOPICS = ('ts/heading', 'rs/heading')
 START_S = 3.0

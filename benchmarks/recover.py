@@ -40,8 +40,8 @@ from mcap.reader import NonSeekingReader
 from mcap.writer import Writer as McapWriter
 import zstandard
 
-from heading_intercompare.bags.checksum import crc32
-from heading_intercompare.bags.recovery import recover
+from heading_intercompare.bags.mcap.checksum import crc32
+from heading_intercompare.bags.recovery.recover_bag import recover
 from heading_intercompare.bags.settings import BagSettings
 
 BAGS = ('large', 'live', 'mcap')
@@ -113,7 +113,7 @@ def by_mcap(path: Path, target: Path, most: int) -> float:
 def peak_mb(path: Path, target: Path) -> float:
     """Return the most memory that a process which recovers a bag has, MB."""
     shutil.rmtree(target, ignore_errors=True)
-    code = ('import sys; from heading_intercompare.bags.recovery import recover; '
+    code = ('import sys; from heading_intercompare.bags.recovery.recover_bag import recover; '
             'recover(sys.argv[1], sys.argv[2]); '
             'print(open("/proc/self/status").read().partition("VmHWM:")[2].split()[0])')
     done = subprocess.run([sys.executable, '-c', code, str(path), str(target)], check=True,

@@ -14,10 +14,10 @@ import numpy as np
 from risk_measures import batches, Bounds, fails, rate, Result, runs_for, SIGMAS
 from risk_rows import band, half
 
-from heading_intercompare.core.cells import Cells
-from heading_intercompare.core.sequential import Looks
+from heading_intercompare.core.decision.sequential import Looks
 from heading_intercompare.core.settings import Risk
-from heading_intercompare.core.squares import (
+from heading_intercompare.core.statistics.cells import Cells
+from heading_intercompare.core.statistics.variance_uncertainty import (
     between_runs,
     lower_bound,
     pool,

@@ -13,9 +13,13 @@ from former_rule import former_rule
 import numpy as np
 from risk_rows import AUTO, Row
 
-from heading_intercompare.core.cells import Cells
-from heading_intercompare.core.drift import remove_polynomial, select_order
-from heading_intercompare.core.squares import lower_bound, spread, upper_bound
+from heading_intercompare.core.statistics.cells import Cells
+from heading_intercompare.core.statistics.drift import remove_polynomial, select_order
+from heading_intercompare.core.statistics.variance_uncertainty import (
+    lower_bound,
+    spread,
+    upper_bound,
+)
 
 __all__ = ['batches', 'Bounds', 'COLUMNS', 'fails', 'measure_row', 'rate', 'Result', 'runs_of',
            'SIGMAS']

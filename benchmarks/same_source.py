@@ -27,10 +27,10 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
-from heading_intercompare.core.one_source import one_source, OneSource
-from heading_intercompare.core.pairing import pair
+from heading_intercompare.core.conditions.one_source import one_source, OneSource
+from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.run_series import RunSeries
+from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import from_mapping, Settings
 
 Motion = Callable[[np.ndarray], np.ndarray]

@@ -18,12 +18,12 @@ from typing import Callable, NamedTuple
 
 import numpy as np
 
-from heading_intercompare.ahrs.gimballed import GimballedAhrs
-from heading_intercompare.ahrs.modes import Mode, Validity
-from heading_intercompare.ahrs.motion import ShipTruth
+from heading_intercompare.ahrs.gimballed.gimballed_ahrs import GimballedAhrs
+from heading_intercompare.ahrs.gimballed.modes import Mode, Validity
 from heading_intercompare.ahrs.plans import parse_legs
-from heading_intercompare.ahrs.presets import errors_of
+from heading_intercompare.ahrs.sensor_presets import errors_of
 from heading_intercompare.ahrs.settings import Ahrs, Errors
+from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 from heading_intercompare.report.svg import Plot
 
 DOCS = Path(__file__).resolve().parent

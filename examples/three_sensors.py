@@ -5,7 +5,7 @@
 import numpy as np
 
 from heading_intercompare import Headings, three_cornered_hat
-from heading_intercompare.core.hats import at_common_stamps
+from heading_intercompare.core.diagnostics.three_cornered_hat import at_common_stamps
 
 rng = np.random.default_rng(2)
 NAMES, SIGMA_DEG, RATE_HZ = ('gyro', 'seapath', 'gnss'), (0.20, 0.05, 0.10), (10.0, 1.0, 5.0)

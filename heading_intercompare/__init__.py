@@ -7,14 +7,14 @@ A tested sensor (TS) is compared with a reference sensor (RS) of the same ship. 
 `analyze`; the settings are those of the configuration file, by name.
 """
 
-from heading_intercompare.core.analysis import analyze
-from heading_intercompare.core.hats import three_cornered_hat
-from heading_intercompare.core.intercomparison import Compliance, Intercomparison, join
+from heading_intercompare.core.diagnostics.three_cornered_hat import three_cornered_hat
+from heading_intercompare.core.offline import analyze
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.pairing import pair, Pairer
+from heading_intercompare.core.pairing.pairer import pair, Pairer
+from heading_intercompare.core.pipeline import Compliance, Intercomparison, join
 from heading_intercompare.core.records import Differences, Headings, Pairs
 from heading_intercompare.core.settings import Settings, SettingsError
-from heading_intercompare.core.verdict import RunVerdict, Verdict
+from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.core.version import VERSION as __version__
 
 __all__ = ['analyze', 'Compliance', 'Differences', 'Headings', 'Intercomparison', 'join',

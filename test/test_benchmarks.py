@@ -10,8 +10,8 @@ import sys
 import numpy as np
 import pytest
 
-from heading_intercompare.core.cells import Cells
-from heading_intercompare.core.squares import (
+from heading_intercompare.core.statistics.cells import Cells
+from heading_intercompare.core.statistics.variance_uncertainty import (
     between_runs,
     lower_bound,
     pool,

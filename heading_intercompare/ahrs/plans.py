@@ -9,10 +9,10 @@ from datetime import datetime, timezone
 import math
 import re
 
+from heading_intercompare.ahrs.ship.ship_motion import Leg
 from heading_intercompare.core.settings import SettingsError
 
 from .faults import Fault, FAULTS
-from .motion import Leg
 
 __all__ = ['Event', 'EVENTS', 'FIXED', 'parse_events', 'parse_faults', 'parse_fixed', 'parse_legs',
            'parse_utc']

@@ -9,14 +9,14 @@ import math
 
 import numpy as np
 
+from heading_intercompare.ahrs.gimballed.modes import AhrsStatus
+from heading_intercompare.ahrs.gimballed.output import AhrsOutput
+from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings
 
-from .modes import AhrsStatus
-from .motion import ShipTruth
-from .noise import Markov, stream
-from .output import AhrsOutput
-from .presets import terms_of
+from .random_noise import Markov, stream
+from .sensor_presets import terms_of
 from .settings import AHRS_MODELS, Sensor
 
 __all__ = ['Readings', 'SimulatedSensor']

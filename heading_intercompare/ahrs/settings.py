@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Mapping
 
+from heading_intercompare.ahrs.ship.seaway import SEAWAYS
 from heading_intercompare.core.settings import (
     Checked,
     from_mapping,
@@ -17,7 +18,6 @@ from heading_intercompare.core.settings import (
 
 from .faults import FAULTS
 from .plans import EVENTS, FIXED, parse_events, parse_faults, parse_fixed, parse_legs, parse_utc
-from .seaway import SEAWAYS
 
 __all__ = ['Ahrs', 'AHRS_MODELS', 'Errors', 'Scenario', 'Sensor', 'SettingsError']
 

@@ -10,11 +10,11 @@ from typing import Iterator
 
 import numpy as np
 
+from heading_intercompare.ahrs.gimballed.modes import AhrsStatus
+from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 from heading_intercompare.core.records import Headings
 
 from .faults import Fault, FAULTS, Faults
-from .modes import AhrsStatus
-from .motion import ShipTruth
 from .plans import EVENTS, parse_faults, parse_legs, parse_utc
 from .sensors import Readings, SimulatedSensor
 from .settings import Scenario, Sensor

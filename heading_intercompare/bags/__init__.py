@@ -1,0 +1,16 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+MCAP bags of rosbag2, to and from chunks; no ROS needed.
+
+The rooms stand on each other in this order: `mcap`, `codec`, `parallel`, `rosbag2`,
+`recording`, `recovery`; `csv` stands beside them.
+"""
+
+from heading_intercompare._doors import door
+
+__getattr__, __dir__, __all__ = door(__name__, {
+    'checked_text': ('decimal', 'utf8'),
+    'errors': ('BagError',),
+    'settings': ('BagSettings',),
+})

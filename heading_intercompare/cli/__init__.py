@@ -2,6 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line: ``heading-intercompare COMMAND``."""
 
-from heading_intercompare.cli.program import main
+from .program import main
 
 __all__ = ['main']

@@ -18,9 +18,9 @@ import signal
 from threading import Thread
 from typing import Callable, ContextManager, Iterable, Iterator, Protocol, Sequence
 
-from heading_intercompare.cli.job import Job, Judged
-from heading_intercompare.cli.progress import Progress
-from heading_intercompare.cli.run_table import RunTable
+from heading_intercompare.app.job import Job, Judged
+from heading_intercompare.app.run_table import RunTable
+from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 
@@ -164,7 +164,7 @@ def _once(judged: Sequence[Judged]) -> list[Judged]:
 def _cluster(address: str) -> Workers:
     """Return the workers of a Dask cluster, whose library need not be installed."""
     try:
-        from heading_intercompare.cli.cluster import Cluster
+        from heading_intercompare.app.cluster import Cluster
     except ModuleNotFoundError as error:
         raise ValueError(f'--dask {address}: no module {error.name}: install '
                          'heading_intercompare[dask]') from error

@@ -10,9 +10,9 @@ import math
 from pathlib import Path
 from typing import Callable, Iterator
 
-from heading_intercompare.bags.ensembles_csv import EnsemblesCsvWriter
-from heading_intercompare.bags.pairs_csv import PairsCsvWriter
-from heading_intercompare.core.criteria import Limits
+from heading_intercompare.bags.csv.ensembles_csv import EnsemblesCsvWriter
+from heading_intercompare.bags.csv.pairs_csv import PairsCsvWriter
+from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 

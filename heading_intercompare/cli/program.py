@@ -9,7 +9,7 @@ from importlib import import_module
 import sys
 from typing import Any, NoReturn, Sequence
 
-from heading_intercompare.cli.streams import safe_stderr, safe_stdout
+from heading_intercompare.cli.terminal.standard_streams import safe_stderr, safe_stdout
 from heading_intercompare.core.version import VERSION
 
 __all__ = ['main']
@@ -66,7 +66,7 @@ def _parser(argv: Sequence[str]) -> argparse.ArgumentParser:
             epilog=f'example: {PROGRAM} {example}')
         command.add_argument('--quiet', action='store_true', help='no progress, results only')
         if name in argv:
-            import_module(f'heading_intercompare.cli.{module}').add_arguments(command)
+            import_module(f'heading_intercompare.cli.commands.{module}').add_arguments(command)
     return parser
 
 
@@ -106,7 +106,7 @@ def _run(argv: Sequence[str]) -> int:
     if arguments.command is None:
         parser.print_help()
         return 2
-    module = import_module(f'heading_intercompare.cli.{COMMANDS[arguments.command][0]}')
+    module = import_module(f'heading_intercompare.cli.commands.{COMMANDS[arguments.command][0]}')
     return module.run(arguments)
 
 

@@ -11,7 +11,7 @@ from typing import Iterator
 
 from heading_intercompare.core.records import Headings
 
-from .csvlog import CsvDecoder, is_csv
+from .csv_log import CsvDecoder, is_csv
 from .nmea import NmeaDecoder
 from .settings import DriverError, DriverSettings
 
@@ -25,7 +25,7 @@ class LogReader:
     Parameters
     ----------
     path : path-like
-        A log of NMEA sentences, or a csv of headings (`csvlog`).
+        A log of NMEA sentences, or a csv of headings (`csv_log`).
     settings : DriverSettings, optional
         `source` and `speed` do not matter here.
     block_bytes : int

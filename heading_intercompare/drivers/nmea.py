@@ -11,11 +11,11 @@ import numpy as np
 
 from heading_intercompare.core.records import Headings
 
-from .choice import accepts, best, heard_in
 from .framing import Frame, Framer, KEPT_PREFIX
+from .log_stamps import day_time_ns, log_stamp_ns, nearest_day_ns, zda_ns
+from .sentence_choice import accepts, best, heard_in
 from .sentences import heading_of, identify, may_lack_checksum, Name, PARSERS, Rejected
 from .settings import DriverSettings
-from .stamps import day_time_ns, log_stamp_ns, nearest_day_ns, zda_ns
 
 __all__ = ['NmeaDecoder', 'PARSERS']
 
@@ -54,8 +54,8 @@ class NmeaDecoder:
 
     Notes
     -----
-    *Which sentence.* One kind and one talker (`choice`). A file is searched beforehand; a live
-    line with sentence 'auto' is listened to for `learn_s` from the first heading sentence on,
+    *Which sentence.* One kind and one talker (`sentence_choice`). A file is searched beforehand; a
+    live line with sentence 'auto' is listened to for `learn_s` from the first heading sentence on,
     by the times of receipt: until then readings are held, then those of the best kind are
     returned. `feed(b'', now_ns)` lets that time pass on a line that has fallen silent.
 

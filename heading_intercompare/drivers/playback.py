@@ -7,10 +7,10 @@ from __future__ import annotations
 import time
 from typing import Any, Callable
 
-from .csvlog import is_csv
+from .csv_log import is_csv
 from .framing import KEPT_PREFIX, split
+from .log_stamps import log_stamp_ns
 from .settings import DriverError, DriverSettings
-from .stamps import log_stamp_ns
 
 __all__ = ['FileSource']
 

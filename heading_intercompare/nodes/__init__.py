@@ -1,0 +1,17 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The nodes of ROS 2, and their graph in one process.
+
+A module here is an executable; what they share is in `ros` and `runtime`.
+"""
+
+from heading_intercompare._doors import door
+
+__getattr__, __dir__, __all__ = door(__name__, {
+    'graph': ('intercompare', 'Source'),
+    'nmea_driver': ('NmeaDriver',),
+    'replayer': ('Replayer',),
+    'sensor_simulator': ('SensorSimulator',),
+    'settings': ('ComplianceNode',),
+})

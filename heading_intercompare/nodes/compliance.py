@@ -11,21 +11,28 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from heading_intercompare.bags.spool import Spool
-from heading_intercompare.core.coverage import least_duration_words
-from heading_intercompare.core.intercomparison import Compliance as PureCompliance
+from heading_intercompare.bags.recording.spool import Spool
+from heading_intercompare.core.decision.coverage import least_duration_words
+from heading_intercompare.core.pipeline import Compliance as PureCompliance
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.messages import pairs_from, PAIRS_TYPES
+from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
+from heading_intercompare.nodes.ros.process import run
+from heading_intercompare.nodes.ros.status_messages import (
+    figures_message,
+    ledger_from,
+    marker_message,
+    MARKS,
+    marks_from,
+    WARN,
+)
+from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.intake import Intake
+from heading_intercompare.nodes.runtime.reporting import Reporting
 
-from . import qos
-from .health import Health
-from .intake import Intake
-from .messages import pairs_from, PAIRS_TYPES
-from .parameters import declare, OVERRIDES
-from .process import run
-from .reporting import Reporting
 from .settings import ComplianceNode, Taking
-from .status_messages import figures_message, ledger_from, marker_message, MARKS, marks_from, WARN
-from .timing import every
 
 __all__ = ['Compliance', 'main']
 

@@ -22,9 +22,10 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from heading_intercompare.nodes.ros.parameters import overrides
+from heading_intercompare.nodes.ros.process import end, spinning, Stop
+
 from .compliance import Compliance
-from .parameters import overrides
-from .process import end, spinning, Stop
 from .recorder import Recorder
 from .synchronizer import Synchronizer
 

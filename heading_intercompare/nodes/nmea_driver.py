@@ -15,17 +15,17 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.messages import heading_messages
+from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolved
+from heading_intercompare.nodes.ros.process import run
+from heading_intercompare.nodes.ros.status_messages import OK, WARN
+from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.publishing import all_acknowledged, Allowance, Audience
+from heading_intercompare.nodes.runtime.source_thread import Reading
 
-from . import qos
-from .health import Health
-from .messages import heading_messages
-from .parameters import declare, OVERRIDES, resolved
-from .process import run
-from .reading import Reading
-from .sending import all_acknowledged, Allowance, Audience
 from .settings import DriverNode, Sending, Taking
-from .status_messages import OK, WARN
-from .timing import every
 
 __all__ = ['main', 'NmeaDriver']
 

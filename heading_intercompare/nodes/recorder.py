@@ -11,7 +11,7 @@ from typing import Any, Mapping, Sequence
 
 from rclpy.node import Node
 
-from heading_intercompare.bags.losses import (
+from heading_intercompare.bags.recording.recorder_losses import (
     counted,
     Counts,
     loss_record,
@@ -19,18 +19,24 @@ from heading_intercompare.bags.losses import (
     missing,
     RECORDING,
 )
-from heading_intercompare.bags.provenance import NOTE_TOPIC, Notes, origin, RECORD, REPORT_TOPIC
-from heading_intercompare.bags.recording import Recording
+from heading_intercompare.bags.recording.resilient_recording import Recording
+from heading_intercompare.bags.rosbag2.provenance import (
+    NOTE_TOPIC,
+    Notes,
+    origin,
+    RECORD,
+    REPORT_TOPIC,
+)
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
+from heading_intercompare.nodes.ros.process import run
+from heading_intercompare.nodes.ros.status_messages import ERROR, OK, WARN
+from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.recorded_topics import intakes, report_files, text_of
 
-from .health import Health
-from .parameters import declare, OVERRIDES
-from .process import run
-from .recorded import intakes, report_files, text_of
 from .settings import RecorderNode, Taking
-from .status_messages import ERROR, OK, WARN
-from .timing import every
 
 __all__ = ['main', 'Recorder']
 

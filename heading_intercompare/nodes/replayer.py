@@ -13,21 +13,21 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
-from heading_intercompare.bags.reader import BagReader
-from heading_intercompare.bags.replay import Replay
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.paced_replay import Replay
 from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.message_stamps import clock_message
+from heading_intercompare.nodes.ros.messages import HEADING_TYPES
+from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
+from heading_intercompare.nodes.ros.process import run
+from heading_intercompare.nodes.ros.remapping import published_names
+from heading_intercompare.nodes.ros.status_messages import OK, WARN
+from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.publishing import all_acknowledged, Allowance, Audience
 
-from . import qos
-from .health import Health
-from .messages import HEADING_TYPES
-from .parameters import declare, OVERRIDES
-from .process import run
-from .remapping import published_names
-from .sending import all_acknowledged, Allowance, Audience
 from .settings import ReplayerNode, Sending
-from .stamps import clock_message
-from .status_messages import OK, WARN
-from .timing import every
 
 __all__ = ['main', 'Replayer']
 

@@ -13,24 +13,24 @@ from rclpy.node import Node
 from sensor_msgs.msg import Imu
 from std_srvs.srv import SetBool, Trigger
 
-from heading_intercompare.ahrs.condition import condition
 from heading_intercompare.ahrs.faults import FAULTS
-from heading_intercompare.ahrs.modes import AhrsStatus
+from heading_intercompare.ahrs.gimballed.condition import condition
+from heading_intercompare.ahrs.gimballed.modes import AhrsStatus
 from heading_intercompare.ahrs.plans import EVENTS
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation, Trial
-from heading_intercompare.bags.provenance import TRUTH_TOPIC
+from heading_intercompare.bags.rosbag2.provenance import TRUTH_TOPIC
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.messages import heading_messages
+from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolved
+from heading_intercompare.nodes.ros.process import run
+from heading_intercompare.nodes.ros.status_messages import ERROR, OK, WARN
+from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.publishing import all_acknowledged, Allowance, Audience
 
-from . import qos
-from .health import Health
-from .messages import heading_messages
-from .parameters import declare, OVERRIDES, resolved
-from .process import run
-from .sending import all_acknowledged, Allowance, Audience
 from .settings import Sending, SimulatorNode
-from .status_messages import ERROR, OK, WARN
-from .timing import every
 
 __all__ = ['main', 'SensorSimulator']
 

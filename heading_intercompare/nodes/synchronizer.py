@@ -12,20 +12,26 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 from rclpy.node import Node
 
-from heading_intercompare.core.pairing import Pairer
+from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.messages import HEADING_TYPES, headings_from, pair_messages
+from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
+from heading_intercompare.nodes.ros.process import run
+from heading_intercompare.nodes.ros.status_messages import (
+    ledger_message,
+    MARKS,
+    marks_from,
+    OK,
+    WARN,
+)
+from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.intake import Intake
+from heading_intercompare.nodes.runtime.publishing import all_acknowledged
 
-from . import qos
-from .health import Health
-from .intake import Intake
-from .messages import HEADING_TYPES, headings_from, pair_messages
-from .parameters import declare, OVERRIDES
-from .process import run
-from .sending import all_acknowledged
 from .settings import SynchronizerNode, Taking
-from .status_messages import ledger_message, MARKS, marks_from, OK, WARN
-from .timing import every
 
 __all__ = ['main', 'Synchronizer']
 

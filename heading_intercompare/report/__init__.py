@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Mapping, Sequence
 
 from . import html, json
-from .series import SeriesSketch
+from .series_sketch import SeriesSketch
 
 __all__ = ['SeriesSketch', 'write', 'WRITERS']
 

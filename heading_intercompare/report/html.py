@@ -9,15 +9,15 @@ import json
 from pathlib import Path
 from typing import Any, Mapping, Sequence
 
-from heading_intercompare.core.verdict import SCHEMA
+from heading_intercompare.core.verdict.verdict_document import SCHEMA
 
-from .figures import graphs
+from .decision_rule import rule, uncertainty
+from .formatting import exact, flat, NO_RUN, outcome, unjudged, utc, value
+from .graphs import graphs
 from .markup import element, joined, Markup
-from .rule import rule, uncertainty
-from .series import SeriesSketch
+from .series_sketch import SeriesSketch
 from .tables import facts, GUARDED, LEDGER, RESULTS, rows_by_run, SENSOR, table, WORST
-from .wording import exact, flat, NO_RUN, outcome, unjudged, utc, value
-from .words import CAMPAIGN_WORDS, CONDITION_WORDS, EFFECT_WORDS, REASON_WORDS, STATE_WORDS
+from .vocabulary import CAMPAIGN_WORDS, CONDITION_WORDS, EFFECT_WORDS, REASON_WORDS, STATE_WORDS
 
 __all__ = ['render', 'settings_sha256', 'write']
 

@@ -8,7 +8,7 @@ import json
 from pathlib import Path
 from typing import Any, Mapping, Sequence
 
-from .series import SeriesSketch
+from .series_sketch import SeriesSketch
 
 __all__ = ['render', 'write']
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from typing import Any, Callable, Iterable, Mapping, Sequence
 
+from .formatting import ABSENT, interval, number, outcome, utc, value
 from .markup import element, joined, Markup
-from .wording import ABSENT, interval, number, outcome, utc, value
 
 __all__ = ['facts', 'GUARDED', 'LEDGER', 'RESULTS', 'Row', 'rows_by_run', 'SENSOR', 'table',
            'WORST']

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from heading_intercompare.ahrs.gimballed import GimballedAhrs
-from heading_intercompare.ahrs.modes import AhrsStatus, Mode
-from heading_intercompare.ahrs.motion import Leg, ShipTruth
-from heading_intercompare.ahrs.presets import errors_of
+from heading_intercompare.ahrs.gimballed.gimballed_ahrs import GimballedAhrs
+from heading_intercompare.ahrs.gimballed.modes import AhrsStatus, Mode
+from heading_intercompare.ahrs.sensor_presets import errors_of
 from heading_intercompare.ahrs.settings import Ahrs, Errors
+from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
 
 
 @dataclass

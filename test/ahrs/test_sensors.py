@@ -9,9 +9,9 @@ import math
 import numpy as np
 import pytest
 
-from heading_intercompare.ahrs.motion import Leg, ShipTruth
 from heading_intercompare.ahrs.sensors import SimulatedSensor
 from heading_intercompare.ahrs.settings import Scenario, Sensor, SettingsError
+from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
 from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.core.angles import wrap180
 

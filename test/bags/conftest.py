@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.heading_messages import encode_imu, IMU
+from heading_intercompare.bags.codec.heading_messages import encode_imu, IMU
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.bags.writer import BagWriter, Rows
 from heading_intercompare.core.records import Headings
 
 START_NS = 1_406_851_200_000_000_000

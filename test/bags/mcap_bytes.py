@@ -18,8 +18,8 @@ from mcap.reader import make_reader
 from mcap.stream_reader import breakup_chunk, get_chunk_data_stream
 import zstandard
 
-from heading_intercompare.bags.bag_yaml import Qos
-from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 
 MAGIC = b'\x89MCAP0\r\n'
 HEADER = b'\x01' + struct.pack('<QI4sI', 12, 4, b'ros2', 0)

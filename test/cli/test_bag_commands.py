@@ -19,12 +19,12 @@ import numpy as np
 import pytest
 
 from heading_intercompare import analyze, Headings, Settings
-from heading_intercompare.bags.cdr import encode
-from heading_intercompare.bags.heading_messages import encode_imu
-from heading_intercompare.bags.provenance import Notes
-from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.bags.codec.cdr import encode
+from heading_intercompare.bags.codec.heading_messages import encode_imu
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.provenance import Notes
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.bags.writer import BagWriter, Rows
 from heading_intercompare.cli import main
 
 S = 1_000_000_000

@@ -20,12 +20,13 @@ import numpy as np
 import pytest
 
 from heading_intercompare import Headings, Settings
-from heading_intercompare.bags import helpers
-from heading_intercompare.bags.cdr import encode
-from heading_intercompare.bags.heading_messages import encode_imu, IMU
+from heading_intercompare.app import job
+from heading_intercompare.bags.codec.cdr import encode
+from heading_intercompare.bags.codec.heading_messages import encode_imu, IMU
+from heading_intercompare.bags.parallel import decode_workers
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.bags.writer import BagWriter, Rows
-from heading_intercompare.cli import campaign, job, main
+from heading_intercompare.cli import campaign, main
 
 S = 1_000_000_000
 NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1',
@@ -80,12 +81,12 @@ def test_several_processes_judge_as_one_does(bags, capsys, monkeypatch):
 
 def test_one_large_bag_is_decoded_by_several_processes_with_the_same_verdict(
         bags, capsys, monkeypatch):
-    monkeypatch.setattr('heading_intercompare.bags.part._BLOCK_BYTES', 10_000)
-    monkeypatch.setattr(helpers, '_FEWEST', 6)
-    monkeypatch.setattr(helpers, 'active_count', lambda: 1)
+    monkeypatch.setattr('heading_intercompare.bags.mcap.mcap_file._BLOCK_BYTES', 10_000)
+    monkeypatch.setattr(decode_workers, '_FEWEST', 6)
+    monkeypatch.setattr(decode_workers, 'active_count', lambda: 1)
     monkeypatch.setattr(campaign, 'cores', lambda: 8)
     begun = []
-    monkeypatch.setattr(helpers, '_Helper', lambda *args, begin=helpers._Helper: (
+    monkeypatch.setattr(decode_workers, '_Helper', lambda *args, begin=decode_workers._Helper: (
         begun.append(args), begin(*args))[1])
     alone, _ = judged(capsys, bags[0], '--jobs', '1')
     assert not begun
@@ -236,7 +237,7 @@ def test_a_wrong_number_of_processes_is_refused(capsys, jobs):
 
 
 def test_without_the_library_of_dask_one_line_says_what_to_install(bags, capsys, monkeypatch):
-    monkeypatch.delitem(sys.modules, 'heading_intercompare.cli.cluster', raising=False)
+    monkeypatch.delitem(sys.modules, 'heading_intercompare.app.cluster', raising=False)
     monkeypatch.setitem(sys.modules, 'distributed', None)
     capsys.readouterr()
     assert main(['analyze', *bags, *NORMS, '--dask', 'tcp://127.0.0.1:8786']) == 2

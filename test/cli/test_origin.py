@@ -9,8 +9,8 @@ import time
 
 import pytest
 
-from heading_intercompare.bags.provenance import notes_in
-from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.provenance import notes_in
 from heading_intercompare.cli import main
 from heading_intercompare.core.version import VERSION
 

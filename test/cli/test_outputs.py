@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from heading_intercompare import Headings
-from heading_intercompare.bags.heading_messages import encode_imu
-from heading_intercompare.bags.provenance import Notes
-from heading_intercompare.bags.writer import BagWriter, Rows
+from heading_intercompare.bags.codec.heading_messages import encode_imu
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.rosbag2.provenance import Notes
 from heading_intercompare.cli import main
 
 S = 1_000_000_000
@@ -141,7 +141,7 @@ def test_the_verdict_is_told_though_the_report_cannot_be_written(bag, tmp_path, 
                                                                  monkeypatch):
     def full(*args):
         raise OSError(28, 'No space left on device')
-    monkeypatch.setattr('heading_intercompare.cli.analyze.write', full)
+    monkeypatch.setattr('heading_intercompare.cli.commands.analyze.write', full)
     told = tmp_path / 'v.json'
     assert main(['analyze', str(bag), *NORMS, '--json', str(told), '--report', 'r.html']) == 2
     out, err = capsys.readouterr()

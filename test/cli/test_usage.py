@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from heading_intercompare import Headings
-from heading_intercompare.bags.cdr import encode
-from heading_intercompare.bags.heading_messages import encode_imu
-from heading_intercompare.bags.writer import BagWriter, Rows
+from heading_intercompare.bags.codec.cdr import encode
+from heading_intercompare.bags.codec.heading_messages import encode_imu
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.cli import main
 from heading_intercompare.core.version import VERSION
 
@@ -181,7 +181,7 @@ def test_too_little_memory_is_one_line(capsys, monkeypatch):
     def run(arguments):
         raise MemoryError
 
-    monkeypatch.setattr('heading_intercompare.cli.norms.run', run)
+    monkeypatch.setattr('heading_intercompare.cli.commands.norms.run', run)
     assert 'there is not enough memory for this' in refused(capsys, 'norms')
 
 

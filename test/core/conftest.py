@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from heading_intercompare.core.difference import difference
-from heading_intercompare.core.pairing import pair
+from heading_intercompare.core.pairing.difference import difference
+from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.logs import read_log
 from heading_intercompare.drivers.settings import DriverSettings

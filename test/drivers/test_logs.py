@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.records import Headings
-from heading_intercompare.drivers.choice import heard_in
 from heading_intercompare.drivers.logs import LogReader, read_log
+from heading_intercompare.drivers.sentence_choice import heard_in
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 
 DATA = Path(__file__).resolve().parent.parent / 'data' / 'nmea'

@@ -45,7 +45,7 @@ class Ros:
 
     def ours(self, make, name=None, **values):
         """Make a node of the package with settings, those of the norms among them."""
-        from heading_intercompare.nodes.parameters import overrides
+        from heading_intercompare.nodes.ros.parameters import overrides
         named = {key.replace('__', '.'): value for key, value in values.items()}
         return self.add(make, name=name, parameter_overrides=overrides({**NORMS, **named}))
 
@@ -58,7 +58,7 @@ class Ros:
 
     def end(self, *nodes):
         """End nodes as their process would; they are destroyed."""
-        from heading_intercompare.nodes.process import end
+        from heading_intercompare.nodes.ros.process import end
         end(self.executor, nodes)
         self.nodes = [node for node in self.nodes if node not in nodes]
 

@@ -13,14 +13,14 @@ import pytest
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from heading_intercompare.core import intercomparison
-from heading_intercompare.core.ledger import Ledger, LedgerSegment
+from heading_intercompare.core import pipeline
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings, SettingsError
-from heading_intercompare.nodes import qos
 from heading_intercompare.nodes.compliance import Compliance
-from heading_intercompare.nodes.messages import pair_messages
-from heading_intercompare.nodes.status_messages import (
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.messages import pair_messages
+from heading_intercompare.nodes.ros.status_messages import (
     ledger_message,
     marker_message,
     marks_from,
@@ -100,7 +100,7 @@ def values(message):
 
 def offline(pairs, marks=()):
     """Return what the pure part says of the pairs."""
-    compliance = intercomparison.Compliance(Settings.from_mapping(NORMS), source='live')
+    compliance = pipeline.Compliance(Settings.from_mapping(NORMS), source='live')
     for kind, stamp_ns in marks:
         compliance.mark(kind, stamp_ns)
     compliance.update(pairs)

@@ -13,16 +13,16 @@ import pytest
 
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
-from heading_intercompare.bags.reader import BagReader
-from heading_intercompare.core.intercomparison import Intercomparison
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.graph import intercompare, Source
-from heading_intercompare.nodes.messages import heading_messages, headings_from
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.replayer import Replayer
+from heading_intercompare.nodes.ros.messages import heading_messages, headings_from
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 
 from .conftest import NORMS

@@ -15,9 +15,9 @@ import time
 import pytest
 import yaml
 
-from heading_intercompare.bags.reader import BagReader
-from heading_intercompare.core.intercomparison import Intercomparison
-from heading_intercompare.core.pairing import pair
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.core.pairing.pairer import pair
+from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.logs import read_log

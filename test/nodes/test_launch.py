@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from heading_intercompare.bags.writer import BagWriter
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 
 from .conftest import NORMS
 from .launch_files import Argument, description, nodes, Shutdown

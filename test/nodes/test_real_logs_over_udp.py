@@ -20,8 +20,8 @@ import time
 
 import pytest
 
+from heading_intercompare.app.compare_verdicts import differences
 from heading_intercompare.cli import main
-from heading_intercompare.cli.sameness import differences
 
 pytest.importorskip('rclpy')
 

@@ -15,17 +15,17 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
-from heading_intercompare.bags.chunk_writer import ChunkWriter
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.provenance import notes_in
-from heading_intercompare.bags.reader import BagReader
-from heading_intercompare.bags.writer import BagWriter
+from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter
+from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.provenance import notes_in
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.version import VERSION
-from heading_intercompare.nodes import qos
-from heading_intercompare.nodes.messages import heading_messages, headings_from
 from heading_intercompare.nodes.recorder import Recorder
-from heading_intercompare.nodes.status_messages import ERROR, marker_message, OK, WARN
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.messages import heading_messages, headings_from
+from heading_intercompare.nodes.ros.status_messages import ERROR, marker_message, OK, WARN
 
 REPORT = json.dumps({'runs': [{'start_ns': 5, 'end_ns': 9}]})
 
@@ -314,5 +314,5 @@ def test_the_recorded_message_is_the_one_that_was_published(ros, tmp_path):
     ros.spin_until(lambda: node.written == 1)
     stored, = finish(ros, node, marker).messages()
     assert len(stored.data) == len(serialize_message(message))
-    from heading_intercompare.bags.cdr import decode
+    from heading_intercompare.bags.codec.cdr import decode
     assert decode(stored.type_name, stored.data)['status'][0]['message'] == 'stop'

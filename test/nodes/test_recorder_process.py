@@ -12,7 +12,7 @@ import sys
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.reader import BagReader
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 
 from .launch_files import Node
 from .test_graph_processes import DOMAIN, Processes
@@ -24,9 +24,9 @@ SENDER = """
 import sys, time
 import numpy as np, rclpy
 from sensor_msgs.msg import Imu
-from heading_intercompare.bags.heading_messages import encode_imu
+from heading_intercompare.bags.codec.heading_messages import encode_imu
 from heading_intercompare.core.records import Headings
-from heading_intercompare.nodes import qos
+from heading_intercompare.nodes.ros import qos
 
 count, rate_hz, *topics = int(sys.argv[1]), int(sys.argv[2]), *sys.argv[3:]
 rclpy.init()

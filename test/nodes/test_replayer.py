@@ -18,20 +18,20 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 from std_srvs.srv import Trigger
 
+from heading_intercompare.bags.codec.heading_messages import encode_imu
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.heading_messages import encode_imu
-from heading_intercompare.bags.reader import BagReader
-from heading_intercompare.bags.writer import BagWriter, Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.cli import main
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import SettingsError
-from heading_intercompare.nodes import qos
 from heading_intercompare.nodes.compliance import Compliance
-from heading_intercompare.nodes.messages import headings_from
-from heading_intercompare.nodes.parameters import overrides
 from heading_intercompare.nodes.replayer import Replayer
-from heading_intercompare.nodes.stamps import stamp_ns
-from heading_intercompare.nodes.status_messages import ledger_from, marker_message, marks_from
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.message_stamps import stamp_ns
+from heading_intercompare.nodes.ros.messages import headings_from
+from heading_intercompare.nodes.ros.parameters import overrides
+from heading_intercompare.nodes.ros.status_messages import ledger_from, marker_message, marks_from
 from heading_intercompare.nodes.synchronizer import Synchronizer
 
 from .conftest import NORMS, Ros

@@ -16,10 +16,10 @@ from heading_intercompare.ahrs.plans import EVENTS
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.core.settings import SettingsError
-from heading_intercompare.nodes import qos
-from heading_intercompare.nodes.messages import heading_messages, headings_from
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.messages import heading_messages, headings_from
+from heading_intercompare.nodes.ros.status_messages import ERROR, OK
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
-from heading_intercompare.nodes.status_messages import ERROR, OK
 
 TRIAL = {'duration_s': 20.0, 'ts.rate_hz': 10.0, 'rs.rate_hz': 4.0, 'ts.white_deg': 0.1,
          'legs': '0 350 10; 10 20 10'}

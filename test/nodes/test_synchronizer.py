@@ -11,25 +11,25 @@ import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import Imu
 
-from heading_intercompare.core.pairing import pair
+from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings, SettingsError
-from heading_intercompare.nodes import qos
-from heading_intercompare.nodes.health import Health
-from heading_intercompare.nodes.intake import Intake
-from heading_intercompare.nodes.messages import (
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.messages import (
     heading_messages,
     headings_from,
     pairs_from,
     PAIRS_TYPES,
 )
-from heading_intercompare.nodes.status_messages import (
+from heading_intercompare.nodes.ros.status_messages import (
     ledger_from,
     ledger_message,
     marker_message,
 )
+from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.intake import Intake
 from heading_intercompare.nodes.synchronizer import Synchronizer
-from heading_intercompare.nodes.timing import every
 
 T0_NS = 1_700_000_000_000_000_000
 

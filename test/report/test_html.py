@@ -16,7 +16,7 @@ import pytest
 
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.report import html, SeriesSketch, write
-from heading_intercompare.report.rule import rule
+from heading_intercompare.report.decision_rule import rule
 
 VOID = {'meta', 'br', 'hr', 'img', 'input', 'link'}
 SVG = '{http://www.w3.org/2000/svg}'

@@ -9,9 +9,9 @@ from xml.etree import ElementTree
 from hypothesis import given, strategies as st
 import pytest
 
+from heading_intercompare.report.formatting import exact, interval, number, utc, value
 from heading_intercompare.report.markup import element, joined, text
 from heading_intercompare.report.svg import nice_step, Plot, ticks
-from heading_intercompare.report.wording import exact, interval, number, utc, value
 
 
 @given(st.floats(1e-9, 1e9), st.integers(2, 12))

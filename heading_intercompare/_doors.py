@@ -1,0 +1,38 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The doors of rooms: names of their modules, each loaded when it is first asked for."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any, Callable, Mapping, Sequence
+
+__all__ = ['door']
+
+
+def door(room: str, modules: Mapping[str, Sequence[str]]
+         ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
+    """
+    Return what a package needs to offer names of its modules without loading them.
+
+    Parameters
+    ----------
+    room : str
+        Full name of the package.
+    modules : mapping of str to sequence of str
+        Names that are offered, by the module of the package that has them.
+
+    Returns
+    -------
+    tuple
+        `__getattr__`, `__dir__` and `__all__` of the package.
+
+    """
+    where = {name: module for module, names in modules.items() for name in names}
+
+    def get(name: str) -> Any:
+        if name not in where:
+            raise AttributeError(f'module {room!r} has no attribute {name!r}')
+        return getattr(import_module(f'{room}.{where[name]}'), name)
+
+    return get, lambda: sorted(where), sorted(where)

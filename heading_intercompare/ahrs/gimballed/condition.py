@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The condition of an AHRS: progress of its mode, results of its built-in tests, both in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import Collection
+
+from heading_intercompare.ahrs.settings import Ahrs
+
+from .alignment import COARSE_S, METER_TURN_RAD_S, POST_S
+from .instruments import Thermostat
+from .modes import AhrsStatus, Mode, Validity
+
+__all__ = ['Condition', 'condition', 'FAILED', 'PASSED', 'PENDING', 'progress', 'SELF_TESTS',
+           'self_tests']
+
+SELF_TESTS = {
+    'post': Mode.POST,
+    'thermostat': Mode.THERMOSTAT_WAIT,
+    'gyro': Mode.THERMOSTAT_WAIT,
+    'accelerometer': Mode.THERMOSTAT_WAIT,
+    'gimbal': Mode.THERMOSTAT_WAIT,
+    'levelling': Mode.COARSE_LEVELLING,
+    'alignment': Mode.AZIMUTH_ALIGNMENT,
+}
+"""The built-in tests, and the mode behind which each has been passed."""
+
+PENDING, PASSED, FAILED = 'pending', 'passed', 'failed'
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """
+    What an AHRS says of itself, for a diagnostics display.
+
+    Attributes
+    ----------
+    level : str
+        'ok' in operation with a valid heading; 'error' after a fault; else 'warn'.
+    words : str
+        Mode and validity in words, flags and faults.
+    figures : dict of str to (str, int or float)
+        By name with its unit; what is unknown is left out.
+
+    """
+
+    level: str
+    words: str
+    figures: dict[str, str | int | float]
+
+
+def progress(mode: Mode, mode_s: float, validity: Validity, away_k: float,
+             settings: Ahrs) -> float:
+    """
+    Return how far a mode has come, as a share of the least time that it takes.
+
+    Parameters
+    ----------
+    mode : Mode
+        Gyrocompass is through when its heading is valid; gyro azimuth at once.
+    mode_s : float
+        Time in this mode, seconds.
+    validity : Validity
+        How good the heading is.
+    away_k : float
+        Temperature of the instruments less its set point, kelvin.
+    settings : Ahrs
+        Lengths of the procedures.
+
+    Returns
+    -------
+    float
+        From 0 to 1, and 1 while the mode takes longer; 0 in the mode FAULT.
+
+    """
+    if mode is Mode.FAULT:
+        return 0.0
+    if mode is Mode.THERMOSTAT_WAIT:
+        cold_k = Thermostat.SET_C - Thermostat.ROOM_C
+        left = (math.log(max(abs(away_k), Thermostat.READY_K) / Thermostat.READY_K)
+                / math.log(cold_k / Thermostat.READY_K))
+        return min(max(1.0 - left, 0.0), 1.0)
+    if mode is Mode.GYRO_AZIMUTH or mode is Mode.GYROCOMPASS and validity is Validity.VALID:
+        return 1.0
+    whole_s = {
+        Mode.POST: POST_S,
+        Mode.COARSE_LEVELLING: COARSE_S,
+        Mode.GYRO_CALIBRATION: settings.hold_s + 4.0 * math.pi / METER_TURN_RAD_S,
+        Mode.AZIMUTH_ALIGNMENT: settings.alignment_s,
+        Mode.FINE_LEVELLING: settings.fine_s,
+        Mode.GYROCOMPASS: 3.0 / settings.sigma_1_s,
+    }[mode]
+    return min(mode_s / whole_s, 1.0)
+
+
+def self_tests(reached: Mode, faults: Collection[str]) -> dict[str, str]:
+    """
+    Return the result of each built-in test.
+
+    Parameters
+    ----------
+    reached : Mode
+        The last mode before a fault, or the present one.
+    faults : collection of str
+        Causes of the mode FAULT.
+
+    Examples
+    --------
+    >>> self_tests(Mode.COARSE_LEVELLING, ['gyro'])['gyro']
+    'failed'
+    >>> self_tests(Mode.COARSE_LEVELLING, [])['alignment']
+    'pending'
+
+    """
+    return {name: FAILED if name in faults else PASSED if reached > last else PENDING
+            for name, last in SELF_TESTS.items()}
+
+
+def _level(status: AhrsStatus) -> str:
+    if status.mode == Mode.FAULT.name:
+        return 'error'
+    return 'ok' if status.validity == Validity.VALID.name and not status.flags else 'warn'
+
+
+def condition(status: AhrsStatus) -> Condition:
+    """Return a status in words and figures."""
+    words = status.mode.lower().replace('_', ' ')
+    if status.faults:
+        words += ': ' + ', '.join(status.faults)
+    elif status.validity == Validity.NONE.name:
+        words += f', no heading yet, {status.progress:.0%}'
+    else:
+        words += f', heading {status.validity.lower()}'
+        if status.validity != Validity.VALID.name:
+            words += f', {status.progress:.0%}'
+    if status.flags:
+        words += ', ' + ' '.join(flag.lower().replace('_', ' ') for flag in status.flags)
+    drifts = zip(('drift_x', 'drift_y', 'drift_z', 'meter_x', 'meter_y'), status.drifts_deg_h)
+    figures = {
+        'mode': status.mode, 'mode_time_s': status.mode_s, 'mode_progress': status.progress,
+        'validity': status.validity, 'event': status.message, 'flags': ' '.join(status.flags),
+        **{f'test_{name}': result for name, result in status.tests},
+        'sigma_deg': status.sigma_deg, 'temperature_c': status.temperature_c,
+        **{f'{name}_deg_h': value for name, value in drifts},
+        **{f'bias_{axis}_ug': value for axis, value in zip('xy', status.biases_ug)},
+        **{f'current_{axis}_a': value for axis, value in zip('xyz', status.currents_a)}}
+    return Condition(_level(status), words, {
+        name: value for name, value in figures.items()
+        if value != '' and not (isinstance(value, float) and math.isnan(value))})

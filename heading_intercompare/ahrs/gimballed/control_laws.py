@@ -1,0 +1,234 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Gains, closed-form errors and torques of the control laws; pure functions of S (2)-(22)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+from heading_intercompare.ahrs.ship.earth import earth_rate, gravity, radii
+
+__all__ = ['GyrocompassGains', 'HoldGains', 'coarse_rate', 'gyrocompass_azimuth',
+           'gyrocompass_gains', 'hold_gains', 'settled_rate', 'speed_error', 'torque']
+
+GYRO_MOMENTUM_N_M_S = 0.04
+TORQUE_MOTOR_N_M_A = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class HoldGains:
+    """Gains of the levelling with integral action: damping, velocity, integral."""
+
+    k1_1_s: float
+    k_rad_m: float
+    ki_rad_m_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class GyrocompassGains:
+    """Gains of the gyrocompass: damping, velocity, damping of the azimuth filter, azimuth."""
+
+    k1_1_s: float
+    k_rad_m: float
+    k4_1_s: float
+    k3_rad_m_s2: float
+
+
+def torque(rate_rad_s: float) -> tuple[float, float]:
+    """
+    Return the control moment and the current of the torque motor that turn the platform.
+
+    Parameters
+    ----------
+    rate_rad_s : float
+        Commanded rate about one axis, rad/s.
+
+    Returns
+    -------
+    moment_n_m, current_a : float
+        M = H u, newton metres, and I = M / k, amperes.
+
+    References
+    ----------
+    S (3), with an angular momentum of 0.04 N m s and 0.02 N m/A.
+
+    Examples
+    --------
+    >>> moment, current = torque(1e-4)
+    >>> round(moment, 9), round(current, 9)
+    (4e-06, 0.0002)
+
+    """
+    moment = GYRO_MOMENTUM_N_M_S * rate_rad_s
+    return moment, moment / TORQUE_MOTOR_N_M_A
+
+
+def coarse_rate(force_m_s2: float, gravity_m_s2: float, tau_s: float, friction: float,
+                gimbal_rate_rad_s: float) -> float:
+    """
+    Return the rate of coarse levelling about one axis.
+
+    Parameters
+    ----------
+    force_m_s2 : float
+        Corrected accelerometer of the crossed axis with the sign of that axis: +A_y for the rate
+        about x, -A_x for the rate about y.
+    gravity_m_s2 : float
+        Gravity.
+    tau_s : float
+        Time constant, seconds.
+    friction : float
+        What the friction feed-forward leaves over, k - k_fr.
+    gimbal_rate_rad_s : float
+        Rate of the gimbal, rad/s.
+
+    Returns
+    -------
+    float
+        Rate, rad/s. A tilt dies away as exp(-t / tau).
+
+    References
+    ----------
+    S (1), S (2).
+
+    """
+    return force_m_s2 / (gravity_m_s2 * tau_s) + friction * gimbal_rate_rad_s
+
+
+def hold_gains(omega_1_s: float, zeta: float, gravity_m_s2: float) -> HoldGains:
+    """
+    Return the gains that put the poles of the levelling loop.
+
+    Parameters
+    ----------
+    omega_1_s : float
+        Natural frequency, rad/s; the third pole is at -omega.
+    zeta : float
+        Damping of the pair.
+    gravity_m_s2 : float
+        Gravity.
+
+    References
+    ----------
+    S (7), S (12): s^3 + k1 s^2 + g K s + g Ki = (s + w)(s^2 + 2 zeta w s + w^2).
+
+    Examples
+    --------
+    >>> gains = hold_gains(0.02, 0.5, 10.0)
+    >>> round(gains.k1_1_s, 9), round(gains.k_rad_m, 9), round(gains.ki_rad_m_s, 12)
+    (0.04, 8e-05, 8e-07)
+
+    """
+    both = 1.0 + 2.0 * zeta
+    return HoldGains(both * omega_1_s, both * omega_1_s**2 / gravity_m_s2,
+                     omega_1_s**3 / gravity_m_s2)
+
+
+def gyrocompass_gains(sigma_1_s: float, gravity_m_s2: float) -> GyrocompassGains:
+    """
+    Return the gains of the gyrocompass from its one tuning parameter.
+
+    Parameters
+    ----------
+    sigma_1_s : float
+        Real part and imaginary part of the four poles, 1/s.
+    gravity_m_s2 : float
+        Gravity.
+
+    References
+    ----------
+    S (20)-(22): s (s + k4)(s^2 + k1 s + g K) + g k3 = ((s + sigma)^2 + sigma^2)^2.
+
+    Examples
+    --------
+    >>> gains = gyrocompass_gains(0.5, 10.0)
+    >>> gains.k1_1_s, gains.k_rad_m, gains.k4_1_s, gains.k3_rad_m_s2
+    (1.0, 0.1, 1.0, 0.025)
+
+    """
+    return GyrocompassGains(2.0 * sigma_1_s, 4.0 * sigma_1_s**2 / gravity_m_s2,
+                            2.0 * sigma_1_s, 4.0 * sigma_1_s**4 / gravity_m_s2)
+
+
+def gyrocompass_azimuth(drift_x_rad_s: float, drift_y_rad_s: float, drift_z_rad_s: float,
+                        bias_y_m_s2: float, sigma_1_s: float, latitude_rad: float) -> float:
+    """
+    Return the azimuth at which the gyrocompass settles; the heading error is minus this.
+
+    Parameters
+    ----------
+    drift_x_rad_s, drift_y_rad_s, drift_z_rad_s : float
+        Uncompensated drifts about the north, the east and the down axis, rad/s.
+    bias_y_m_s2 : float
+        Uncompensated bias of the east accelerometer, m/s^2.
+    sigma_1_s : float
+        Tuning, 1/s.
+    latitude_rad : float
+        Latitude, radians.
+
+    References
+    ----------
+    S (22): A = -e_y / (W cos phi) + 2 e_z / sigma - (b_y / g + e_x / (2 sigma)) tan(phi). The last
+    bracket is the tilt about north that accelerometer and damping agree on.
+
+    """
+    tilt = bias_y_m_s2 / gravity(latitude_rad) + 0.5 * drift_x_rad_s / sigma_1_s
+    return (-drift_y_rad_s / earth_rate(latitude_rad)[0] + 2.0 * drift_z_rad_s / sigma_1_s
+            - tilt * math.tan(latitude_rad))
+
+
+def speed_error(speed_m_s: float, course_rad: float, latitude_rad: float) -> float:
+    """
+    Return the heading error of a gyrocompass that knows nothing of the speed of the ship.
+
+    Parameters
+    ----------
+    speed_m_s : float
+        Speed over ground, m/s.
+    course_rad : float
+        Course, radians.
+    latitude_rad : float
+        Latitude, radians.
+
+    Returns
+    -------
+    float
+        Indicated minus true heading, radians.
+
+    References
+    ----------
+    e = atan2(v cos C, R W cos phi + v sin C), with R_M for the northward and R_N for the
+    eastward part.
+
+    """
+    meridian, normal = radii(latitude_rad)
+    return math.atan2(
+        speed_m_s * math.cos(course_rad) / meridian,
+        earth_rate(latitude_rad)[0] + speed_m_s * math.sin(course_rad) / normal)
+
+
+def settled_rate(walk_rad_sqrt_s: float, residual_rad_s: float, sigma_1_s: float,
+                 latitude_rad: float) -> float:
+    """
+    Return the azimuth correction below which a gyrocompass counts as settled, rad/s.
+
+    Parameters
+    ----------
+    walk_rad_sqrt_s : float
+        Angle random walk of the gyros, rad/sqrt(s).
+    residual_rad_s : float
+        Drift of the course gyro that a calibration leaves, rad/s.
+    sigma_1_s : float
+        Tuning, 1/s.
+    latitude_rad : float
+        Latitude, radians.
+
+    Notes
+    -----
+    The first term is the stationary noise of the correction, which grows with the secant of the
+    latitude; a floor of 0.05 deg/h keeps the number finite without noise.
+
+    """
+    noise = 0.5 * walk_rad_sqrt_s * sigma_1_s**1.5 / earth_rate(latitude_rad)[0]
+    return 2.0 * math.hypot(noise, residual_rad_s) + math.radians(0.05) / 3600.0

@@ -1,0 +1,333 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The gimballed AHRS of S: platform, computer and mode machine, run in blocks of ten seconds."""
+
+from __future__ import annotations
+
+from bisect import insort
+from dataclasses import dataclass
+import math
+
+import numpy as np
+
+from heading_intercompare.ahrs.plans import Event, parse_events
+from heading_intercompare.ahrs.random_noise import stream
+from heading_intercompare.ahrs.settings import Ahrs, Errors
+from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, UG_M_S2
+from heading_intercompare.ahrs.ship.seaway import BLOCK_STEPS, GRID_S
+from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
+
+from .alignment import Procedure
+from .claims import alignment_sigma
+from .computer import Computer
+from .condition import progress, self_tests
+from .control_laws import gyrocompass_azimuth, gyrocompass_gains, torque
+from .instruments import Instruments
+from .modes import AhrsStatus, Mode, Validity
+from .operation import PROCEDURES
+from .platform import Platform, rows_of
+
+__all__ = ['GimballedAhrs', 'Track', 'TRACK_STEPS']
+
+TRACK_STEPS = 100
+FAILURES = {'fail_post': 'post', 'fail_thermostat': 'thermostat', 'fail_gyro': 'gyro',
+            'fail_accelerometer': 'accelerometer', 'fail_gimbal': 'gimbal'}
+THERMOSTAT_K = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """
+    What the AHRS did over one block.
+
+    Attributes
+    ----------
+    start_s : float
+        Start of the block, seconds.
+    azimuth_rad, error_rad, alpha_rad, beta_rad : ndarray, shape (101,)
+        On the grid of the control loop, both ends included: true azimuth of the platform,
+        assumed minus true azimuth in (-pi, pi], tilts.
+    flexure_rad, sigma_rad : ndarray, shape (100,)
+        In each step: error of the mounting, claimed standard deviation of the heading.
+    mode, validity : ndarray of int8, shape (100,)
+        In each step.
+    statuses : tuple of AhrsStatus
+        What it said of itself.
+
+    """
+
+    start_s: float
+    azimuth_rad: np.ndarray
+    error_rad: np.ndarray
+    alpha_rad: np.ndarray
+    beta_rad: np.ndarray
+    flexure_rad: np.ndarray
+    sigma_rad: np.ndarray
+    mode: np.ndarray
+    validity: np.ndarray
+    statuses: tuple[AhrsStatus, ...]
+
+
+class GimballedAhrs:
+    """
+    The AHRS, block after block.
+
+    Parameters
+    ----------
+    settings : Ahrs
+        How it is set up.
+    errors : Errors
+        Errors of its instruments, all given; see `sensor_presets.errors_of`.
+    ship : ShipTruth
+        The ship it is mounted on.
+    seed : int
+        Seed of the simulation.
+    role : str
+        'ts' or 'rs'; names the random numbers.
+
+    """
+
+    def __init__(self, settings: Ahrs, errors: Errors, ship: ShipTruth, seed: int,
+                 role: str) -> None:
+        self.settings, self.errors = settings, errors
+        self._ship = ship
+        self.instruments = Instruments(errors, settings, seed, role)
+        self.platform = Platform(self.instruments, errors.accelerometer_step_m_s
+                                 if settings.noise else 0.0)
+        self.computer = Computer(settings, self.platform)
+        self.failures: set[str] = set()
+        self.forced = False
+        self.operation = Mode[settings.operation.upper()]
+        self.validity = Validity.NONE
+        self.sigma_rad = math.nan
+        self.soak = self.instruments.soak
+        self.residual_deg_h = errors.residual_xy_deg_h
+        self._flags: set[str] = set()
+        self._faults: list[str] = []
+        self._messages: list[str] = []
+        self._events = list(parse_events(settings.events))
+        self._place = stream(seed, f'{role}.ahrs.start')
+        self._step = self._entered = 0
+        self._rates = (0.0, 0.0, 0.0)
+        self._failed_at: int | None = None
+        self.computer.prepare(float(ship.block(0).latitude_rad[0]))
+        self._set_up()
+
+    def _set_up(self) -> None:
+        """Put the platform where it is at the start."""
+        state = self.settings.initial_state
+        if state == 'aligned':
+            self._align()
+            self._enter(self.operation)
+            return
+        self._tumble(self.settings.azimuth_deg)
+        self._enter(Mode.POST if state == 'cold' else Mode.COARSE_LEVELLING)
+
+    def _tumble(self, azimuth_deg: float | None) -> None:
+        """Tilt the platform in a random direction and turn it, unless the azimuth is given."""
+        direction, azimuth = (2.0 * math.pi * self._place.random() for _ in range(2))
+        if not self.settings.noise:
+            direction, azimuth = 0.0, 0.0
+        tilt = math.radians(self.settings.tilt_deg)
+        self.platform.alpha_rad = tilt * math.cos(direction)
+        self.platform.beta_rad = tilt * math.sin(direction)
+        self.platform.azimuth_rad = (_wrapped(azimuth) if azimuth_deg is None
+                                     else math.radians(azimuth_deg))
+
+    def _align(self) -> None:
+        """Start as a gyrocompass that has settled with the drifts a calibration leaves."""
+        parts, computer, platform = self.instruments, self.computer, self.platform
+        drift_x, drift_y, drift_z = (bias + soak * parts.soak for bias, soak in zip(
+            parts.gyro_bias[:3], parts.gyro_soak[:3]))
+        sigma_1_s = self.settings.sigma_1_s
+        if self.settings.azimuth_deg is None:
+            gains = gyrocompass_gains(sigma_1_s, computer.gravity)
+            platform.azimuth_rad = gyrocompass_azimuth(
+                drift_x, drift_y, drift_z, parts.bias[1], sigma_1_s, computer.latitude_rad)
+            computer.p = drift_z * computer.earth_north / gains.k3_rad_m_s2
+            computer.qx = gains.k4_1_s * computer.p
+            computer.qy = -drift_x / gains.k_rad_m
+            platform.alpha_rad = (parts.bias[1] - gains.k1_1_s * computer.qy) / computer.gravity
+            platform.beta_rad = (gains.k1_1_s * computer.qx - parts.bias[0]) / computer.gravity
+            self.validity = Validity.VALID
+        else:
+            platform.azimuth_rad = math.radians(self.settings.azimuth_deg)
+            platform.alpha_rad = parts.bias[1] / computer.gravity
+            platform.beta_rad = -parts.bias[0] / computer.gravity
+        self.sigma_rad = alignment_sigma(self.residual_deg_h, computer.latitude_rad)
+
+    def command(self, kind: str, t_s: float) -> float:
+        """Let an event happen at a time, or at the next block if it is past; return when."""
+        event = Event(max(t_s, self.now_s), kind)
+        insort(self._events, event, key=lambda other: other.t_s)
+        return event.t_s
+
+    def say(self, message: str) -> None:
+        """Report what has happened."""
+        self._messages.append(message)
+
+    def flag(self, name: str) -> None:
+        """Go on degraded, for the reason named."""
+        self._flags.add(name)
+
+    def fail(self, cause: str) -> Mode:
+        """Report a fault and return its mode."""
+        self._faults.append(cause)
+        self.say(f'fault: {cause}')
+        return Mode.FAULT
+
+    @property
+    def now_s(self) -> float:
+        """Seconds since the start."""
+        return self._step * GRID_S
+
+    def block(self) -> Track:
+        """Run for the next ten seconds and return what happened."""
+        ship = self._ship.block(self._step // BLOCK_STEPS)
+        random = self.instruments.take(TRACK_STEPS)
+        rows = rows_of(ship, self._step % BLOCK_STEPS, random)
+        start_s, platform, computer = self.now_s, self.platform, self.computer
+        if not self._step:
+            self._look(ship)
+        states = [(platform.azimuth_rad, computer.azimuth_rad, platform.alpha_rad,
+                   platform.beta_rad)]
+        said, kept = [], []
+        for row in rows:
+            if self._events and self._events[0].t_s <= self.now_s:
+                self._happen(self._events.pop(0).kind)
+            rates = self._next()
+            if self._messages or self._step % 10 == 0:
+                said.append(self._status())
+            kept.append((self.mode, self.validity, self.sigma_rad))
+            if rates is None:
+                platform.rest(row)
+            else:
+                platform.step(row, *rates)
+                self._rates = rates
+                computer.take()
+            self._step += 1
+            if self._step % 10 == 0:
+                self._watch()
+            states.append((platform.azimuth_rad, computer.azimuth_rad, platform.alpha_rad,
+                           platform.beta_rad))
+        azimuth, assumed, alpha, beta = np.array(states).T
+        error = np.arctan2(np.sin(assumed - azimuth), np.cos(assumed - azimuth))
+        mode, validity, sigma = zip(*kept)
+        return Track(start_s, azimuth, error, alpha, beta, random['flexure'], np.array(sigma),
+                     np.array(mode, dtype=np.int8), np.array(validity, dtype=np.int8),
+                     tuple(said))
+
+    def _look(self, ship) -> None:
+        """Measure once before the first step."""
+        platform, computer = self.platform, self.computer
+        platform.latitude_rad = float(ship.latitude_rad[0])
+        platform.pick_off_rad = float(ship.heading_rad[0]) - platform.azimuth_rad
+        platform.speed_m_s = float(ship.speed_m_s[0])
+        computer.take()
+
+    def _next(self) -> tuple[float, float, float] | None:
+        """Return the rates to command, after as many changes of mode as are due."""
+        while True:
+            try:
+                return next(self._procedure)
+            except StopIteration as end:
+                self._enter(end.value)
+
+    def _enter(self, mode: Mode) -> None:
+        """Begin a mode."""
+        self.mode, self._entered = mode, self._step
+        if mode is not Mode.FAULT:
+            self._reached = mode
+        if mode is Mode.POST or mode is Mode.FAULT:
+            self.validity, self.sigma_rad = Validity.NONE, math.nan
+        self._procedure: Procedure = PROCEDURES[mode](self)
+        self.say(f'mode {mode.name}')
+
+    def _happen(self, kind: str) -> None:
+        """Let an event happen."""
+        computer = self.computer
+        if kind in ('gyrocompass', 'gyro_azimuth'):
+            self.operation = Mode[kind.upper()]
+            if self.mode in (Mode.GYROCOMPASS, Mode.GYRO_AZIMUTH) and (
+                    self.mode is not self.operation):
+                self._switch()
+        elif kind == 'reset':
+            if self.mode is Mode.FAULT:
+                self._restart()
+        elif kind == 'force_on':
+            self.forced = True
+        elif kind in ('log_lost', 'log_found'):
+            computer.log_ok = kind == 'log_found'
+        elif kind in ('gps_lost', 'gps_found'):
+            computer.gps_ok = kind == 'gps_found'
+        elif kind == 'power_dip':
+            self.instruments.power_on()
+            self._restart()
+        elif kind == 'repair':
+            self.failures.clear()
+            self.instruments.thermostat.broken = self.platform.stuck = False
+        else:
+            self.failures.add(FAILURES[kind])
+            self._failed_at = self._step
+            self.instruments.thermostat.broken |= kind == 'fail_thermostat'
+            self.platform.stuck |= kind == 'fail_accelerometer'
+
+    def _switch(self) -> None:
+        """Change between the modes of operation; azimuth and drift estimates are kept."""
+        computer = self.computer
+        if self.mode is Mode.GYRO_AZIMUTH and self.settings.vertical == 'schuler':
+            computer.leave_schuler()
+        self.validity = Validity.SETTLING
+        self._enter(self.operation)
+
+    def _restart(self) -> None:
+        """Begin again with the self-test; what was calibrated is kept."""
+        self._faults.clear()
+        self._flags.clear()
+        self.computer.reset_loops()
+        self.computer.azimuth_rad = 0.0
+        self.platform.angle_rad = self.platform.angle_rate_rad_s = 0.0
+        self._tumble(None)
+        self._enter(Mode.POST)
+
+    def _watch(self) -> None:
+        """Look once a second for what must stop the AHRS, and for the loss of the log."""
+        lost = 'NO_SPEED' in self._flags
+        if self.computer.no_speed and not lost:
+            self.flag('NO_SPEED')
+            self.say('no speed')
+        elif lost and self.computer.log_ok:
+            self._flags.remove('NO_SPEED')
+            self.say('speed again')
+        if self.mode in (Mode.POST, Mode.THERMOSTAT_WAIT, Mode.FAULT):
+            return
+        seen = self.failures - {'post', 'thermostat'}
+        if self.failures & {'thermostat'} and not self.forced and (
+                abs(self.instruments.thermostat.away_k) > THERMOSTAT_K):
+            seen.add('thermostat')
+        if seen:
+            self._enter(self.fail(min(seen)))
+
+    def _status(self) -> AhrsStatus:
+        """Return what is said now."""
+        computer = self.computer
+        message, self._messages = '; '.join(self._messages), []
+        mode_s = round((self._step - self._entered) * GRID_S, 3)
+        drifts = (computer.drift_x_rad_s, computer.drift_y_rad_s, computer.drift_z_rad_s,
+                  computer.meter_x_rad_s, computer.meter_y_rad_s)
+        return AhrsStatus(
+            t_s=self.now_s, mode=self.mode.name, mode_s=mode_s, progress=progress(
+                self.mode, mode_s, self.validity, self.instruments.thermostat.away_k,
+                self.settings),
+            validity=self.validity.name,
+            tests=tuple(self_tests(self._reached, self._faults).items()), message=message,
+            flags=('DEGRADED', *sorted(self._flags)) if self._flags else (),
+            faults=tuple(self._faults), sigma_deg=math.degrees(self.sigma_rad),
+            temperature_c=self.instruments.thermostat.SET_C + self.instruments.thermostat.away_k,
+            drifts_deg_h=tuple(drift / RAD_PER_DEG_H for drift in drifts),
+            biases_ug=(computer.bias_x_m_s2 / UG_M_S2, computer.bias_y_m_s2 / UG_M_S2),
+            currents_a=tuple(torque(rate)[1] for rate in self._rates))
+
+
+def _wrapped(angle_rad: float) -> float:
+    return math.atan2(math.sin(angle_rad), math.cos(angle_rad))

@@ -1,0 +1,127 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Settings from a ROS parameter file and from ``--set name=value``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Mapping, Sequence
+
+import yaml
+
+from heading_intercompare.core.settings import declared, flattened, Settings, SettingsError
+
+from .yaml_file import load_yaml, parse_yaml
+
+__all__ = ['Config', 'load_config', 'parse_assignments', 'settings_for']
+
+SHARED = '/**'
+"""The section whose names every node and every command knows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Config:
+    """
+    What a ROS parameter file says.
+
+    Attributes
+    ----------
+    path : str
+        Of the file; empty without one.
+    shared : mapping
+        Dotted names of the section ``/**``: those of `Settings`.
+    sections : mapping of str to mapping
+        The parameters of single nodes, dotted names.
+
+    """
+
+    path: str = ''
+    shared: Mapping[str, Any] = field(default_factory=dict)
+    sections: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+
+def load_config(path: str | None) -> Config:
+    """
+    Read a ROS parameter file.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    SettingsError
+        If it is not a ROS parameter file: what is wrong and where.
+
+    """
+    if path is None:
+        return Config()
+    document = parse_yaml(Path(path).read_bytes(), path)
+    if document is None:
+        return Config(path)
+    if not isinstance(document, dict):
+        raise SettingsError(f'{path}: not a ROS parameter file: it must hold sections such as '
+                            f"'{SHARED}: ros__parameters: ...'")
+    sections = {}
+    for name, section in document.items():
+        if not (isinstance(section, dict) and set(section) == {'ros__parameters'}):
+            raise SettingsError(f'{path}: section {name!r}: must hold ros__parameters and '
+                                'nothing else')
+        parameters = section['ros__parameters'] or {}
+        if not isinstance(parameters, dict):
+            raise SettingsError(f'{path}: section {name!r}: ros__parameters must be a mapping')
+        sections[str(name).lstrip('/') if name != SHARED else SHARED] = dict(
+            flattened(parameters))
+    return Config(path, sections.pop(SHARED, {}), sections)
+
+
+def parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
+    """
+    Return the names and values of ``--set name=value`` options.
+
+    Raises
+    ------
+    SettingsError
+        If one is not of this form.
+
+    """
+    words = {s.name for s in declared(Settings) if s.kinds == (str,)}
+    values = {}
+    for assignment in assignments:
+        name, equals, text = assignment.partition('=')
+        name = name.strip()
+        if not equals or not name:
+            raise SettingsError(f'--set {assignment}: must be name=value, '
+                                'e.g. --set norms.sigma_max_deg=0.2')
+        try:
+            values[name] = text if name in words else load_yaml(text)
+        except yaml.YAMLError as error:
+            raise SettingsError(f'--set {assignment}: the value cannot be read') from error
+    return values
+
+
+def settings_for(config: Config, assignments: Sequence[str] = (),
+                 **overrides: Any) -> Settings:
+    """
+    Return the settings of a command: defaults, then the file, then ``--set``, then options.
+
+    Parameters
+    ----------
+    config : Config
+    assignments : sequence of str
+        As given with ``--set``.
+    overrides : object
+        Settings by name, of options of their own (``ts_topic``); None is not given.
+
+    Raises
+    ------
+    SettingsError
+        One line naming the setting, and the file if it came from there.
+
+    """
+    try:
+        from_file = Settings.from_mapping(config.shared).to_mapping() if config.shared else {}
+    except SettingsError as error:
+        raise SettingsError(f'{config.path}: {error}') from error
+    given = {**from_file, **parse_assignments(assignments),
+             **{k: v for k, v in overrides.items() if v is not None}}
+    return Settings.from_mapping(given)

@@ -1,0 +1,215 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Recorded runs as inputs of an analysis: MCAP files, rosbag2 directories, csv of pairs."""
+
+from __future__ import annotations
+
+from collections import Counter
+from concurrent.futures import Future, ThreadPoolExecutor
+import hashlib
+from pathlib import Path
+from typing import Any, Callable, Sequence
+
+from heading_intercompare.bags.codec.cdr import decode
+from heading_intercompare.bags.csv.pairs_csv import read_pairs_csv
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.mcap.mcap_file import mcap_files
+from heading_intercompare.bags.recording.recorder_losses import missing, RECORDING
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.provenance import notes_in
+from heading_intercompare.core.offline import aligned
+from heading_intercompare.core.pairing.ledger import Ledger
+from heading_intercompare.core.pairing.pending_readings import rising
+from heading_intercompare.core.pipeline import Compliance, Intercomparison
+from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.judge import RunResult
+
+from .run_table import RunTable
+
+__all__ = ['analyze_input', 'sha256']
+
+MARKER_TOPIC = 'compliance/marker'
+_MARKER_TYPE = 'diagnostic_msgs/msg/DiagnosticArray'
+
+
+def analyze_input(path: str, settings: Settings, table: RunTable | None,
+                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
+                  *, name: str | None = None,
+                  helpers: int = 0) -> tuple[list[RunResult], list[str], dict[str, Any]]:
+    """
+    Judge the runs of one input.
+
+    Parameters
+    ----------
+    path : str
+        ``.mcap`` file, rosbag2 directory or ``.csv`` of pairs.
+    settings : Settings
+    table : sequence of (start_ns, stop_ns, source), optional
+        Runs; those with a source are for the input of that name only, see `assigned`.
+    takers : sequence of callable
+        Each is given the pairs, chunk by chunk.
+    progress : callable
+        Told what has been done.
+    name : str, optional
+        What results, notes and the table of runs call it; `path` by default.
+    helpers : int
+        Processes that decode a bag beside this one.
+
+    Returns
+    -------
+    results : list of RunResult
+    notes : list of str
+        What the user should know of the input: unfinished bag, no run.
+    described : dict
+        Its entry in the verdict: name, SHA-256, topics, operator's notes; of an input without runs
+        also `no_run`, which says why there is none and what became of the readings.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    BagError
+        If it is not what it should be.
+
+    """
+    name = path if name is None else name
+    runs = None if table is None else [
+        (start, stop) for start, stop, source in table
+        if source in ('', name)]
+    with ThreadPoolExecutor(1) as beside:
+        digest: list[Future[str]] = []
+
+        def all_read() -> None:
+            # Not earlier: helpers are started by a process that has one thread.
+            digest.append(beside.submit(sha256, path))
+        if Path(path).suffix == '.csv':
+            bag = None
+            results, notes, ledger = _analyze_csv(path, name, settings, runs, takers, progress,
+                                                  all_read)
+        else:
+            bag = BagReader(path)
+            results, notes, ledger = _analyze_bag(bag, name, settings, runs, takers, progress,
+                                                  all_read, helpers)
+        described = _described(bag, name, settings, digest[0].result())
+    if not results:
+        described['no_run'] = _no_run(ledger, settings, runs)
+        notes.append(f'{name}: no run: {described["no_run"]}')
+    return results, notes, described
+
+
+def _analyze_csv(path: str, name: str, settings: Settings,
+                 runs: Sequence[tuple[int, int]] | None,
+                 takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
+                 all_read: Callable[[], None]) -> tuple[list[RunResult], list[str], Ledger]:
+    compliance = Compliance(settings, source=name, table=runs)
+    ledger = Ledger()
+    n, newest_ns = 0, None
+    for pairs in read_pairs_csv(path):
+        n += len(pairs)
+        ledger.receive('ts', pairs.stamp_ns)
+        ledger.receive('rs', pairs.stamp_ns)
+        rises = rising(pairs.stamp_ns, newest_ns)
+        for stream in ('ts', 'rs'):
+            ledger.add(f'{stream}_rejected.stamp_not_increasing', pairs.stamp_ns[~rises])
+        pairs = pairs[rises]
+        for key in ('paired', 'ts_paired', 'rs_used'):
+            ledger.add(key, pairs.stamp_ns)
+        if len(pairs):
+            newest_ns = int(pairs.stamp_ns[-1])
+        compliance.update(pairs)
+        for take in takers:
+            take(pairs)
+        progress(f'{n:,} pairs')
+    all_read()
+    compliance.finish()
+    for cut_ns in compliance.cuts:
+        ledger.cut(cut_ns)
+    return compliance.results(ledger), [], ledger
+
+
+def _analyze_bag(reader: BagReader, name: str, settings: Settings,
+                 runs: Sequence[tuple[int, int]] | None,
+                 takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
+                 all_read: Callable[[], None],
+                 helpers: int) -> tuple[list[RunResult], list[str], Ledger]:
+    comparison = Intercomparison(settings, source=name, table=runs)
+    ts, rs = settings.ts_topic, settings.rs_topic
+    conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
+    if runs is None:
+        _set_marks(comparison, reader)
+    # To align a run takes all readings once more; else they are forgotten chunk by chunk.
+    kept = {ts: [], rs: []} if settings.alignment.skew == 'apply' else {}
+    n = 0
+    for chunk in reader.headings(conventions, helpers):
+        for topic, chunks in kept.items():
+            chunks.append(chunk[topic])
+        pairs = comparison.update(ts=chunk[ts], rs=chunk[rs])
+        n += sum(len(h) for h in chunk.values())
+        for take in takers:
+            take(pairs)
+        progress(f'{n:,} headings')
+    all_read()
+    pairs = comparison.finish()
+    for take in takers:
+        take(pairs)
+    lost = missing(reader.metadata().get(RECORDING, {}))
+    notes = [f'{name}: {why}' for why in (reader.incomplete, reader.recovered, lost) if why]
+    results = comparison.results()
+    if kept:
+        results = aligned(*(Headings.concatenate(kept[topic]) for topic in (ts, rs)), results,
+                          settings, source=name)
+    return results, notes, comparison.pairer.ledger
+
+
+def _no_run(ledger: Ledger, settings: Settings, runs: Sequence[tuple[int, int]] | None) -> str:
+    """Say why no run came of an input, and what became of its readings."""
+    counts = Counter()
+    for segment in ledger.segments:
+        counts.update(segment.counts)
+    received = {stream: sum(segment.received(stream) for segment in ledger.segments)
+                for stream in ('ts', 'rs')}
+    rejected = [f'{n} {key[:2].upper()} {key.partition(".")[2]}' for key, n in counts.items()
+                if '_rejected.' in key]
+    why = ('the table of runs has no row for it' if runs is not None and not runs else
+           'no pair was made' if not counts['paired'] else
+           'none of its pairs is in a run of at least runs.min_duration_s = '
+           f'{settings.runs.min_duration_s:g} s')
+    return (f'{why}; {received["ts"]} TS and {received["rs"]} RS readings received, '
+            f'{counts["paired"]} paired, rejected: {", ".join(rejected) or "none"}')
+
+
+def _set_marks(comparison: Intercomparison, reader: BagReader) -> None:
+    """Start and stop runs where that was recorded."""
+    topics = [t for t in reader.topics if t.lstrip('/') == MARKER_TOPIC]
+    for message in reader.messages(topics) if topics else ():
+        try:
+            if message.type_name != _MARKER_TYPE:
+                raise BagError(f'is {message.type_name}, must be {_MARKER_TYPE}')
+            mark = decode(message.type_name, message.data)
+            stamp = mark['header']['stamp']
+            stamp_ns = stamp['sec'] * 1_000_000_000 + stamp['nanosec']
+            for status in mark['status']:
+                comparison.mark(status['message'], stamp_ns)
+        except ValueError as error:
+            raise BagError(f'topic {message.topic!r}: {error}; with --runs no mark counts',
+                           reader.path) from error
+
+
+def _described(bag: BagReader | None, name: str, settings: Settings,
+               digest: str) -> dict[str, Any]:
+    notes = [] if bag is None else notes_in(bag)
+    return {'path': name, 'sha256': digest,
+            'ts_topic': None if bag is None else settings.ts_topic,
+            'rs_topic': None if bag is None else settings.rs_topic,
+            **({'notes': [note._asdict() for note in notes]} if notes else {})}
+
+
+def sha256(path: str) -> str:
+    """Return the SHA-256 of a file, or of the .mcap files of a folder in order of their names."""
+    digest = hashlib.sha256()
+    for part in sorted(mcap_files(Path(path))):
+        with part.open('rb') as file:
+            while block := file.read(1 << 20):
+                digest.update(block)
+    return digest.hexdigest()

@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""One input of a campaign judged, in whatever process."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Callable, Iterable
+
+from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.judge import RunResult
+from heading_intercompare.report import SeriesSketch
+
+from .inputs import analyze_input
+from .run_table import RunTable
+
+__all__ = ['Job', 'Judged']
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """
+    What came of one input.
+
+    Attributes
+    ----------
+    path : str
+        As it was given.
+    results : list of RunResult
+        Its runs.
+    notes : list of str
+        What the user should know of it.
+    description : dict
+        Its entry in the verdict; with `error` if it could not be read, with `no_run` if no run
+        came of it.
+    sketch : SeriesSketch or None
+        For the graphs of a report, if asked for.
+
+    """
+
+    path: str
+    results: list[RunResult]
+    notes: list[str]
+    description: dict[str, Any]
+    sketch: SeriesSketch | None
+
+    @property
+    def error(self) -> str | None:
+        """Why it could not be read."""
+        return self.description.get('error')
+
+    @property
+    def no_run(self) -> str | None:
+        """Why no run came of it."""
+        return self.description.get('no_run')
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """
+    What is the same for all inputs; goes to the other processes.
+
+    Attributes
+    ----------
+    settings : Settings
+    table : sequence of (start_ns, stop_ns, source), optional
+        Runs.
+    sketched : bool
+        Collect what the graphs of a report need.
+
+    """
+
+    settings: Settings
+    table: RunTable | None
+    sketched: bool
+
+    def judge(self, path: str, takers: Iterable[Callable[[Pairs], None]] = (),
+              progress: Callable[[str], None] = lambda text: None, *,
+              place: str | None = None, helpers: int = 0) -> Judged:
+        """
+        Judge one input; OSError and ValueError if it cannot be read.
+
+        `place` is where to find it, if the path means something else here; `helpers` the number
+        of processes that decode beside this one.
+        """
+        takers = list(takers)
+        place = place or path
+        sketch = SeriesSketch(path) if self.sketched else None
+        if sketch is not None:
+            takers.append(partial(sketch.update, settings=self.settings))
+        results, notes, described = analyze_input(place, self.settings, self.table, takers,
+                                                  progress, name=path, helpers=helpers)
+        return Judged(path, results, notes, described, sketch)
+
+    def survive(self, path: str, place: str | None = None) -> Judged:
+        """Judge one input among others; one that cannot be read says why."""
+        try:
+            return self.judge(path, place=place)
+        except OSError as error:
+            return self.unread(path, error.strerror or str(error))
+        except ValueError as error:
+            return self.unread(path, str(error).removeprefix(f'{place or path}: '))
+        except MemoryError:
+            return self.unread(path, 'there is not enough memory for it')
+
+    def unread(self, path: str, why: str) -> Judged:
+        """Return what there is to say of an input that could not be read."""
+        why = ' '.join(why.split())
+        bag = Path(path).suffix != '.csv'
+        return Judged(path, [], [f'{path}: not judged: {why}'],
+                      {'path': path, 'sha256': None,
+                       'ts_topic': self.settings.ts_topic if bag else None,
+                       'rs_topic': self.settings.rs_topic if bag else None, 'error': why}, None)

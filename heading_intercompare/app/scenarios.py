@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Scenario files: found by path, or by name among those that come with the package."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from heading_intercompare.ahrs.settings import Scenario
+from heading_intercompare.core.settings import SettingsError
+
+from .yaml_file import parse_yaml
+
+__all__ = ['ScenarioFile', 'read_scenario']
+
+
+class ScenarioFile(NamedTuple):
+    """
+    A scenario and where it comes from.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        What to simulate.
+    name : str
+        Of the file, without its folder.
+    data : bytes
+        The file as it is.
+
+    """
+
+    scenario: Scenario
+    name: str
+    data: bytes
+
+
+def _folders() -> list[Path]:
+    """Return where the scenarios of the package are, in the checkout or as installed."""
+    return [folder / below / 'scenarios' for folder in Path(__file__).resolve().parents
+            for below in ('config', 'share/heading_intercompare/config')]
+
+
+def _found(given: str) -> Path:
+    """Return the file that is meant, which may be absent."""
+    path = Path(given)
+    if path.exists() or path.name != given or path.suffix:
+        return path
+    shipped = [folder / f'{given}.yaml' for folder in _folders()]
+    found = next((file for file in shipped if file.is_file()), None)
+    if found is None:
+        names = sorted({file.stem for folder in _folders() for file in folder.glob('*.yaml')})
+        raise SettingsError(f'--scenario {given}: is neither a file nor one of the scenarios '
+                            f'{", ".join(names) or "of the package, which are not installed"}')
+    return found
+
+
+def read_scenario(given: str, seed: int | None = None) -> ScenarioFile:
+    """
+    Read a scenario.
+
+    Parameters
+    ----------
+    given : str
+        Path of a YAML file, or the name of one that comes with the package ('demo').
+    seed : int, optional
+        Instead of that in the file.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    SettingsError
+        One line with the file, what is wrong and what is allowed.
+
+    """
+    path = _found(given)
+    data = path.read_bytes()
+    mapping = parse_yaml(data, path)
+    if not isinstance(mapping, dict):
+        raise SettingsError(f'{path}: not a scenario: it must hold names and values such as '
+                            'duration_s: 1200')
+    try:
+        scenario = Scenario.from_mapping(mapping)
+    except SettingsError as error:
+        raise SettingsError(f'{path}: {error}') from error
+    if seed is not None:
+        scenario = replace(scenario, seed=seed)
+    return ScenarioFile(scenario, path.name, data)

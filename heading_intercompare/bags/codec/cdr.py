@@ -1,0 +1,173 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Messages to bytes and back: XCDR1 as ROS 2 puts it on the wire and into bags.
+
+Four bytes say the byte order, then come the fields, each aligned to its own size counted from
+behind those four. For single messages; `heading_messages` treats whole chunks at once.
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import Any, Mapping
+
+from heading_intercompare.bags.errors import BagError
+
+from .fields import CODES, Field, SEQUENCE, short_name
+from .schemas import definitions_of
+
+__all__ = ['decode', 'encode']
+
+_LITTLE = b'\x00\x01\x00\x00'
+_BYTE_ORDER = {b'\x00\x00': '>', b'\x00\x01': '<'}
+
+
+def _padding(position: int, size: int) -> int:
+    return -position % size
+
+
+class _Encoder:
+    """Appends fields to a little-endian body."""
+
+    def __init__(self, type_name: str) -> None:
+        self._definitions = definitions_of(type_name)
+        self.body = bytearray()
+
+    def _put(self, code: str, *values: Any) -> None:
+        size = struct.calcsize(code)
+        self.body += bytes(_padding(len(self.body), size))
+        self.body += struct.pack(f'<{len(values)}{code}', *values)
+
+    def message(self, name: str, message: Mapping[str, Any]) -> None:
+        fields = self._definitions[name]
+        unknown = message.keys() - {f.name for f in fields}
+        if unknown:
+            raise BagError(f'{name} has no field {min(unknown)!r}')
+        for field in fields:
+            self._field(name, field, message.get(field.name))
+
+    def _field(self, owner: str, field: Field, value: Any) -> None:
+        if field.size is None:
+            values = [value]
+        else:
+            values = [None] * max(field.size, 0) if value is None else list(value)
+            if field.size == SEQUENCE:
+                self._put('I', len(values))
+            elif len(values) != field.size:
+                raise BagError(f'{owner}.{field.name} has {len(values)} elements instead of '
+                               f'{field.size}')
+        if field.type not in CODES:
+            for each in values:
+                self.message(field.type, each or {})
+        elif field.type == 'string':
+            for each in values:
+                data = (each or '').encode() + b'\0'
+                self._put('I', len(data))
+                self.body += data
+        elif values:
+            try:
+                self._put(CODES[field.type], *(0 if v is None else v for v in values))
+            except struct.error as error:
+                raise BagError(f'{owner}.{field.name} = {value!r}: {error}') from None
+
+
+class _Decoder:
+    """Takes fields from a body."""
+
+    def __init__(self, type_name: str, data: bytes) -> None:
+        order = _BYTE_ORDER.get(bytes(data[:2]))
+        if order is None or len(data) < 4:
+            raise BagError(f'{type_name} message does not start as CDR: {bytes(data[:4])!r}')
+        self._type_name = type_name
+        self._definitions = definitions_of(type_name)
+        self._order = order
+        self._body = memoryview(data)[4:]
+        self._at = 0
+
+    def _skip(self, size: int) -> int:
+        start, self._at = self._at, self._at + size
+        if self._at > len(self._body):
+            raise BagError(f'{self._type_name} message ends early: {len(self._body) + 4} bytes')
+        return start
+
+    def _get(self, code: str, count: int) -> tuple:
+        size = struct.calcsize(code)
+        self._at += _padding(self._at, size)
+        start = self._skip(size * count)
+        return struct.unpack_from(f'{self._order}{count}{code}', self._body, start)
+
+    def _string(self) -> str:
+        length = self._get('I', 1)[0]
+        start = self._skip(length)
+        data = bytes(self._body[start:self._at]).removesuffix(b'\0')
+        return data.decode(errors='replace')
+
+    def message(self, name: str) -> dict[str, Any]:
+        return {f.name: self._field(f) for f in self._definitions[name]}
+
+    def _field(self, field: Field) -> Any:
+        count = 1 if field.size is None else field.size
+        if count == SEQUENCE:
+            count = self._get('I', 1)[0]
+        if count > len(self._body):
+            raise BagError(f'{self._type_name} message ends early: {len(self._body) + 4} bytes')
+        if field.type not in CODES:
+            values = [self.message(field.type) for _ in range(count)]
+        elif field.type == 'string':
+            values = [self._string() for _ in range(count)]
+        else:
+            values = list(self._get(CODES[field.type], count)) if count else []
+        return values[0] if field.size is None else values
+
+
+def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
+    """
+    Return a message as little-endian CDR.
+
+    Parameters
+    ----------
+    type_name : str
+        A key of `schemas.TYPE_HASHES`, such as 'std_msgs/msg/String'.
+    message : mapping
+        Field names to numbers, strings, sequences and such mappings. Absent fields are zero.
+
+    Raises
+    ------
+    BagError
+        For a field that the type does not have, or a value that does not fit.
+
+    Examples
+    --------
+    >>> encode('std_msgs/msg/String', {'data': 'hi'}).hex()
+    '0001000003000000686900'
+
+    """
+    encoder = _Encoder(type_name)
+    encoder.message(short_name(type_name), message)
+    return _LITTLE + bytes(encoder.body)
+
+
+def decode(type_name: str, data: bytes) -> dict[str, Any]:
+    """
+    Return the fields of a CDR message of either byte order.
+
+    Parameters
+    ----------
+    type_name : str
+        A key of `schemas.TYPE_HASHES`.
+    data : bytes
+        The message with its four bytes of encapsulation.
+
+    Raises
+    ------
+    BagError
+        If the message is shorter than its type says.
+
+    Examples
+    --------
+    >>> decode('std_msgs/msg/String', bytes.fromhex('0001000003000000686900'))
+    {'data': 'hi'}
+
+    """
+    return _Decoder(type_name, data).message(short_name(type_name))

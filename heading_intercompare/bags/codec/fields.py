@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Fields of ROS message types, read from definition texts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import re
+from typing import Iterator, Mapping
+
+from heading_intercompare.bags.errors import BagError
+
+__all__ = ['CODES', 'Definitions', 'Field', 'SEQUENCE', 'definitions_in', 'full_name', 'leaves',
+           'short_name']
+
+#: Letters of `struct` for the primitive types; 's' stands for strings here.
+CODES = {'bool': '?', 'byte': 'B', 'octet': 'B', 'char': 'B', 'uint8': 'B', 'int8': 'b',
+         'int16': 'h', 'uint16': 'H', 'int32': 'i', 'uint32': 'I', 'int64': 'q', 'uint64': 'Q',
+         'float32': 'f', 'float64': 'd', 'string': 's'}
+
+#: Marks a field that is a sequence of any length.
+SEQUENCE = -1
+
+_DEEPEST = 20
+_SEPARATOR = re.compile(r'^={3,}[ \t]*\r?\n', re.MULTILINE)
+_FIELD = re.compile(r'(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[(?P<size>(?:<=)?\d*)\])?'
+                    r'[ \t]+(?P<name>[A-Za-z]\w*)[ \t]*(?P<constant>=(?!=))?')
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """
+    One field of a message.
+
+    Attributes
+    ----------
+    name : str
+        As in the definition.
+    type : str
+        A key of `CODES`, or a message type as package/Type.
+    size : int or None
+        Elements of a fixed array, `SEQUENCE`, or None for a single value.
+
+    """
+
+    name: str
+    type: str
+    size: int | None
+
+
+Definitions = Mapping[str, tuple[Field, ...]]
+
+
+def full_name(type_name: str) -> str:
+    """Return package/msg/Type of package/Type; other names unchanged."""
+    return type_name if '/msg/' in type_name else type_name.replace('/', '/msg/', 1)
+
+
+def short_name(type_name: str) -> str:
+    """Return package/Type of package/msg/Type; other names unchanged."""
+    return type_name.replace('/msg/', '/')
+
+
+def _fields(package: str, text: str) -> Iterator[Field]:
+    for line in text.splitlines():
+        line = line.split('#', 1)[0].strip()
+        if not line:
+            continue
+        match = _FIELD.match(line)
+        if match is None:
+            raise BagError(f'message definition of package {package!r}: cannot read {line!r}')
+        if match['constant']:
+            continue
+        kind = short_name(match['type'])
+        if kind not in CODES and '/' not in kind:
+            kind = f'{package}/{kind}'
+        size = match['size']
+        if size is not None:
+            size = int(size) if size.isdigit() else SEQUENCE
+        yield Field(match['name'], kind, size)
+
+
+def definitions_in(type_name: str, text: str) -> Definitions:
+    """
+    Return the fields of a type and of those it depends on.
+
+    Parameters
+    ----------
+    type_name : str
+        The type that the text opens with.
+    text : str
+        A definition followed by the definitions it depends on, each behind a line of equals
+        signs and one that reads 'MSG: package/Type', as MCAP schemas of encoding ros2msg.
+
+    Raises
+    ------
+    BagError
+        If a line is neither a field, a constant nor a comment.
+
+    """
+    first, *others = _SEPARATOR.split(text)
+    found = {}
+    sections = [(short_name(type_name), first)]
+    for section in others:
+        head, _, body = section.partition('\n')
+        sections.append((short_name(head.partition('MSG:')[2].strip()), body))
+    for name, body in sections:
+        found[name] = tuple(_fields(name.partition('/')[0], body))
+    return found
+
+
+def leaves(type_name: str, definitions: Definitions,
+           depth: int = _DEEPEST) -> Iterator[tuple[str, str, int | None]]:
+    """
+    Yield path, letter of `CODES` and size of all primitive fields, in the order of the wire.
+
+    Raises
+    ------
+    BagError
+        If a type is not defined, or contains itself.
+
+    """
+    if type_name not in definitions or not depth:
+        raise BagError(f'message type {type_name} is not defined in the schema')
+    for field in definitions[type_name]:
+        if field.type in CODES:
+            yield field.name, CODES[field.type], field.size
+            continue
+        if field.size is not None:
+            yield f'{field.name}[]', '', field.size
+        for path, code, size in leaves(field.type, definitions, depth - 1):
+            yield f'{field.name}.{path}', code, size

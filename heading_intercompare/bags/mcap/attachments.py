@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The metadata and attachments of an MCAP file: where they are, and whether they are sound."""
+
+from __future__ import annotations
+
+from typing import Sequence
+import zlib
+
+from mcap import records as mcap
+from mcap.opcode import Opcode
+
+from heading_intercompare.bags.errors import BagError
+
+from .record_stream import parsed, RecordStream
+
+__all__ = ['attachment', 'places']
+
+
+def attachment(content: bytes) -> mcap.Attachment:
+    """Return an attachment from the bytes behind its head; BagError if it is damaged."""
+    found = parsed(mcap.Attachment, content)
+    crc = int.from_bytes(content[-4:], 'little')
+    # Its checksum is of all its fields; pybag 0.13 takes that of the data.
+    if crc not in (0, zlib.crc32(content[:-4])) and crc != zlib.crc32(found.data):
+        raise BagError('attachment damaged: its checksum does not match')
+    return found
+
+
+def places(stream: RecordStream, opcode: int, indexed: Sequence[int], begin: int,
+           end: int) -> list[int]:
+    """
+    Return where the records of a kind are, in file order.
+
+    Parameters
+    ----------
+    stream : RecordStream
+        The file.
+    opcode : int
+        The kind.
+    indexed : sequence of int
+        Where they are by the index. If it is wrong they are looked for.
+    begin, end : int
+        Bytes of the file between which they are.
+
+    Raises
+    ------
+    BagError
+        If they have to be looked for, and are fewer or the file is damaged.
+
+    """
+    try:
+        if all(stream.record(at, end).opcode == opcode for at in indexed):
+            return sorted(indexed)
+    except BagError:
+        pass
+    found, at = [], begin
+    while at < end:
+        record = stream.record(at, end)
+        if record.opcode == opcode:
+            found.append(at)
+        at = record.start + record.length
+    if len(found) < len(indexed):
+        kind = Opcode(opcode).name.title()
+        raise BagError(f'damaged: {len(found)} records of type {kind} where its index says '
+                       f'{len(indexed)}')
+    return found

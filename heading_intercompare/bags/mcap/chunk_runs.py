@@ -1,0 +1,336 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Sound chunks of a file, several at once, and whether they can go into another file as they are.
+
+A chunk is sound if its checksum is right, or it has none, and its records fill it. The message
+indexes behind it are believed if they name each of its messages once, with its log time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable, NamedTuple
+
+from mcap.opcode import Opcode
+import numpy as np
+import zstandard
+
+from heading_intercompare.bags.errors import BagError
+
+from .checksum import crc32
+from .chunks import CHUNK_HEAD, unpacked
+from .fragments import begun, CHUNK_BYTES, chunk_head, ChunkHead, HEAD_BYTES
+from .message_blocks import (
+    Block,
+    block_of,
+    ENTRY_BYTES,
+    HEAD,
+    INDEX_HEAD,
+    INDEX_LEAST,
+    MESSAGE_HEAD,
+)
+
+__all__ = ['Chunk', 'ChunkRun', 'ChunkRuns', 'counted', 'Counts', 'records_of']
+
+#: Small chunks are looked at together until their records are so long, or they are so many.
+_RUN_BYTES, _RUN_CHUNKS = 2**20, 256
+#: Records of a chunk that claims more are decompressed by pieces.
+_LARGE = 2**26
+#: Read behind a chunk at once.
+_INDEX_BYTES = 2**13
+
+#: Channels with the number of messages of each.
+Counts = tuple[tuple[int, int], ...]
+
+
+class Chunk(NamedTuple):
+    """
+    A sound chunk.
+
+    Attributes
+    ----------
+    start, end, behind : int
+        Its first byte in the file, the one behind it, and the one behind its message indexes.
+    first_ns, last_ns : int
+        Smallest and largest log time of its messages; 0 without messages.
+    size, crc : int
+        Length and checksum of its records.
+    compression : str
+        As MCAP has it.
+    packed : int
+        Length of its compressed records.
+    counts : Counts
+        Its messages whose log times can be, in the order of the indexes if these are right.
+    definitions : frozenset of bytes
+        The schemas and channels in it, whole records.
+    plain : bool
+        It has schemas and channels, then messages, of times that can be, and nothing else;
+        definitions may be repeated later.
+    indexed : bool
+        The message indexes behind it are right.
+    protected : bool
+        It has a checksum.
+
+    """
+
+    start: int
+    end: int
+    behind: int
+    first_ns: int
+    last_ns: int
+    size: int
+    crc: int
+    compression: str
+    packed: int
+    counts: Counts
+    definitions: frozenset[bytes]
+    plain: bool
+    indexed: bool
+    protected: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChunkRun:
+    """
+    Chunks one behind the other.
+
+    Attributes
+    ----------
+    chunks : list of Chunk
+        At least one.
+    bases : ndarray of int64, shape (n + 1,)
+        Where the records of each begin in those of the block, and where those of the last end.
+    edges : ndarray of int64, shape (n + 1,)
+        The first message of each in the block, and the number of messages.
+    block : Block
+        The records of all.
+    untimed : int
+        Messages with log times that cannot be.
+
+    """
+
+    chunks: list[Chunk]
+    bases: np.ndarray
+    edges: np.ndarray
+    block: Block
+    untimed: int
+
+
+class _Part(NamedTuple):
+    """A chunk that is decompressed and checked, and the message indexes behind it."""
+
+    start: int
+    head: ChunkHead
+    behind: int
+    data: bytes | bytearray | memoryview
+    crc: int
+    index: list[tuple[int, bytes]]
+
+
+def records_of(content: bytes, size: int,
+               zstd: zstandard.ZstdDecompressor) -> bytes | bytearray | memoryview:
+    """Return the records in the content of a chunk, checked; BagError if it is damaged."""
+    if size <= _LARGE:
+        return unpacked(content, zstd)
+    data = begun(content)
+    if len(data) != size:
+        raise BagError('chunk damaged: it decompresses to another size than its head says')
+    crc = CHUNK_HEAD.unpack_from(content)[3]
+    if crc and crc32(data) != crc:
+        raise BagError('chunk damaged: its checksum does not match')
+    return data
+
+
+def counted(channels: np.ndarray) -> Counts:
+    """Return how many messages each channel has."""
+    numbers, counts = np.unique(channels, return_counts=True)
+    return tuple(zip(numbers.tolist(), counts.tolist()))
+
+
+class ChunkRuns:
+    """
+    Finds sound chunks in a file; never raises BagError.
+
+    Parameters
+    ----------
+    read : callable
+        Returns so many bytes of the file from a byte on, fewer where it ends.
+    size : int
+        Of the file.
+
+    """
+
+    def __init__(self, read: Callable[[int, int], bytes], size: int) -> None:
+        self._read = read
+        self._size = size
+        self._zstd = zstandard.ZstdDecompressor()
+        self._known: dict[tuple[bytes, ...], frozenset[bytes]] = {}
+
+    def run(self, at: int, end: int | None = None) -> ChunkRun | None:
+        """Return the sound chunks from a byte on, up to another; None if there is none."""
+        parts: list[_Part] = []
+        size = 0
+        end = self._size if end is None else end
+        while size < _RUN_BYTES and len(parts) < _RUN_CHUNKS and at < end:
+            part = self._part(at, _RUN_BYTES - size if parts else CHUNK_BYTES)
+            if part is None:
+                break
+            parts.append(part)
+            size += part.head.size
+            at = part.behind
+        found = self._joined(parts) if parts else None
+        return self._joined(parts[:1]) if found is None and len(parts) > 1 else found
+
+    def _part(self, at: int, most: int) -> _Part | None:
+        """Return the chunk at a byte if it is sound, and no larger."""
+        head = chunk_head(self._read(at, HEAD_BYTES))
+        if head is None or head.size > most or at + HEAD.size + head.length > self._size:
+            return None
+        content = self._read(at + HEAD.size, head.length)
+        try:
+            data = records_of(content, head.size, self._zstd)
+        except BagError:
+            return None
+        index, behind = self._index(at + HEAD.size + head.length, head.size)
+        return _Part(at, head, behind, data, head.crc or crc32(data), index)
+
+    def _index(self, at: int, size: int) -> tuple[list[tuple[int, bytes]], int]:
+        """Return channels and entries of the message indexes at a byte, and the byte behind."""
+        found = []
+        most = size // MESSAGE_HEAD.size * ENTRY_BYTES
+        ahead, begin = b'', at
+        while True:
+            place = at - begin
+            if place + INDEX_HEAD.size > len(ahead):
+                ahead, begin, place = self._read(at, _INDEX_BYTES), at, 0
+                if len(ahead) < INDEX_HEAD.size:
+                    break
+            opcode, length, number, count = INDEX_HEAD.unpack_from(ahead, place)
+            if (opcode != Opcode.MESSAGE_INDEX or length != count + INDEX_LEAST
+                    or count > most or count % ENTRY_BYTES):
+                break
+            place += INDEX_HEAD.size
+            entries = ahead[place:place + count]
+            if len(entries) < count:
+                entries = self._read(at + INDEX_HEAD.size, count)
+                if len(entries) < count:
+                    break
+            found.append((number, entries))
+            at += INDEX_HEAD.size + count
+        return found, at
+
+    def _joined(self, parts: list[_Part]) -> ChunkRun | None:
+        """Return chunks as one block; None if their records do not fill them."""
+        data = parts[0].data if len(parts) == 1 else b''.join([part.data for part in parts])
+        bases = np.cumsum([0, *(part.head.size for part in parts)])
+        entries = _Entries(parts, bases)
+        try:
+            block = block_of(data, parts[0].start, entries.offsets)
+        except BagError:
+            return None
+        at = block.start - MESSAGE_HEAD.size
+        edges = np.searchsorted(at, bases)
+        if len(parts) > 1 and not _apart(block, bases, edges):
+            return None
+        log = block.heads['log_time'].copy()
+        indexed = entries.right(block, at, log, edges)
+        chunks, untimed = self._chunks(parts, block, bases, edges, log, indexed)
+        return ChunkRun(chunks, bases, edges, block, untimed)
+
+    def _chunks(self, parts: list[_Part], block: Block, bases: np.ndarray, edges: np.ndarray,
+                log: np.ndarray, indexed: list[bool]) -> tuple[list[Chunk], int]:
+        filled = np.flatnonzero(np.diff(edges))
+        first, last = np.zeros(len(parts), np.int64), np.zeros(len(parts), np.int64)
+        published = np.zeros(len(parts), np.int64)
+        if filled.size:
+            lows = edges[filled]
+            first[filled] = np.minimum.reduceat(log, lows)
+            last[filled] = np.maximum.reduceat(log, lows)
+            published[filled] = np.minimum.reduceat(block.heads['publish_time'], lows)
+        plain = (first >= 0) & (published >= 0)
+        others: dict[int, list[bytes]] = {}
+        begins = np.append(block.start, len(block.data))[edges[:-1]]
+        heads = np.array([r.start - HEAD.size for r in block.others], np.int64)
+        for record, place in zip(block.others, np.searchsorted(bases, heads, 'right').tolist()):
+            if record.opcode not in (Opcode.SCHEMA, Opcode.CHANNEL):
+                plain[place - 1] = False
+                continue
+            mine = others.setdefault(place - 1, [])
+            definition = bytes(block.data[record.start - HEAD.size:record.start + record.length])
+            if begins[place - 1] < record.start and definition not in mine:
+                plain[place - 1] = False
+            mine.append(definition)
+        chunks, untimed = [], 0
+        spans = zip(edges[:-1].tolist(), edges[1:].tolist())
+        for i, (part, (lo, hi), begin_ns, end_ns) in enumerate(zip(
+                parts, spans, first.tolist(), last.tolist())):
+            head = part.head
+            indexed[i] = indexed[i] and begin_ns >= 0
+            if indexed[i]:
+                counts = tuple([(n, len(content) // ENTRY_BYTES) for n, content in part.index])
+            else:
+                timed = log[lo:hi] >= 0
+                counts = counted(block.heads['channel'][lo:hi][timed])
+                untimed += int((~timed).sum())
+            chunks.append(Chunk(
+                part.start, part.start + HEAD.size + head.length, part.behind, begin_ns, end_ns,
+                head.size, part.crc, head.compression, head.packed, counts,
+                self._interned(others.get(i, ())), bool(plain[i]), indexed[i], head.crc > 0))
+        return chunks, untimed
+
+    def _interned(self, records: list[bytes] | tuple[()]) -> frozenset[bytes]:
+        """Return records as a set, of which there is one only."""
+        return self._known.setdefault(tuple(records), frozenset(records))
+
+
+def _apart(block: Block, bases: np.ndarray, edges: np.ndarray) -> bool:
+    """Tell whether no record reaches from one chunk into the next."""
+    inner, before = bases[1:-1], edges[1:-1] - 1
+    within = before >= 0
+    if (block.stop[before[within]] > inner[within]).any():
+        return False
+    return not any(((r.start - HEAD.size < inner) & (inner < r.start + r.length)).any()
+                   for r in block.others)
+
+
+class _Entries:
+    """What the message indexes of several chunks say of their messages."""
+
+    def __init__(self, parts: list[_Part], bases: np.ndarray) -> None:
+        contents = [content for part in parts for _, content in part.index]
+        lengths = np.array([len(content) // ENTRY_BYTES for content in contents], np.int64)
+        self._places = np.array([i for i, part in enumerate(parts) for _ in part.index], np.int64)
+        self._places = np.repeat(self._places, lengths)
+        numbers = np.array([n for part in parts for n, _ in part.index], np.uint16)
+        self._channels = np.repeat(numbers, lengths)
+        entries = np.frombuffer(b''.join(contents), '<i8').reshape(-1, 2)
+        self._times = entries[:, 0]
+        self._at = entries[:, 1] + bases[:-1][self._places]
+        self._doubled = [len({n for n, _ in part.index}) < len(part.index) for part in parts]
+        self._complete = all(part.index for part in parts)
+
+    def offsets(self) -> np.ndarray | None:
+        """Return where they say that messages are; None if it cannot be all."""
+        return self._at if self._complete else None
+
+    def right(self, block: Block, at: np.ndarray, log: np.ndarray,
+              edges: np.ndarray) -> list[bool]:
+        """Return for each chunk whether they name each of its messages once."""
+        order = np.argsort(self._at, kind='stable')
+        channels = block.heads['channel']
+        if len(at) == len(order) and (
+                (self._at[order] == at).all() and (self._times[order] == log).all()
+                and (self._channels[order] == channels).all()):
+            return [not doubled for doubled in self._doubled]
+        found = []
+        limits = np.searchsorted(self._places, np.arange(len(edges)))
+        for lo, hi, begin, end, doubled in zip(limits[:-1], limits[1:], edges[:-1], edges[1:],
+                                               self._doubled):
+            mine = lo + np.argsort(self._at[lo:hi], kind='stable')
+            found.append(not doubled and hi - lo == end - begin and bool(
+                (self._at[mine] == at[begin:end]).all()
+                and (self._times[mine] == log[begin:end]).all()
+                and (self._channels[mine] == channels[begin:end]).all()))
+        return found
+

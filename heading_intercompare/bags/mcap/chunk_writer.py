@@ -1,0 +1,360 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+MCAP written chunk by chunk, many messages at a time.
+
+The file on disk ends with a whole chunk at every moment: a write that fails, for instance because
+the disk is full, is taken back, and what was to be written is kept for the next attempt.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from itertools import count
+import os
+import struct
+from typing import BinaryIO, Callable, Iterator, Mapping, Sequence
+import zlib
+
+import lz4.frame
+from mcap import records as mcap
+from mcap.opcode import Opcode
+import numpy as np
+import zstandard
+
+from .checksum import crc32
+from .chunk_runs import Chunk
+from .index_records import built, chunk_index, ending, message_index
+from .message_batch import Records
+from .message_blocks import ENTRY_BYTES, HEAD, MESSAGE_HEAD, Record, walk
+from .record_stream import MAGIC, parsed
+from .record_validity import attached
+
+__all__ = ['ChunkWriter', 'COMPRESSIONS']
+
+#: Fast, and on these messages hardly larger than higher levels.
+_ZSTD_LEVEL = 1
+
+_CRC = struct.Struct('<I')
+
+#: Chunks from one that defines all topics to the next: a file whose first chunk is damaged and
+#: whose summary is cut can then still be understood.
+_DEFINED_EVERY = 32
+
+_COMPRESS: dict[str, tuple[str, Callable[[bytes], bytes]]] = {
+    'none': ('', bytes),
+    'lz4': ('lz4', lz4.frame.compress),
+    'zstd': ('zstd', lambda data: zstandard.ZstdCompressor(level=_ZSTD_LEVEL).compress(data)),
+}
+
+#: Compressions by their name in the settings, as MCAP has them.
+COMPRESSIONS = {name: written for name, (written, _) in _COMPRESS.items()}
+
+
+def _free(used: Mapping[int, object], wanted: int | None, numbers: Iterator[int]) -> int:
+    """Return a number that is not in use, the one wanted if that can be, or the next of some."""
+    if wanted is not None and wanted not in used:
+        return wanted
+    return next(number for number in numbers if number not in used)
+
+
+class ChunkWriter:
+    """
+    An MCAP file with chunks, indexes, checksums and statistics.
+
+    Parameters
+    ----------
+    file : binary file
+        New, unbuffered, open for writing.
+    compression : {'none', 'lz4', 'zstd'}
+        Of the chunks.
+    chunk_bytes : int
+        Size at which a chunk ends.
+    library : str
+        Program and version, for the header.
+
+    """
+
+    def __init__(self, file: BinaryIO, compression: str, chunk_bytes: int, library: str) -> None:
+        self._file = file
+        self._compression, self._compress = _COMPRESS[compression]
+        self._chunk_bytes = chunk_bytes
+        self._end = 0
+        self._schemas: dict[int, mcap.Schema] = {}
+        self._channels: dict[int, mcap.Channel] = {}
+        self._schema_ids: dict[tuple[str, str, bytes], int] = {}
+        #: Those that were not tried yet: a number stays in use.
+        self._numbers = count(1), count(1)
+        #: The records of both, in the order in which they came.
+        self._defined: dict[bytes, None] = {}
+        self._chunk_indexes: list[bytes] = []
+        #: Chunks since the last that defines all topics.
+        self._undefined = 0
+        self._extra_indexes: list[mcap.AttachmentIndex | mcap.MetadataIndex] = []
+        self.counts: dict[int, int] = {}
+        self.start_ns: int | None = None
+        self.end_ns: int | None = None
+        self._begin_chunk()
+        self._append(MAGIC + built(mcap.Header('ros2', library)))
+
+    @property
+    def pending(self) -> bool:
+        """Whether messages wait in memory."""
+        return bool(self._index)
+
+    # The chunk in memory
+
+    def _begin_chunk(self) -> None:
+        self._pieces: list[bytes] = []
+        self._size = 0
+        self._first, self._last = 2**64, 0
+        #: By channel, the entries of its message index: log time and offset.
+        self._index: dict[int, bytearray] = {}
+        self._held: set[bytes] = set()
+        if self._undefined >= _DEFINED_EVERY - 1:
+            self._redefine()
+
+    def _redefine(self) -> None:
+        for definition in self._defined:
+            if definition not in self._held:
+                self._hold(definition)
+
+    def _hold(self, definition: bytes) -> None:
+        self._held.add(definition)
+        self._add(definition)
+
+    def _add(self, piece: bytes) -> None:
+        self._pieces.append(piece)
+        self._size += len(piece)
+
+    def _define(self, record: mcap.Schema | mcap.Channel) -> None:
+        definition = built(record)
+        self._defined[definition] = None
+        self._hold(definition)
+
+    def add_channel(self, topic: str, type_name: str, schema_text: str,
+                    metadata: Mapping[str, str], encoding: str = 'ros2msg',
+                    numbers: tuple[int | None, int | None] = (None, None)) -> int:
+        """
+        Return the number of a new channel; its definition opens the next chunk.
+
+        `numbers` are those that the channel and its schema get if they are not in use.
+        """
+        data = schema_text.encode()
+        key = type_name, encoding, data
+        if key not in self._schema_ids:
+            schema = mcap.Schema(id=_free(self._schemas, numbers[1], self._numbers[1]),
+                                 name=type_name, encoding=encoding, data=data)
+            self._schemas[schema.id], self._schema_ids[key] = schema, schema.id
+            self._define(schema)
+        channel = mcap.Channel(id=_free(self._channels, numbers[0], self._numbers[0]),
+                               topic=topic, message_encoding='cdr', metadata=dict(metadata),
+                               schema_id=self._schema_ids[key])
+        self._channels[channel.id] = channel
+        self._define(channel)
+        return channel.id
+
+    def add(self, channel: int, data: bytes, log_time_ns: int, publish_time_ns: int,
+            sequence: int) -> None:
+        """Take one message."""
+        head = MESSAGE_HEAD.pack(Opcode.MESSAGE, MESSAGE_HEAD.size - HEAD.size + len(data),
+                                 channel, sequence, log_time_ns, publish_time_ns)
+        entry = log_time_ns.to_bytes(8, 'little') + self._size.to_bytes(8, 'little')
+        self._index.setdefault(channel, bytearray()).extend(entry)
+        self._first, self._last = min(self._first, log_time_ns), max(self._last, log_time_ns)
+        self._add(head)
+        self._add(data)
+        if self._size >= self._chunk_bytes:
+            self.end_chunk()
+
+    def add_records(self, records: list[bytes], channel: np.ndarray,
+                    log_time_ns: np.ndarray) -> None:
+        """
+        Take whole message records.
+
+        Parameters
+        ----------
+        records : list of bytes
+            n records, in the order in which they shall be in the file.
+        channel, log_time_ns : ndarray of int64, shape (n,)
+            Of each record.
+
+        """
+        ends = np.cumsum(np.fromiter(map(len, records), np.int64, len(records)))
+        starts = np.concatenate(([0], ends[:-1]))
+        lo = 0
+        while lo < len(records):
+            room = self._chunk_bytes - self._size
+            hi = int(np.searchsorted(ends, starts[lo] + max(room, 0))) + 1
+            hi = min(max(hi, lo + 1), len(records))
+            self._index_all(channel[lo:hi], log_time_ns[lo:hi], starts[lo:hi] - starts[lo])
+            self._add(b''.join(records[lo:hi]))
+            if self._size >= self._chunk_bytes:
+                self.end_chunk()
+            lo = hi
+
+    def _index_all(self, channel: np.ndarray, log: np.ndarray, at: np.ndarray) -> None:
+        """Index messages that will be so far behind the end of what is in memory."""
+        entries = np.stack((log, at + self._size), axis=1)
+        for number in np.unique(channel).tolist():
+            mine = entries[channel == number].astype('<i8').tobytes()
+            self._index.setdefault(number, bytearray()).extend(mine)
+        self._first = min(self._first, int(log.min()))
+        self._last = max(self._last, int(log.max()))
+
+    def fill(self, records: Records, lo: int) -> int:
+        """Take records from a place on until a chunk has ended; return how far."""
+        ends = records.ends
+        begin = int(ends[lo - 1]) if lo else 0
+        hi = int(np.searchsorted(ends, begin + max(self._chunk_bytes - self._size, 0))) + 1
+        hi = min(hi, len(records))
+        starts = np.concatenate(([0], ends[lo:hi - 1] - begin))
+        self._index_all(records.channel[lo:hi], records.log_time_ns[lo:hi], starts)
+        self._add(records.piece(lo, hi))
+        if self._size >= self._chunk_bytes:
+            self.end_chunk()
+        return hi
+
+    # Chunks as they are
+
+    @property
+    def defined(self) -> frozenset[bytes]:
+        """The records of all definitions."""
+        return frozenset(self._defined)
+
+    @property
+    def due(self) -> frozenset[bytes]:
+        """The definitions that the next chunk has to hold."""
+        return frozenset(self._held)
+
+    @property
+    def until_due(self) -> int:
+        """Chunks without definitions that may come before some that define all topics."""
+        return max(_DEFINED_EVERY - 1 - self._undefined, 1)
+
+    def append(self, data: bytes | bytearray | memoryview, chunks: Sequence[Chunk]) -> None:
+        """
+        Write chunks as they are, with their message indexes; what is in memory goes before them.
+
+        Parameters
+        ----------
+        data : bytes-like
+            The chunks and indexes, one behind the other.
+        chunks : sequence of Chunk
+            What is in them: channels and definitions of this file. The first has to hold those
+            that are `due`.
+
+        """
+        self.end_chunk()
+        shift = self._end - chunks[0].start
+        self._append(data)
+        for chunk in chunks:
+            self._list(chunk.start + shift, chunk.end + shift, chunk.counts, chunk.first_ns,
+                       chunk.last_ns, chunk.compression, chunk.packed, chunk.size,
+                       chunk.definitions)
+        self._begin_chunk()
+
+    def take_pending(self) -> list[tuple[int, bytes, int, int, int]]:
+        """Take the messages out of memory, each as `add` takes it; definitions stay."""
+        data = b''.join(self._pieces)
+        messages, _ = walk(data, 0, len(data))
+        taken = []
+        for at in messages:
+            _, length, channel, sequence, log, publish = MESSAGE_HEAD.unpack_from(data, at)
+            payload = data[at + MESSAGE_HEAD.size:at + HEAD.size + length]
+            taken.append((channel, payload, log, publish, sequence))
+        self._begin_chunk()
+        self._redefine()
+        return taken
+
+    # The file
+
+    @property
+    def size(self) -> int:
+        """Bytes written."""
+        return self._end
+
+    def _append(self, data: bytes) -> None:
+        """Write all of it, or none and raise OSError."""
+        rest = memoryview(data)
+        try:
+            while rest:
+                rest = rest[self._file.write(rest):]
+        except OSError as error:
+            with suppress(OSError):
+                self._file.truncate(self._end)
+            self._file.seek(self._end)
+            error.filename = error.filename or os.fspath(self._file.name)
+            raise
+        self._end += len(data)
+
+    def end_chunk(self) -> None:
+        """Write the messages in memory as a chunk; OSError leaves them there."""
+        if not self._index:
+            return
+        data = b''.join(self._pieces)
+        packed = self._compress(data)
+        chunk = built(mcap.Chunk(compression=self._compression, data=packed,
+                                 message_start_time=self._first, message_end_time=self._last,
+                                 uncompressed_crc=zlib.crc32(data), uncompressed_size=len(data)))
+        start = self._end
+        self._append(b''.join((chunk, *(message_index(channel, entries)
+                                        for channel, entries in self._index.items()))))
+        counts = [(channel, len(entries) // ENTRY_BYTES)
+                  for channel, entries in self._index.items()]
+        self._list(start, start + len(chunk), counts, self._first, self._last, self._compression,
+                   len(packed), len(data), self._held)
+        self._begin_chunk()
+
+    def _list(self, start: int, end: int, counts: Sequence[tuple[int, int]], first_ns: int,
+              last_ns: int, compression: str, packed: int, size: int,
+              definitions: set[bytes] | frozenset[bytes]) -> None:
+        """Take a chunk that is written into the indexes and statistics."""
+        self._chunk_indexes.append(
+            chunk_index(start, end, counts, first_ns, last_ns, compression, packed, size))
+        for channel, number in counts:
+            self.counts[channel] = self.counts.get(channel, 0) + number
+        self.start_ns = first_ns if self.start_ns is None else min(first_ns, self.start_ns)
+        self.end_ns = last_ns if self.end_ns is None else max(last_ns, self.end_ns)
+        self._undefined = 0 if self._defined.keys() <= definitions else self._undefined + 1
+
+    def add_metadata(self, name: str, mapping: Mapping[str, str]) -> None:
+        """Write a metadata record."""
+        record = built(mcap.Metadata(name=name, metadata=dict(mapping)))
+        index = mcap.MetadataIndex(offset=self._end, length=len(record), name=name)
+        self._append(record)
+        self._extra_indexes.append(index)
+
+    def add_attachment(self, name: str, media_type: str, data: bytes, time_ns: int) -> None:
+        """Write an attachment."""
+        self.append_attachment(bytearray(built(mcap.Attachment(
+            create_time=time_ns, log_time=time_ns, name=name, media_type=media_type, data=data))))
+
+    def append_attachment(self, record: bytearray) -> None:
+        """Write an attachment, a whole record whose lengths agree, with the right checksum."""
+        data_at = attached(lambda at, size: record[at:at + size],
+                           Record(Opcode.ATTACHMENT, HEAD.size, len(record) - HEAD.size))
+        crc_at = len(record) - _CRC.size
+        with memoryview(record) as view:
+            crc = crc32(view[HEAD.size:crc_at])
+        _CRC.pack_into(record, crc_at, crc)
+        # The fields before the data, and no data.
+        head = parsed(mcap.Attachment, bytes(record[HEAD.size:data_at - 8]) + bytes(8 + _CRC.size))
+        index = mcap.AttachmentIndex(offset=self._end, length=len(record),
+                                     create_time=head.create_time, log_time=head.log_time,
+                                     data_size=crc_at - data_at, name=head.name,
+                                     media_type=head.media_type)
+        self._append(record)
+        self._extra_indexes.append(index)
+
+    def sync(self) -> None:
+        """Return when what was written is on the disk."""
+        os.fsync(self._file.fileno())
+
+    def finish(self) -> None:
+        """Write the summary and the end of the file."""
+        self.end_chunk()
+        self._append(ending(self._end, tuple(self._schemas.values()),
+                            tuple(self._channels.values()), self._chunk_indexes,
+                            self._extra_indexes, self.counts,
+                            (self.start_ns or 0, self.end_ns or 0)))

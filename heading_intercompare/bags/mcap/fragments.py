@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What can be said of damaged bytes: where records may begin, how a cut chunk begins."""
+
+from __future__ import annotations
+
+import struct
+from typing import NamedTuple
+
+import lz4.frame
+from mcap.opcode import Opcode
+import numpy as np
+import zstandard
+
+from .chunks import CHUNK_HEAD
+from .message_blocks import HEAD, MESSAGE_HEAD
+from .record_stream import MAGIC
+
+__all__ = ['BARE', 'begun', 'candidates', 'CHUNK_BYTES', 'ChunkHead', 'chunk_head',
+           'HEAD_BYTES', 'leading', 'MESSAGE_LEAST']
+
+#: Records that may be in a chunk or outside.
+BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
+#: Length of a message without payload.
+MESSAGE_LEAST = MESSAGE_HEAD.size - HEAD.size
+#: No compression has a longer name.
+_LETTERS = 8
+#: From the opcode of a chunk to its compressed records, at most.
+HEAD_BYTES = HEAD.size + CHUNK_HEAD.size + _LETTERS + 8
+#: No chunk is believed that claims more.
+CHUNK_BYTES = 2**31
+_PIECE_BYTES = 2**20
+_LENGTH = struct.Struct('<Q')
+
+
+class ChunkHead(NamedTuple):
+    """What a chunk says of itself; `packed` is the length of its compressed records."""
+
+    length: int
+    first_ns: int
+    last_ns: int
+    size: int
+    crc: int
+    compression: str
+    packed: int
+
+
+def chunk_head(data: bytes) -> ChunkHead | None:
+    """
+    Return the head of a chunk whose record these bytes begin; None if it contradicts itself.
+
+    The opcode may be any if there is a checksum to show that it is wrong.
+    """
+    if len(data) < HEAD.size + CHUNK_HEAD.size:
+        return None
+    length = HEAD.unpack_from(data)[1]
+    first, last, size, crc, letters = CHUNK_HEAD.unpack_from(data, HEAD.size)
+    start = HEAD.size + CHUNK_HEAD.size
+    if letters > _LETTERS or len(data) < start + letters + 8 or not (
+            crc or data[0] == Opcode.CHUNK):
+        return None
+    packed = _LENGTH.unpack_from(data, start + letters)[0]
+    if CHUNK_HEAD.size + letters + 8 + packed != length or max(size, length) > CHUNK_BYTES:
+        return None
+    return ChunkHead(length, first, last, size, crc,
+                     data[start:start + letters].decode(errors='replace'), packed)
+
+
+def _plausible(begun: bytearray, size: int) -> bool:
+    """Tell whether what begins so can be the records of a chunk of some size."""
+    if len(begun) < HEAD.size:
+        return False
+    opcode, length = HEAD.unpack_from(begun)
+    return opcode in BARE and HEAD.size + length <= size
+
+
+def begun(content: bytes) -> bytearray:
+    """
+    Return what can be decompressed of a chunk that may be cut; its lengths agree.
+
+    It is done by pieces and stops where that makes no sense: a chunk that claims to be large
+    takes no more memory than there is in it.
+    """
+    _, _, size, _, letters = CHUNK_HEAD.unpack_from(content)
+    start = CHUNK_HEAD.size + letters
+    compression, data = content[CHUNK_HEAD.size:start], content[start + 8:]
+    found = bytearray()
+    try:
+        if compression == b'zstd':
+            with zstandard.ZstdDecompressor().stream_reader(data) as reader:
+                while len(found) < size and (piece := reader.read(_PIECE_BYTES)):
+                    found += piece
+                    if len(found) == len(piece) and not _plausible(found, size):
+                        break
+        elif compression == b'lz4':
+            frame = lz4.frame.LZ4FrameDecompressor()
+            while len(found) < size and not frame.eof and (
+                    piece := frame.decompress(data, max_length=_PIECE_BYTES)):
+                data = b''
+                found += piece
+                if len(found) == len(piece) and not _plausible(found, size):
+                    break
+        elif not compression:
+            found += data
+    except (zstandard.ZstdError, RuntimeError, MemoryError, EOFError):
+        pass
+    del found[size:]
+    return found
+
+
+def leading(data: bytes | bytearray | memoryview, first_ns: int, last_ns: int) -> int:
+    """Return the size of the records with which a chunk of these log times begins soundly."""
+    at = 0
+    while at + HEAD.size <= len(data):
+        opcode, length = HEAD.unpack_from(data, at)
+        behind = at + HEAD.size + length
+        if opcode not in BARE or behind > len(data) or (
+                opcode == Opcode.MESSAGE and length < MESSAGE_LEAST):
+            break
+        if opcode == Opcode.MESSAGE:
+            log = MESSAGE_HEAD.unpack_from(data, at)[4]
+            if not first_ns <= log <= last_ns:
+                break
+        at = behind
+    return at
+
+
+def candidates(window: bytes, room: int, opcodes: tuple[int, ...]) -> np.ndarray:
+    """Return where in a window such a record may begin that ends within `room` bytes."""
+    count = len(window) - HEAD.size + 1
+    if count <= 0:
+        return np.empty(0, np.int64)
+    data = np.frombuffer(window, np.uint8)
+    likely = np.isin(data[:count], opcodes)
+    for byte in range(5, HEAD.size):
+        likely &= data[byte:byte + count] == 0
+    places = np.flatnonzero(likely)
+    length = np.zeros(len(places), np.int64)
+    for byte in range(4):
+        length |= data[places + 1 + byte].astype(np.int64) << (8 * byte)
+    # A chunk may be cut by the end of the file.
+    good = (data[places] == Opcode.CHUNK) | (places + HEAD.size + length <= room)
+    magic = window.find(MAGIC)
+    return places[good] if magic < 0 else np.sort(np.append(places[good], magic))

@@ -1,0 +1,364 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+One MCAP file: what it holds, and its messages block by block.
+
+A file that was closed says at its end what it holds. One that was not is read through once, up
+to where it breaks off; from then on it is as if it ended there.
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from functools import partial
+import os
+from pathlib import Path
+import re
+from typing import Callable, Iterator, NamedTuple, TypeVar
+import zlib
+
+from mcap import records as mcap
+from mcap.opcode import Opcode
+import numpy as np
+
+from heading_intercompare.bags.errors import BagError
+
+from .attachments import attachment, places
+from .message_blocks import Block, HEAD, Record, walk
+from .record_stream import MAGIC, parsed, RecordStream
+
+__all__ = ['mcap_files', 'NeverBegun', 'Part', 'Stretch']
+
+_FOOTER = HEAD.size + 20
+_DATA_END = HEAD.pack(Opcode.DATA_END, 4)
+#: What cannot stand behind the end of the data.
+_DATA = (Opcode.HEADER, Opcode.MESSAGE, Opcode.CHUNK, Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT,
+         Opcode.METADATA, Opcode.DATA_END)
+_BUFFER_BYTES = 131072
+#: Blocks have at least this many bytes unless the file ends, stretches so many blocks.
+_BLOCK_BYTES = 3145728
+_STRETCH_BLOCKS = 4
+
+_Extra = TypeVar('_Extra', mcap.Metadata, mcap.Attachment)
+
+
+class Stretch(NamedTuple):
+    """Bytes of a file between which whole records are, and their size when decompressed."""
+
+    begin: int
+    end: int
+    size: int
+
+
+def _naturally(path: Path) -> list:
+    return [int(piece) if piece.isdecimal() else piece for piece in re.split(r'(\d+)', path.name)]
+
+
+def mcap_files(path: Path) -> list[Path]:
+    """
+    Return the MCAP files of a bag in natural order of their names.
+
+    Parameters
+    ----------
+    path : Path
+        A rosbag2 directory; or a file, which is then the only one, whatever its name.
+
+    Raises
+    ------
+    BagError
+        If a directory holds none.
+
+    """
+    if not path.is_dir():
+        return [path]
+    paths = sorted(filter(Path.is_file, path.glob('*.mcap')), key=_naturally)
+    if not paths:
+        raise BagError('holds no .mcap file (`ros2 bag convert` makes one of other storages)',
+                       path)
+    return paths
+
+
+class NeverBegun(BagError):
+    """Nothing that could be read was ever written into a file."""
+
+
+class Part:
+    """
+    One MCAP file, open only while it is read.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Attributes
+    ----------
+    channels, schemas : dict
+        MCAP records by id.
+    counts : dict
+        Number of messages by channel id.
+    start_ns, end_ns : int or None
+        Smallest and largest log time, None without messages.
+    profile : str
+        Profile in the header, 'ros2' in a rosbag2.
+    end : int
+        The byte behind the last record that is read.
+    incomplete : str or None
+        Why the file is not all of what was recorded; None if it was closed properly.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    NeverBegun
+        If it is empty or not MCAP.
+    BagError
+        If a file that was closed has no index, and is damaged.
+
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self.incomplete: str | None = None
+        self._forget()
+        with open(self.path, 'rb', _BUFFER_BYTES) as file:
+            magic = file.read(len(MAGIC))
+            if magic != MAGIC:
+                problem = ('is empty (0 bytes)' if not magic else
+                           'is not an MCAP file' if any(magic) else
+                           'starts with zero bytes; it was never written')
+                raise NeverBegun(problem, self.path)
+            stream = RecordStream(file)
+            if not self._read_summary(stream):
+                self._forget()
+                self._scan(stream)
+
+    def _forget(self) -> None:
+        self.channels: dict[int, mcap.Channel] = {}
+        self.schemas: dict[int, mcap.Schema] = {}
+        self.counts: dict[int, int] = {}
+        self.start_ns: int | None = None
+        self.end_ns: int | None = None
+        self.profile = ''
+        #: Between these bytes are the records, at those the metadata and attachments.
+        self._begin = self.end = len(MAGIC)
+        self._extras: dict[int, list[int]] = {Opcode.METADATA: [], Opcode.ATTACHMENT: []}
+        #: Where chunks begin, and their sizes when decompressed.
+        self._chunks: list[tuple[int, int]] = []
+
+    def _read_summary(self, stream: RecordStream) -> bool:
+        """Take the contents from the end of the file; False if it is not all there."""
+        at = stream.size - len(MAGIC) - _FOOTER
+        tail = stream.content(Record(0, max(at, 0), len(MAGIC) + _FOOTER))
+        if at < len(MAGIC) or tail[:HEAD.size] != HEAD.pack(Opcode.FOOTER, 20) or (
+                tail[_FOOTER:] != MAGIC):
+            return False
+        footer = parsed(mcap.Footer, tail[HEAD.size:])
+        length = at - footer.summary_start
+        ahead = Record(0, max(footer.summary_start - len(_DATA_END) - 4, 0), len(_DATA_END))
+        if length <= 0 or stream.content(ahead) != _DATA_END:
+            return False
+        try:
+            summary = stream.content(Record(0, footer.summary_start, length))
+            if footer.summary_crc not in (0, zlib.crc32(summary + tail[:_FOOTER - 4])):
+                return False
+            self._take_header(stream)
+            complete = self._take_summary(summary)
+        except BagError:
+            return False
+        self.end = footer.summary_start
+        return complete
+
+    def _take_summary(self, summary: bytes) -> bool:
+        """Take the contents from the summary section; False if it lacks something."""
+        statistics = None
+        for record in walk(summary, 0, len(summary))[1]:
+            content = summary[record.start:record.start + record.length]
+            if record.opcode == Opcode.STATISTICS:
+                statistics = parsed(mcap.Statistics, content)
+            elif record.opcode == Opcode.METADATA_INDEX:
+                at = parsed(mcap.MetadataIndex, content).offset
+                self._extras[Opcode.METADATA].append(at)
+            elif record.opcode == Opcode.ATTACHMENT_INDEX:
+                at = parsed(mcap.AttachmentIndex, content).offset
+                self._extras[Opcode.ATTACHMENT].append(at)
+            elif record.opcode == Opcode.CHUNK_INDEX:
+                self._chunks.append((int.from_bytes(content[16:24], 'little'),
+                                     int.from_bytes(content[-8:], 'little')))
+            else:
+                self._take_definition(record.opcode, content)
+        if statistics is None:
+            return False
+        self.counts = dict(statistics.channel_message_counts)
+        if statistics.message_count:
+            self.start_ns = statistics.message_start_time
+            self.end_ns = statistics.message_end_time
+        needed = {c.schema_id for c in self.channels.values()} - {0}
+        return (self.counts.keys() <= self.channels.keys() and needed <= self.schemas.keys()
+                and statistics.channel_count <= len(self.channels)
+                and sum(self.counts.values()) == statistics.message_count
+                and len(self._extras[Opcode.METADATA]) == statistics.metadata_count
+                and len(self._extras[Opcode.ATTACHMENT]) == statistics.attachment_count)
+
+    def _take_definition(self, opcode: int, content: bytes) -> None:
+        if opcode == Opcode.SCHEMA:
+            schema = parsed(mcap.Schema, content)
+            self.schemas[schema.id] = schema
+        elif opcode == Opcode.CHANNEL:
+            channel = parsed(mcap.Channel, content)
+            self.channels[channel.id] = channel
+
+    def _take_header(self, stream: RecordStream) -> None:
+        """Read the first record."""
+        record = stream.record(len(MAGIC))
+        if record.opcode != Opcode.HEADER:
+            raise BagError('it has no header', offset=len(MAGIC))
+        self.profile = parsed(mcap.Header, stream.content(record)).profile
+        self._begin = self.end = record.start + record.length
+
+    def _scan(self, stream: RecordStream) -> None:
+        """Read the file through; take what it holds, and note where it breaks off."""
+        finished = False
+        closed = stream.content(Record(0, stream.size - len(MAGIC), len(MAGIC))) == MAGIC
+        try:
+            self._take_header(stream)
+            for piece, end in stream.pieces(self._begin, stream.size, 0):
+                if isinstance(piece, Block):
+                    self._take_block(piece)
+                elif piece.opcode in self._extras:
+                    self._extras[piece.opcode].append(piece.start - HEAD.size)
+                self.end = end
+                finished = isinstance(piece, Record) and piece.opcode == Opcode.DATA_END
+            problem = 'it has no end'
+        except BagError as error:
+            if closed and stream.size > len(MAGIC):
+                raise error.at(self.path, error.offset) from None
+            problem = error.problem
+        if finished:
+            problem = self._ending_problem(stream, closed)
+        else:
+            problem = (f'was not closed: {problem} at byte {self.end} of {stream.size}; what is '
+                       'before that is read')
+        self.incomplete = problem and f'{self.path.name} {problem}'
+
+    def _ending_problem(self, stream: RecordStream, closed: bool) -> str | None:
+        """Return what is wrong behind the end of the data; None if nothing is missing."""
+        at, opcode, expected = self.end, 0, None
+        goes_on = 'goes on at byte {} of {} behind its end; that is not read'
+        problem = None if closed else ('was not closed: its index is cut; its messages are all '
+                                       'there')
+        try:
+            while opcode != Opcode.FOOTER:
+                opcode, start, length = record = stream.record(at)
+                if opcode in _DATA:
+                    return goes_on.format(at, stream.size)
+                if opcode == Opcode.STATISTICS:
+                    expected = parsed(mcap.Statistics, stream.content(record)).message_count
+                at = start + length
+            if at + len(MAGIC) < stream.size:
+                problem = goes_on.format(at + len(MAGIC), stream.size)
+        except BagError:
+            problem = problem or (f'has an index that is damaged at byte {at}; its messages are '
+                                  'there')
+        found = sum(self.counts.values())
+        if expected not in (None, found):
+            problem = f'has {found} messages where its index says {expected}'
+        return problem
+
+    def _take_block(self, block: Block) -> None:
+        self._chunks.append((block.offset, len(block.data)))
+        for record in block.others:
+            content = bytes(block.data[record.start:record.start + record.length])
+            self._take_definition(record.opcode, content)
+        if not len(block.start):
+            return
+        for channel, count in zip(*np.unique(block.heads['channel'], return_counts=True)):
+            self.counts[int(channel)] = self.counts.get(int(channel), 0) + int(count)
+        log = block.heads['log_time']
+        first, last = int(log.min()), int(log.max())
+        self.start_ns = first if self.start_ns is None else min(self.start_ns, first)
+        self.end_ns = last if self.end_ns is None else max(self.end_ns, last)
+
+    def stretches(self) -> list[Stretch]:
+        """
+        Return the bytes of all messages divided into stretches that can be read by themselves.
+
+        A stretch has a few blocks; more if it is not known where it could be divided. If the index
+        of the file is wrong, a stretch may begin or end within a record.
+        """
+        cuts, size = [(self._begin, 0)], 0
+        for begin, length in sorted(self._chunks):
+            if size >= _STRETCH_BLOCKS * _BLOCK_BYTES and cuts[-1][0] < begin < self.end:
+                cuts.append((begin, size))
+                size = 0
+            size += length
+        if not self._chunks:
+            size = self.end - self._begin
+        ends = [begin for begin, _ in cuts[1:]] + [self.end]
+        sizes = [size for _, size in cuts[1:]] + [size]
+        return [Stretch(begin, end, size) for (begin, _), end, size in zip(cuts, ends, sizes)]
+
+    def blocks(self, start_ns: int = 0, stop_ns: int = 2**64) -> Iterator[Block]:
+        """
+        Yield the messages in file order, leaving out chunks that lie outside [start, stop).
+
+        A block is valid until the next one is asked for.
+
+        Raises
+        ------
+        BagError
+            If a file that was closed is damaged, with the byte at which it is.
+
+        """
+        count = 0
+        with self.opened() as stream:
+            for block in self.blocks_of(stream, self._begin, None, start_ns, stop_ns):
+                count += len(block.start)
+                yield block
+        if start_ns <= 0 and stop_ns >= 2**64:
+            self.check_count(count)
+
+    @contextmanager
+    def opened(self) -> Iterator[RecordStream]:
+        """Have the file open."""
+        with open(self.path, 'rb', _BUFFER_BYTES) as file:
+            yield RecordStream(file)
+
+    def blocks_of(self, stream: RecordStream, begin: int, end: int | None = None,
+                  start_ns: int = 0, stop_ns: int = 2**64) -> Iterator[Block]:
+        """
+        Yield the messages of the opened file between two bytes or up to the end, in file order.
+
+        A block is valid until the next one is asked for. BagError as of `blocks`.
+        """
+        try:
+            end = self.end if end is None else end
+            for piece, _ in stream.pieces(begin, end, _BLOCK_BYTES, start_ns, stop_ns):
+                if isinstance(piece, Block):
+                    yield piece
+        except BagError as error:
+            raise error.at(self.path, error.offset) from None
+
+    def check_count(self, count: int) -> None:
+        """Raise BagError if it is not so many messages that the file has by its index."""
+        expected = sum(self.counts.values())
+        if count != expected:
+            raise BagError(f'damaged: {count} messages where its index says {expected}',
+                           self.path)
+
+    def metadata(self) -> Iterator[mcap.Metadata]:
+        """Yield the metadata records in file order; BagError if one is damaged."""
+        yield from self._read_extras(Opcode.METADATA, partial(parsed, mcap.Metadata))
+
+    def attachments(self) -> Iterator[mcap.Attachment]:
+        """Yield the attachments in file order; BagError if one is damaged."""
+        yield from self._read_extras(Opcode.ATTACHMENT, attachment)
+
+    def _read_extras(self, opcode: int, read: Callable[[bytes], _Extra]) -> Iterator[_Extra]:
+        with self.opened() as stream:
+            at = None
+            try:
+                for at in places(stream, opcode, self._extras[opcode], self._begin, self.end):
+                    yield read(stream.content(stream.record(at)))
+            except BagError as error:
+                raise error.at(self.path, error.offset if at is None else at) from None

@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Many messages to be written at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mcap.opcode import Opcode
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .message_blocks import HEAD, MESSAGE_HEADS
+
+__all__ = ['Records', 'Rows']
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rows:
+    """
+    Many messages of one topic.
+
+    Attributes
+    ----------
+    topic : str
+        A topic that was added.
+    data : ndarray of uint8, shape (n, size)
+        One CDR message a row.
+    log_time_ns : array_like of int, shape (n,)
+        Nanoseconds; also the publish time unless that is given.
+    publish_time_ns : array_like of int, shape (n,), optional
+        Nanoseconds.
+    sequence : array_like of int, shape (n,) or scalar
+        Sequence numbers.
+
+    """
+
+    topic: str
+    data: np.ndarray
+    log_time_ns: ArrayLike
+    publish_time_ns: ArrayLike | None = None
+    sequence: ArrayLike = 0
+
+    def records(self, channel: int) -> list[bytes]:
+        """Return the message records of MCAP."""
+        count, size = self.data.shape
+        log = np.asarray(self.log_time_ns)
+        head = np.empty(count, MESSAGE_HEADS)
+        head['opcode'], head['channel'] = Opcode.MESSAGE, channel
+        head['length'] = head.itemsize - HEAD.size + size
+        head['sequence'], head['log_time'] = self.sequence, log
+        head['publish_time'] = log if self.publish_time_ns is None else self.publish_time_ns
+        records = np.empty((count, head.itemsize + size), np.uint8)
+        records[:, :head.itemsize] = head.view(np.uint8).reshape(count, head.itemsize)
+        records[:, head.itemsize:] = self.data
+        return records.view(f'V{records.shape[1]}').ravel().tolist()
+
+
+class Records:
+    """
+    Message records that lie in some data, in the order in which they shall be written.
+
+    Parameters
+    ----------
+    data : bytes-like
+        Where they are.
+    start, stop : ndarray of int64, shape (n,)
+        First byte of each, and the byte behind its last; they do not overlap and go forward.
+    channel, log_time_ns : ndarray of int, shape (n,)
+        Of each; they are also in the record.
+
+    Attributes
+    ----------
+    ends : ndarray of int64, shape (n,)
+        Where each ends if they are written without gaps.
+
+    """
+
+    def __init__(self, data: bytes | bytearray | memoryview, start: np.ndarray, stop: np.ndarray,
+                 channel: np.ndarray, log_time_ns: np.ndarray) -> None:
+        self.channel, self.log_time_ns = channel, log_time_ns
+        self.ends = np.cumsum(stop - start)
+        self._data, self._start, self._stop = memoryview(data), start, stop
+        self._breaks = np.flatnonzero(start[1:] != stop[:-1]) + 1
+
+    def __len__(self) -> int:
+        return len(self.ends)
+
+    def piece(self, lo: int, hi: int) -> bytes:
+        """Return the records of some messages, without gaps."""
+        first = np.searchsorted(self._breaks, lo, 'right')
+        edges = [lo, *self._breaks[first:np.searchsorted(self._breaks, hi)].tolist(), hi]
+        return b''.join([self._data[self._start[a]:self._stop[b - 1]]
+                         for a, b in zip(edges[:-1], edges[1:])])

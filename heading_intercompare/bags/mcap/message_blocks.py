@@ -1,0 +1,223 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Where the messages are in a stretch of MCAP records.
+
+Messages of one length lie at a constant stride. If they do not, the message indexes that follow a
+chunk say where they are; they are believed only if the messages they name fill the chunk without
+a gap. Otherwise the records are walked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import struct
+from typing import Callable, NamedTuple
+
+from mcap.opcode import Opcode
+import numpy as np
+from numpy.typing import DTypeLike
+
+from heading_intercompare.bags.errors import BagError
+
+__all__ = ['Block', 'ENTRY_BYTES', 'HEAD', 'INDEX_HEAD', 'INDEX_LEAST', 'MESSAGE_HEAD',
+           'MESSAGE_HEADS', 'Record', 'block_of', 'gathered', 'walk', 'whole']
+
+#: Opcode and length of a record.
+HEAD = struct.Struct('<BQ')
+#: The same of a message, then channel, sequence, log time, publish time; the payload follows.
+MESSAGE_HEAD = struct.Struct('<BQHIQQ')
+
+#: Opcode and length of a message index, then channel and bytes of its entries.
+INDEX_HEAD = struct.Struct('<BQHI')
+#: Length of a message index without entries, and of an entry: log time and place of a message.
+INDEX_LEAST, ENTRY_BYTES = INDEX_HEAD.size - HEAD.size, 16
+
+_FIXED = MESSAGE_HEAD.size - HEAD.size
+#: Other records looked at before the first message.
+_DEFINITIONS = 64
+#: `MESSAGE_HEAD` for many.
+MESSAGE_HEADS = np.dtype([('opcode', 'u1'), ('length', '<i8'), ('channel', '<u2'),
+                          ('sequence', '<u4'), ('log_time', '<i8'), ('publish_time', '<i8')])
+
+
+class Record(NamedTuple):
+    """Opcode, first byte behind the head, and length of a record."""
+
+    opcode: int
+    start: int
+    length: int
+
+
+def _plain(dtype: np.dtype) -> np.dtype:
+    """Return the type as bytes: numpy copies those at once, but structures field by field."""
+    return np.dtype(f'V{dtype.itemsize}') if dtype.names or dtype.shape else dtype
+
+
+def gathered(data: bytes, kind: DTypeLike, at: np.ndarray) -> np.ndarray:
+    """
+    Return the values at byte offsets of some data, aligned or not.
+
+    Parameters
+    ----------
+    data : bytes
+        Where the values are.
+    kind : dtype
+        What they are, with its byte order; several in a row if it has a shape.
+    at : ndarray of int64, shape (n,)
+        Where each of them starts; it must lie within the data.
+
+    """
+    dtype = np.dtype(kind)
+    plain = _plain(dtype)
+    everywhere = np.ndarray(max(len(data) - dtype.itemsize + 1, 0), plain, data, 0, (1,))
+    found = everywhere[at]
+    return found.view(dtype.base).reshape(-1, *dtype.shape)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """
+    Messages that were read at once.
+
+    Attributes
+    ----------
+    offset : int
+        Where the block starts in its file.
+    data : bytes
+        The records, decompressed.
+    start, stop : ndarray of int64, shape (n,)
+        First byte of each payload in `data`, and the byte behind its last; in file order.
+    heads : ndarray, shape (n,)
+        Fields channel, sequence, log_time, publish_time of each message; times in nanoseconds.
+        They may lie in `data`, far apart: copy a field that is used more than once.
+    others : tuple of Record
+        The records that are not messages.
+
+    """
+
+    offset: int
+    data: bytes
+    start: np.ndarray
+    stop: np.ndarray
+    heads: np.ndarray
+    others: tuple[Record, ...]
+
+
+def walk(data: bytes, begin: int, end: int) -> tuple[list[int], list[Record]]:
+    """Return where messages start, and the other records; BagError unless they end at `end`."""
+    messages, others = [], []
+    unpack, message = HEAD.unpack_from, int(Opcode.MESSAGE)
+    at = begin
+    while at < end:
+        if at + HEAD.size > end:
+            raise BagError('a record ends early', offset=at)
+        opcode, length = unpack(data, at)
+        behind = at + HEAD.size + length
+        if behind > end or (opcode == message and length < _FIXED):
+            raise BagError(f'a record of type {opcode} has a wrong length', offset=at)
+        if opcode == message:
+            messages.append(at)
+        else:
+            others.append(Record(opcode, at + HEAD.size, length))
+        at = behind
+    return messages, others
+
+
+def whole(data: bytes, opcodes: tuple[int, ...]) -> int:
+    """Return the size of the whole records of these opcodes with which the data starts."""
+    at = 0
+    while at + HEAD.size <= len(data):
+        opcode, length = HEAD.unpack_from(data, at)
+        behind = at + HEAD.size + length
+        if opcode not in opcodes or behind > len(data):
+            break
+        at = behind
+    return at
+
+
+#: Messages, their heads, the bytes behind them, other records.
+_Found = tuple[np.ndarray, np.ndarray, np.ndarray, list[Record]]
+
+
+def _regular(data: bytes) -> _Found | None:
+    """Return messages of one length, at most behind definitions; None if there is more."""
+    at, others = 0, []
+    opcode = length = 0
+    while at + MESSAGE_HEAD.size <= len(data) and len(others) < _DEFINITIONS:
+        opcode, length = HEAD.unpack_from(data, at)
+        if opcode == Opcode.MESSAGE:
+            break
+        others.append(Record(opcode, at + HEAD.size, length))
+        at += HEAD.size + length
+    stride = HEAD.size + length
+    if opcode != Opcode.MESSAGE or length < _FIXED or (len(data) - at) % stride:
+        return None
+    heads = np.ndarray((len(data) - at) // stride, MESSAGE_HEADS, data, at, (stride,))
+    # Opcode and length of all are those of the first: eight bytes and the ninth.
+    begun = np.ndarray(len(heads), '<u8', data, at, (stride,))
+    ninth = np.ndarray(len(heads), 'u1', data, at + 8, (stride,))
+    if (begun != begun[0]).any() or ninth.any():
+        return None
+    first = np.arange(at, len(data), stride)
+    return first, heads, first + stride, others
+
+
+def _indexed(data: bytes, at: np.ndarray) -> _Found | None:
+    """Return what the index names; None if something is missing."""
+    at = np.sort(at, kind='stable')
+    if not at.size or at[0] < 0 or at[-1] > len(data) - MESSAGE_HEAD.size:
+        return None
+    heads = gathered(data, MESSAGE_HEADS, at)
+    length = heads['length'].copy()
+    behind = at + length + HEAD.size
+    ahead = np.append(at[1:], len(data))
+    if (length.min() < _FIXED or length.max() > len(data) or (behind > ahead).any()
+            or (heads['opcode'] != Opcode.MESSAGE).any()):
+        return None
+    others = []
+    holes = [(0, at[0])] if at[0] else []
+    for number in np.flatnonzero(behind != ahead):
+        holes.append((behind[number], ahead[number]))
+    for begin, end in holes:
+        messages, found = walk(data, int(begin), int(end))
+        if messages:
+            return None
+        others += found
+    return at, heads, behind, others
+
+
+def block_of(data: bytes, offset: int,
+             index: Callable[[], np.ndarray | None] = lambda: None) -> Block:
+    """
+    Return the messages in decompressed records.
+
+    Parameters
+    ----------
+    data : bytes
+        Whole records.
+    offset : int
+        Where they start in their file.
+    index : callable
+        Returns offsets of messages in `data`, int64 in any order, or None. It is called if they
+        are needed. Wrong ones do no harm but take time.
+
+    Raises
+    ------
+    BagError
+        If the records do not fill `data`; the offset is the one in the file.
+
+    """
+    try:
+        found = _regular(data)
+        if found is None and (offsets := index()) is not None:
+            found = _indexed(data, offsets)
+        if found is None:
+            messages, others = walk(data, 0, len(data))
+            at = np.array(messages, np.int64)
+            heads = gathered(data, MESSAGE_HEADS, at)
+            found = at, heads, at + HEAD.size + heads['length'], others
+    except BagError as error:
+        raise BagError(f'chunk damaged: {error.problem}', offset=offset) from None
+    at, heads, behind, others = found
+    return Block(offset, data, at + MESSAGE_HEAD.size, behind, heads, tuple(others))

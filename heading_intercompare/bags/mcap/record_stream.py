@@ -1,0 +1,164 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The records of an MCAP file in their order, with the messages gathered into blocks."""
+
+from __future__ import annotations
+
+from io import BytesIO
+import os
+import struct
+from typing import BinaryIO, Iterator, TypeVar
+
+from mcap import records as mcap
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+
+from heading_intercompare.bags.errors import BagError
+
+from .chunks import Gathering
+from .message_blocks import Block, block_of, ENTRY_BYTES, HEAD, INDEX_LEAST, Record, whole
+
+__all__ = ['MAGIC', 'parsed', 'RecordStream']
+
+MAGIC = b'\x89MCAP0\r\n'
+
+_BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
+#: Messages outside chunks are read by this many bytes.
+_BARE_BYTES = 1048576
+#: No record is read that claims to be larger.
+_RECORD_LIMIT = 2**31
+
+_AnyRecord = TypeVar('_AnyRecord', bound=mcap.McapRecord)
+
+
+def parsed(kind: type[_AnyRecord], content: bytes) -> _AnyRecord:
+    """Return a record of MCAP from the bytes behind its head; BagError if it is damaged."""
+    try:
+        return kind.read(ReadDataStream(BytesIO(content)))
+    except (McapError, struct.error, ValueError, OverflowError, MemoryError):
+        raise BagError(f'a record of type {kind.__name__} is damaged') from None
+
+
+class RecordStream:
+    """
+    The records of an open MCAP file. Errors carry the byte, not the path.
+
+    Parameters
+    ----------
+    file : binary file
+        Open for reading, buffered, seekable.
+
+    """
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._chunks = Gathering()
+        self.size = file.seek(0, os.SEEK_END)
+
+    def record(self, at: int, end: int | None = None) -> Record:
+        """Return the record at a byte, which ends by another; leave the file behind its head."""
+        if at >= self.size:
+            raise BagError('it has no end', offset=at)
+        self._file.seek(at)
+        head = self._file.read(HEAD.size)
+        if len(head) < HEAD.size:
+            raise BagError('a record ends early', offset=at)
+        opcode, length = HEAD.unpack(head)
+        if not opcode:
+            raise BagError('no record begins', offset=at)
+        if at + HEAD.size + length > (self.size if end is None else end):
+            raise BagError('a record ends early', offset=at)
+        return Record(opcode, at + HEAD.size, length)
+
+    def content(self, record: Record) -> bytes:
+        """Return the bytes of a record behind its head."""
+        return self._read(record.start, record.length)
+
+    def _read(self, at: int, length: int) -> bytes:
+        if length <= _RECORD_LIMIT:
+            self._file.seek(at)
+            try:
+                return self._file.read(length)
+            except MemoryError:
+                pass
+        raise BagError(f'a record of {length} bytes is too large for the memory', offset=at)
+
+    def _bare(self, record: Record, end: int) -> tuple[Block, int]:
+        """Return the messages outside chunks from a record on, and where they end."""
+        at = record.start - HEAD.size
+        data = self._read(at, min(max(_BARE_BYTES, HEAD.size + record.length), end - at))
+        size = whole(data, _BARE)
+        return block_of(data[:size], at), at + size
+
+    def _check_index(self, record: Record, behind_chunk: bool) -> None:
+        """Raise BagError if a record is no message index or where none can be."""
+        at = record.start - HEAD.size
+        if not behind_chunk:
+            raise BagError('damaged: a message index follows no chunk', offset=at)
+        size = record.length - INDEX_LEAST
+        if size < 0 or size % ENTRY_BYTES or int.from_bytes(
+                self._file.read(INDEX_LEAST)[2:], 'little') != size:
+            raise BagError('message index damaged: its lengths do not agree', offset=at)
+
+    def pieces(self, at: int, end: int, least: int, start_ns: int = 0,
+               stop_ns: int = 2**64) -> Iterator[tuple[Block | Record, int]]:
+        """
+        Yield blocks and other records, each with the byte behind it, up to the end of the data.
+
+        A block is valid until the next piece is asked for, here or of another call.
+
+        Parameters
+        ----------
+        at, end : int
+            Bytes of the file between which the records are; one begins at either.
+        least : int
+            Chunks are joined to a block until they have this many bytes, for speed.
+        start_ns, stop_ns : int
+            Chunks that lie outside [start, stop) in log time are left out.
+
+        Raises
+        ------
+        BagError
+            At the first record that cannot be read, after all that is before it.
+
+        """
+        chunks, wanted, behind_chunk = self._chunks, False, False
+        chunks.clear()
+        while at < end:
+            try:
+                record = self.record(at, end)
+                opcode, start, length = record
+                if opcode == Opcode.MESSAGE_INDEX:
+                    self._check_index(record, behind_chunk)
+                    if wanted:
+                        chunks.add_index(self._read(start + INDEX_LEAST, length - INDEX_LEAST))
+                    at = start + length
+                    continue
+            except BagError:
+                if chunks:
+                    yield chunks.block(), chunks.end
+                raise
+            behind_chunk = opcode == Opcode.CHUNK
+            if chunks and (opcode != Opcode.CHUNK or chunks.size >= least):
+                yield chunks.block(), chunks.end
+                chunks.clear()
+                self._file.seek(start)
+            if opcode == Opcode.CHUNK:
+                try:
+                    wanted = chunks.take(self._file, length, start_ns, stop_ns)
+                except BagError as error:
+                    if chunks:
+                        yield chunks.block(), chunks.end
+                    raise error.at('', at) from None
+                at = start + length
+            elif opcode in _BARE:
+                block, at = self._bare(record, end)
+                yield block, at
+            else:
+                at = start + length
+                yield record, at
+                if opcode == Opcode.DATA_END:
+                    return
+        if chunks:
+            yield chunks.block(), chunks.end

@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the lengths and counts within a record agree with each other."""
+
+from __future__ import annotations
+
+from typing import Callable
+
+from mcap import records as mcap
+from mcap.opcode import Opcode
+
+from heading_intercompare.bags.errors import BagError
+
+from .message_blocks import INDEX_LEAST, Record
+from .record_stream import parsed
+
+__all__ = ['attached', 'disguised', 'formed', 'SMALL']
+
+#: Records of a few fields.
+SMALL = {Opcode.HEADER: mcap.Header, Opcode.SCHEMA: mcap.Schema, Opcode.CHANNEL: mcap.Channel,
+         Opcode.METADATA: mcap.Metadata, Opcode.STATISTICS: mcap.Statistics}
+#: None of them is believed that claims to be larger.
+_SMALL_BYTES = 2**26
+_FIXED = {Opcode.DATA_END: 4, Opcode.FOOTER: 20}
+#: Where records with one field of variable length have its length, and where it begins.
+_FIELD = {Opcode.MESSAGE_INDEX: (2, INDEX_LEAST), Opcode.METADATA_INDEX: (16, 20)}
+#: Records that one wrong bit turns into a message.
+_LIKE_MESSAGES = (Opcode.HEADER, Opcode.CHANNEL, Opcode.MESSAGE_INDEX, Opcode.METADATA_INDEX)
+
+#: Returns so many bytes of a file from a byte on, fewer where it ends.
+_Read = Callable[[int, int], bytes]
+
+
+def formed(read: _Read, record: Record) -> bool:
+    """Tell whether a record of the kinds that are known here agrees with itself."""
+    opcode, start, length = record
+    if opcode in _FIXED:
+        return length == _FIXED[opcode]
+    if opcode in _FIELD:
+        at, begin = _FIELD[opcode]
+        return int.from_bytes(read(start + at, 4), 'little') == length - begin
+    if length > _SMALL_BYTES:
+        return False
+    try:
+        found = parsed(SMALL[opcode], read(start, length))
+    except BagError:
+        return False
+    # Without counts by channel nothing shows that statistics are right.
+    return _written_size(found) == length and (
+        opcode != Opcode.STATISTICS or not found.channel_message_counts
+        or sum(found.channel_message_counts.values()) == found.message_count)
+
+
+def disguised(read: _Read, record: Record) -> bool:
+    """Tell whether a message is a record of another kind whose opcode is wrong."""
+    return any(formed(read, record._replace(opcode=opcode)) for opcode in _LIKE_MESSAGES)
+
+
+def attached(read: _Read, record: Record) -> int | None:
+    """Return where the data of an attachment begin; None if its lengths do not agree."""
+    at, end = record.start + 16, record.start + record.length - 4
+    for width in (4, 4, 8):
+        if at + width > end:
+            return None
+        begin = at + width
+        at = begin + int.from_bytes(read(at, width), 'little')
+    return begin if at == end else None
+
+
+def _written_size(record: mcap.McapRecord) -> int:
+    """Return how long the content of a record of a few fields is when it is written."""
+    if isinstance(record, mcap.Header):
+        return 8 + len(record.profile.encode()) + len(record.library.encode())
+    if isinstance(record, mcap.Schema):
+        return 14 + sum(len(x) for x in (record.name.encode(), record.encoding.encode(),
+                                         record.data))
+    if isinstance(record, mcap.Statistics):
+        return 46 + 10 * len(record.channel_message_counts)
+    size = sum(8 + len(k.encode()) + len(v.encode()) for k, v in record.metadata.items())
+    if isinstance(record, mcap.Channel):
+        return 16 + size + len(record.topic.encode()) + len(record.message_encoding.encode())
+    return 8 + size + len(record.name.encode())

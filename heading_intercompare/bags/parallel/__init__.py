@@ -1,0 +1,12 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Headings decoded minute by minute, by several processes."""
+
+from heading_intercompare._doors import door
+
+__getattr__, __dir__, __all__ = door(__name__, {
+    'by_minute': ('Window',),
+    'decode_workers': ('decoded', 'possible', 'Task'),
+    'decoding': ('Decoded', 'Decoder', 'Kind'),
+    'prefetch': ('ahead',),
+})

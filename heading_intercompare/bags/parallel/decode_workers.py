@@ -1,0 +1,277 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Stretches of a bag decoded by several processes.
+
+A thread would not do: the calls of numpy are short, and between them only one thread runs. A
+helper is a copy of this process that shares memory with it, so it starts at once, and headings
+come back without being sent. Whatever becomes of it, its work can be done here.
+"""
+
+from __future__ import annotations
+
+from contextlib import ExitStack, suppress
+from mmap import mmap
+from multiprocessing import get_context, parent_process
+from multiprocessing.connection import Connection, wait
+import signal
+import sys
+from threading import active_count
+from typing import Container, Iterator, NamedTuple, Sequence
+from warnings import catch_warnings, simplefilter
+
+import numpy as np
+
+from heading_intercompare.bags.mcap.mcap_file import Stretch
+from heading_intercompare.core.records import Headings
+
+from .decoding import Decoded, Decoder, Found
+
+__all__ = ['decoded', 'possible', 'Task']
+
+#: Stretches that a helper has or has done and not handed over, and the memory for each.
+_SLOTS = 4
+_SLOT_BYTES = 22 * 2**20
+#: Stretches that are done here before it is their turn, for each helper, rather than wait.
+_AHEAD = 3
+#: Less work takes no longer than to copy a process.
+_FEWEST = 12
+#: No more is decoded at once by all processes than this many bytes of records.
+_MOST_BYTES = 2**27
+
+_COLUMNS = ('<i8', '<i2', '<i8', '<f8')
+#: Of each block the number of messages, and of headings of each kind.
+_Layout = list[tuple[int, list[int]]]
+
+
+class Task(NamedTuple):
+    """A stretch of a file, and the number of the file."""
+
+    number: int
+    stretch: Stretch
+
+
+def _places(layout: _Layout) -> Iterator[list[tuple[str, int, int]]]:
+    """Yield type, length and first byte in memory of the columns of each block and kind."""
+    at = 0
+    for _, lengths in layout:
+        for length in lengths:
+            columns = []
+            for column in _COLUMNS:
+                columns.append((column, length, at))
+                at += -(-length * int(column[-1]) // 8) * 8
+            yield columns
+
+
+def _size(layout: _Layout) -> int:
+    return sum(-(-length * int(column[-1]) // 8) * 8
+               for _, lengths in layout for length in lengths for column in _COLUMNS)
+
+
+def _put(blocks: Sequence[Decoded], memory: memoryview) -> _Layout | None:
+    """Write what was decoded; None if it does not fit."""
+    layout = [(block.count, [len(each.place) for each in block.found]) for block in blocks]
+    if _size(layout) > len(memory):
+        return None
+    found = [each for block in blocks for each in block.found]
+    for each, columns in zip(found, _places(layout)):
+        values = (each.log_time_ns, each.place, each.headings.stamp_ns, each.headings.heading_deg)
+        for value, (kind, length, at) in zip(values, columns):
+            np.frombuffer(memory, kind, length, at)[:] = value
+    return layout
+
+
+def _taken(layout: _Layout, memory: bytes) -> list[Decoded]:
+    """Return what was written."""
+    columns = _places(layout)
+    blocks = []
+    for count, lengths in layout:
+        found = []
+        for _ in lengths:
+            log_time_ns, place, *heading = (np.frombuffer(memory, *each) for each in next(columns))
+            found.append(Found(log_time_ns, place, Headings(*heading)))
+        blocks.append(Decoded(count, found))
+    return blocks
+
+
+def _work(decoder: Decoder, memory: mmap, connection: Connection,
+          inherited: Sequence[Connection]) -> None:
+    """Decode what is asked for until nobody asks any more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # What this process does at SIGTERM would keep a helper alive that shall end.
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    # While these are open here, the end of the other process would not be noticed.
+    for each in inherited:
+        each.close()
+    slots = memoryview(memory)
+    with decoder:
+        while True:
+            try:
+                slot, task = connection.recv()
+                blocks = decoder.stretch(*task)
+                begin = slot * _SLOT_BYTES
+                connection.send((slot, blocks and _put(blocks,
+                                                       slots[begin:begin + _SLOT_BYTES])))
+            except (EOFError, OSError, MemoryError):
+                return
+
+
+class _Helper:
+    """A process that decodes beside this one."""
+
+    def __init__(self, decoder: Decoder, inherited: Sequence[Connection]) -> None:
+        context = get_context('fork')
+        self.connection, theirs = context.Pipe()
+        self._memory = mmap(-1, _SLOTS * _SLOT_BYTES)
+        self._free = list(range(_SLOTS))
+        self._asked: dict[int, int] = {}
+        self._process = context.Process(
+            target=_work, daemon=True,
+            args=(decoder, self._memory, theirs, [*inherited, self.connection]))
+        with catch_warnings():
+            # Of threads of linear algebra, which a helper does not use.
+            simplefilter('ignore', DeprecationWarning)
+            # Ctrl-C while it is copied would be lost here, and an error there.
+            blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+            try:
+                self._process.start()
+            finally:
+                signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+        theirs.close()
+
+    @property
+    def free(self) -> bool:
+        """Whether it can be asked for more."""
+        return bool(self._free)
+
+    def ask(self, turn: int, task: Task) -> None:
+        """Have a task done; OSError if the process is gone."""
+        slot = self._free.pop()
+        self.connection.send((slot, task))
+        self._asked[slot] = turn
+
+    def take(self) -> tuple[int, list[Decoded] | None]:
+        """Return the turn of a task that is done, and its result; EOFError, OSError if gone."""
+        slot, layout = self.connection.recv()
+        blocks = layout
+        if layout:
+            begin = slot * _SLOT_BYTES
+            blocks = _taken(layout, self._memory[begin:begin + _size(layout)])
+        self._free.append(slot)
+        return self._asked.pop(slot), blocks
+
+    @property
+    def asked(self) -> list[int]:
+        """The turns of what it was asked for and has not handed over."""
+        return list(self._asked.values())
+
+    def close(self) -> None:
+        """End the process."""
+        self.connection.close()
+        self._process.kill()
+        self._process.join()
+        # Where SIGCHLD is ignored it is not known that it has ended.
+        with suppress(ValueError):
+            self._process.close()
+        self._memory.close()
+
+
+class _Crew:
+    """The helpers that are alive, and what they have done."""
+
+    def __init__(self, decoder: Decoder, count: int, stack: ExitStack) -> None:
+        self._helpers: list[_Helper] = []
+        for _ in range(count):
+            try:
+                helper = _Helper(decoder, [each.connection for each in self._helpers])
+            except OSError:
+                # No more processes or memory: it is done with those there are.
+                break
+            stack.callback(helper.close)
+            self._helpers.append(helper)
+        self.done: dict[int, list[Decoded] | None] = {}
+        #: What a helper has been asked for.
+        self.asked: set[int] = set()
+
+    def __len__(self) -> int:
+        return len(self._helpers)
+
+    def _lose(self, helper: _Helper) -> None:
+        self._helpers.remove(helper)
+        self.asked.difference_update(helper.asked)
+
+    def ask(self, turn: int, task: Task) -> bool:
+        """Have a helper do a task; False if none can."""
+        for helper in [each for each in self._helpers if each.free]:
+            try:
+                helper.ask(turn, task)
+            except OSError:
+                self._lose(helper)
+                continue
+            self.asked.add(turn)
+            return True
+        return False
+
+    def collect(self, timeout_s: float | None) -> None:
+        """Take what is done; wait for something unless there is a timeout."""
+        ready = wait([helper.connection for helper in self._helpers], timeout_s)
+        for helper in [each for each in self._helpers if each.connection in ready]:
+            try:
+                turn, blocks = helper.take()
+            except (EOFError, OSError):
+                self._lose(helper)
+                continue
+            self.asked.discard(turn)
+            # What a helper cannot do is tried here.
+            if blocks is not None:
+                self.done[turn] = blocks
+
+
+def possible() -> bool:
+    """Tell whether this process may be copied: on Linux, if no other thread runs, in no pool."""
+    return sys.platform == 'linux' and active_count() == 1 and parent_process() is None
+
+
+def decoded(decoder: Decoder, tasks: Sequence[Task], helpers: int = 0,
+            unwanted: Container[int] = ()) -> Iterator[list[Decoded] | None]:
+    """
+    Yield stretches in their order, each as `Decoder.stretch` returns it.
+
+    Parameters
+    ----------
+    decoder : Decoder
+        Who reads here, and has not begun; helpers have copies of it.
+    tasks : sequence of Task
+        The stretches.
+    helpers : int
+        Processes that decode beside this one, if there is enough to do and not too much at once;
+        0 if not `possible`. They end with the iteration.
+    unwanted : container of int
+        Numbers of files of which no more is wanted, None instead; it may grow meanwhile.
+
+    """
+    with ExitStack() as stack:
+        largest = max((task.stretch.size for task in tasks), default=0)
+        helpers = min(helpers, _MOST_BYTES // max(largest, 1) - 1) if len(tasks) >= _FEWEST else 0
+        crew = _Crew(decoder, helpers, stack)
+        coming = 0
+        for turn in range(len(tasks)):
+            if tasks[turn].number in unwanted:
+                yield None
+                continue
+            coming = max(coming, turn)
+            while True:
+                while coming < len(tasks) and crew.ask(coming, tasks[coming]):
+                    coming += 1
+                if crew:
+                    crew.collect(0.0)
+                if turn in crew.done or turn not in crew.asked:
+                    break
+                if coming < min(len(tasks), turn + (_SLOTS + _AHEAD) * len(crew)):
+                    crew.done[coming] = decoder.stretch(*tasks[coming])
+                    coming += 1
+                else:
+                    crew.collect(None)
+            coming = max(coming, turn + 1)
+            yield crew.done.pop(turn) if turn in crew.done else decoder.stretch(*tasks[turn])

@@ -1,0 +1,259 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A bag that is recorded whatever happens to the disk.
+
+While nothing can be written, messages wait in memory; once something can, they go to a new file of
+the bag. What does not fit into memory is lost and counted.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from math import inf
+import os
+from pathlib import Path
+import shutil
+from typing import Callable, Mapping
+
+from heading_intercompare.bags.rosbag2.bag_yaml import Qos
+from heading_intercompare.bags.settings import BagSettings
+
+from .bag_writer import BagWriter
+
+__all__ = ['Recording']
+
+_MB = 1_000_000
+#: Room beyond `free_space_mb` at which recording is resumed, times that.
+_AGAIN = 1.1
+#: Time from one look after the disk to the next, seconds.
+_LOOK_S = 0.5
+
+
+def _words(error: OSError) -> str:
+    where = '' if error.filename is None else f'{os.fspath(error.filename)}: '
+    return f'{where}{error.strerror or error}'
+
+
+@dataclass(slots=True)
+class _Attached:
+    """A file in the bag, and which of the bag's files holds it."""
+
+    name: str
+    media_type: str
+    data: bytes
+    file: Path | None = None
+
+
+class Recording:
+    """
+    A bag being recorded; once it is open no method raises OSError.
+
+    Parameters
+    ----------
+    path : str or path
+        The rosbag2 directory; it must not exist.
+    settings : BagSettings
+        Of the bag.
+    free_bytes : callable
+        Bytes that are free on the disk of a path; OSError if it is not there.
+
+    Attributes
+    ----------
+    fault : str
+        Why nothing can be written at the moment; empty if it can.
+    remark : str
+        What else is wrong though nothing is lost by it: metadata.yaml cannot be written, no new
+        file begun.
+    written : int
+        Messages handed to the bag.
+    lost : dict of str to int
+        Messages by topic that could not be written, and are not waiting any more.
+    faults : int
+        How often writing stopped.
+
+    Raises
+    ------
+    BagError
+        If the path exists.
+    OSError
+        If the bag cannot be opened.
+
+    """
+
+    def __init__(self, path: str | os.PathLike[str], settings: BagSettings | None = None, *,
+                 free_bytes: Callable[[str | os.PathLike[str]], int] = lambda path:
+                 shutil.disk_usage(path).free) -> None:
+        self._settings = settings or BagSettings()
+        self._free_bytes = free_bytes
+        self._bag = BagWriter(path, self._settings)
+        self.path = self._bag.path
+        self.fault = ''
+        self.remark = ''
+        self.written = self.faults = 0
+        self.lost: dict[str, int] = {}
+        self._waiting: deque[tuple[str, bytes, int, int, int]] = deque()
+        self._waiting_bytes = 0
+        self._next_s = -inf
+        self._owed: dict[str, Mapping[str, object]] = {}
+        self._attached: list[_Attached] = []
+
+    @property
+    def waiting(self) -> int:
+        """Number of messages in memory because they cannot be written."""
+        return len(self._waiting)
+
+    @property
+    def absent(self) -> int:
+        """Number of messages written to files that somebody removed or moved."""
+        return self._bag.absent
+
+    def add_topic(self, topic: str, type_name: str, qos: Qos | None = None) -> None:
+        """Make a topic known; see `BagWriter.add_topic`."""
+        self._bag.add_topic(topic, type_name, qos)
+
+    def metadata(self, name: str, mapping: Mapping[str, object]) -> None:
+        """Write a metadata record."""
+        self._try_again()
+        self._owed[name] = mapping
+        self._pay()
+
+    def attachment(self, name: str, media_type: str, data: bytes) -> None:
+        """Write a file into the bag, and again if it is taken away with what holds it."""
+        self._try_again()
+        self._attached.append(_Attached(name, media_type, data))
+        self._pay()
+
+    def _pay(self) -> None:
+        """Write records that could not be written, and attachments that no file holds."""
+        for name, mapping in list(self._owed.items()):
+            if self._trying(self._bag.metadata, name, mapping):
+                del self._owed[name]
+        for one in self._attached:
+            if (one.file is None or not one.file.exists()) and self._trying(
+                    self._bag.attachment, one.name, one.media_type, one.data):
+                one.file = self._bag.file
+
+    def write(self, topic: str, data: bytes, log_time_ns: int, publish_time_ns: int,
+              sequence: int) -> None:
+        """Take one message; see `BagWriter.write`."""
+        if self.fault:
+            self._wait((topic, data, log_time_ns, publish_time_ns, sequence))
+            return
+        self.written += 1
+        self._trying(self._bag.write, topic, data, log_time_ns, publish_time_ns, sequence)
+
+    def _wait(self, message: tuple[str, bytes, int, int, int]) -> None:
+        size = len(message[1])
+        if self._waiting_bytes + size > self._settings.waiting_mb * _MB:
+            self._lose(message[0])
+            return
+        self._waiting.append(message)
+        self._waiting_bytes += size
+
+    def _lose(self, topic: str) -> None:
+        self.lost[topic] = self.lost.get(topic, 0) + 1
+
+    def _trying(self, action: Callable[..., object], *arguments: object) -> bool:
+        """
+        Do something to the bag, and say whether it was done.
+
+        An OSError stops the writing and is the fault from then on.
+        """
+        try:
+            action(*arguments)
+        except OSError as error:
+            self._stop(_words(error))
+            return False
+        return True
+
+    def _stop(self, fault: str) -> None:
+        self.faults += not self.fault
+        self.fault = fault
+        pending = self._bag.take_pending()
+        self.written -= len(pending)
+        for message in pending:
+            self._wait(message)
+
+    def tick(self, now_s: float) -> None:
+        """
+        Write what is due, look after the disk, or try again.
+
+        Parameters
+        ----------
+        now_s : float
+            A steady clock, seconds. Call it often, at least twice a flush interval and four times
+            a second.
+
+        """
+        if not self.fault:
+            self._trying(self._bag.flush_if_due, now_s)
+        if now_s < self._next_s:
+            return
+        self._next_s = now_s + _LOOK_S
+        self._try_again()
+        if not self.fault:
+            self._trying(self._look)
+        problem = self._bag.problem
+        self.remark = '' if problem is None else _words(problem)
+
+    def _look(self) -> None:
+        """Stop while there is still room for the end of the file, or if the file is gone."""
+        self._bag.check()
+        if self._free_bytes(self.path) < self._settings.free_space_mb * _MB:
+            self._stop(f'less than {self._settings.free_space_mb:g} MB free on the disk of '
+                       f'{self.path}')
+
+    def _try_again(self, *, last: bool = False) -> None:
+        """
+        If writing has stopped, go on in a new file, else in the same one; with what waits.
+
+        The last time `free_space_mb` is no reason to wait: it was kept free for this.
+        """
+        if not self.fault:
+            return
+        try:
+            if not (last or self._room()):
+                return
+            self._bag.split()
+            self._owed.clear()
+        except OSError as error:
+            self.fault = _words(error)
+            try:
+                self._bag.check()
+            except OSError:
+                return
+        fault, faults = self.fault, self.faults
+        waiting, self._waiting, self._waiting_bytes = self._waiting, deque(), 0
+        self.fault = ''
+        for message in waiting:
+            self.write(*message)
+        self._trying(self._bag.flush)
+        self._pay()
+        if self.fault:
+            self.fault, self.faults = fault, faults
+
+    def _room(self) -> bool:
+        """Tell whether there is enough room again, on the nearest folder that is there."""
+        place = self.path.absolute()
+        while not place.exists():
+            place = place.parent
+        return self._free_bytes(place) >= self._settings.free_space_mb * _AGAIN * _MB
+
+    def settle(self) -> None:
+        """Write all messages that are in memory; what cannot be written now is lost."""
+        if not self.fault:
+            self._trying(self._bag.check)
+        self._try_again(last=True)
+        self._trying(self._bag.flush)
+        self._pay()
+        for topic, *_ in self._waiting:
+            self._lose(topic)
+        self._waiting.clear()
+        self._waiting_bytes = 0
+
+    def close(self) -> None:
+        """End the bag; what cannot be written now is lost."""
+        self.settle()
+        self._trying(self._bag.close)

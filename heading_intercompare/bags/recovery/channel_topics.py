@@ -1,0 +1,130 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Which topic a channel number means in each part of a file.
+
+Definitions may be found before the messages or behind them, and more than once. Of several in
+disagreement those in chunks with a checksum count, from their place on: from there a new epoch
+begins. Nothing is carried over from one file to another that was appended to it.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+
+from mcap import records as mcap
+from mcap.opcode import Opcode
+
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.mcap.record_stream import parsed
+
+__all__ = ['Definitions']
+
+_Definition = mcap.Schema | mcap.Channel
+
+
+class _History:
+    """Definitions of one kind by number, each from an epoch on."""
+
+    def __init__(self) -> None:
+        self._rows: dict[int, tuple[list[int], list[_Definition]]] = {}
+
+    def add(self, epoch: int, definition: _Definition) -> None:
+        """Take a definition; the first of an epoch counts."""
+        epochs, found = self._rows.setdefault(definition.id, ([], []))
+        if not epochs or epochs[-1] < epoch:
+            epochs.append(epoch)
+            found.append(definition)
+
+    def at(self, number: int, epoch: int, begin: int, end: int) -> _Definition | None:
+        """Return the last definition up to an epoch, else the next, between two epochs."""
+        epochs, found = self._rows.get(number, ([], []))
+        place = bisect_right(epochs, epoch) - 1
+        if place >= 0 and epochs[place] >= begin:
+            return found[place]
+        place += 1
+        return found[place] if place < len(epochs) and epochs[place] < end else None
+
+
+class Definitions:
+    """
+    The schemas and channels found in a file.
+
+    Attributes
+    ----------
+    epoch : int
+        The one that has begun last, counted from 0.
+
+    """
+
+    def __init__(self) -> None:
+        self.epoch = 0
+        self._files = [0]
+        #: Definitions in chunks with a checksum, and others.
+        self._schemas: tuple[_History, _History] = (_History(), _History())
+        self._channels: tuple[_History, _History] = (_History(), _History())
+        self._seen: set[tuple[int, bytes]] = set()
+        #: By the first byte of a chunk, where in its records epochs begin.
+        self._within: dict[int, list[tuple[int, int]]] = {}
+
+    def begin_file(self) -> None:
+        """Forget all that was, for what is behind."""
+        self.epoch += 1
+        self._files.append(self.epoch)
+        self._seen.clear()
+
+    def take(self, opcode: int, content: bytes, checked: bool, place: tuple[int, int]) -> None:
+        """
+        Take a definition.
+
+        Parameters
+        ----------
+        opcode, content
+            Of its record; one that is damaged is left out.
+        checked : bool
+            It is in a chunk whose checksum is right.
+        place : tuple of int
+            The first byte of the chunk, and that of the definition in its records.
+
+        """
+        if checked and (opcode, content) in self._seen:
+            return
+        kind = mcap.Schema if opcode == Opcode.SCHEMA else mcap.Channel
+        histories = self._schemas if opcode == Opcode.SCHEMA else self._channels
+        try:
+            definition = parsed(kind, content)
+        except BagError:
+            return
+        if not checked:
+            histories[1].add(self.epoch, definition)
+            return
+        known = histories[0].at(definition.id, self.epoch, self._files[-1], self.epoch + 1)
+        if known is not None and known != definition:
+            self.epoch += 1
+            self._seen.clear()
+            self._within.setdefault(place[0], []).append((place[1], self.epoch))
+        self._seen.add((opcode, content))
+        histories[0].add(self.epoch, definition)
+
+    def within(self, start: int) -> list[tuple[int, int]]:
+        """Return where in the records of a chunk epochs begin, and their numbers."""
+        return self._within.get(start, [])
+
+    def topic(self, epoch: int, number: int) -> tuple[mcap.Channel, mcap.Schema] | None:
+        """Return what a channel is in an epoch; None if that is lost or not of ROS 2."""
+        channel = self._found(self._channels, epoch, number)
+        if channel is None or channel.message_encoding != 'cdr':
+            return None
+        schema = self._found(self._schemas, epoch, channel.schema_id)
+        return None if schema is None else (channel, schema)
+
+    def _found(self, histories: tuple[_History, _History], epoch: int,
+               number: int) -> _Definition | None:
+        file = bisect_right(self._files, epoch)
+        begin = self._files[file - 1]
+        end = self._files[file] if file < len(self._files) else self.epoch + 1
+        for history in histories:
+            definition = history.at(number, epoch, begin, end)
+            if definition is not None:
+                return definition
+        return None

@@ -1,0 +1,306 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What is sound in damaged files written into a bag, chunks as they are where that is right.
+
+A chunk goes over compressed as it is if its channels have the same numbers in the bag, the
+definitions in it are those of the bag, and all its messages are wanted; its message indexes too if
+they are right. The messages of others are gathered and compressed again.
+"""
+
+from __future__ import annotations
+
+from typing import BinaryIO, Callable
+
+from mcap import records as mcap
+from mcap.opcode import Opcode
+import numpy as np
+
+from heading_intercompare.bags.codec.fields import full_name
+from heading_intercompare.bags.codec.schemas import Schema
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.mcap.chunk_runs import Chunk, ChunkRun, ChunkRuns
+from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter
+from heading_intercompare.bags.mcap.chunks import CHUNK_HEAD
+from heading_intercompare.bags.mcap.index_records import message_index
+from heading_intercompare.bags.mcap.message_batch import Records
+from heading_intercompare.bags.mcap.message_blocks import Block, block_of, HEAD, MESSAGE_HEAD
+from heading_intercompare.bags.mcap.record_stream import parsed
+from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.bags.rosbag2.bag_yaml import Qos
+
+from .inventory import Kind, Piece, segments, Survey
+from .scanner import Salvage
+from .unreadable_sectors import opened
+
+__all__ = ['Transfer']
+
+#: Chunks are passed on, or gathered, by so many bytes.
+_PASSED_BYTES = 2**22
+_GATHERED_BYTES = 2**20
+_CHANNELS = 2**16
+#: Where in a message record its channel and its times are.
+_CHANNEL_AT, _LOG_AT, _PUBLISH_AT = 9, 15, 23
+
+
+class Transfer:
+    """
+    Writes what is sound in the files of a bag into another.
+
+    Parameters
+    ----------
+    bag : BagWriter
+        The new bag.
+    compression : str or None
+        What chunks must be compressed with, as MCAP has it; None: they stay as they are.
+    singly : bool
+        After each chunk the bag may go on in a new file.
+    note : callable
+        Told what is remarkable, with the file.
+
+    Attributes
+    ----------
+    counts : dict of str to int
+        Messages by topic.
+
+    """
+
+    def __init__(self, bag: BagWriter, compression: str | None, singly: bool,
+                 note: Callable[[Survey, str], None]) -> None:
+        self._bag = bag
+        self._compression = compression
+        self._singly = singly
+        self._note = note
+        self._types: dict[str, tuple[str, bytes]] = {}
+        self.counts: dict[str, int] = {}
+
+    def copy(self, found: Survey, progress: Callable[[str], None]) -> None:
+        """
+        Copy what is sound in a file.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read or the bag not be written.
+        BagError
+            If the file has changed since it was looked at.
+
+        """
+        numbers = {key: self._added(found, *key) for key in sorted(found.counts)}
+        with opened(found.path, found.holes) as file:
+            copying = _Copying(file, found, self._bag, numbers)
+            for piece in found.pieces:
+                if piece.kind == Kind.EXTRA:
+                    self._copy_extra(found, file, piece.chunk)
+                elif piece.kind == Kind.CHUNK:
+                    copying.take(piece, self._compression, self._singly)
+                else:
+                    copying.take_part(piece)
+                progress(f'{piece.chunk.end / found.size:.0%} copied')
+            copying.flush()
+
+    def _added(self, found: Survey, epoch: int, number: int) -> int:
+        """Return the number in the new bag of a channel that it now knows; -1 without topic."""
+        definition = found.definitions.topic(epoch, number)
+        if definition is None:
+            return -1
+        channel, schema = definition
+        topic = channel.topic if channel.topic.startswith('/') else f'/{channel.topic}'
+        name, kind = topic, full_name(schema.name)
+        while self._types.setdefault(name, (kind, schema.data))[0] != kind:
+            # One topic with two types cannot be in one rosbag2; both are kept, the second renamed.
+            name = f'{name}_{kind.rpartition("/")[2].lower()}'
+        if name != topic:
+            self._note(found, f'{topic} is also {kind}: kept as {name}')
+        elif self._types[name][1] != schema.data:
+            self._note(found, f'{topic}: {kind} is defined in two ways; the first is kept')
+        self.counts[name] = self.counts.get(name, 0) + found.counts[epoch, number]
+        return self._bag.add_topic(
+            name, kind, Qos.of_yaml(channel.metadata.get('offered_qos_profiles', '')),
+            schema=Schema(kind, schema.data.decode(errors='replace'),
+                          channel.metadata.get('topic_type_hash', ''), schema.encoding),
+            numbers=(channel.id, schema.id))
+
+    def _copy_extra(self, found: Survey, file: BinaryIO, place: Chunk) -> None:
+        try:
+            data = bytearray(place.end - place.start)
+        except MemoryError:
+            self._note(found, f'bytes {place.start} to {place.end}: larger than the memory')
+            return
+        file.seek(place.start)
+        if file.readinto(data) < len(data):
+            raise _changed(found)
+        if data[0] == Opcode.ATTACHMENT:
+            self._bag.chunks.append_attachment(data)
+        else:
+            metadata = parsed(mcap.Metadata, data[HEAD.size:])
+            self._bag.metadata(metadata.name, metadata.metadata)
+
+
+def _changed(found: Survey) -> BagError:
+    return BagError('has changed while it was read', found.path)
+
+
+class _Copying:
+    """The copying of one file."""
+
+    def __init__(self, file: BinaryIO, found: Survey, bag: BagWriter,
+                 numbers: dict[tuple[int, int], int]) -> None:
+        self._file = file
+        self._found = found
+        self._bag = bag
+        self._numbers = numbers
+        self.salvage = Salvage(file)
+        self._runs = ChunkRuns(self._read, self.salvage.size)
+        self._same: dict[object, bool] = {}
+        self._tables: tuple[int, np.ndarray] = (-1, np.empty(0, np.int64))
+        #: Chunks to be passed on as they are, or to be gathered; one of them is empty.
+        self._passed: list[Chunk] = []
+        self._gathered: list[Chunk] = []
+        self._epoch = 0
+        self._memory = bytearray()
+
+    def _read(self, at: int, size: int) -> bytes:
+        self._file.seek(at)
+        return self._file.read(size)
+
+    def take(self, piece: Piece, compression: str | None, singly: bool) -> None:
+        """Take the next whole chunk."""
+        chunk, epoch = piece.chunk, piece.epoch
+        if not (compression in (None, chunk.compression) and self._is_same(chunk, epoch)):
+            self._gather(chunk, epoch)
+            return
+        if self._gathered:
+            self.flush()
+        chunks = self._bag.chunks
+        if not self._passed:
+            chunks.end_chunk()
+            self._bag.split_if_due()
+            chunks = self._bag.chunks
+            if not chunks.due <= chunk.definitions:
+                self._gather(chunk, epoch)
+                return
+        elif not chunk.indexed or self._passed[-1].behind != chunk.start or (
+                len(self._passed) >= chunks.until_due
+                or chunk.behind - self._passed[0].start > _PASSED_BYTES):
+            self.flush()
+            self.take(piece, compression, singly)
+            return
+        self._passed.append(chunk)
+        if singly or not chunk.indexed:
+            self.flush()
+
+    def _is_same(self, chunk: Chunk, epoch: int) -> bool:
+        """Tell whether a chunk means the same in the new bag."""
+        key = epoch, chunk.counts, chunk.definitions
+        if key not in self._same:
+            self._same[key] = chunk.definitions <= self._bag.chunks.defined and all(
+                self._numbers.get((epoch, number)) == number for number, _ in chunk.counts)
+        return self._same[key] and chunk.plain
+
+    def _gather(self, chunk: Chunk, epoch: int) -> None:
+        torn = self._found.definitions.within(chunk.start)
+        if self._passed or torn or (self._gathered and (
+                epoch != self._epoch or self._gathered[-1].behind != chunk.start
+                or chunk.behind - self._gathered[0].start > _GATHERED_BYTES)):
+            self.flush()
+        self._gathered.append(chunk)
+        self._epoch = epoch
+        if torn:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write what was taken."""
+        passed, gathered = self._passed, self._gathered
+        self._passed, self._gathered = [], []
+        if passed:
+            self._pass_on(passed)
+        at = gathered[0].start if gathered else 0
+        while gathered and at < gathered[-1].behind:
+            run = self._runs.run(at, gathered[-1].behind)
+            if run is None:
+                raise _changed(self._found)
+            self._write(run.block, self._epoch, at)
+            at = run.chunks[-1].behind
+
+    def _pass_on(self, chunks: list[Chunk]) -> None:
+        """Write chunks as they are; their heads say what was found."""
+        start, end = chunks[0].start, chunks[-1].behind
+        if not chunks[0].indexed:
+            end = chunks[0].end
+        if end - start > len(self._memory):
+            self._memory = bytearray(end - start)
+        data = memoryview(self._memory)[:end - start]
+        self._file.seek(start)
+        if self._file.readinto(data) < len(data):
+            raise _changed(self._found)
+        for chunk in chunks:
+            data[chunk.start - start] = Opcode.CHUNK
+            CHUNK_HEAD.pack_into(data, chunk.start - start + HEAD.size, chunk.first_ns,
+                                 chunk.last_ns, chunk.size, chunk.crc, len(chunk.compression))
+        if not chunks[0].indexed:
+            run = self._runs.run(start, chunks[0].end)
+            if run is None:
+                raise _changed(self._found)
+            data = b''.join((data, _indexes(run, chunks[0])))
+        self._bag.chunks.append(data, chunks)
+        self._bag.split_if_due()
+
+    def take_part(self, piece: Piece) -> None:
+        """Take what is no whole chunk."""
+        self.flush()
+        at, end = piece.chunk.start, piece.chunk.end
+        if piece.kind == Kind.FRAGMENT:
+            item = self.salvage.fragment(at, end)
+            block = item.block if item is not None else None
+        else:
+            data = self._read(at, end - at)
+            block = block_of(data, at) if len(data) == end - at else None
+        if block is None:
+            raise _changed(self._found)
+        self._write(block, piece.epoch, at)
+
+    def _table(self, epoch: int) -> np.ndarray:
+        """Return the number in the new bag of each channel in an epoch, -1 for none."""
+        if self._tables[0] != epoch:
+            table = np.full(_CHANNELS, -1, np.int64)
+            for (each, number), new in self._numbers.items():
+                if each == epoch:
+                    table[number] = new
+            self._tables = epoch, table
+        return self._tables[1]
+
+    def _write(self, block: Block, epoch: int, start: int) -> None:
+        """Write the messages of a block that are wanted, in their order."""
+        at = block.start - MESSAGE_HEAD.size
+        channel = block.heads['channel'].astype(np.int64)
+        log, publish = block.heads['log_time'].copy(), block.heads['publish_time'].copy()
+        new = np.empty_like(channel)
+        for each, part in segments(self._found.definitions, start, epoch, at):
+            new[part] = self._table(each)[channel[part]]
+        wanted = (new >= 0) & (log >= 0)
+        data = block.data
+        if (new != channel)[wanted].any() or (publish < 0)[wanted].any():
+            data = bytearray(data)
+            every = np.frombuffer(data, np.uint8)
+            every[at[wanted] + _CHANNEL_AT] = new[wanted] & 255
+            every[at[wanted] + _CHANNEL_AT + 1] = new[wanted] >> 8
+            unsent = at[wanted & (publish < 0)]
+            for byte in range(_PUBLISH_AT - _LOG_AT):
+                every[unsent + _PUBLISH_AT + byte] = every[unsent + _LOG_AT + byte]
+        records = Records(data, at[wanted], block.stop[wanted], new[wanted], log[wanted])
+        lo = 0
+        while lo < len(records):
+            chunks: ChunkWriter = self._bag.chunks
+            lo = chunks.fill(records, lo)
+            if not chunks.pending:
+                self._bag.split_if_due()
+
+
+def _indexes(run: ChunkRun, chunk: Chunk) -> bytes:
+    """Return the message indexes of the one chunk of a run."""
+    heads = run.block.heads
+    channel, log = heads['channel'].copy(), heads['log_time'].copy()
+    entries = np.stack((log, run.block.start - MESSAGE_HEAD.size), axis=1).astype('<i8')
+    return b''.join([message_index(number, entries[channel == number].tobytes())
+                     for number, _ in chunk.counts])

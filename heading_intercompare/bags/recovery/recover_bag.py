@@ -1,0 +1,259 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Everything readable of a damaged bag into a new one, with a count of what was lost.
+
+Each file is read twice: once to learn what is sound and which topics there are, for these may be
+defined behind the messages, and once to copy. The second time nothing is decompressed that can
+be passed on as it is.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+import os
+from pathlib import Path
+from typing import Callable
+
+from heading_intercompare.bags.checked_text import decimal
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.mcap.chunk_writer import COMPRESSIONS
+from heading_intercompare.bags.mcap.mcap_file import mcap_files
+from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.bags.rosbag2.bag_yaml import absent_parts
+from heading_intercompare.bags.settings import BagSettings
+
+from .copier import Transfer
+from .inventory import Survey, survey
+
+__all__ = ['recover', 'Recovered']
+
+_NOTES = 100
+#: What a recovered bag sums up when it is recovered again.
+_LOSSES = ('bytes_lost', 'chunks_lost', 'messages_lost')
+
+
+@dataclass(slots=True)
+class Recovered:
+    """
+    What was read and what was not.
+
+    Attributes
+    ----------
+    files, bytes : int
+        Read; bytes are those of the files as they are.
+    bytes_lost : int
+        Bytes that could not be read or understood.
+    chunks : int
+        Chunks kept, those of which only a part could be kept among them.
+    chunks_lost : int
+        Chunks of which nothing or not all could be kept, as far as they are recognised as such.
+    messages : int
+        Messages kept.
+    messages_lost : int
+        Messages that are known to be lost: by the index behind a damaged chunk, by the summary of
+        a file that was closed, or for want of a definition of their topic.
+    messages_known : bool
+        No others can have been lost within the files; what was never written is not known.
+    counts : dict of str to int
+        Messages kept, by topic.
+    notes : list of str
+        What was wrong, and where; of very many the first.
+
+    """
+
+    files: int = 0
+    bytes: int = 0
+    bytes_lost: int = 0
+    chunks: int = 0
+    chunks_lost: int = 0
+    messages: int = 0
+    messages_lost: int = 0
+    messages_known: bool = True
+    counts: dict[str, int] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def damaged(self) -> bool:
+        """Whether anything was wrong."""
+        return bool(self.notes)
+
+    def note(self, path: Path, text: str) -> None:
+        """Note what was wrong with a file."""
+        if len(self.notes) < _NOTES:
+            self.notes.append(f'{path.name}: {text}')
+
+
+def _surveyed(paths: list[Path], progress: Callable[[str], None]
+              ) -> tuple[list[Survey], list[tuple[Path, str]]]:
+    """Return what is in files, and why others cannot be read; OSError if none can."""
+    files, others = [], []
+    for path in paths:
+        try:
+            files.append(survey(path, progress))
+        except OSError as error:
+            if len(others) + 1 == len(paths):
+                raise
+            others.append((path, error.strerror or str(error)))
+    return files, others
+
+
+def _judged(files: list[Survey]) -> Recovered:
+    """Return the counts of all files."""
+    total = Recovered(files=len(files))
+    for found in files:
+        total.bytes += found.size
+        total.bytes_lost += sum(d.lost for d in found.damage)
+        total.chunks += found.chunks
+        damaged = sum(d.chunk for d in found.damage)
+        total.chunks_lost += damaged
+        for damage in found.damage[:_NOTES]:
+            total.note(found.path, f'bytes {damage.start} to {damage.end}: {damage.fault}')
+        _count(total, found)
+        if not found.size:
+            total.note(found.path, 'is empty (0 bytes)')
+        elif not found.closed:
+            total.note(found.path, 'was not closed')
+            total.messages_known = total.messages_known and not found.damage
+    return total
+
+
+def _count(total: Recovered, found: Survey) -> None:
+    """Count the messages of a file, and of each that was appended to it by itself."""
+    begins = [section.epoch for section in found.sections]
+    kept, strange = [0] * len(begins), [0] * len(begins)
+    for key, count in found.counts.items():
+        defined = found.definitions.topic(*key) is not None
+        (kept if defined else strange)[bisect_right(begins, key[0]) - 1] += count
+    total.messages += sum(kept)
+    if any(strange):
+        total.note(found.path, f'{sum(strange)} messages of topics that are not defined any more, '
+                   'or not encoded as cdr')
+    untimed = sum(section.untimed for section in found.sections)
+    if untimed:
+        total.note(found.path, f'{untimed} messages with log times that cannot be')
+    before = total.messages_lost
+    for section, held, undefined in zip(found.sections, kept, strange):
+        seen = undefined + section.untimed
+        lost = seen + section.indexed
+        if len(section.said) == 1:
+            missing = section.said[0] - held
+            if missing > lost:
+                total.note(found.path, f'{missing - lost} messages are missing by its summary')
+            elif missing < 0:
+                total.note(found.path, f'{-missing} messages more than its summary says')
+            # Fewer than were seen to be lost: others are there twice, or an index is wrong.
+            total.messages_known = total.messages_known and missing >= lost
+            lost = max(missing, seen)
+        elif found.damage:
+            total.messages_known = False
+        total.messages_lost += lost
+    if total.messages_lost == before and any(damage.chunk for damage in found.damage):
+        # A chunk is lost and no message is missing: others are there twice.
+        total.messages_known = False
+
+
+def _record(source: Path, total: Recovered,
+            earlier: list[dict[str, str]]) -> dict[str, object]:
+    """Return the metadata `recovery`; what was lost in earlier recoveries is added."""
+    losses = {name: getattr(total, name) for name in _LOSSES}
+    known, notes = total.messages_known, []
+    for number, before in enumerate(earlier):
+        if before in earlier[:number]:
+            continue
+        for name in _LOSSES:
+            losses[name] += decimal(before.get(name, '')) or 0
+        known = known and before.get('messages_lost_is') == 'all'
+        notes += [text for name, text in before.items() if name.startswith('note.')]
+    notes = (notes + total.notes)[:_NOTES]
+    return {'source': source.name, 'files': total.files, 'bytes': total.bytes,
+            'chunks': total.chunks, 'messages': total.messages, **losses,
+            'messages_lost_is': 'all' if known else 'at least',
+            **{f'note.{n}': note for n, note in enumerate(notes, 1)}}
+
+
+def _settings(given: BagSettings | None, files: list[Survey]) -> BagSettings:
+    """Return the settings of the new bag; it is compressed as most of the source unless given."""
+    if given is not None:
+        return given
+    packed: dict[str, int] = {}
+    for found in files:
+        for name, written in COMPRESSIONS.items():
+            packed[name] = packed.get(name, 0) + found.packed.get(written, 0)
+    most = max(packed, key=packed.get)
+    return BagSettings(compression=most) if packed[most] else BagSettings()
+
+
+def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
+            settings: BagSettings | None = None,
+            progress: Callable[[str], None] = lambda text: None) -> Recovered:
+    """
+    Write everything readable of a bag into a new one.
+
+    Parameters
+    ----------
+    source : str or path
+        An MCAP file or a rosbag2 directory, cut, damaged or whole; metadata.yaml may be missing.
+        It is only read.
+    target : str or path
+        The rosbag2 directory to write; it must not exist. It gets a metadata record `recovery`
+        with the counts.
+    settings : BagSettings, optional
+        Of the new bag. Without them chunks stay compressed as they are; with them those are
+        compressed again that are compressed otherwise. Sound chunks keep their size.
+    progress : callable
+        Told what has been done.
+
+    Returns
+    -------
+    Recovered
+        What was kept and what was lost.
+
+    Raises
+    ------
+    OSError
+        If the source cannot be read or the target cannot be written.
+    BagError
+        If nothing in the source is readable, it changes meanwhile, or the target exists or lies
+        in the source.
+
+    Notes
+    -----
+    If it cannot go on, for whatever reason, the target has no end, like a bag that was killed.
+
+    """
+    source, target = Path(source), Path(target)
+    if target.exists():
+        raise BagError('exists already; a bag is never overwritten', target)
+    paths = mcap_files(source)
+    if source.resolve() in target.resolve().parents:
+        raise BagError(f'lies in the bag that is recovered; write it beside {source}', target)
+    files, others = _surveyed(paths, progress)
+    total = _judged(files)
+    for path, problem in others:
+        total.note(path, problem)
+        total.messages_known = False
+    for name in absent_parts(source):
+        total.note(source / name, 'is missing')
+        total.messages_known = False
+    if not total.messages and (total.messages_lost or not any(
+            found.extras or found.closed and not found.damage for found in files)):
+        raise BagError('nothing in it is readable: '
+                       + ('; '.join(total.notes[:3]) or 'it holds no message'), source)
+    wanted = _settings(settings, files)
+    with ExitStack() as undo:
+        bag = BagWriter(target, wanted)
+        undo.callback(bag.abandon)
+        transfer = Transfer(
+            bag, None if settings is None else COMPRESSIONS[wanted.compression],
+            singly=wanted.split_bytes > 0 or wanted.split_duration_s > 0,
+            note=lambda found, text: total.note(found.path, text))
+        for found in files:
+            transfer.copy(found, progress)
+        total.counts = transfer.counts
+        bag.metadata('recovery', _record(source, total, [e for f in files for e in f.earlier]))
+        bag.close()
+        undo.pop_all()
+    return total

@@ -1,0 +1,399 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The sound records of an MCAP file, whatever happened to it.
+
+A record is taken if it proves itself: a chunk by its checksum, even if its opcode is wrong, others
+by lengths that agree with each other and with what follows. Behind damage the next record that
+proves itself is looked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import BinaryIO, Callable, Iterator
+
+from mcap.opcode import Opcode
+import zstandard
+
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.mcap.checksum import crc32
+from heading_intercompare.bags.mcap.chunk_runs import ChunkRun, ChunkRuns, records_of
+from heading_intercompare.bags.mcap.fragments import (
+    BARE,
+    begun,
+    candidates,
+    CHUNK_BYTES,
+    chunk_head,
+    ChunkHead,
+    HEAD_BYTES,
+    leading,
+    MESSAGE_LEAST,
+)
+from heading_intercompare.bags.mcap.message_blocks import (
+    Block,
+    block_of,
+    HEAD,
+    MESSAGE_HEAD,
+    Record,
+)
+from heading_intercompare.bags.mcap.record_stream import MAGIC, RecordStream
+from heading_intercompare.bags.mcap.record_validity import attached, disguised, formed, SMALL
+
+from .unreadable_sectors import HOLE_BYTES
+
+__all__ = ['Gap', 'Salvage', 'Sound']
+
+_HIGHEST = int(Opcode.DATA_END)
+#: From here on opcodes are of whoever uses them.
+_PRIVATE = 0x80
+#: Records whose fields say how long they are.
+_FORMED = (*SMALL, Opcode.MESSAGE_INDEX, Opcode.DATA_END, Opcode.FOOTER)
+#: Records with a checksum, and those whose lengths have to agree with each other.
+_CHECKED = (Opcode.CHUNK, Opcode.ATTACHMENT)
+_TELLING = (*_CHECKED, Opcode.HEADER, Opcode.METADATA, Opcode.MESSAGE_INDEX, Opcode.STATISTICS,
+            Opcode.DATA_END, Opcode.FOOTER)
+#: Of no more than usual length is a record believed to be that the file ends in.
+_USUAL_BYTES = 2**26
+#: Records are looked for in so many bytes first, then in more at once.
+_FIRST_BYTES, _WINDOW_BYTES = 2**12, 2**22
+#: Read at once where little is asked for.
+_AHEAD_BYTES = 2**18
+#: Messages outside chunks are taken by this many bytes.
+_BARE_BYTES = 2**20
+#: So many times the file is read in search of records before those that overlap are left out.
+_PATIENCE = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Sound:
+    """
+    Something that can be read.
+
+    Attributes
+    ----------
+    record : Record
+        Where it is; the first of chunks in a row, and of messages outside chunks.
+    end : int
+        The byte behind it, and behind the message indexes of chunks in a row.
+    block : Block or None
+        The messages and definitions in it.
+    fault : str
+        Why the block is not all of a chunk, empty if it is.
+    run : ChunkRun or None
+        Chunks in a row, each whole.
+    sure : int
+        Up to this byte nothing else can be hidden in it.
+    begins : bool
+        It is the header of a file, behind its first bytes.
+    lost : int
+        About so many bytes of it are not in the block.
+
+    """
+
+    record: Record
+    end: int
+    block: Block | None = None
+    fault: str = ''
+    run: ChunkRun | None = None
+    sure: int = 0
+    begins: bool = False
+    lost: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """
+    Bytes that cannot be read.
+
+    Attributes
+    ----------
+    start, end : int
+        The first byte, and the one behind the last.
+    fault : str
+        What is wrong with the first of them.
+    chunk : bool
+        They begin with a chunk.
+
+    """
+
+    start: int
+    end: int
+    fault: str
+    chunk: bool
+
+
+class Salvage:
+    """
+    An open file that once was MCAP; never raises BagError.
+
+    Parameters
+    ----------
+    file : binary file
+        Open for reading, seekable.
+
+    """
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._stream = RecordStream(file)
+        self.size = self._stream.size
+        self._window, self._window_at = b'', 0
+        self._runs = ChunkRuns(self._read, self.size)
+        self._zstd = zstandard.ZstdDecompressor()
+        self._chunked = False
+        self._previous = 0
+        #: Here the record begins that follows the last.
+        self._next = 0
+        self._fault = ''
+        self._looked_at = 0
+
+    def content(self, record: Record) -> bytes:
+        """Return the bytes of a record behind its head."""
+        return self._stream.content(record)
+
+    def _read(self, at: int, size: int) -> bytes:
+        """Return so many bytes of the file, fewer at its end."""
+        if size > _AHEAD_BYTES:
+            self._file.seek(at)
+            return self._file.read(size)
+        begin = at - self._window_at
+        if begin < 0 or begin + size > len(self._window):
+            self._file.seek(at)
+            self._window, self._window_at, begin = self._file.read(_AHEAD_BYTES), at, 0
+        return self._window[begin:begin + size]
+
+    def scan(self) -> Iterator[Sound | Gap]:
+        """Yield what the file consists of, in its order; memory stays that of a chunk."""
+        at = unsure = 0
+        begins = False
+        while at < self.size:
+            if self._read(at, len(MAGIC)) == MAGIC:
+                at += len(MAGIC)
+                begins = True
+                continue
+            found = self._sound(at)
+            if found is not None:
+                unsure = found.sure
+                at = self._next = found.end
+                self._previous = found.record.opcode
+                self._chunked = self._chunked or found.record.opcode == Opcode.CHUNK
+                header = begins and found.record.opcode == Opcode.HEADER
+                yield replace(found, begins=True) if header else found
+            else:
+                fault, chunk = self._fault, self._may_be_chunk(at)
+                # The record before, if no checksum vouches for it, may have swallowed a chunk.
+                swallowed = self._search(unsure + 1, at, (Opcode.CHUNK,)) if unsure < at else at
+                start, at = min(at, swallowed), swallowed if swallowed < at else self._behind(at)
+                unsure = at
+                yield Gap(start, at, fault, chunk)
+            begins = False
+
+    def _may_be_chunk(self, at: int) -> bool:
+        data = self._read(at, HEAD_BYTES)
+        return data[:1] == bytes([Opcode.CHUNK]) or chunk_head(data) is not None
+
+    def _head(self, at: int) -> Record | None:
+        """Return the record at a byte if its head is possible and it ends within the file."""
+        head = self._read(at, HEAD.size)
+        if len(head) < HEAD.size:
+            self._fault = ('a record ends early' if at + HEAD.size > self.size else
+                           'the disk cannot read it')
+            return None
+        opcode, length = HEAD.unpack(head)
+        end = at + HEAD.size + length
+        if not (1 <= opcode <= _HIGHEST or opcode >= _PRIVATE):
+            self._fault = 'no record begins' if any(head) else 'zero bytes'
+        elif end > self.size:
+            self._fault = 'a record ends early'
+        else:
+            return Record(opcode, at + HEAD.size, length)
+        return None
+
+    def _followed(self, end: int) -> bool:
+        """Tell whether something that can follow a record is at a byte."""
+        return (end == self.size or self._head(end) is not None
+                or self._read(end, len(MAGIC)) == MAGIC
+                or chunk_head(self._read(end, HEAD_BYTES)) is not None)
+
+    def _cut_record(self, at: int) -> bool:
+        """Tell whether a record of usual length may begin at a byte, in which the file ends."""
+        head = self._read(at, HEAD.size)
+        length = int.from_bytes(head[1:], 'little')
+        return b'\1' <= head[:1] <= bytes([_HIGHEST]) and (
+            len(head) < HEAD.size
+            or length <= _USUAL_BYTES and at + HEAD.size + length > self.size)
+
+    def _sound(self, at: int) -> Sound | None:
+        """Return what is at a byte, if it proves itself; else say why not in `_fault`."""
+        try:
+            return self._proved(at)
+        except MemoryError:
+            self._fault = 'a record is larger than the memory'
+            return None
+
+    def _proved(self, at: int) -> Sound | None:
+        head = chunk_head(self._read(at, HEAD_BYTES))
+        if head is not None:
+            return self._chunks(at, head)
+        record = self._head(at)
+        if record is None:
+            return None
+        opcode, end = record.opcode, record.start + record.length
+        if opcode == Opcode.CHUNK:
+            self._fault = 'chunk damaged: its head does not agree with itself'
+            return None
+        if opcode == Opcode.MESSAGE:
+            return self._messages(at, record)
+        self._fault = 'a record is damaged'
+        if opcode == Opcode.ATTACHMENT:
+            return self._attachment(record)
+        if opcode in _FORMED:
+            good = formed(self._read, record)
+        else:
+            good = self._followed(end)
+        if not good:
+            return None
+        block = block_of(self._read(at, end - at), at) if opcode in BARE else None
+        return Sound(record, end, block, sure=at)
+
+    def _messages(self, at: int, record: Record) -> Sound | None:
+        """Return messages outside chunks; one alone between chunks may be a mistake."""
+        self._fault = 'a record is damaged'
+        end = record.start + record.length
+        if not MESSAGE_LEAST <= record.length <= CHUNK_BYTES or not (
+                self._followed(end) or self._cut_record(end)):
+            return None
+        data = self._read(at, max(min(_BARE_BYTES, self.size - at), HEAD.size + record.length))
+        size = last = count = 0
+        while size + HEAD.size <= len(data):
+            opcode, length = HEAD.unpack_from(data, size)
+            behind = size + HEAD.size + length
+            if opcode != Opcode.MESSAGE or length < MESSAGE_LEAST or behind > len(data):
+                break
+            last, size, count = size, behind, count + 1
+        if not count:
+            return None
+        alone = (count == 1 and self._chunked and self._previous != Opcode.MESSAGE
+                 and self._read(at + size, 1) != bytes([Opcode.MESSAGE]))
+        if alone and (at != self._next or disguised(self._read, record)):
+            return None
+        if not (self._followed(at + size) or self._cut_record(at + size)):
+            size = last
+        block = block_of(data[:size], at)
+        return Sound(record, at + size, block,
+                     sure=at + int(block.start[-1]) - MESSAGE_HEAD.size)
+
+    def _attachment(self, record: Record) -> Sound | None:
+        """Return an attachment if its lengths and checksum agree."""
+        data_at, end = attached(self._read, record), record.start + record.length
+        if data_at is None:
+            return None
+        crc = int.from_bytes(self._read(end - 4, 4), 'little')
+        # pybag computes it over the data only.
+        whole = self._crc(record.start, end - 4)
+        if whole is None or crc and crc not in (whole, self._crc(data_at, end - 4)):
+            return None
+        # Of one that lost some bytes the checksum may be zeros in the head of a chunk behind it.
+        return Sound(record, end, sure=end if crc else end - HEAD_BYTES)
+
+    def _crc(self, at: int, end: int) -> int | None:
+        """Return the checksum of the bytes between two; None if they cannot be read."""
+        crc = 0
+        while at < end and (piece := self._read(at, min(_WINDOW_BYTES, end - at))):
+            crc, at = crc32(piece, crc), at + len(piece)
+        return crc if at == end else None
+
+    def _chunks(self, at: int, head: ChunkHead) -> Sound | None:
+        """Return the chunks from a byte on whose checksums are right, or a part of one."""
+        end = at + HEAD.size + head.length
+        if end > self.size:
+            return self.fragment(at, self._search(at + 1, self.size, (Opcode.CHUNK,),
+                                                  self._protected))
+        run = self._runs.run(at)
+        if run is None:
+            return self.fragment(at, end)
+        last = run.chunks[-1]
+        return Sound(Record(Opcode.CHUNK, at + HEAD.size, head.length), last.behind, run.block,
+                     run=run, sure=last.behind if last.indexed else last.end)
+
+    def _protected(self, at: int) -> bool:
+        """Tell whether a chunk begins at a byte whose checksum is right."""
+        run = self._runs.run(at, at + 1)
+        return run is not None and run.chunks[0].protected
+
+    def fragment(self, at: int, end: int) -> Sound | None:
+        """Return the beginning of a chunk that ends early, or of one with wrong records."""
+        head = chunk_head(self._read(at, HEAD_BYTES))
+        if head is None:
+            return None
+        content = self._read(at + HEAD.size, end - at - HEAD.size)
+        if len(content) < head.length:
+            if head.first_ns > head.last_ns:
+                self._fault = 'chunk damaged: its head does not agree with itself'
+                return None
+            data = begun(content)
+            fault = ('the disk cannot read all of a chunk' if len(content) < end - at - HEAD.size
+                     else 'the file ends within a chunk' if end == self.size
+                     else 'a chunk ends early')
+        else:
+            try:
+                data = records_of(content, head.size, self._zstd)
+            except BagError as error:
+                self._fault = error.problem
+                return None
+            fault = 'chunk damaged: a record in it has a wrong length'
+        kept = leading(data, head.first_ns, head.last_ns)
+        lost = end - at - (HEAD.size + len(content) * kept // len(data) if data else 0)
+        return Sound(Record(Opcode.CHUNK, at + HEAD.size, len(content)), end,
+                     block_of(data[:kept], at), fault, sure=end, lost=lost)
+
+    def _behind(self, at: int) -> int:
+        """Return where, behind damage that begins at a byte, a sound record begins."""
+        head = chunk_head(self._read(at, HEAD_BYTES))
+        if head is not None:
+            end = at + HEAD.size + head.length
+            if end <= self.size and self._followed(end):
+                return end
+        record = self._head(at)
+        # What is in a file that is attached is not of this file.
+        if record is not None and (
+                record.opcode == Opcode.STATISTICS or record.opcode == Opcode.ATTACHMENT
+                and attached(self._read, record) is not None):
+            end = record.start + record.length
+            known = self._read(end, 1) <= bytes([_HIGHEST])
+            if end == self.size or known and self._sound(end) is not None:
+                return end
+        return self._search(at + 1, self.size,
+                            _TELLING if self._chunked else (*_TELLING, *BARE))
+
+    def _search(self, at: int, end: int, opcodes: tuple[int, ...],
+                proof: Callable[[int], object] | None = None) -> int:
+        """
+        Return where between two bytes one of these records proves itself; `end` if nowhere.
+
+        The proof is `_sound` unless given.
+        """
+        proof = proof or self._sound
+        barred, window_bytes = 0, _FIRST_BYTES
+        while at < end:
+            step = min(window_bytes, end - at)
+            window_bytes = min(4 * window_bytes, _WINDOW_BYTES)
+            self._file.seek(at)
+            window = self._file.read(step + HEAD.size - 1)
+            for place in candidates(window, self.size - at, opcodes).tolist():
+                if self._read(at + place, len(MAGIC)) == MAGIC:
+                    return at + place
+                if at + place < barred:
+                    continue
+                if proof(at + place):
+                    return at + place
+                opcode, length = HEAD.unpack_from(window, place)
+                if opcode in _CHECKED or opcode in SMALL:
+                    length = min(length, self.size - at - place)
+                    self._looked_at += length
+                    if self._looked_at > _PATIENCE * self.size:
+                        barred = at + place + length
+            # Windows end before what the disk cannot read.
+            at += min(step, len(window)) or HOLE_BYTES - at % HOLE_BYTES
+        return end

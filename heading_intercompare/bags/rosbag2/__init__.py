@@ -1,0 +1,15 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whole bags read: topics, headings, checks, origin, replay."""
+
+from heading_intercompare._doors import door
+
+__getattr__, __dir__, __all__ = door(__name__, {
+    'bag_check': ('BagCheck', 'check'),
+    'bag_reader': ('Attachment', 'BagReader'),
+    'bag_yaml': ('absent_parts', 'bag_metadata', 'metadata_file', 'PartInfo', 'Qos', 'TopicRow'),
+    'paced_replay': ('Replay',),
+    'provenance': ('is_note', 'note_lines', 'NOTE_TOPIC', 'NOTE_TYPE', 'Notes', 'notes_in',
+                   'origin', 'RECORD', 'REPORT_TOPIC', 'texts', 'TRUTH_TOPIC'),
+    'sequence_gaps': ('Numbering',),
+})

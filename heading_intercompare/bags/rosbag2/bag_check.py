@@ -1,0 +1,155 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A bag read through: every checksum verified, every message counted, gaps in their numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import chain
+import os
+from pathlib import Path
+from typing import Callable, Iterator
+
+from mcap import records as mcap
+from mcap.opcode import Opcode
+import numpy as np
+
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.mcap.checksum import crc32
+from heading_intercompare.bags.mcap.chunks import CHUNK_HEAD
+from heading_intercompare.bags.mcap.mcap_file import mcap_files, Part
+from heading_intercompare.bags.mcap.message_blocks import Block, HEAD, Record
+from heading_intercompare.bags.mcap.record_stream import MAGIC, parsed, RecordStream
+
+from .bag_yaml import absent_parts
+from .sequence_gaps import Numbering
+
+__all__ = ['BagCheck', 'check']
+
+_FOOTER = HEAD.size + 20
+_READ_BYTES = 1 << 20
+
+
+@dataclass(slots=True)
+class BagCheck:
+    """
+    What was read.
+
+    Attributes
+    ----------
+    files, chunks, messages : int
+        Read.
+    unprotected : int
+        Chunks that have no checksum.
+    faults : list of str
+        What is wrong, at most a few a file; behind the first fault of a file its messages are
+        not read.
+    topics : dict of str to Numbering
+        Numbers of the messages, by topic.
+
+    """
+
+    files: int = 0
+    chunks: int = 0
+    messages: int = 0
+    unprotected: int = 0
+    faults: list[str] = field(default_factory=list)
+    topics: dict[str, Numbering] = field(default_factory=dict)
+
+
+def check(path: str | os.PathLike[str],
+          progress: Callable[[str], None] = lambda text: None) -> BagCheck:
+    """
+    Read a bag through.
+
+    Parameters
+    ----------
+    path : str or path
+        An MCAP file or a rosbag2 directory.
+    progress : callable
+        Told what has been done.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read.
+    BagError
+        If a directory holds no MCAP file.
+
+    """
+    found = BagCheck()
+    place = Path(path)
+    files = mcap_files(place)
+    found.faults += [f'{name} is missing' for name in absent_parts(place)]
+    for file in files:
+        found.files += 1
+        found.faults += _faults(file, found, progress)
+    return found
+
+
+def _faults(file: Path, found: BagCheck, progress: Callable[[str], None]) -> Iterator[str]:
+    """Yield what is wrong with a file while it is read."""
+    try:
+        part = Part(file)
+    except BagError as error:
+        yield f'{file.name}: {_text(error)}'
+        return
+    if part.incomplete:
+        yield part.incomplete
+    try:
+        for block in part.blocks():
+            _take(block, part, found)
+            progress(f'{found.messages:,} messages')
+        for _ in chain(part.metadata(), part.attachments()):
+            pass
+        with open(file, 'rb', _READ_BYTES) as stream:
+            yield from _unread(RecordStream(stream), part, found)
+    except BagError as error:
+        yield f'{file.name}: {_text(error)}'
+
+
+def _text(error: BagError) -> str:
+    return error.problem + ('' if error.offset is None else f' (at byte {error.offset})')
+
+
+def _take(block: Block, part: Part, found: BagCheck) -> None:
+    channels, numbers = block.heads['channel'].copy(), block.heads['sequence'].astype(np.uint32)
+    found.messages += len(channels)
+    for number in np.flatnonzero(np.bincount(channels)).tolist() if len(channels) else ():
+        if number not in part.channels:
+            raise BagError(f'a message is of channel {number}, which is not defined',
+                           offset=block.offset)
+        topic = part.channels[number].topic
+        found.topics.setdefault(topic, Numbering()).take(numbers[channels == number])
+
+
+def _unread(stream: RecordStream, part: Part, found: BagCheck) -> Iterator[str]:
+    """Look at what reading messages leaves out: missing checksums, those of data and summary."""
+    at = len(MAGIC)
+    while at < part.end:
+        record = stream.record(at, part.end)
+        if record.opcode == Opcode.CHUNK:
+            head = stream.content(Record(record.opcode, record.start, CHUNK_HEAD.size))
+            found.chunks += 1
+            found.unprotected += not CHUNK_HEAD.unpack(head)[3]
+        elif record.opcode == Opcode.DATA_END:
+            expected = parsed(mcap.DataEnd, stream.content(record)).data_section_crc
+            if expected and _crc(stream, 0, at) != expected:
+                yield f'{part.path.name}: the checksum of all its data does not match'
+            break
+        at = record.start + record.length
+    if part.incomplete is None:
+        at = stream.size - len(MAGIC) - _FOOTER
+        footer = parsed(mcap.Footer, stream.content(stream.record(at)))
+        if footer.summary_crc and footer.summary_start and footer.summary_crc != _crc(
+                stream, footer.summary_start, at + _FOOTER - 4):
+            yield (f'{part.path.name}: the checksum of its index does not match; its messages '
+                   'are there')
+
+
+def _crc(stream: RecordStream, start: int, stop: int) -> int:
+    """Return the checksum of some bytes of a file."""
+    crc = 0
+    for at in range(start, stop, _READ_BYTES):
+        crc = crc32(stream.content(Record(0, at, min(_READ_BYTES, stop - at))), crc)
+    return crc

@@ -1,0 +1,328 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Bags read: topics, headings by the minute, messages, metadata and attachments."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import dataclass
+from itertools import groupby
+import os
+from pathlib import Path
+from typing import Iterable, Iterator, Mapping, NamedTuple, Sequence
+
+from heading_intercompare.bags.codec.fields import full_name
+from heading_intercompare.bags.codec.heading_messages import HEADING_TYPES
+from heading_intercompare.bags.codec.schemas import layout_problem
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.mcap.mcap_file import mcap_files, NeverBegun, Part
+from heading_intercompare.bags.parallel.by_minute import Window
+from heading_intercompare.bags.parallel.decode_workers import decoded, possible, Task
+from heading_intercompare.bags.parallel.decoding import Decoded, Decoder, Kind
+from heading_intercompare.bags.parallel.prefetch import ahead
+from heading_intercompare.core.records import Headings
+
+from .bag_yaml import absent_parts, Qos
+
+__all__ = ['Attachment', 'BagMessage', 'BagReader', 'TopicInfo']
+
+
+@dataclass(frozen=True, slots=True)
+class TopicInfo:
+    """
+    What a bag says of a topic.
+
+    Attributes
+    ----------
+    type_name : str
+        Message type, as package/msg/Type.
+    count : int
+        Number of messages.
+    qos : Qos
+        What its publisher offered; the default of `Qos` where the bag does not say.
+
+    """
+
+    type_name: str
+    count: int
+    qos: Qos = Qos()
+
+
+class BagMessage(NamedTuple):
+    """One message as it is stored; times in nanoseconds."""
+
+    topic: str
+    type_name: str
+    log_time_ns: int
+    publish_time_ns: int
+    sequence: int
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Attachment:
+    """A file inside the bag."""
+
+    name: str
+    media_type: str
+    log_time_ns: int
+    data: bytes
+
+
+def _opened(path: Path) -> tuple[list[Part], list[str]]:
+    """Return the files of a bag in order, and why some are missing."""
+    if not path.is_dir():
+        return [Part(path)], []
+    paths = mcap_files(path)
+    absent = [f'{name} is missing' for name in absent_parts(path)]
+    parts, refused = [], []
+    for each in paths:
+        try:
+            parts.append(Part(each))
+        except NeverBegun as error:
+            refused.append(error)
+    if len(paths) == 1 and refused:
+        raise refused[0]
+    absent += [f'{Path(error.path).name} {error.problem}' for error in refused]
+    if not parts:
+        raise BagError(f'no file of it can be read: {"; ".join(absent)}', path)
+    return parts, absent
+
+
+class BagReader:
+    """
+    A bag: one .mcap file, or a rosbag2 directory with all its files.
+
+    Parameters
+    ----------
+    path : str or path
+        The file or directory. Files of a directory are read in natural order of their names;
+        metadata.yaml may be absent.
+
+    Attributes
+    ----------
+    topics : dict of str to TopicInfo
+        What the bag holds.
+    incomplete : str or None
+        Why the bag is not all of what was recorded (cut, never closed, a file missing); None if
+        it is whole. What is there can be read all the same.
+    start_ns, end_ns : int or None
+        Smallest and largest log time; None without messages.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read.
+    BagError
+        If it is not a bag.
+
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self._parts, absent = _opened(self.path)
+        reasons = absent + [part.incomplete for part in self._parts if part.incomplete]
+        self.incomplete = '; '.join(reasons) or None
+        self._metadata: dict[str, dict[str, str]] | None = None
+        self.start_ns = min((p.start_ns for p in self._parts if p.start_ns is not None),
+                            default=None)
+        self.end_ns = max((p.end_ns for p in self._parts if p.end_ns is not None), default=None)
+        self.topics: dict[str, TopicInfo] = {}
+        for part in self._parts:
+            for number, channel in part.channels.items():
+                kind = self._type_of(part, number)
+                qos = Qos.of_yaml(channel.metadata.get('offered_qos_profiles', ''))
+                known = self.topics.get(channel.topic, TopicInfo(kind, 0, qos))
+                if known.type_name != kind:
+                    raise BagError(f'topic {channel.topic} is both {known.type_name} and {kind}',
+                                   self.path)
+                count = known.count + part.counts.get(number, 0)
+                self.topics[channel.topic] = TopicInfo(kind, count, known.qos)
+
+    @staticmethod
+    def _type_of(part: Part, number: int) -> str:
+        schema = part.schemas.get(part.channels[number].schema_id)
+        return full_name(schema.name) if schema else ''
+
+    def resolve(self, topic: str) -> str:
+        """
+        Return the name in the bag of a topic given with or without a leading slash.
+
+        Raises
+        ------
+        BagError
+            If there is no such topic; the message lists those that are there.
+
+        """
+        for name in (topic, f'/{topic}'):
+            if name in self.topics:
+                return name
+        present = ', '.join(f'{name} ({info.type_name})'
+                            for name, info in sorted(self.topics.items()))
+        cut = f' ({self.incomplete})' if self.incomplete else ''
+        raise BagError(f'has no topic {topic!r}; it has {present or "no topics"}{cut}', self.path)
+
+    def headings(self, conventions: Mapping[str, str],
+                 helpers: int = 0) -> Iterator[dict[str, Headings]]:
+        """
+        Return an iterator over the headings of some topics.
+
+        Parameters
+        ----------
+        conventions : mapping of str to {'enu', 'ned'}
+            World axes of the orientations, by topic.
+        helpers : int
+            Processes that decode beside this one, for large bags; what comes is the same. None
+            are started where a process should not be copied: while other threads run, in a worker
+            of `multiprocessing`, on other systems than Linux.
+
+        Returns
+        -------
+        iterator of dict of str to Headings
+            Chunks of at most a minute of log time, in file order, each with every topic asked
+            for, under the name by which it was asked. Memory stays bounded.
+
+        Raises
+        ------
+        BagError
+            If a topic is absent, is no heading or has another layout than its type, at once;
+            while iterating, if the file is damaged.
+
+        """
+        for topic, convention in conventions.items():
+            self._check_heading(topic, self.resolve(topic))
+            if convention not in ('enu', 'ned'):
+                raise BagError(f"convention of topic {topic} = {convention!r}: use 'enu' or "
+                               "'ned'", self.path)
+        return self._headings(conventions, helpers)
+
+    def _check_heading(self, asked: str, topic: str) -> None:
+        kind = self.topics[topic].type_name
+        if kind not in HEADING_TYPES:
+            raise BagError(f'topic {topic} is {kind or "without a schema"}; a heading is '
+                           f'{", ".join(HEADING_TYPES)}', self.path)
+        for part in self._parts:
+            for channel in part.channels.values():
+                if channel.topic != topic:
+                    continue
+                schema = part.schemas[channel.schema_id]
+                text = schema.data.decode(errors='replace')
+                problem = layout_problem(kind, schema.encoding, text)
+                if channel.message_encoding != 'cdr':
+                    problem = f'its messages are encoded as {channel.message_encoding!r}, not cdr'
+                if problem:
+                    raise BagError(f'topic {topic} ({kind}) cannot be read: {problem}', part.path)
+
+    def _headings(self, conventions: Mapping[str, str],
+                  helpers: int) -> Iterator[dict[str, Headings]]:
+        wanted = {asked: (self.resolve(asked), convention)
+                  for asked, convention in conventions.items()}
+        once = list(dict.fromkeys(wanted.values()))
+        helpers = helpers if possible() else 0
+        minutes = self._minutes(once, helpers)
+        # A thread that is ahead serves those who have no helper.
+        for minute in minutes if helpers else ahead(minutes):
+            found = dict(zip(once, minute))
+            yield {asked: found[each] for asked, each in wanted.items()}
+
+    def _minutes(self, wanted: Sequence[tuple[str, str]],
+                 helpers: int) -> Iterator[list[Headings]]:
+        """Yield the headings of topics by minutes; those alike, but for their name, as one."""
+        places: dict[tuple[str, str], dict[str, int]] = {}
+        for place, (topic, convention) in enumerate(wanted):
+            places.setdefault((self.topics[topic].type_name, convention), {})[topic] = place
+        window = Window(len(wanted))
+        for block in self._decoded([Kind(*alike, of) for alike, of in places.items()], helpers):
+            yield from window.add(block.found)
+        yield from window.rest()
+
+    def _decoded(self, kinds: Sequence[Kind], helpers: int) -> Iterator[Decoded]:
+        """Yield the files block by block."""
+        tasks = [Task(number, stretch) for number, part in enumerate(self._parts)
+                 for stretch in part.stretches()]
+        by_blocks: set[int] = set()
+        with Decoder(self._parts, kinds) as decoder, closing(
+                decoded(decoder, tasks, helpers, by_blocks)) as results:
+            of_parts = groupby(zip(tasks, results), lambda found: found[0].number)
+            for number, stretches in of_parts:
+                yield from self._whole(decoder, number, stretches, by_blocks)
+
+    def _whole(self, decoder: Decoder, number: int,
+               stretches: Iterable[tuple[Task, list[Decoded] | None]],
+               by_blocks: set[int]) -> Iterator[Decoded]:
+        """Yield the blocks of a file; BagError where it is damaged."""
+        count = 0
+        for (_, stretch), blocks in stretches:
+            if blocks is None:
+                # Damaged, large, or not where the index says: from there on block by block.
+                by_blocks.add(number)
+                blocks = decoder.blocks(number, stretch.begin)
+            for block in blocks:
+                count += block.count
+                yield block
+            if number in by_blocks:
+                break
+        self._parts[number].check_count(count)
+
+    def messages(self, topics: Iterable[str] | None = None, start_ns: int = 0,
+                 stop_ns: int = 2**64) -> Iterator[BagMessage]:
+        """
+        Return an iterator over messages as they are stored, in file order.
+
+        Parameters
+        ----------
+        topics : iterable of str, optional
+            Topics wanted; all without it.
+        start_ns, stop_ns : int
+            Log times wanted: start <= log time < stop.
+
+        Raises
+        ------
+        BagError
+            If a topic is absent, at once; while iterating, if the file is damaged.
+
+        """
+        wanted = None if topics is None else {self.resolve(topic) for topic in topics}
+        return self._messages(wanted, start_ns, stop_ns)
+
+    def _messages(self, wanted: set[str] | None, start_ns: int,
+                  stop_ns: int) -> Iterator[BagMessage]:
+        for part in self._parts:
+            names = {number: (channel.topic, self._type_of(part, number))
+                     for number, channel in part.channels.items()
+                     if wanted is None or channel.topic in wanted}
+            for block in part.blocks(start_ns, stop_ns):
+                for head, lo, hi in zip(block.heads.tolist(), block.start.tolist(),
+                                        block.stop.tolist()):
+                    _, _, number, sequence, log, publish = head
+                    if number in names and start_ns <= log < stop_ns:
+                        yield BagMessage(*names[number], log, publish, sequence,
+                                         bytes(block.data[lo:hi]))
+                    elif number not in part.channels:
+                        raise BagError(f'a message is of channel {number}, which is not defined',
+                                       part.path, block.offset)
+
+    @property
+    def recovered(self) -> str | None:
+        """What was lost before this bag was recovered from a damaged one; None if nothing."""
+        try:
+            found = self.metadata().get('recovery', {})
+        except BagError:
+            return None
+        if not any(key.startswith('note.') for key in found):
+            return None
+        bound = 'at least ' if found.get('messages_lost_is') == 'at least' else ''
+        return (f'recovered from a damaged bag: {bound}{found.get("messages_lost", "?")} messages '
+                f'and {found.get("bytes_lost", "?")} bytes were lost')
+
+    def metadata(self) -> dict[str, dict[str, str]]:
+        """Return the metadata records by name, read once; the last of a name counts."""
+        if self._metadata is None:
+            self._metadata = {record.name: dict(record.metadata) for part in self._parts
+                              for record in part.metadata()}
+        return self._metadata
+
+    def attachments(self) -> list[Attachment]:
+        """Return the files inside the bag, in file order."""
+        return [Attachment(record.name, record.media_type, record.log_time, record.data)
+                for part in self._parts for record in part.attachments()]

@@ -1,0 +1,242 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The YAML texts of a rosbag2: metadata.yaml and the QoS of its topics, version 9."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+import json
+from pathlib import Path
+import re
+from typing import Any, Iterator, Mapping, Sequence
+
+from heading_intercompare.bags.checked_text import decimal
+
+__all__ = ['absent_parts', 'bag_metadata', 'listed_parts', 'metadata_file', 'PartInfo', 'Qos',
+           'TopicRow']
+
+_VERSION = 9
+_DISTRIBUTION = 'jazzy'
+#: What rosbag2 writes for the start of a bag without messages.
+_NEVER = 2**63 - 1
+_FOREVER = {'sec': 9223372036, 'nsec': 854775807}
+_DEPTH = 1000
+#: A number of messages kept has no more digits, the name of a file no more bytes.
+_DIGITS, _NAME_BYTES = 9, 255
+#: No more of a metadata.yaml is read; that of a hundred thousand files has less.
+_MOST_BYTES = 2**24
+_PLAIN = re.compile(r'[A-Za-z/][\w./-]*')
+#: An entry of a list in brackets.
+_ENTRY = re.compile(r"""\s*("[^"\\]*(?:\\.[^"\\]*)*"|'[^']*(?:''[^']*)*'|[^],]*)\s*[],]""")
+_WORDS = ('true', 'false', 'yes', 'no', 'on', 'off', 'null', 'y', 'n')
+
+
+#: Metadata up to version 8 has the numbers of rmw instead of words.
+_NUMBERED = {
+    'history': {'0': 'system_default', '1': 'keep_last', '2': 'keep_all', '3': 'unknown'},
+    'reliability': {'0': 'system_default', '1': 'reliable', '2': 'best_effort', '3': 'unknown'},
+    'durability': {'0': 'system_default', '1': 'transient_local', '2': 'volatile',
+                   '3': 'unknown'},
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Qos:
+    """
+    Quality of service that a publisher offers, in the words of rosbag2.
+
+    Attributes
+    ----------
+    history : str
+        'keep_last', 'keep_all', 'system_default' or 'unknown'.
+    depth : int
+        Messages kept.
+    reliability : str
+        'reliable', 'best_effort', 'system_default' or 'unknown'.
+    durability : str
+        'volatile', 'transient_local', 'system_default' or 'unknown'.
+
+    """
+
+    history: str = 'keep_last'
+    depth: int = _DEPTH
+    reliability: str = 'reliable'
+    durability: str = 'volatile'
+
+    @classmethod
+    def of_yaml(cls, text: str) -> 'Qos':
+        """Return the first profile in the metadata of a channel; the default where it is mute."""
+        found = {}
+        for name in ('history', 'depth', 'reliability', 'durability'):
+            match = re.search(rf'^[- ] *{name}: *(\w+)', text, re.MULTILINE)
+            if match is not None:
+                word = match[1]
+                if name == 'depth':
+                    depth = decimal(word, _DIGITS)
+                    found[name] = _DEPTH if depth is None else depth
+                else:
+                    found[name] = _NUMBERED[name].get(word, word)
+        return cls(**found)
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return the one profile as rosbag2 lists it."""
+        return [{
+            'history': self.history, 'depth': self.depth, 'reliability': self.reliability,
+            'durability': self.durability, 'deadline': _FOREVER, 'lifespan': _FOREVER,
+            'liveliness': 'automatic', 'liveliness_lease_duration': _FOREVER,
+            'avoid_ros_namespace_conventions': False}]
+
+    def to_yaml(self) -> str:
+        """Return the value of `offered_qos_profiles` in the metadata of an MCAP channel."""
+        return '\n'.join(_lines(self.rows(), ''))
+
+
+@dataclass(slots=True)
+class TopicRow:
+    """One topic of metadata.yaml."""
+
+    name: str
+    type_name: str
+    type_hash: str
+    qos: Qos
+    count: int = 0
+
+
+@dataclass(slots=True)
+class PartInfo:
+    """What metadata.yaml says of a file of the bag; times in nanoseconds."""
+
+    path: str
+    start_ns: int | None = None
+    end_ns: int | None = None
+    count: int = 0
+    topics: list[TopicRow] = field(default_factory=list)
+
+
+def _scalar(value: Any) -> str:
+    if value is None:
+        return '~'
+    if isinstance(value, bool):
+        return 'true' if value else 'false'
+    if isinstance(value, int):
+        return str(value)
+    if _PLAIN.fullmatch(value) and value.lower() not in _WORDS:
+        return value
+    # Neither what parsers take for the end of a line nor what they refuse.
+    return ''.join(letter if letter.isprintable() else f'\\u{ord(letter):04x}'
+                   for letter in json.dumps(value, ensure_ascii=False))
+
+
+def _lines(value: Any, indent: str) -> Iterator[str]:
+    """Yield block style YAML of mappings and lists; empty ones in flow style."""
+    if isinstance(value, Mapping):
+        for name, inner in value.items():
+            if isinstance(inner, (Mapping, list)) and inner:
+                yield f'{indent}{_scalar(name)}:'
+                yield from _lines(inner, indent + '  ')
+            else:
+                empty = '[]' if isinstance(inner, list) else '{}'
+                text = empty if isinstance(inner, (Mapping, list)) else _scalar(inner)
+                yield f'{indent}{_scalar(name)}: {text}'
+    else:
+        for inner in value:
+            if isinstance(inner, Mapping):
+                first, *others = _lines(inner, indent + '  ')
+                yield f'{indent}- {first.lstrip()}'
+                yield from others
+            else:
+                yield f'{indent}- {_scalar(inner)}'
+
+
+def _span(parts: Sequence[PartInfo]) -> dict[str, Any]:
+    """Return the rows of starting time, duration and number of messages."""
+    starts = [part.start_ns for part in parts if part.start_ns is not None]
+    start_ns = min(starts, default=_NEVER)
+    end_ns = max((part.end_ns for part in parts if part.start_ns is not None), default=start_ns)
+    return {'duration': {'nanoseconds': end_ns - start_ns},
+            'starting_time': {'nanoseconds_since_epoch': start_ns},
+            'message_count': sum(part.count for part in parts)}
+
+
+def bag_metadata(parts: Sequence[PartInfo], custom_data: Mapping[str, str]) -> str:
+    """
+    Return what rosbag2 says of the files of a bag, as the MCAP metadata record `rosbag2` has it.
+
+    Parameters
+    ----------
+    parts : sequence of PartInfo
+        The files and their topics, in order.
+    custom_data : mapping of str to str
+        Free entries.
+
+    """
+    counts: dict[str, int] = {}
+    topics: dict[str, TopicRow] = {}
+    for part in parts:
+        for row in part.topics:
+            topics[row.name] = row
+            counts[row.name] = counts.get(row.name, 0) + row.count
+    rows = {'version': _VERSION, 'storage_identifier': 'mcap', **_span(parts),
+            'topics_with_message_count': [{'topic_metadata': {
+                'name': name, 'type': row.type_name, 'serialization_format': 'cdr',
+                'offered_qos_profiles': row.qos.rows(), 'type_description_hash': row.type_hash},
+                'message_count': counts[name]} for name, row in topics.items()],
+            'compression_format': '', 'compression_mode': '',
+            'relative_file_paths': [part.path for part in parts],
+            'files': [{'path': part.path, **_span([part])} for part in parts],
+            'custom_data': dict(custom_data) or None, 'ros_distro': _DISTRIBUTION}
+    return '\n'.join(_lines(rows, '')) + '\n'
+
+
+def metadata_file(parts: Sequence[PartInfo], custom_data: Mapping[str, str]) -> str:
+    """Return the text of metadata.yaml; see `bag_metadata`."""
+    inner = bag_metadata(parts, custom_data).splitlines()
+    return '\n'.join(['rosbag2_bagfile_information:', *(f'  {line}' for line in inner)]) + '\n'
+
+
+def _entries(text: str) -> Iterator[str]:
+    """Yield the entries of the list with which a text begins, in brackets or a line each."""
+    if text.startswith('['):
+        at = 1
+        while (match := _ENTRY.match(text, at)) is not None:
+            yield match[1].strip()
+            at = match.end()
+            if text[at - 1] == ']':
+                return
+    else:
+        for line in text.splitlines()[1:]:
+            if not line.strip().startswith('- '):
+                return
+            yield line.strip()[2:].strip()
+
+
+def _file_name(entry: str) -> str:
+    """Return the file that an entry names, without folders; '' if there can be none."""
+    try:
+        plain = (str(json.loads(entry)) if entry.startswith('"') else
+                 entry[1:-1].replace("''", "'") if entry.startswith("'") else entry)
+        name = Path(plain).name
+        return name if len(name.encode()) <= _NAME_BYTES and '\0' not in name else ''
+    except ValueError:
+        return ''
+
+
+def listed_parts(path: Path) -> list[str]:
+    """
+    Return the file names that a metadata.yaml lists; none if there is no such file.
+
+    What cannot be the name of a file is left out.
+    """
+    if not path.is_file():
+        return []
+    with path.open('rb') as file:
+        text = file.read(_MOST_BYTES).decode(errors='replace')
+    begin = re.search(r'^ *relative_file_paths: *', text, re.MULTILINE)
+    return [] if begin is None else list(filter(None, map(_file_name,
+                                                          _entries(text[begin.end():]))))
+
+
+def absent_parts(folder: Path) -> list[str]:
+    """Return the names of files that the metadata.yaml of a bag lists and that are not there."""
+    return [name for name in listed_parts(folder / 'metadata.yaml')
+            if not (folder / name).is_file()]

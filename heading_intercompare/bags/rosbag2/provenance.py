@@ -1,0 +1,177 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What a bag says of its own origin: software, settings, sources, and the operator's notes.
+
+Each note is a metadata record of its own, written when it comes: a recorder that is killed leaves
+those it had, and no record grows.
+"""
+
+from __future__ import annotations
+
+from datetime import datetime, timezone
+import re
+from typing import Callable, Mapping, NamedTuple
+
+from heading_intercompare.bags.codec.cdr import decode
+from heading_intercompare.core.version import VERSION
+
+from .bag_reader import BagReader
+
+__all__ = ['is_note', 'Note', 'note_lines', 'NOTE_TOPIC', 'NOTE_TYPE', 'Notes', 'notes_in',
+           'origin', 'RECORD', 'REPORT_TOPIC', 'texts', 'TRUTH_TOPIC']
+
+RECORD = 'heading_intercompare'
+"""The metadata record with version, settings and sources."""
+
+NOTE_TOPIC, NOTE_TYPE = 'operator/note', 'std_msgs/msg/String'
+REPORT_TOPIC = 'compliance/report'
+TRUTH_TOPIC = 'truth/heading'
+"""Topic of the true heading, which only a simulator knows."""
+
+_NOTE = 'note.'
+#: More are no notes but a program gone wrong; their messages are recorded all the same.
+_MOST = 1000
+_SECOND_NS = 1_000_000_000
+_TIMED = re.compile(r'(\d{4}-\d\d-\d\dT\d\d:\d\d(?::\d\d)?)(?:\.(\d{1,9}))?Z\s+(.+)')
+
+
+def origin(settings: Mapping[str, object],
+           sources: Mapping[str, Mapping[str, object]] | None = None) -> dict[str, object]:
+    """
+    Return the record `RECORD`.
+
+    Parameters
+    ----------
+    settings : mapping
+        Those of the analysis, dotted names.
+    sources : mapping of str to mapping, optional
+        Where the headings come from: names and values of each source; None and '' are left out.
+
+    """
+    return {'version': VERSION,
+            **{f'settings.{name}': 'none' if value is None else value
+               for name, value in settings.items()},
+            **{f'source.{source}.{name}': value for source, values in (sources or {}).items()
+               for name, value in values.items() if value not in (None, '')}}
+
+
+class Note(NamedTuple):
+    """What the operator noted, and when: UTC nanoseconds."""
+
+    stamp_ns: int
+    text: str
+
+
+def _timed(line: str, now_ns: int) -> Note:
+    """Return a note that may begin with its time, 2026-03-01T09:00:00Z."""
+    found = _TIMED.fullmatch(line)
+    if found is None:
+        return Note(now_ns, line)
+    whole, fraction, text = found.groups()
+    try:
+        moment = datetime.fromisoformat(whole).replace(tzinfo=timezone.utc)
+    except ValueError:
+        return Note(now_ns, line)
+    if moment.year < 1970:
+        return Note(now_ns, line)
+    ns = int((fraction or '').ljust(9, '0'))
+    return Note(int(moment.timestamp()) * _SECOND_NS + ns, text)
+
+
+def _time(stamp_ns: int) -> str:
+    seconds, ns = divmod(stamp_ns, _SECOND_NS)
+    return f'{datetime.fromtimestamp(seconds, timezone.utc):%Y-%m-%dT%H:%M:%S}.{ns:09d}Z'
+
+
+def note_lines(text: str) -> list[str]:
+    """Return the notes in a text, one a line: what can be printed, if there is anything."""
+    lines = (' '.join(''.join(c if c.isprintable() else ' ' for c in line).split())
+             for line in text.splitlines())
+    return [line for line in lines if line]
+
+
+class Notes:
+    """
+    The operator's notes of a bag that is written.
+
+    Parameters
+    ----------
+    metadata : callable
+        Writes a metadata record, given its name and a mapping.
+
+    """
+
+    def __init__(self, metadata: Callable[[str, Mapping[str, object]], object]) -> None:
+        self._metadata = metadata
+        self._count = 0
+
+    def add(self, text: str, now_ns: int) -> list[Note]:
+        """
+        Write a note, and return it.
+
+        Parameters
+        ----------
+        text : str
+            Each line is a note; one that begins with a time such as 2026-03-01T09:00:00Z is of
+            that time. Empty lines are left out.
+        now_ns : int
+            Time of the others, UTC nanoseconds.
+
+        Returns
+        -------
+        list of Note
+            Those written; of very many the first thousand are.
+
+        """
+        written = []
+        for line in note_lines(text):
+            if self._count == _MOST:
+                break
+            self._count += 1
+            note = _timed(line, now_ns)
+            if self._count == _MOST:
+                note = Note(now_ns, f'too many notes: further ones stand only in {NOTE_TOPIC}')
+            self._metadata(f'{_NOTE}{self._count}', {'time': _time(note.stamp_ns),
+                                                     'text': note.text})
+            written.append(note)
+        return written
+
+
+def is_note(name: str) -> bool:
+    """Tell whether a metadata record is a note, by its name."""
+    return name.startswith(_NOTE) and name[len(_NOTE):].isdigit()
+
+
+def texts(bag: BagReader, topic: str) -> list[tuple[int, str]]:
+    """Return the messages of a topic of `NOTE_TYPE`, each with its time of receipt; [] if none."""
+    found = next((name for name, info in bag.topics.items() if name.lstrip('/') == topic
+                  and info.type_name == NOTE_TYPE and info.count), None)
+    return [] if found is None else [
+        (message.log_time_ns, decode(NOTE_TYPE, message.data)['data'])
+        for message in bag.messages([found])]
+
+
+def notes_in(bag: BagReader) -> list[Note]:
+    """
+    Return the operator's notes in a bag, in the order of their times.
+
+    The records say them at once. A bag that another program recorded may have the messages only;
+    then it is read through.
+
+    Raises
+    ------
+    OSError, BagError
+        If they cannot be read.
+
+    """
+    notes = []
+    for name, entries in bag.metadata().items():
+        found = is_note(name) and _TIMED.fullmatch(
+            f'{entries.get("time", "")} {entries.get("text", "")}')
+        if found:
+            notes.append(_timed(found.group(), 0))
+    if not notes:
+        written = Notes(lambda name, mapping: None)
+        notes = [note for ns, text in texts(bag, NOTE_TOPIC) for note in written.add(text, ns)]
+    return sorted(notes, key=lambda note: note.stamp_ns)

@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``analyze``: verdict on recorded runs."""
+
+from __future__ import annotations
+
+import argparse
+from contextlib import ExitStack
+from pathlib import Path
+import sys
+from typing import Any, Mapping
+
+from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.app.run_table import assigned, read_run_table
+from heading_intercompare.cli.campaign import judge_inputs, positive
+from heading_intercompare.cli.outputs import check_outputs, naming, tables
+from heading_intercompare.cli.terminal.verdict_table import verdict_text
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.pipeline import join
+from heading_intercompare.report import json, write, WRITERS
+
+__all__ = ['add_arguments', 'add_settings_arguments', 'add_verdict_arguments', 'conclude', 'run']
+
+_CHECK_CODES = {'compliant': 0, 'non_compliant': 1, 'indeterminate': 3}
+_DOUBTFUL_CODE = 4
+
+
+def add_settings_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options with which every command takes settings."""
+    parser.add_argument('--config', metavar='F', help='ROS parameter file with the settings')
+    parser.add_argument('--set', metavar='name=value', action='append', default=[],
+                        help='one setting, e.g. norms.sigma_max_deg=0.2; may be repeated')
+
+
+def add_verdict_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of every command that ends with a verdict; see `conclude`."""
+    parser.add_argument('--json', metavar='F', help="write the verdict as JSON; '-' for stdout")
+    parser.add_argument('--check', action='store_true',
+                        help='exit code 1 if non-compliant, 3 if indeterminate, 4 if the '
+                        'outcome is doubtful')
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument('inputs', nargs='+', metavar='INPUT',
+                        help='.mcap file, rosbag2 directory or .csv of pairs')
+    parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor')
+    parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor')
+    add_settings_arguments(parser)
+    parser.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
+    parser.add_argument('--csv', metavar='F', help='write a row per pair')
+    parser.add_argument('--ensembles', metavar='F', help='write a row per ensemble, with the '
+                        'columns of UHDAS: dday,mean_hdg,last_hdg,mean_dh,std_dh,num,badflag; dh '
+                        'is TS - RS')
+    parser.add_argument('--ensemble-s', metavar='S', type=float, default=120.0,
+                        help='length of an ensemble in seconds (default: 120)')
+    parser.add_argument('--jobs', metavar='N', type=positive,
+                        help='processes for several large INPUTs, or to read one (default: one '
+                        'for each core)')
+    parser.add_argument('--dask', metavar='ADDRESS', help='judge the INPUTs on the workers of a '
+                        'Dask scheduler, which see the same paths: tcp://HOST:8786, or its .json '
+                        'file')
+    parser.add_argument('--report', metavar='F.html', help='write the protocol, with plots')
+    add_verdict_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Judge the inputs; print and write the verdict."""
+    settings = settings_for(load_config(arguments.config), arguments.set,
+                            ts_topic=arguments.ts, rs_topic=arguments.rs)
+    Limits.of(settings.norms, settings.model)
+    _check_options(arguments)
+    check_outputs(arguments)
+    table, elsewhere = None, []
+    if arguments.runs:
+        table, elsewhere = assigned(read_run_table(arguments.runs), arguments.inputs)
+    with ExitStack() as files:
+        takers = [files.enter_context(file).write for file in tables(arguments, settings)]
+        judged = judge_inputs(arguments.inputs, settings, table, takers=takers,
+                              sketched=bool(arguments.report), jobs=arguments.jobs,
+                              dask=arguments.dask, quiet=arguments.quiet)
+    results = [result for each in judged for result in each.results]
+    verdict = join(results, settings, [each.description for each in judged],
+                   incomplete=any(each.error or each.no_run for each in judged)).to_dict()
+    notes = [note for each in judged for note in each.notes]
+    notes += [f'{arguments.runs}: source {source} is none of the INPUTs' for source in elsewhere]
+    for note in notes:
+        print(f'note: {note}', file=sys.stderr)
+    code = conclude(verdict, arguments)
+    if arguments.report:
+        with naming(arguments.report):
+            write(verdict, arguments.report, [each.sketch for each in judged if each.sketch])
+    return code
+
+
+def _check_options(arguments: argparse.Namespace) -> None:
+    """Refuse options that do not go together."""
+    if arguments.dask is not None and arguments.jobs is not None:
+        raise ValueError(f'--jobs {arguments.jobs}: with --dask the scheduler decides; '
+                         'leave one of them out')
+    if arguments.report and Path(arguments.report).suffix not in WRITERS:
+        raise ValueError(f'--report {arguments.report}: must end with {" or ".join(WRITERS)}')
+    for option in ('csv', 'ensembles'):
+        path = getattr(arguments, option)
+        if path is not None and len(arguments.inputs) > 1:
+            raise ValueError(f'--{option} {path}: takes the pairs of one INPUT, '
+                             f'{len(arguments.inputs)} are given')
+        if path is not None and arguments.dask is not None:
+            raise ValueError(f'--{option} {path}: pairs stay on the workers; leave out --dask')
+
+
+def conclude(verdict: Mapping[str, Any], arguments: argparse.Namespace) -> int:
+    """
+    Print the verdict, write it as JSON if asked for, and return the exit code.
+
+    Parameters
+    ----------
+    verdict : mapping
+        `Verdict.to_dict()`, or the JSON of a report.
+    arguments : argparse.Namespace
+        With `json` and `check`.
+
+    """
+    if arguments.json == '-':
+        sys.stdout.write(json.render(verdict))
+    else:
+        print(verdict_text(verdict))
+        if arguments.json:
+            with naming(arguments.json):
+                json.write(verdict, arguments.json)
+    if not arguments.check:
+        return 0
+    decided = verdict['outcome'] != 'indeterminate'
+    if decided and verdict['validity_effect'] == 'doubtful':
+        return _DOUBTFUL_CODE
+    return _CHECK_CODES[verdict['outcome']]

@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``demo``: whether live, replayed and offline verdicts agree."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from functools import partial
+import math
+from pathlib import Path
+import shutil
+from typing import Any
+
+from heading_intercompare.app.compare_verdicts import differences
+from heading_intercompare.app.inputs import analyze_input
+from heading_intercompare.app.scenarios import read_scenario
+from heading_intercompare.cli.terminal.progress import Progress
+from heading_intercompare.cli.terminal.verdict_table import verdict_text
+from heading_intercompare.core.pipeline import join
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.report import SeriesSketch, write
+
+__all__ = ['add_arguments', 'run']
+
+_SETTINGS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
+_MADE = ('bag', 'live', 'replayed', 'offline.json', 'report.html')
+#: What is in a folder is only removed if this is there too.
+_MARK = '.heading_intercompare_demo'
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument('--out', metavar='DIR', default='demo_out',
+                        help='folder for the bag and the verdicts, in place of what an earlier '
+                        'demo left in it (default: demo_out)')
+    parser.add_argument('--speed', type=float, metavar='X', default=50.0,
+                        help='speed of the simulation, times real time (default: 50)')
+    parser.add_argument('--duration', type=float, metavar='S',
+                        help='simulated seconds (default: the whole scenario, 1200)')
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the three, print the verdict and whether they agree."""
+    from heading_intercompare.nodes.graph import intercompare, Source
+    from heading_intercompare.nodes.replayer import Replayer
+    from heading_intercompare.nodes.sensor_simulator import SensorSimulator
+
+    scenario = read_scenario('demo').scenario
+    if arguments.duration is not None:
+        scenario = replace(scenario, duration_s=arguments.duration)
+    if not 0.0 < arguments.speed < math.inf:
+        raise ValueError(f'--speed {arguments.speed}: must be greater than 0, and finite')
+    out = Path(arguments.out)
+    _clear(out)
+    bag = str(out / 'bag')
+    say = print if not arguments.quiet else lambda *_: None
+
+    say(f'1. live: simulator -> synchronizer -> compliance -> recorder, '
+        f'{scenario.duration_s:g} s at {arguments.speed:g} times the speed')
+    with Progress('live', arguments.quiet) as progress:
+        live = intercompare(
+            [Source(SensorSimulator, 'sensor_simulator',
+                    {**scenario.to_mapping(), 'speed': arguments.speed, 'stamps': 'scenario'})],
+            _SETTINGS, output=bag, report_dir=str(out / 'live'), private=True,
+            progress=lambda n: progress.show(f'{n:,} pairs'))
+    say(f'2. replayed: {bag} -> synchronizer -> compliance')
+    with Progress('replayed', arguments.quiet) as progress:
+        replayed = intercompare(
+            [Source(Replayer, 'replayer', {'bag': bag, 'rate': 1.0})],
+            _SETTINGS, report_dir=str(out / 'replayed'), private=True,
+            progress=lambda n: progress.show(f'{n:,} pairs'))
+    say(f'3. offline: analyze {bag}\n')
+    settings = Settings.from_mapping(_SETTINGS)
+    with Progress(bag, arguments.quiet) as progress:
+        sketch = SeriesSketch(bag)
+        results, _, described = analyze_input(
+            bag, settings, None, [partial(sketch.update, settings=settings)], progress.show)
+    offline = join(results, settings, [described]).to_dict()
+    for name in ('offline.json', 'report.html'):
+        write(offline, out / name, [sketch])
+    print(verdict_text(offline))
+    print(f'\nprotocol: {out / "report.html"}')
+    return _compare({'live': live, 'replayed': replayed, 'offline': offline})
+
+
+def _compare(verdicts: dict[str, dict[str, Any]]) -> int:
+    """Say whether the verdicts agree; 0 if they do."""
+    found = [f'{name} and offline differ in {difference}' for name in ('live', 'replayed')
+             for difference in differences(verdicts[name], verdicts['offline'])]
+    if found:
+        print('\n'.join([*found[:20], 'live, replayed and offline verdicts DO NOT AGREE']))
+        return 1
+    pairs = sum(r['n_input'] for r in verdicts['offline']['runs'])
+    print(f'live, replayed and offline verdicts agree: {pairs} pairs, every count and word, '
+          'every figure to 1e-12')
+    return 0
+
+
+def _clear(out: Path) -> None:
+    """Make the folder, or remove what an earlier demo left in it."""
+    out.mkdir(parents=True, exist_ok=True)
+    foreign = [name for name in _MADE if (out / name).exists() and not (out / _MARK).exists()]
+    if foreign:
+        raise ValueError(f'--out {out}: {foreign[0]} is there and was not made by a demo; '
+                         'remove it or name another folder')
+    (out / _MARK).touch()
+    for name in _MADE:
+        if (out / name).is_dir():
+            shutil.rmtree(out / name)
+        else:
+            (out / name).unlink(missing_ok=True)

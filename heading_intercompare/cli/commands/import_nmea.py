@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``import-nmea``: logs of two sensors to one bag."""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+import numpy as np
+
+from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.app.inputs import sha256
+from heading_intercompare.bags.codec.heading_messages import encode_imu
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.rosbag2.provenance import Notes, origin, RECORD
+from heading_intercompare.cli.terminal.progress import Progress
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.settings import from_mapping
+from heading_intercompare.drivers.logs import LogReader
+from heading_intercompare.drivers.settings import DriverSettings, SENTENCES
+
+from .analyze import add_settings_arguments
+from .note import add_note_argument, noted
+
+__all__ = ['add_arguments', 'run']
+
+_PIECE = 20_000
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    for role, words in (('ts', 'tested'), ('rs', 'reference')):
+        parser.add_argument(f'--{role}', metavar='FILE', required=True,
+                            help=f'log of the {words} sensor')
+        parser.add_argument(f'--{role}-sentence', metavar='S', default='auto',
+                            help='kind of sentence: ' + ', '.join(SENTENCES)
+                            + ' (default: the first present)')
+    parser.add_argument('--time', choices=('receipt', 'validity'), default='receipt',
+                        help='stamp of receipt (of the line; default) or time of validity (ZDA)')
+    parser.add_argument('--stamp-format', metavar='S', default='auto',
+                        help='form of the stamps of the lines (default: recognised)')
+    parser.add_argument('-o', '--output', metavar='BAG', required=True,
+                        help='the rosbag2 directory to write')
+    add_note_argument(parser)
+    add_settings_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Read both logs, write the bag, print what was taken and what was not."""
+    settings = settings_for(load_config(arguments.config), arguments.set)
+    notes = noted(arguments)
+    topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic}
+    read, counts, sources = {}, {}, {}
+    for role in topics:
+        path = getattr(arguments, role)
+        driver = from_mapping(DriverSettings, {
+            'sentence': getattr(arguments, f'{role}_sentence'), 'time': arguments.time,
+            'stamp_format': arguments.stamp_format})
+        with Progress(path, arguments.quiet) as progress:
+            reader = LogReader(path, driver)
+            chunks = []
+            for chunk in reader:
+                chunks.append(chunk)
+                progress.show(f'{reader.position / reader.size:.0%}')
+        read[role], counts[role] = Headings.concatenate(chunks), reader.counts
+        sources[role] = {
+            'path': path, 'sha256': sha256(path), 'bytes': reader.size,
+            'sentence': reader.sentence, 'time': arguments.time,
+            'stamp_format': arguments.stamp_format, 'headings': len(read[role]),
+            **{f'not_taken.{reason}': n for reason, n in reader.counts.items()}}
+    if not any(len(h) for h in read.values()):
+        raise ValueError(f'{arguments.ts}, {arguments.rs}: no heading in either log '
+                         f'({_counts_text(counts["ts"])}; {_counts_text(counts["rs"])})')
+    _write(arguments.output, read, topics, origin(settings.to_mapping(), sources), notes)
+    for role in topics:
+        print(f'{role.upper()} {getattr(arguments, role)}: {len(read[role])} headings on '
+              f'{topics[role]}; not taken: {_counts_text(counts[role])}')
+    print(f'bag: {arguments.output}')
+    return 0
+
+
+def _counts_text(counts: dict[str, int]) -> str:
+    return ', '.join(f'{n} {reason}' for reason, n in sorted(counts.items()) if n) or 'nothing'
+
+
+def _write(path: str, read: dict[str, Headings], topics: dict[str, str],
+           said: dict[str, object], notes: str) -> None:
+    """Write both streams merged by stamp, each in the order of its log."""
+    # A bag is ordered by log time: the largest stamp so far keeps a stream in its order even
+    # where its stamps step back.
+    logs = {role: np.maximum.accumulate(h.stamp_ns) for role, h in read.items()}
+    edges = _edges([log for log in logs.values() if len(log)])
+    with BagWriter(path) as bag:
+        for topic in topics.values():
+            bag.add_topic(topic, 'sensor_msgs/msg/Imu')
+        bag.metadata(RECORD, said)
+        Notes(bag.metadata).add(notes, time.time_ns())
+        for begin, end in zip(edges[:-1], edges[1:]):
+            batches = []
+            for role, log in logs.items():
+                lo, hi = np.searchsorted(log, [begin, end])
+                part = read[role][lo:hi]
+                batches.append(Rows(topics[role], encode_imu(part, f'{role}_heading'),
+                                    log[lo:hi], part.stamp_ns, np.arange(lo, hi)))
+            bag.write_rows(batches)
+
+
+def _edges(logs: list[np.ndarray]) -> list[int]:
+    """Return the bounds of the pieces in which the streams are merged, in bounded memory."""
+    joined = np.sort(np.concatenate(logs))
+    return [*np.unique(joined[::_PIECE]).tolist(), int(joined[-1]) + 1]

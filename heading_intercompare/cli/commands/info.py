@@ -1,0 +1,227 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``info``: what a bag holds, and whether it can be read as it was written."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Iterator, Mapping, Sequence
+
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.recording.recorder_losses import missing, RECORDING
+from heading_intercompare.bags.rosbag2.bag_check import BagCheck, check
+from heading_intercompare.bags.rosbag2.bag_reader import Attachment, BagReader
+from heading_intercompare.bags.rosbag2.provenance import (
+    is_note,
+    notes_in,
+    RECORD,
+    REPORT_TOPIC,
+    texts,
+)
+from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
+from heading_intercompare.cli.terminal.progress import Progress
+from heading_intercompare.cli.terminal.verdict_table import verdict_text
+from heading_intercompare.report.formatting import utc
+
+__all__ = ['add_arguments', 'run']
+
+#: Counts of the record of losses that are by topic, and the heads of their columns.
+_LOSSES = {'received': 'received', 'lost_on_the_way': 'lost on the way',
+           'not_written': 'not written'}
+#: A scenario has many settings, most of them not given.
+_ABSENT = ('None', 'none', '')
+_REPORT, _RUNS = 'report.json', 'runs.csv'
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument('bag', metavar='BAG', help='.mcap file or rosbag2 directory')
+    parser.add_argument('--check', action='store_true', help='read all of it: verify every '
+                        'checksum, count what is missing among the numbers of the messages; exit '
+                        'code 2 if something is wrong')
+    parser.add_argument('--extract', metavar='DIR', help='write the attachments as files: '
+                        'verdict, table of runs, parameter file or scenario')
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print what the bag says of itself, and what reading it through shows."""
+    checked = None
+    if arguments.check:
+        with Progress(arguments.bag, arguments.quiet) as progress:
+            checked = check(arguments.bag, progress.show)
+    reader = BagReader(arguments.bag)
+    attachments = reader.attachments()
+    lines = [*_whole(reader), *_topics(reader, checked), *_notes(reader),
+             *_records(reader.metadata()), *_files(attachments),
+             *_reported(reader, attachments)]
+    if arguments.extract is not None:
+        lines += ['', *_extracted(attachments, Path(arguments.extract))]
+    if checked is not None:
+        lines += ['', *_checked(checked)]
+    print('\n'.join(lines))
+    if checked is not None and checked.faults:
+        raise BagError('; '.join(checked.faults), arguments.bag)
+    return 0
+
+
+def _whole(reader: BagReader) -> Iterator[str]:
+    yield f'bag: {reader.path}'
+    why = '; '.join(filter(None, (reader.incomplete, reader.recovered,
+                                  missing(reader.metadata().get(RECORDING, {})))))
+    yield f'complete: {f"no: {why}" if why else "yes"}'
+    span_s = _span_s(reader)
+    if span_s is None:
+        yield 'span: no message'
+    else:
+        yield (f'span: {utc(reader.start_ns)} to {utc(reader.end_ns)} UTC, '
+               f'{span_s:.1f} s')
+
+
+def _span_s(reader: BagReader) -> float | None:
+    return None if reader.start_ns is None else (reader.end_ns - reader.start_ns) / 1e9
+
+
+def _topics(reader: BagReader, checked: BagCheck | None) -> Iterator[str]:
+    span_s = _span_s(reader)
+    rows = [('topic', 'type', 'messages', 'rate [1/s]')]
+    for name, info in sorted(reader.topics.items()):
+        rate = f'{(info.count - 1) / span_s:.2f}' if span_s and info.count > 1 else '-'
+        rows.append((name, info.type_name or '(without a schema)', str(info.count), rate))
+    if checked is not None:
+        rows = [(*row, _missing(checked.topics.get(row[0], Numbering())) if at else 'missing')
+                for at, row in enumerate(rows)]
+    yield ''
+    yield from _columns(rows)
+
+
+def _missing(numbers: Numbering) -> str:
+    if not numbers.numbered:
+        return '-'
+    begin = [f'at {numbers.first}'] if numbers.first > 1 else []
+    if numbers.restarts:
+        begin.append(f'again: {numbers.restarts}')
+    return str(numbers.missing) + (f' (numbers begin {", ".join(begin)})' if begin else '')
+
+
+def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return ['  '.join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
+            for row in rows]
+
+
+def _entry(name: str, value: str) -> Iterator[str]:
+    """Yield an entry; a value of several lines stands below its name."""
+    lines = value.rstrip('\n').split('\n')
+    if len(lines) == 1:
+        yield f'  {name}: {value}'
+    else:
+        yield f'  {name}:'
+        yield from (f'    {line}' for line in lines)
+
+
+def _records(metadata: Mapping[str, Mapping[str, str]]) -> Iterator[str]:
+    """Yield the metadata records; ours by its groups: version, sources, settings with norms."""
+    for name, entries in sorted(metadata.items(), key=lambda item: item[0] != RECORD):
+        if name == 'rosbag2' or is_note(name):
+            continue
+        yield ''
+        if name == RECORD:
+            yield f'software: {RECORD} {entries.get("version", "(unknown version)")}'
+            entries = {key: value for key, value in entries.items() if key != 'version'}
+            groups = sorted({key.partition('.')[0] for key in entries if '.' in key})
+        else:
+            yield f'{name}:'
+            entries = {key: value for key, value in entries.items() if value not in _ABSENT}
+            groups = []
+        if name == RECORDING:
+            yield from _losses(entries)
+            continue
+        for key, value in entries.items():
+            if key.partition('.')[0] not in groups:
+                yield from _entry(key, value)
+        for group in groups:
+            yield f'{group}:'
+            for key, value in entries.items():
+                if key.startswith(f'{group}.'):
+                    yield from _entry(key[len(group) + 1:], value)
+
+
+def _losses(entries: Mapping[str, str]) -> Iterator[str]:
+    """Yield what a recorder counted: its figures, and a row for each topic it heard."""
+    by_topic: dict[str, dict[str, str]] = {}
+    for key, value in entries.items():
+        kind, _, topic = key.partition('.')
+        if kind in _LOSSES and topic:
+            by_topic.setdefault(topic, {})[kind] = value
+        else:
+            yield from _entry(key, value)
+    rows = [(f'  {topic}', *(counts.get(kind, '-') for kind in _LOSSES))
+            for topic, counts in by_topic.items()]
+    if rows:
+        yield from _columns([('  topic', *_LOSSES.values()), *rows])
+
+
+def _notes(reader: BagReader) -> Iterator[str]:
+    notes = notes_in(reader)
+    if notes:
+        yield ''
+        yield "operator's notes:"
+        yield from (f'  {utc(note.stamp_ns)} UTC  {note.text}' for note in notes)
+
+
+def _files(attachments: Sequence[Attachment]) -> Iterator[str]:
+    """Yield the attachments; of the verdict and the table of runs what they say."""
+    for attachment in attachments:
+        yield ''
+        yield (f'attachment: {attachment.name} ({attachment.media_type}, '
+               f'{len(attachment.data)} bytes)')
+        text = attachment.data.decode(errors='replace')
+        if attachment.name == _RUNS:
+            yield from (f'  {line}' for line in text.splitlines())
+        elif attachment.name == _REPORT:
+            yield from _verdict(text)
+
+
+def _reported(reader: BagReader, attachments: Sequence[Attachment]) -> Iterator[str]:
+    """Yield the last verdict that was published, where a recorder did not come to attach it."""
+    if all(attachment.name != _REPORT for attachment in attachments):
+        reports = texts(reader, REPORT_TOPIC)
+        if reports:
+            yield ''
+            yield f'last report on {REPORT_TOPIC}, {utc(reports[-1][0])} UTC'
+            yield from _verdict(reports[-1][1])
+
+
+def _verdict(text: str) -> Iterator[str]:
+    try:
+        yield from verdict_text(json.loads(text)).splitlines()
+    except (ValueError, KeyError, TypeError, AttributeError):
+        yield '  not a verdict that this version reads'
+
+
+def _extracted(attachments: Sequence[Attachment], folder: Path) -> Iterator[str]:
+    """Write the attachments, none over a file that is there; yield their paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for number, attachment in enumerate(attachments, 1):
+        name = Path(attachment.name).name
+        place = folder / (name if name not in ('', '..') else f'attachment_{number}')
+        with place.open('xb') as file:
+            file.write(attachment.data)
+        yield f'written: {place}'
+    if not attachments:
+        yield 'written: nothing, there is no attachment'
+
+
+def _checked(checked: BagCheck) -> Iterator[str]:
+    yield (f'check: {checked.messages:,} messages in {checked.chunks:,} chunks of {checked.files} '
+           f'file{"s" if checked.files > 1 else ""} read')
+    if checked.unprotected:
+        yield (f'  {checked.unprotected:,} chunks have no checksum: damage to them shows only if '
+               'it makes them unreadable')
+    if checked.unprotected < checked.chunks and not checked.faults:
+        yield '  every checksum is right'
+    yield from (f'  wrong: {fault}' for fault in checked.faults)
+    if checked.faults:
+        yield '  `recover` writes what is sound into a new bag'

@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``live``: the graph in one process from configured drivers, with recording."""
+
+from __future__ import annotations
+
+import argparse
+from datetime import datetime, timezone
+import sys
+
+from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.cli.terminal.progress import Progress
+from heading_intercompare.core.decision.coverage import least_duration_words
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.settings import SettingsError
+
+from .analyze import add_settings_arguments, add_verdict_arguments, conclude
+from .note import add_note_argument, noted
+
+__all__ = ['add_arguments', 'run']
+
+_DRIVERS = ('ts_driver', 'rs_driver')
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    add_settings_arguments(parser)
+    parser.add_argument('-o', '--output', metavar='BAG',
+                        help='the bag to record (default: heading_<UTC> here)')
+    add_note_argument(parser)
+    add_verdict_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run until the sources are through or Ctrl-C; print the verdict."""
+    if arguments.config is None:
+        raise SettingsError('--config F is required: a ROS parameter file with the sections '
+                            'ts_driver and rs_driver')
+    config = load_config(arguments.config)
+    settings = settings_for(config, arguments.set)
+    Limits.of(settings.norms, settings.model)
+    drivers = {name: dict(config.sections.get(name, {})) for name in _DRIVERS}
+    for name, driver in drivers.items():
+        if driver.get('source') is None:
+            raise SettingsError(f'{arguments.config}: section {name!r}: source is missing, e.g. '
+                                'source: udp://239.192.0.3:60003')
+    drivers['ts_driver'].setdefault('topic', settings.ts_topic)
+    drivers['rs_driver'].setdefault('topic', settings.rs_topic)
+    recorder = {**config.sections.get('recorder', {}), 'parameter_file': arguments.config}
+    if notes := noted(arguments):
+        recorder['note'] = notes
+    output = (arguments.output or recorder.get('output')
+              or f'heading_{datetime.now(timezone.utc):%Y%m%dT%H%M%SZ}')
+
+    from heading_intercompare.nodes.graph import intercompare, Source
+    from heading_intercompare.nodes.nmea_driver import NmeaDriver
+
+    if not arguments.quiet:
+        print(f'note: {least_duration_words(settings.risk)}', file=sys.stderr)
+    with Progress(output, arguments.quiet) as progress:
+        report = intercompare(
+            [Source(NmeaDriver, name, driver) for name, driver in drivers.items()],
+            {k: v for k, v in settings.to_mapping().items() if v is not None},
+            output=output, report_dir=config.sections.get('compliance', {}).get('report_dir'),
+            own={**config.sections, 'recorder': recorder},
+            progress=lambda n: progress.show(f'{n:,} pairs'))
+    return conclude(report, arguments)

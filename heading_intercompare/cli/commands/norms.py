@@ -1,0 +1,37 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``norms``: the named norms, and the slowest errors by class of sensor."""
+
+from __future__ import annotations
+
+import argparse
+
+from heading_intercompare.core.decision.coverage import SENSOR_CLASSES, span_words
+from heading_intercompare.core.decision.norm_presets import PRESETS
+
+__all__ = ['add_arguments', 'run']
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add nothing: the command has no options of its own."""
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print every named norm and every class of sensors."""
+    for name, preset in PRESETS.items():
+        secant = ' sec(lat)' if preset.secant else ''
+        if preset.rms_deg is not None:
+            rule = f'sigma_max = {preset.rms_deg:g}{secant} deg'
+        else:
+            p = f'{preset.probability:g}' if preset.probability else 'norms.probability'
+            rule = f'sigma_max = {preset.limit_deg:g}{secant} deg / K({p})'
+        print(f'{name}: {preset.title} [{preset.status}]\n    {rule}\n'
+              f'    asks: {preset.content}')
+    print('use: --set norms.preset=NAME, with --set norms.latitude_deg=LAT where sec(lat) stands')
+    print('\nclasses of sensors: the slowest error, and the run that follows from it')
+    for name, found in SENSOR_CLASSES.items():
+        print(f'{name}: {found.title}\n    slowest error {span_words(found.slowest_s)}: '
+              f'{found.source}\n    least run: {span_words(found.least_s)}; {found.trial}')
+    print('use: --set risk.sensor_class=NAME, or --set risk.slowest_error_s=S with a figure of '
+          'your own')
+    return 0

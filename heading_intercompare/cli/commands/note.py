@@ -1,0 +1,55 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The operator's notes: the command ``note``, and the option of the commands that make a bag."""
+
+from __future__ import annotations
+
+import argparse
+
+from heading_intercompare.bags.checked_text import utf8
+from heading_intercompare.bags.rosbag2.provenance import note_lines
+
+__all__ = ['add_arguments', 'add_note_argument', 'noted', 'run']
+
+_TIMED = 'one that begins with a time such as 2026-03-01T09:00:00Z is of that time'
+
+
+def add_note_argument(parser: argparse.ArgumentParser) -> None:
+    """Add the option ``--note``."""
+    parser.add_argument(
+        '--note', metavar='TEXT', action='append', default=[],
+        help=f'a note kept in the bag: ship, sensors, an event; may be repeated; {_TIMED}')
+
+
+def noted(arguments: argparse.Namespace) -> str:
+    """
+    Return the notes given with ``--note``, one a line.
+
+    Raises
+    ------
+    ValueError
+        If one is empty, or not UTF-8.
+
+    """
+    return '\n'.join(_checked('--note', note) for note in arguments.note)
+
+
+def _checked(option: str, text: str) -> str:
+    if not note_lines(utf8(text, option)):
+        raise ValueError(f'{option} {text!r}: must not be empty')
+    return text
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument('text', nargs='+', metavar='TEXT', help=f'what happens; {_TIMED}')
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Publish a note; say so once it has been taken."""
+    text = _checked('TEXT', ' '.join(arguments.text).strip())
+    from heading_intercompare.nodes.runtime.note_publisher import publish_note
+
+    publish_note(text)
+    print(f'noted: {text}')
+    return 0

@@ -1,0 +1,148 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``simulate``: a trial of simulated sensors to a bag, at full speed."""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+import json
+import time
+from typing import Iterator, Sequence
+
+import numpy as np
+
+from heading_intercompare.ahrs.gimballed.condition import condition
+from heading_intercompare.ahrs.gimballed.modes import AhrsStatus
+from heading_intercompare.ahrs.sensors import Readings
+from heading_intercompare.ahrs.settings import Scenario
+from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation
+from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.app.scenarios import read_scenario, ScenarioFile
+from heading_intercompare.bags.codec.cdr import encode
+from heading_intercompare.bags.codec.heading_messages import encode_imu, IMU
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.rosbag2.bag_yaml import Qos
+from heading_intercompare.bags.rosbag2.provenance import Notes, origin, RECORD, TRUTH_TOPIC
+from heading_intercompare.cli.terminal.progress import Progress
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.settings import SettingsError
+
+from .analyze import add_settings_arguments
+from .note import add_note_argument, noted
+
+__all__ = ['add_arguments', 'run']
+
+DIAGNOSTICS = '/diagnostics'
+DIAGNOSTIC_ARRAY = 'diagnostic_msgs/msg/DiagnosticArray'
+_LEVELS = {'ok': 0, 'warn': 1, 'error': 2}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument('--scenario', metavar='F', required=True,
+                        help='YAML file of the trial, or the name of one that comes with the '
+                        'package, such as sea_trial_12h')
+    parser.add_argument('-o', '--output', metavar='BAG', required=True,
+                        help='the rosbag2 directory to write')
+    parser.add_argument('--seed', metavar='N', type=int,
+                        help='seed of the random numbers (default: that of the scenario)')
+    add_note_argument(parser)
+    add_settings_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Simulate, write the bag, print what is in it."""
+    settings = settings_for(load_config(arguments.config), arguments.set)
+    source = read_scenario(arguments.scenario, arguments.seed)
+    scenario = source.scenario
+    topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic, 'truth': TRUTH_TOPIC}
+    if len({topic.lstrip('/') for topic in topics.values()}) < len(topics):
+        raise SettingsError(f'ts_topic = {settings.ts_topic!r}, rs_topic = '
+                            f'{settings.rs_topic!r}: must differ, also from {TRUTH_TOPIC!r}')
+    counts: Counter[str] = Counter()
+    with Progress(arguments.output, arguments.quiet) as progress, _begun(
+            arguments.output, source, topics, settings.to_mapping(), noted(arguments)) as bag:
+        simulation = Simulation(scenario)
+        for chunk in simulation.chunks():
+            _write(bag, chunk, topics, scenario, simulation.start_ns, counts)
+            progress.show(f'{min(chunk.end_s, scenario.duration_s):,.0f} of '
+                          f'{scenario.duration_s:,.0f} s simulated')
+    print(f'{source.name}: {scenario.duration_s:g} s, seed {scenario.seed}'
+          + (f': {scenario.title}' if scenario.title else ''))
+    for role in ('ts', 'rs'):
+        print(f'{role.upper()} {counts[role]} headings on {topics[role]}, of them '
+              f'{counts[f"{role}.invalid"]} called invalid')
+    print(f'true heading {counts["truth"]} times on {TRUTH_TOPIC}; {counts["statuses"]} statuses '
+          f'of gimballed sensors on {DIAGNOSTICS}')
+    print(f'bag: {arguments.output}')
+    return 0
+
+
+def _begun(path: str, source: ScenarioFile, topics: dict[str, str],
+           settings: dict[str, object], notes: str) -> BagWriter:
+    """Return a bag with its topics, and with all that the trial can be made again from."""
+    bag = BagWriter(path)
+    for topic in topics.values():
+        bag.add_topic(topic, IMU)
+    bag.add_topic(DIAGNOSTICS, DIAGNOSTIC_ARRAY, Qos(depth=10))
+    bag.metadata(RECORD, origin(settings))
+    Notes(bag.metadata).add(notes, time.time_ns())
+    bag.metadata('scenario', {
+        'file': source.name, **source.scenario.to_mapping()})
+    bag.attachment(source.name, 'application/yaml', source.data)
+    return bag
+
+
+def _write(bag: BagWriter, chunk: SimulatedChunk, topics: dict[str, str], scenario: Scenario,
+           start_ns: int, counts: Counter[str]) -> None:
+    """Write what is handed over in one span, in the order in which it is."""
+    batches = [
+        _rows(topics[role], readings, sensor.latency_s, start_ns, counts[role])
+        for role, readings, sensor in (('ts', chunk.ts_readings, scenario.ts),
+                                       ('rs', chunk.rs_readings, scenario.rs))]
+    batches.append(Rows(topics['truth'], _imu(topics['truth'], chunk.truth),
+                        chunk.truth.stamp_ns, None,
+                        counts['truth'] + np.arange(len(chunk.truth))))
+    for role, statuses, sensor in (('ts', chunk.ts_statuses, scenario.ts),
+                                   ('rs', chunk.rs_statuses, scenario.rs)):
+        batches += _status_rows(role, statuses, sensor.latency_s, start_ns, counts['statuses'])
+        counts['statuses'] += len(statuses)
+    bag.write_rows(batches)
+    for role, headings in (('ts', chunk.ts), ('rs', chunk.rs), ('truth', chunk.truth)):
+        counts[role] += len(headings)
+        counts[f'{role}.invalid'] += int(np.isnan(headings.heading_deg).sum())
+
+
+def _imu(topic: str, headings: Headings, **claims: np.ndarray) -> np.ndarray:
+    return encode_imu(headings, topic.strip('/').replace('/', '_'), **claims)
+
+
+def _rows(topic: str, readings: Readings, latency_s: float, start_ns: int, first: int) -> Rows:
+    """Return readings as messages, logged when they are handed over."""
+    data = _imu(topic, readings.headings, sigma_deg=readings.sigma_deg,
+                turn_rate_deg_s=readings.rate_deg_s)
+    log_ns = start_ns + np.rint((readings.t_s + latency_s) * 1e9).astype(np.int64)
+    return Rows(topic, data, log_ns, None, first + np.arange(len(readings)))
+
+
+def _status_rows(role: str, statuses: Sequence[AhrsStatus], latency_s: float, start_ns: int,
+                 first: int) -> Iterator[Rows]:
+    """Yield statuses as messages, each stamped with its instant."""
+    for number, status in enumerate(statuses, first):
+        said = condition(status)
+        ns = start_ns + round(status.t_s * 1e9)
+        sec, nanosec = divmod(ns, 10**9)
+        message = encode(DIAGNOSTIC_ARRAY, {
+            'header': {'stamp': {'sec': sec, 'nanosec': nanosec}},
+            'status': [{
+                'level': _LEVELS[said.level], 'name': f'sensor_simulator: {role}',
+                'message': said.words,
+                'values': [{'key': name, 'value': _text(value)}
+                           for name, value in said.figures.items()]}]})
+        yield Rows(DIAGNOSTICS, np.frombuffer(message, np.uint8).reshape(1, -1),
+                   [ns + round(latency_s * 1e9)], None, number)
+
+
+def _text(value: str | int | float) -> str:
+    return value if isinstance(value, str) else json.dumps(value)

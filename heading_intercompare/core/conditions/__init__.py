@@ -1,0 +1,12 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Signs that the pairs of a run compare nothing: one source, conventions, standstill."""
+
+from heading_intercompare._doors import door
+
+__getattr__, __dir__, __all__ = door(__name__, {
+    'conventions': ('Convention', 'convention', 'mean_difference', 'MeanDifference'),
+    'one_source': ('OneSource',),
+    'outliers': ('Outliers',),
+    'standstill': ('Frozen', 'frozen', 'Standstill'),
+})

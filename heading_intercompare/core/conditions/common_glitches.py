@@ -1,0 +1,195 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the TS follows the glitches of the RS: then both have one source."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.ndimage import median_filter
+
+from heading_intercompare.core.angles import unwrap_deg
+from heading_intercompare.core.statistics.resolution import resolution
+
+__all__ = ['common_glitches', 'CommonGlitches']
+
+_LEAST = 200
+_LOOKED_AT = 200_000
+_BESIDE = 3
+_LONGEST = 3
+_QUANTILE = 0.9
+_SURPLUS = 5.0
+_GRAIN = 3.0
+_FLANK = 0.2
+_SHIP_DEG_S2 = 30.0
+_EVEN = 0.2
+_APART_S = 10.0
+_FEWEST, _MOST = 3, 200
+_FOLLOWS = 3.0
+_ALIKE = 2.0
+_EARLIEST_S, _LATEST_S = 1.0, 10.0
+_NEAR_S = 120.0
+_FILTER_S = 5.0
+_LEAST_DEG = 1e-4
+_CHANCE = 1e-5
+
+
+@dataclass(frozen=True, slots=True)
+class CommonGlitches:
+    """
+    How many glitches of the RS the TS follows.
+
+    Attributes
+    ----------
+    kind : {'common', 'independent', 'not_testable'}
+        'common': the sensors have one source. 'not_testable': the RS shows fewer than three
+        glitches, more than ten seconds apart, that a filter of five seconds would leave visible.
+    count : int
+        Glitches of the RS.
+    followed : int
+        How many of them the TS follows after one and the same time.
+    delay_s : float or None
+        That time, seconds; None if it follows fewer than three.
+    chance : float or None
+        Upper bound of the probability of so many by chance, over all delays.
+
+    """
+
+    kind: str
+    count: int = 0
+    followed: int = 0
+    delay_s: float | None = None
+    chance: float | None = None
+
+
+def common_glitches(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike) -> CommonGlitches:
+    """
+    Look for the glitches of the RS in the TS.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps of the pairs in increasing order, nanoseconds.
+    x_deg, rs_deg : array_like, shape (n,)
+        Differences and headings of the RS, finite, degrees.
+
+    Returns
+    -------
+    CommonGlitches
+
+    Notes
+    -----
+    A glitch goes there and back within three readings, stands out of all that the RS does
+    otherwise, and would ask for an acceleration above 30 deg/s^2, which no ship has: an abrupt
+    turn is seen by both sensors and is none. A TS that copies it late or through a filter jumps
+    by a constant share of it after a constant time. Of jumps
+    above three times the 90 % quantile, those as large as the least that follows are counted
+    within two minutes of each glitch; the product of their shares, times the ways to choose the
+    glitches followed and the least of them, times the delays tried, bounds the probability of
+    chance.
+    Three glitches and half of all must be followed, and chance be below 1e-5.
+
+    References
+    ----------
+    E.20 of ``docs/diagnostics.md``.
+
+    """
+    stamps = np.asarray(stamp_ns)
+    if stamps.size < _LEAST:
+        return CommonGlitches('not_testable')
+    rs = unwrap_deg(rs_deg)
+    step_s = float(np.median(np.diff(stamps[:_LOOKED_AT]))) / 1e9
+    if not step_s > 0.0:
+        return CommonGlitches('not_testable')
+    where, size = _glitches(stamps, rs, step_s)
+    if where.size < _FEWEST:
+        return CommonGlitches('not_testable', int(where.size))
+    # Only what comes before counts: a filter returns slowly.
+    jump = np.diff(rs + unwrap_deg(x_deg), 2, prepend=(0.0, 0.0))
+    jump[:2] = 0.0
+    least = _FOLLOWS * float(np.quantile(np.abs(jump[::max(1, jump.size // _LOOKED_AT)]),
+                                         _QUANTILE))
+    least = max(least, _LEAST_DEG)
+    jumps = np.abs(jump)
+    large = jumps > least
+    # Through the slowest filter, and put between two stamps, a glitch leaves half of this.
+    shown = np.abs(size) * min(1.0, step_s / _FILTER_S) > 2.0 * least
+    kind = 'independent' if np.count_nonzero(shown) >= _FEWEST else 'not_testable'
+    lags = np.arange(-round(_EARLIEST_S / step_s), round(_LATEST_S / step_s) + 1)
+    best = CommonGlitches(kind, int(where.size))
+    for lag in lags.tolist():
+        at = where + lag
+        inside = (at >= 2) & (at < jump.size)
+        at = np.clip(at, 0, jump.size - 1)
+        hit = inside & large[at]
+        if np.count_nonzero(hit) < _FEWEST:
+            continue
+        gain = jump[at] / size
+        usual = float(np.median(gain[hit]))
+        hit &= (gain * usual > 0.0) & (np.abs(gain) < _ALIKE * abs(usual)) \
+            & (np.abs(gain) > abs(usual) / _ALIKE)
+        followed = int(np.count_nonzero(hit))
+        if followed < max(_FEWEST, 0.5 * where.size):
+            continue
+        share = _share(jumps >= float(jumps[at[hit]].min()), at[hit], round(_NEAR_S / step_s))
+        chance = math.exp(min(0.0, math.log(math.comb(where.size, followed))
+                              + math.log(where.size * lags.size) + float(np.log(share).sum())))
+        # The earliest of the delays that as many follow: a glitch goes back, too.
+        if (chance < _CHANCE, followed) > (best.kind == 'common', best.followed):
+            best = CommonGlitches('common' if chance < _CHANCE else kind, int(where.size),
+                                  followed, lag * step_s, chance)
+    return best
+
+
+def _share(large: np.ndarray, at: np.ndarray, reach: int) -> np.ndarray:
+    """Return the share of large jumps about each of some places, but for those that are there."""
+    count = np.concatenate(([0], np.cumsum(large)))
+    both = []
+    for width in (reach, _LONGEST + 2):
+        lo, hi = np.maximum(at - width, 0), np.minimum(at + width + 1, large.size)
+        both.append((count[hi] - count[lo], hi - lo))
+    (wide, n), (own, _) = both
+    return (wide - own + 1.0) / (n + 1.0)
+
+
+def _glitches(stamps: np.ndarray, rs: np.ndarray,
+              step_s: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return where the RS has glitches, the first reading of each, and their sizes, degrees."""
+    off = rs - median_filter(rs, 2 * _BESIDE + 1, mode='nearest')
+    size = np.abs(off)
+    outer = float(np.quantile(size[::max(1, size.size // _LOOKED_AT)], _QUANTILE))
+    beyond = outer / math.log(10.0) * (math.log(0.1 * size.size) + _SURPLUS)
+    least = max(outer + beyond, _GRAIN * (resolution(rs).step_deg or 0.0),
+                0.5 * _SHIP_DEG_S2 * step_s ** 2)
+    far = np.flatnonzero(size > 0.5 * least)
+    if not far.size:
+        return far, off[far]
+    begins = np.flatnonzero(np.diff(far, prepend=-2) > 1)
+    ends = np.append(begins[1:], far.size)
+    high = np.maximum.reduceat(size[far], begins) > least
+    uneven = np.concatenate(([0], np.cumsum(
+        np.abs(np.diff(stamps) / 1e9 - step_s) > _EVEN * step_s)))
+    found, last_ns = [], None
+    for lo, hi in zip(begins[high].tolist(), ends[high].tolist()):
+        own = far[lo:hi]
+        peak = int(own[np.argmax(size[own])])
+        around = np.arange(max(0, int(own[0]) - 2), min(size.size, int(own[-1]) + 3))
+        own = around[size[around] > _FLANK * size[peak]]
+        first, last = int(own[0]), int(own[-1])
+        # Half of the time there and back, from the reading before to the one behind.
+        lasts = 0.5 * (last - first + 2) * step_s
+        needed = 0.5 * _SHIP_DEG_S2 * lasts ** 2 / (1.0 - _FLANK)
+        if last - first >= _LONGEST or size[peak] <= needed:
+            continue
+        if first <= _BESIDE or last + _BESIDE >= rs.size \
+                or uneven[first - _BESIDE - 1] != uneven[last + _BESIDE]:
+            continue
+        if last_ns is None or int(stamps[first]) - last_ns > _APART_S * 1e9:
+            found.append((first, float(off[peak])))
+            last_ns = int(stamps[first])
+        if len(found) == _MOST:
+            break
+    return np.array([f[0] for f in found], np.int64), np.array([f[1] for f in found])

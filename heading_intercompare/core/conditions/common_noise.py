@@ -1,0 +1,298 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the noise of the RS is found in the TS, too: then both have one source."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+
+from heading_intercompare.core.angles import unwrap_deg
+from heading_intercompare.core.timing.bracketing_readings import (
+    pairs_per_reading,
+    readings_per_pair,
+)
+
+__all__ = ['common_noise', 'CommonNoise']
+
+_SEGMENT_S = 128.0
+_MOST_SEGMENTS = 160
+_MOST_SAMPLES = 1 << 19
+_LEAST_SEGMENTS = 6
+_LEAST_LENGTH = 64
+_GROUPS = 24
+_QUIET = 4.0
+_KURTOSIS = 8.0
+_RESPONSE = 0.15
+_FLAT = 2.0
+_SHARE, _SHARE_STEEP = 0.6, 0.25
+_STEEP = 50.0
+_NEARLY_ALL = 0.8
+_ROUNDING = 1.0 / 12.0 + 0.09
+_COMMON, _COMMON_STEEP = 0.15, 0.75
+_CHANCE = 6.0
+_UNSURE = 3.0
+_FEWEST = 6
+_BEST = 3
+_LEAST_GROUPS = 8
+_LONGEST_STEP_S = 1.25
+_UNEVEN = 1e-3
+_SLOWER = 1.1
+_INTERPOLATED = 1e-6
+_LEAST_NOISE_DEG = 0.001
+#: Exponents of the spectrum of noise, and from which frequency on no ship moves like that, Hz.
+_COLOURS = (0, 0.0), (2, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class CommonNoise:
+    """
+    How much of the noise of the RS is found in the TS.
+
+    Attributes
+    ----------
+    kind : {'common', 'independent', 'not_testable'}
+        'common': the sensors have one source.
+    reason : str
+        Why it is not testable: 'too_short'; 'too_slow', readings more than 1.25 s apart, which
+        fold the motion; or 'no_rs_noise' where the RS shows no noise of its
+        own, above its rounding and over most of the frequencies. Empty otherwise.
+    segments : int
+        Stretches of time that the spectra are means of.
+    band_hz : pair of float or None
+        Frequencies at which the RS shows its noise rather than the motion of the ship.
+    rs_noise_deg : float or None
+        Standard deviation of that noise, taken for white, degrees.
+    coherence : float or None
+        Share of the TS that follows the RS linearly there, less what the motion explains: the
+        largest mean of three groups of frequencies beside each other.
+
+    """
+
+    kind: str
+    reason: str = ''
+    segments: int = 0
+    band_hz: tuple[float, float] | None = None
+    rs_noise_deg: float | None = None
+    coherence: float | None = None
+
+
+def common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
+                 rs_factor: ArrayLike | None = None, rs_step_deg: float | None = None,
+                 ts_step_deg: float | None = None) -> CommonNoise:
+    """
+    Look for the noise of the RS in the TS.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps of the pairs in increasing order, nanoseconds.
+    x_deg, rs_deg : array_like, shape (n,)
+        Differences and headings of the RS, finite, degrees.
+    rs_factor : array_like, shape (n,), optional
+        Factor of the variance of the RS by interpolation, (1-w)^2 + w^2; default 1.
+    rs_step_deg, ts_step_deg : float, optional
+        Steps in which RS and TS report, degrees. Noise below that of rounding is none: sensors
+        that round the same motion make the same errors. Where the RS is interpolated its step
+        is not known, and that of the TS stands for it.
+
+    Returns
+    -------
+    CommonNoise
+
+    Notes
+    -----
+    The motion of a ship dies away at high frequencies, white noise does not. Two sensors share
+    the motion; one that copies the other, late, filtered, rounded or with noise added, shares
+    its noise. Where the spectrum of the RS is flat over 60 % of the frequencies, the squared
+    coherence of two sensors is at most the share of the motion, 1 - floor/spectrum; what it
+    exceeds that by, by more than 0.15 and six standard deviations of chance, speaks for one
+    source. A quarter of the frequencies suffices where the spectrum falls to the floor by a
+    factor of 50 and more from the middle of the band, as folded motion does not; but motion may
+    still be half of it, and 0.75 is asked for there.
+    From 1 Hz on noise may also fall with the square of the frequency, which no ship's motion
+    does. A sensor slower than the pairs is taken at its own rate; segments with turns are left
+    out.
+
+    References
+    ----------
+    Welch 1967 on segments of about 128 s of second differences, window cos^4; E.20 of
+    ``docs/diagnostics.md``.
+
+    """
+    stamps = np.asarray(stamp_ns)
+    rs, x = (np.asarray(v, dtype=np.float64) for v in (rs_deg, x_deg))
+    cut = _segments(stamps, x, rs, rs_factor)
+    if cut is None:
+        return CommonNoise('not_testable', 'too_short')
+    step_s, ts, rs, factor = cut
+    if step_s > _LONGEST_STEP_S:
+        return CommonNoise('not_testable', 'too_slow')
+    frequency, power, whole, cross, segments = _spectra(step_s, ts, rs)
+    if segments < _LEAST_SEGMENTS:
+        return CommonNoise('not_testable', 'too_short', segments)
+    response = 1.0 - (1.0 - factor) * (1.0 - np.cos(np.pi * frequency / frequency[-1]))
+    edges = np.unique(np.linspace(1, frequency.size, _GROUPS + 1).astype(np.int64))
+    grouped = _Groups(edges)
+    step = rs_step_deg or 0.0
+    if rs_step_deg is None and factor < 1.0 - _INTERPOLATED:
+        step = ts_step_deg or 0.0
+    level = grouped(power) / np.maximum(grouped(response), _RESPONSE)
+    with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
+        coherence = np.where((power > 0.0) & (whole > 0.0),
+                             np.abs(cross / np.sqrt(power) / np.sqrt(whole)) ** 2, 0.0)
+    coherence = (coherence - 1.0 / segments) / (1.0 - 1.0 / segments)
+    middle = grouped(frequency)
+    sine = np.sin(0.5 * np.pi * middle / frequency[-1])
+    for exponent, lowest_hz in _COLOURS:
+        usable = (grouped(response) >= _RESPONSE) & (middle >= lowest_hz)
+        if np.count_nonzero(usable) < _LEAST_GROUPS:
+            continue
+        # Noise of this colour is flat once multiplied by the power of the sine.
+        flattened = level * sine ** exponent
+        lowest = float(np.sort(flattened[usable])[:3].mean())
+        flat = _from_above(usable, flattened <= _FLAT * lowest)
+        floor = float(np.median(flattened[flat])) if flat.any() else 0.0
+        share = np.count_nonzero(flat) / np.count_nonzero(usable)
+        steep = exponent == 0 and level[_GROUPS // 2 - 1] >= _STEEP * floor
+        if share < (_SHARE_STEEP if steep else _SHARE) \
+                or floor <= max(_ROUNDING * step ** 2, _LEAST_NOISE_DEG ** 2):
+            continue
+        noise = math.sqrt(float(level[flat].mean()))
+        where = np.flatnonzero(flat)
+        band = (float(frequency[edges[where[0]]]), float(frequency[edges[where[-1] + 1] - 1]))
+        fine = _Groups(_growing(frequency.size))
+        spectrum = fine(power) * fine(np.sin(0.5 * np.pi * frequency / frequency[-1])) ** exponent
+        # An RS faster than the pairs has a flat response, and its pairs do not tell it.
+        unshaped = float(np.median((grouped(power) * sine ** exponent)[flat])) / spectrum
+        spectrum /= np.maximum(fine(response), _RESPONSE)
+        inside = (fine(response) >= _RESPONSE) & (fine(frequency) >= lowest_hz)
+        inside = _from_above(inside, spectrum <= _FLAT * floor)
+        if exponent:
+            # Over a narrow band white noise and motion together look like that colour, too.
+            white = fine(power) / np.maximum(fine(response), _RESPONSE)
+            unshaped = np.minimum(unshaped, float(np.sort(level[usable])[:3].mean()) / white)
+        motion = np.maximum(0.0, 1.0 - floor / spectrum)
+        if share >= _SHARE:
+            # The spectrum that the motion is told by is known to some standard errors only.
+            unsure = 1.0 + _UNSURE * np.sqrt(2.0 / (_BEST * segments * fine.width))
+            motion = np.minimum(1.0, np.maximum(motion, 1.0 - unshaped) * unsure)
+        excess = (fine(coherence) - motion)[inside]
+        if not excess.size:
+            continue
+        wide = min(_BEST, excess.size)
+        best = float(np.convolve(excess, np.full(wide, 1.0 / wide), 'valid').max())
+        least = max(_COMMON if share >= _SHARE else _COMMON_STEEP,
+                    _CHANCE / segments / math.sqrt(wide * _FEWEST))
+        return CommonNoise('common' if best > least else 'independent', '', segments, band, noise,
+                           best)
+    return CommonNoise('not_testable', 'no_rs_noise', segments)
+
+
+def _from_above(usable: np.ndarray, low: np.ndarray) -> np.ndarray:
+    """Return the usable groups from the lowest one on, above which nearly all are low."""
+    count = np.cumsum(usable[::-1])[::-1]
+    share = np.cumsum((usable & low)[::-1])[::-1] / np.maximum(count, 1)
+    begins = np.flatnonzero(usable & low & (share >= _NEARLY_ALL))
+    return usable & (np.arange(usable.size) >= begins[0]) if begins.size else usable & low
+
+
+class _Groups:
+    """Means over groups of frequencies."""
+
+    def __init__(self, edges: np.ndarray) -> None:
+        self._first, self.width = edges[:-1], np.diff(edges)
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        return np.add.reduceat(values, self._first) / self.width
+
+
+def _growing(n: int) -> np.ndarray:
+    """Return edges of groups of six frequencies and more, an eighth wider from one to the next."""
+    edges = [1]
+    while edges[-1] < n:
+        edges.append(edges[-1] + max(_FEWEST, edges[-1] // 8))
+    return np.array([*(e for e in edges if e <= n - _FEWEST), n])
+
+
+def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLike | None,
+              ) -> tuple[float, np.ndarray, np.ndarray, float] | None:
+    """Return step, segments of TS and RS on even times, and the mean factor of those taken."""
+    n = stamps.size
+    if n < _LEAST_LENGTH * _LEAST_SEGMENTS // 2:
+        return None
+    ts_some = (x[:100_000] + rs[:100_000]) % 360.0
+    every = max(readings_per_pair(stamps, rs), readings_per_pair(stamps, ts_some))
+    step = float(np.median(np.diff(stamps[:100_001]))) / 1e9
+    if step <= 0.0:
+        return None
+    step *= every
+    f = None if factor is None else np.asarray(factor, dtype=np.float64)
+    # Between pairs of 7 a second and an RS of 5 a second no whole number leads.
+    slower = pairs_per_reading(f) if f is not None and every == 1 else 1.0
+    longest = 2.0 * n / every / (_LEAST_SEGMENTS + 3)
+    length = 1 << round(math.log2(max(_SEGMENT_S / step, _LEAST_LENGTH)))
+    while length > longest and length > _LEAST_LENGTH:
+        length //= 2
+    span = length * every
+    if span > n:
+        return None
+    begins = np.arange(0, n - span + 1, span // 2)
+    most = min(_MOST_SEGMENTS, _MOST_SAMPLES // length)
+    if begins.size > most:
+        begins = begins[np.linspace(0, begins.size - 1, most).astype(np.int64)]
+    own, other, factors = [], [], []
+    for lo in begins.tolist():
+        t = (stamps[lo:lo + span] - stamps[lo]) / 1e9
+        if t[-1] > 1.25 * span / every * step:
+            continue
+        at = 0 if f is None or every == 1 else int(np.argmax(
+            f[lo:lo + span].reshape(length, every).mean(axis=0)))
+        pick, t = slice(lo + at, lo + span, every), t[at::every]
+        if not (np.diff(t) > 0.0).all():
+            continue
+        heading = unwrap_deg(rs[pick])
+        # Taken as even, uneven times would put the same false noise on both.
+        both = np.stack((heading + unwrap_deg(x[pick]), heading), axis=1)
+        even = np.linspace(t[0], t[-1], length)
+        if slower > _SLOWER:
+            even = t[0] + (t[-1] - t[0]) / (length - 1) * slower * np.arange(
+                int((length - 1) / slower) + 1)
+        if slower > _SLOWER or np.abs(t - even).max() > _UNEVEN * step:
+            both = CubicSpline(t, both)(even)
+        own.append(both[:, 0])
+        other.append(both[:, 1])
+        if f is not None:
+            factors.append(float(f[pick].mean()))
+    if not own:
+        return None
+    step *= slower if slower > _SLOWER else 1.0
+    return step, np.array(own), np.array(other), float(np.mean(factors)) if factors else 1.0
+
+
+def _spectra(step_s: float, ts: np.ndarray, rs: np.ndarray,
+             ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int]:
+    """Return frequencies, spectra of RS, of TS and of both, and the number of segments used."""
+    rs, ts = np.diff(rs, 2, axis=1), np.diff(ts, 2, axis=1)
+    # Glitches, and blows of the sea faster than the readings, are not noise.
+    square = np.diff(rs, 2, axis=1) ** 2
+    quiet = (square ** 2).mean(axis=1) <= _KURTOSIS * square.mean(axis=1) ** 2
+    m = rs.shape[1]
+    window = np.sin(np.pi * (np.arange(m) + 0.5) / m) ** 4
+    phase = 2.0 * np.pi * np.fft.rfftfreq(m)
+    # Second differences of white noise of variance 1 have 4 (1 - cos)^2; the first one is zero.
+    gain = np.maximum(4.0 * (1.0 - np.cos(phase)) ** 2, 1e-300) * float(window @ window)
+    rs, ts = (np.fft.rfft(h * window, axis=1) for h in (rs, ts))
+    rs2, ts2 = np.abs(rs) ** 2, np.abs(ts) ** 2
+    for square in (rs2, ts2):
+        high = square[:, m // 4:].sum(axis=1)
+        quiet &= high <= _QUIET * np.median(high)
+    if not quiet.any():
+        quiet[:1] = True
+    rs, ts = rs[quiet], ts[quiet]
+    return (phase / (2.0 * np.pi * step_s), rs2[quiet].mean(axis=0) / gain,
+            ts2[quiet].mean(axis=0) / gain, (rs.conj() * ts).mean(axis=0) / gain, rs.shape[0])

@@ -1,0 +1,204 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether both sensors report their heading by the same convention, and the mean difference."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from heading_intercompare.core.angles import circular_mean, wrap180
+from heading_intercompare.core.statistics.blocking import block_size, student_95, sum_covariance
+
+from .turn_direction import turn_direction
+
+__all__ = ['Convention', 'convention', 'mean_difference', 'MeanDifference']
+
+_CONCENTRATED = 0.9
+_ON_SEAM_SIGMAS = 5.0
+_LOOKED_AT = 1 << 17
+_STEP_NS = 250_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Convention:
+    """
+    Whether one heading is reported by another convention than the other.
+
+    Attributes
+    ----------
+    kind : {'consistent', 'offset', 'mirrored', 'not_testable'}
+        'offset': TS - RS is near 90, -90 or 180. 'mirrored': TS turns against RS, so that the
+        difference turns with -2 times the heading. 'not_testable': no samples.
+    angle_deg : float or None
+        Mean of TS - RS, or of TS + RS if mirrored; degrees.
+    spread_deg : float or None
+        Circular standard deviation of the same.
+    direction : {'with', 'against', 'not_testable'}
+        How TS turns: with RS, against it, or unknown since no motion shows above the noise.
+    turned_deg : float
+        Range of the heading of the RS, degrees, in means over the span that tells the direction
+        best; 0 if none does.
+    balance : float or None
+        There, the square sum of the changes of TS + RS over that of TS - RS: above 4 they turn
+        together, below 1/4 against each other. None where no motion shows.
+
+    """
+
+    kind: str
+    angle_deg: float | None
+    spread_deg: float | None
+    direction: str = 'not_testable'
+    turned_deg: float = 0.0
+    balance: float | None = None
+
+
+def convention(x_deg: ArrayLike, rs_deg: ArrayLike, tolerance_deg: float = 10.0, *,
+               stamp_ns: ArrayLike | None = None, range_s: float = 2.0) -> Convention:
+    """
+    Look for a difference of conventions between the sensors.
+
+    Parameters
+    ----------
+    x_deg, rs_deg : array_like, shape (n,)
+        Differences and headings of the RS, in sample order, finite, degrees.
+    tolerance_deg : float
+        How near to 90, -90 or 180 a mean difference is suspicious, degrees.
+    stamp_ns : array_like of int, shape (n,), optional
+        Stamps of the pairs in increasing order, nanoseconds; without them no skew is allowed for.
+    range_s : float
+        Skews so large are allowed for, either way, seconds.
+
+    Returns
+    -------
+    Convention
+
+    Notes
+    -----
+    The direction is told by `turn_direction`. A yaw taken for a heading, TS = 90 - heading, gives
+    'mirrored' with 90. The means are circular: nothing happens at the seam of the wrap; of more
+    than 131072 samples they are taken over so many, spread evenly.
+
+    References
+    ----------
+    E.17 of ``docs/diagnostics.md``.
+
+    """
+    x, rs = np.asarray(x_deg, dtype=np.float64), np.asarray(rs_deg, dtype=np.float64)
+    if not x.size:
+        return Convention('not_testable', None, None)
+    if stamp_ns is None:
+        stamp_ns, range_s = np.arange(x.size) * _STEP_NS, 0.0
+    direction, turned, balance = turn_direction(np.asarray(stamp_ns), x, rs, range_s)
+    every = max(1, -(-x.size // _LOOKED_AT))
+    x, rs = x[::every], rs[::every]
+    mirrored = direction == 'against'
+    angle, length = circular_mean(x + 2.0 * rs if mirrored else x)
+    off = min(abs(float(wrap180(angle - wrong))) for wrong in (90.0, -90.0, 180.0)) \
+        if math.isfinite(angle) else math.inf
+    wrong = length > _CONCENTRATED and off <= tolerance_deg
+    spread = _spread(length)
+    return Convention('mirrored' if mirrored else 'offset' if wrong else 'consistent',
+                      angle if math.isfinite(angle) else None,
+                      spread if math.isfinite(spread) else None, direction, turned, balance)
+
+
+def _spread(length: float) -> float:
+    """Return the circular standard deviation, degrees."""
+    return math.degrees(math.sqrt(-2.0 * math.log(length))) if length > 0.0 else math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class MeanDifference:
+    """
+    The mean difference on the circle and how well it is known.
+
+    Attributes
+    ----------
+    n : int
+        Number of differences.
+    mean_deg : float or None
+        Mean of the differences wrapped about their circular mean, in [-180, 180); None for
+        n = 0 or if no direction is preferred.
+    resultant : float or None
+        Length of the mean resultant of up to 131072 of them, in [0, 1]; None for n = 0.
+    u_deg : float or None
+        Standard uncertainty of the mean, which allows for correlation; None for n < 16.
+    interval_deg : pair of float or None
+        95 % interval; it is not wrapped.
+    seam_share : float
+        Share of the differences that the seam of the wrap puts a whole turn away from the others.
+
+    """
+
+    n: int
+    mean_deg: float | None = None
+    resultant: float | None = None
+    u_deg: float | None = None
+    interval_deg: tuple[float, float] | None = None
+    seam_share: float = 0.0
+
+    def torn(self, wrap_center_deg: float) -> bool:
+        """Tell whether the differences lie on both sides of the seam of their wrap."""
+        if not self.seam_share or self.resultant <= _CONCENTRATED:
+            return False
+        away = abs(float(wrap180(self.mean_deg - wrap_center_deg - 180.0)))
+        return away <= _ON_SEAM_SIGMAS * _spread(self.resultant)
+
+    def surely_exceeds(self, limit_deg: float) -> bool:
+        """Tell whether all of the interval lies outside of plus and minus a limit, degrees."""
+        if self.interval_deg is None:
+            return False
+        low, high = self.interval_deg
+        return low > limit_deg or high < -limit_deg
+
+
+def mean_difference(x_deg: ArrayLike) -> MeanDifference:
+    """
+    Return the mean difference on the circle.
+
+    Parameters
+    ----------
+    x_deg : array_like, shape (n,)
+        Differences in sample order, finite, degrees; wrapped anywhere.
+
+    Returns
+    -------
+    MeanDifference
+
+    Notes
+    -----
+    The uncertainty is that of the mean of the deviations, wrapped about the circular mean, by
+    16 to 31 block means; it holds if the correlation is short compared with a block.
+
+    References
+    ----------
+    E.17 of ``docs/diagnostics.md``.
+
+    Examples
+    --------
+    >>> found = mean_difference([179.0, -179.0] * 8)
+    >>> round(abs(found.mean_deg), 6), found.resultant > 0.999
+    (180.0, True)
+
+    """
+    x = np.ravel(np.asarray(x_deg, dtype=np.float64))
+    if not x.size:
+        return MeanDifference(0)
+    centre, length = circular_mean(x[::max(1, -(-x.size // _LOOKED_AT))])
+    if not math.isfinite(centre):
+        return MeanDifference(x.size, None, length)
+    off = x - centre
+    share = np.count_nonzero(np.abs(off) > 180.0) / x.size
+    share = min(share, 1.0 - share)
+    off = wrap180(off)
+    mean = float(wrap180(centre + off.mean()))
+    if not block_size(x.size, 16):
+        return MeanDifference(x.size, mean, length, seam_share=share)
+    covariance, dof = sum_covariance(off)
+    u = math.sqrt(float(covariance)) / x.size
+    half = student_95(dof) * u
+    return MeanDifference(x.size, mean, length, u, (mean - half, mean + half), share)

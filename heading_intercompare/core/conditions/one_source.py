@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""All signs that both headings of a run come from one sensor, and what they say together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.statistics.resolution import resolution
+
+from .common_glitches import common_glitches, CommonGlitches
+from .common_noise import common_noise, CommonNoise
+from .same_readings import same_source, SameSource
+
+__all__ = ['one_source', 'OneSource']
+
+
+@dataclass(frozen=True, slots=True)
+class OneSource:
+    """
+    Signs of one source.
+
+    Attributes
+    ----------
+    readings : SameSource
+        Whether the TS repeats the RS, reading by reading.
+    noise : CommonNoise
+        Whether the TS follows the noise of the RS.
+    glitches : CommonGlitches
+        Whether it follows its glitches.
+
+    """
+
+    readings: SameSource
+    noise: CommonNoise
+    glitches: CommonGlitches
+
+    @property
+    def kind(self) -> str:
+        """
+        What they say together.
+
+        'common': one source. 'independent': the RS shows noise or glitches of its own, and the
+        TS has neither. 'suspected': it shows none, and the TS repeats it reading by reading, as a
+        copy does, and a sensor without error beside another. Else 'not_testable'.
+        """
+        kinds = self.noise.kind, self.glitches.kind
+        if 'common' in kinds:
+            return 'common'
+        if 'independent' in kinds:
+            return 'independent'
+        return 'suspected' if self.readings.suspected else 'not_testable'
+
+
+def one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
+               factor: ArrayLike | None = None, interpolates_ts: bool = False,
+               share: float = 0.001) -> OneSource:
+    """
+    Look for signs of one source in the pairs of a run.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps of the pairs in increasing order, nanoseconds.
+    x_deg, rs_deg : array_like, shape (n,)
+        Differences and headings of the RS, finite, degrees.
+    factor : array_like, shape (n,), optional
+        What interpolation left of the variance of white noise, (1-w)^2 + w^2; default 1.
+    interpolates_ts : bool
+        Whether that is of the TS; else it is of the RS.
+    share : float
+        `detectors.same_source_share`.
+
+    Returns
+    -------
+    OneSource
+
+    Notes
+    -----
+    Pairs are all that is used: so a run says the same live, in replay and offline.
+
+    References
+    ----------
+    E.20 of ``docs/diagnostics.md``.
+
+    """
+    x, rs = (np.asarray(v, dtype=np.float64) for v in (x_deg, rs_deg))
+    steps = resolution(wrap360(x + rs)), resolution(rs)
+    return OneSource(
+        same_source(x, rs, *steps, share),
+        common_noise(stamp_ns, x, rs, rs_factor=None if interpolates_ts else factor,
+                     ts_step_deg=steps[0].step_deg, rs_step_deg=steps[1].step_deg),
+        common_glitches(stamp_ns, x, rs))

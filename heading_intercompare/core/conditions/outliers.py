@@ -1,0 +1,199 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Isolated differences far outside of all others, named, and their share of the variance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from heading_intercompare.core.statistics.resolution import resolution
+
+__all__ = ['Outlier', 'outliers', 'Outliers']
+
+_LOOKED_AT = 200_000
+_LEAST = 30
+_QUANTILE = 0.9
+_SURPLUS = 5.0
+_GRAIN = 3.0
+_BESIDE = 15
+_FEW = 3
+_PIECE = 4096
+_NAMED = 10
+
+
+@dataclass(frozen=True, slots=True)
+class Outlier:
+    """
+    One isolated excursion of the difference.
+
+    Attributes
+    ----------
+    index, n : int
+        Index of its farthest difference, and how many differences in a row belong to it.
+    stamp_ns : int
+        Stamp of the farthest, nanoseconds.
+    size_deg : float
+        Its distance from the median of the differences beside it, degrees, with sign.
+
+    """
+
+    index: int
+    n: int
+    stamp_ns: int
+    size_deg: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outliers:
+    """
+    Isolated differences far outside of all others.
+
+    Attributes
+    ----------
+    kind : {'none', 'found', 'not_testable'}
+        'not_testable': fewer than 30 differences.
+    index : ndarray of int64, shape (k,)
+        Which differences, increasing.
+    count : int
+        How many isolated excursions they form.
+    largest : tuple of Outlier
+        The ten largest excursions, the largest first.
+    threshold_deg : float or None
+        Distance beyond which a difference is an outlier, degrees.
+    variance_deg2, variance_without_deg2 : float or None
+        Of all differences, and of those that are none; square degrees.
+    share : float
+        Of the sum of squares about the mean; 0 if there are none.
+    excursions : int
+        Times the difference stayed outside for longer: not isolated, and not in `index`.
+
+    """
+
+    kind: str
+    index: np.ndarray
+    count: int = 0
+    largest: tuple[Outlier, ...] = ()
+    threshold_deg: float | None = None
+    variance_deg2: float | None = None
+    variance_without_deg2: float | None = None
+    share: float = 0.0
+    excursions: int = 0
+
+
+def outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3.0,
+             step_deg: float | None = None) -> Outliers:
+    """
+    Find isolated differences far outside of all others.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    x_deg : array_like, shape (n,)
+        Differences, or their residuals about a drift, finite, degrees; not wrapped anew.
+    longest_s : float
+        Longest excursion that is isolated, seconds: one bad reading of an interpolated RS
+        disturbs all pairs of two brackets. Three differences in a row always are.
+    step_deg : float, optional
+        Step in which the coarser sensor reports, degrees; default the one found in x, which takes
+        20 changes.
+
+    Returns
+    -------
+    Outliers
+
+    Notes
+    -----
+    The tail of the distance from the median is taken for exponential, with the 90 % quantile q
+    that the distances have. A difference beyond q (1 + (ln(n/10) + 5)/ln 10), which n distances
+    of that law exceed with a probability of e^-5, and beyond three steps, is an outlier if it is
+    that far, too, from the median of the 30 differences beside its excursion: a slow excursion
+    is none. For 12000 normal errors the point is 10 standard deviations; the tail is that of
+    Laplace's law. As many as a tenth of the differences may be outliers without moving it much.
+
+    References
+    ----------
+    E.19 of ``docs/diagnostics.md``.
+
+    Examples
+    --------
+    >>> x = [0.1 * (k % 5) for k in range(100)]
+    >>> x[40] = 40.0
+    >>> found = outliers(range(100), x)
+    >>> found.index.tolist(), round(found.largest[0].size_deg, 6)
+    ([40], 39.8)
+
+    """
+    stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
+    none = np.empty(0, np.int64)
+    if x.size < _LEAST:
+        return Outliers('not_testable', none)
+    centre, outer = _quantile(x)
+    slope = outer / -math.log(1.0 - _QUANTILE)
+    beyond = slope * (math.log((1.0 - _QUANTILE) * x.size) + _SURPLUS)
+    if step_deg is None:
+        step_deg = resolution(x).step_deg or 0.0
+    threshold = max(outer + beyond, _GRAIN * step_deg)
+    variance = float(np.var(x, ddof=1))
+    far = np.flatnonzero(np.abs(x - centre) > max(outer + 0.5 * beyond, 0.5 * threshold))
+    found, which, excursions = _isolated(stamps, x, centre, far, threshold, longest_s)
+    if not found:
+        return Outliers('none', none, 0, (), threshold, variance, variance, 0.0, excursions)
+    rest = np.delete(x, which)
+    without = float(np.var(rest, ddof=1)) if rest.size > 1 else None
+    share = 1.0 - (without or 0.0) * max(0, rest.size - 1) / (variance * (x.size - 1))
+    found.sort(key=lambda one: -abs(one.size_deg))
+    return Outliers('found', which, len(found), tuple(found[:_NAMED]), threshold, variance,
+                    without, min(1.0, max(0.0, share)), excursions)
+
+
+def _quantile(x: np.ndarray) -> tuple[float, float]:
+    """Return the median, and the 90 % quantile of the distance from it."""
+    some = x[::max(1, x.size // _LOOKED_AT)]
+    centre = float(np.median(some))
+    return centre, float(np.quantile(np.abs(some - centre), _QUANTILE))
+
+
+def _isolated(stamps: np.ndarray, x: np.ndarray, centre: float, far: np.ndarray,
+              threshold: float, longest_s: float) -> tuple[list[Outlier], np.ndarray, int]:
+    """Return the isolated excursions among far differences, their indices, and other ones."""
+    if not far.size:
+        return [], far, 0
+    begins = np.flatnonzero(np.diff(far, prepend=-2) > 1)
+    ends = np.append(begins[1:], far.size) - 1
+    peak = np.maximum.reduceat(np.abs(x[far] - centre), begins)
+    high = peak > threshold
+    begins, ends = begins[high], ends[high]
+    first, last = far[begins], far[ends]
+    short = ((stamps[last] - stamps[first]) / 1e9 <= longest_s) | (last - first < _FEW)
+    excursions = int(np.count_nonzero(~short))
+    first, last = first[short], last[short]
+    found, which = [], []
+    for lo in range(0, first.size, _PIECE):
+        a, b = first[lo:lo + _PIECE], last[lo:lo + _PIECE]
+        level = _level(x, a, b, centre)
+        for one, (start, end) in enumerate(zip(a.tolist(), b.tolist())):
+            off = x[start:end + 1] - level[one]
+            at = int(np.argmax(np.abs(off)))
+            if abs(off[at]) > threshold:
+                found.append(Outlier(start + at, end + 1 - start, int(stamps[start + at]),
+                                     float(off[at])))
+                which.append(np.arange(start, end + 1))
+            else:
+                excursions += 1
+    return found, np.concatenate(which) if which else far[:0], excursions
+
+
+def _level(x: np.ndarray, first: np.ndarray, last: np.ndarray, centre: float) -> np.ndarray:
+    """Return the median of the differences beside each excursion, on both sides."""
+    steps = np.arange(1, _BESIDE + 1)
+    at = np.concatenate((first[:, np.newaxis] - steps, last[:, np.newaxis] + steps), axis=1)
+    inside = (at >= 0) & (at < x.size)
+    beside = np.where(inside, x[np.clip(at, 0, x.size - 1)], np.nan)
+    empty = ~inside.any(axis=1)
+    beside[empty, 0] = centre
+    return np.nanmedian(beside, axis=1)

@@ -1,0 +1,210 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""How far both sensors move in windows of time, and what that allows a sensor that repeats."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from heading_intercompare.core.angles import unwrap_deg
+
+__all__ = ['part_means', 'range_deg', 'Windows']
+
+_PART_S = 1.0
+_MOST_PARTS = 1024
+_PER_PART = 16
+_GOLDEN = 0.6180339887498949
+_LOOKED_AT = 1 << 14
+_WINDOWS = 64
+_PER_LENGTH, _MOST_BEGINS = 32, 1 << 16
+_LEAST_WINDOWS = 8
+_LEAST_READINGS = 4
+_SHORTEST_S = 8.0
+_FOLLOWS = 0.3
+_FOLLOWS_S = 16.0
+_SPAN_SHARE = 0.9
+_SWING_S = 32.0
+_NORMS, _RANGE_NORMS = 1.5, 8.0
+
+
+def part_means(stamps: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """
+    Return the means of a heading over about a second each; the readings, if they are fewer.
+
+    Parameters
+    ----------
+    stamps : ndarray of int64, shape (n,)
+        Stamps in increasing order, nanoseconds; n >= 1.
+    values : ndarray, shape (n,)
+        Headings or differences, degrees.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Unwrapped; of 1024 parts at most, spread over the time.
+
+    """
+    span = (int(stamps[-1]) - int(stamps[0])) / 1e9
+    parts = min(values.size, max(1, math.floor(span / _PART_S)))
+    if parts < 2:
+        return unwrap_deg(values)
+    if parts <= _MOST_PARTS and values.size <= _LOOKED_AT:
+        edges = np.linspace(0, values.size, parts + 1).astype(np.int64)
+        return np.add.reduceat(unwrap_deg(values), edges[:-1]) / np.diff(edges)
+    # Longer parts would average a swell away, and evenly chosen ones could keep step with it.
+    some = min(parts, _MOST_PARTS)
+    k = np.arange(some)
+    width = values.size // parts
+    begins = ((k + (_GOLDEN * k) % 1.0) * (parts / some)).astype(np.int64) * values.size // parts
+    inside = np.arange(0, width, max(1, width // _PER_PART))
+    taken = np.minimum(begins[:, None] + inside, values.size - 1)
+    return unwrap_deg(values[taken].ravel()).reshape(taken.shape).mean(axis=1)
+
+
+def range_deg(stamps: np.ndarray, values: np.ndarray) -> float:
+    """Return the range of the `part_means`; 0 for n = 0."""
+    return float(np.ptp(part_means(stamps, values))) if values.size else 0.0
+
+
+class Windows:
+    """
+    What both sensors do in windows that hold no long repetition.
+
+    Parameters
+    ----------
+    stamps : ndarray of int64, shape (n,)
+        Stamps in increasing order, nanoseconds; n >= 2.
+    heading, other : ndarray, shape (n,)
+        Headings of the sensor looked at, and of the other, degrees.
+    busy : ndarray of bool, shape (n,)
+        Readings of the long repetitions of the sensor.
+    other_step_deg : float
+        Step in which the other reports, degrees; 0 if it has none.
+    sigma_deg : float or None
+        Norm of the errors of the other sensor, degrees.
+
+    """
+
+    def __init__(self, stamps: np.ndarray, heading: np.ndarray, other: np.ndarray,
+                 busy: np.ndarray, other_step_deg: float, sigma_deg: float | None) -> None:
+        self._stamps, self._heading, self._other = stamps, heading, other
+        self._before = np.append(0, np.cumsum(busy))
+        self._other_step_deg, self._sigma_deg = other_step_deg, sigma_deg
+        self._least_s = _LEAST_READINGS * float(np.median(np.diff(stamps[:_LOOKED_AT]))) / 1e9
+        self._known: dict[float, tuple[np.ndarray, int]] = {}
+
+    def excess(self, lo: int, hi: int, grain_deg: float) -> tuple[float, float] | None:
+        """
+        Tell whether the other sensor moves further in a stretch than a sensor that works allows.
+
+        Parameters
+        ----------
+        lo, hi : int
+            First reading of the repetition and the one behind its last.
+        grain_deg : float
+            How far it may move if neither of them errs, degrees.
+
+        Returns
+        -------
+        moved_deg, allowed_deg : float
+            Degrees; None if it moves no further.
+
+        """
+        moved = range_deg(self._stamps[lo:hi], self._other[lo:hi])
+        if moved <= grain_deg:
+            return None
+        span = max((int(self._stamps[hi - 1]) - int(self._stamps[lo])) / 1e9, self._least_s,
+                   _PART_S)
+        length = _PART_S * 2.0 ** math.ceil(math.log2(span))
+        rows, _ = self._ranges(length)
+        rounded = grain_deg + self._other_step_deg
+        if rows.shape[1] >= _LEAST_WINDOWS:
+            allowed = _allowed_deg(rows, length, moved, rounded)
+            return (moved, allowed) if moved > allowed else None
+        longest = None
+        while length >= max(2.0 * _SHORTEST_S, 2.0 * self._least_s):
+            length *= 0.5
+            rows, apart = self._ranges(length)
+            if apart < _LEAST_WINDOWS or length > span:
+                continue
+            most = max((range_deg(self._stamps[a:b], self._other[a:b])
+                        for a, b in self._within(lo, hi, length, 2)), default=0.0)
+            allowed = _allowed_deg(rows, length, most, rounded)
+            if most > allowed:
+                return most, allowed
+            longest = allowed if longest is None else longest
+        if longest is None:
+            return self._beyond_norm(lo, hi, moved, grain_deg)
+        # A slow turn shows in the whole stretch alone.
+        allowed = longest + _RANGE_NORMS * (self._sigma_deg or 0.0)
+        return (moved, allowed) if moved > allowed else None
+
+    def _beyond_norm(self, lo: int, hi: int, moved: float,
+                     grain_deg: float) -> tuple[float, float] | None:
+        """Judge by the norm of the other sensor where the rest of the run tells nothing."""
+        if 2 * int(self._before[-1]) <= self._before.size - 1:
+            return None
+        sigma = self._sigma_deg or 0.0
+        allowed = grain_deg + _RANGE_NORMS * sigma
+        if moved > allowed:
+            return moved, allowed
+        swings = [float(np.var(part_means(self._stamps[a:b], self._other[a:b]), ddof=1))
+                  for a, b in self._within(lo, hi, _SWING_S, 1)]
+        if len(swings) < _LEAST_WINDOWS:
+            return None
+        # Of a sine the range is 2 sqrt(2) times the standard deviation.
+        moved = math.sqrt(8.0 * float(np.mean(swings)))
+        allowed = math.sqrt(8.0) * math.hypot(0.5 * grain_deg, _NORMS * sigma)
+        return (moved, allowed) if moved > allowed else None
+
+    def _within(self, lo: int, hi: int, length_s: float, per_length: int) -> list[tuple[int, int]]:
+        """Return windows of a length within a stretch: evenly, 64 at most."""
+        stamps, length = self._stamps, round(length_s * 1e9)
+        begins = np.arange(int(stamps[lo]), int(stamps[hi - 1]) - length + 1,
+                           length // per_length)
+        if begins.size > _WINDOWS:
+            begins = begins[np.linspace(0, begins.size - 1, _WINDOWS).astype(np.int64)]
+        a, b = np.searchsorted(stamps, begins), np.searchsorted(stamps, begins + length)
+        enough = b - a >= _LEAST_READINGS
+        return list(zip(a[enough].tolist(), b[enough].tolist()))
+
+    def _ranges(self, length_s: float) -> tuple[np.ndarray, int]:
+        """Return the ranges of sensor, other and difference; how many windows are disjoint."""
+        if length_s not in self._known:
+            self._known[length_s] = self._measured(round(length_s * 1e9))
+        return self._known[length_s]
+
+    def _measured(self, length: int) -> tuple[np.ndarray, int]:
+        stamps, whole = self._stamps, int(self._stamps[-1]) - int(self._stamps[0])
+        if 2 * length >= whole:
+            return np.empty((3, 0)), 0
+        begins = np.arange(int(stamps[0]), int(stamps[-1]) - length + 1,
+                           max(length // _PER_LENGTH, whole // _MOST_BEGINS))
+        lo, hi = np.searchsorted(stamps, begins), np.searchsorted(stamps, begins + length)
+        usable = (hi - lo >= 2) & (self._before[hi] == self._before[lo])
+        usable &= stamps[np.maximum(hi - 1, 0)] - stamps[np.minimum(lo, hi - 1)] >= 0.5 * length
+        lo, hi, begins = lo[usable], hi[usable], begins[usable]
+        if lo.size > _WINDOWS:
+            some = np.linspace(0, lo.size - 1, _WINDOWS).astype(np.int64)
+            lo, hi, begins = lo[some], hi[some], begins[some]
+        rows, apart, end = [], 0, int(stamps[0])
+        for a, b, begin in zip(lo.tolist(), hi.tolist(), begins.tolist()):
+            own, other = self._heading[a:b], self._other[a:b]
+            rows.append([range_deg(stamps[a:b], h) for h in (own, other, own - other)])
+            if begin >= end:
+                apart, end = apart + 1, begin + length
+        return np.array(rows).reshape(-1, 3).T, apart
+
+
+def _allowed_deg(rows: np.ndarray, length_s: float, moved_deg: float, grain_deg: float) -> float:
+    """Return how far the other may move in such a window while a working sensor repeats."""
+    own, others, errors = rows
+    alike = (others >= 0.5 * moved_deg) & (others <= 2.0 * moved_deg)
+    if length_s >= _FOLLOWS_S and np.count_nonzero(alike) >= _LEAST_WINDOWS:
+        # A window without a long repetition holds changes by a step or two even at rest.
+        follows = (own >= _FOLLOWS * others) & (own > grain_deg)
+        if np.mean(follows[alike]) >= _SPAN_SHARE:
+            return grain_deg
+    return grain_deg + 2.0 * float(np.quantile(errors, _SPAN_SHARE))

@@ -1,0 +1,319 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Sensors that repeat a value: frozen, dead, or of a ship that does not move."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from heading_intercompare.core.angles import wrap180
+from heading_intercompare.core.statistics.resolution import resolution
+
+from .repetition import Windows
+
+__all__ = ['Frozen', 'frozen', 'resolution_of', 'standstill', 'Standstill']
+
+_EQUAL_DEG = 1e-7
+_DECIMAL_DEG = 1e-6
+_MOST_DECIMALS = 4
+_CHANGES_IN = 100_000
+_LEAST_CHANGES = 3
+_OFF = 1e-3
+_REPEATED = 0.9
+_MARGIN_S = 2.0
+_PART_S = 1.0
+_LOOKED_AT = 1 << 14
+_LONGEST_STRETCHES = 256
+_DEAD_S = 3600.0
+_NEARLY_ALL = 0.9
+_STEPS = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class Frozen:
+    """
+    Values that a sensor repeats.
+
+    Attributes
+    ----------
+    longest_s : float
+        Longest time without a change, seconds; 0 for n < 2.
+    stretches : int
+        Times it repeated its value for long while the other sensor turned.
+    start_ns : int or None
+        Stamp of the one of these during which the other turned most, nanoseconds.
+    duration_s, other_moved_deg : float or None
+        How long it lasted, and by how much the other turned meanwhile.
+    kind : {'alive', 'frozen', 'dead', 'constant', 'not_testable'}
+        'frozen': there are such stretches. 'dead': one value for an hour from a sensor that
+        reports decimals, while the other's value changed. 'constant': the same for nine tenths of
+        a shorter run. 'not_testable': n < 2.
+    frozen_s : float
+        Total duration of these stretches, seconds.
+    resolution_deg : float or None
+        Step in which it reports, degrees: from its changes, or else from its decimals. None if
+        it has none of up to four decimals.
+    hold_s : float or None
+        Usual time from one of its changes to the next, seconds, in the first 16384 readings;
+        None without any change in them.
+    allowed_deg : float or None
+        Of the stretch at `start_ns`: how far the other may turn while a sensor that works
+        repeats its value, degrees.
+
+    """
+
+    longest_s: float
+    stretches: int = 0
+    start_ns: int | None = None
+    duration_s: float | None = None
+    other_moved_deg: float | None = None
+    kind: str = 'alive'
+    frozen_s: float = 0.0
+    resolution_deg: float | None = None
+    hold_s: float | None = None
+    allowed_deg: float | None = None
+
+
+def resolution_of(heading_deg: ArrayLike) -> float | None:
+    """
+    Return the step in which a heading is reported, also of one that hardly changes.
+
+    Parameters
+    ----------
+    heading_deg : array_like, shape (n,)
+        Headings in sample order, finite, degrees.
+
+    Returns
+    -------
+    float or None
+        The step of its changes; where they are too few to tell, or fewer than a tenth of the
+        readings, the last decimal that a thousand readings show: those that occur more than
+        once, if any, for others may be interpolated. Of that, the multiple that all changes are
+        of, if there are three or more; or five, if it is always 5 or 0. None without readings,
+        or beyond four decimals.
+
+    Examples
+    --------
+    >>> resolution_of([123.4] * 50), resolution_of([123.0])
+    (0.1, 1.0)
+
+    """
+    heading = np.asarray(heading_deg, dtype=np.float64)
+    found = resolution(heading)
+    if found.step_deg is not None and found.repeated_share < _REPEATED:
+        return found.step_deg
+    some, often = np.unique(np.round(heading[::max(1, heading.size // 1000)], 7),
+                            return_counts=True)
+    some = some[often > 1] if (often > 1).any() else some
+    for decimals in range(_MOST_DECIMALS + 1):
+        scaled = some * 10.0 ** decimals
+        if (np.abs(scaled - np.rint(scaled)) <= _DECIMAL_DEG * 10.0 ** decimals).all():
+            return _coarsest(heading, some, 10.0 ** -decimals) if some.size else None
+    return found.step_deg
+
+
+def _coarsest(heading: np.ndarray, values: np.ndarray, unit_deg: float) -> float:
+    """Return the coarsest step that a heading with this last decimal shows."""
+    changes = np.abs(wrap180(np.diff(heading[:_CHANGES_IN])))
+    changes = changes[changes > _EQUAL_DEG] / unit_deg
+    if changes.size >= _LEAST_CHANGES and (np.abs(changes - np.rint(changes)) < _OFF).all():
+        return unit_deg * int(np.gcd.reduce(np.rint(changes).astype(np.int64)))
+    halves = np.rint(values / unit_deg).astype(np.int64) % 5 == 0
+    return 5.0 * unit_deg if unit_deg < 1.0 and halves.all() else unit_deg
+
+
+def frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
+           least_s: float = 5.0, moved_deg: float = 0.5,
+           sigma_deg: float | None = None) -> Frozen:
+    """
+    Look for times when a sensor repeats its value while the other one turns.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    heading_deg, other_deg : array_like, shape (n,)
+        Headings of the sensor looked at, and of the other, finite, degrees.
+    least_s : float
+        Shortest time counted, seconds. A coarse sensor on a steady course repeats itself for
+        seconds without a fault.
+    moved_deg : float
+        Least range of the other sensor within that time, degrees.
+    sigma_deg : float, optional
+        Norm of the standard deviation of the other's errors, degrees: bounds them where the
+        sensor repeats itself for so much of the run that the rest does not tell; default 0.
+
+    Returns
+    -------
+    Frozen
+
+    Notes
+    -----
+    Judged is the range of the other's means over about a second, within the stretch less two
+    seconds and one hold at either end: a skew, or a sensor slower than its messages, repeats
+    values into and out of a turn. A sensor that works may repeat a value while the ship stays
+    within two of its steps and the other rounds by one of its own; the errors of both add twice
+    the range that the difference has in nine of ten other windows as long. Of normal errors
+    twice that range is exceeded with a probability below 1e-6. Nothing is added where in nine of
+    ten windows as long, of 16 seconds or more, in which the other moved about as much (half to
+    twice), the sensor followed by 0.3 of it or more and by more than those steps: then the
+    difference ranges because of a skew. Windows that overlap a long repetition are left out.
+    Where fewer than eight are left, a stretch is judged by the windows of half its length, a
+    quarter, and so on to eight seconds, of which eight are left that do not overlap: by the one
+    in which the other moved most, and as a whole with 8 `sigma_deg` more. Where there are none,
+    and the repetitions make more than half of the run, the other may range over 8 `sigma_deg`
+    more than two steps, and within half a minute scatter by 1.5 `sigma_deg` and one step.
+
+    References
+    ----------
+    E.18 of ``docs/diagnostics.md``.
+
+    """
+    stamps = np.asarray(stamp_ns)
+    if stamps.size < 2:
+        return Frozen(0.0, kind='not_testable')
+    heading = np.asarray(heading_deg, dtype=np.float64)
+    other = np.asarray(other_deg, dtype=np.float64)
+    first, last, hold = _stretches(stamps, heading)
+    lasted = (stamps[last] - stamps[first]) / 1e9
+    longest = float(lasted.max(initial=0.0))
+    step = resolution_of(heading)
+    kind = _kind(stamps, longest, step, other, least_s)
+    margin = _MARGIN_S + (hold or 0.0)
+    long = np.flatnonzero(lasted >= max(least_s, 2.0 * margin + _PART_S))
+    long = long[np.argsort(-lasted[long], kind='stable')][:_LONGEST_STRETCHES]
+    alive = Frozen(longest, kind=kind, resolution_deg=step, hold_s=hold)
+    if not long.size:
+        return alive
+    busy = np.zeros(stamps.size, bool)
+    for lo, hi in zip(first[long], last[long]):
+        busy[lo:hi + 1] = True
+    windows = Windows(stamps, heading, other, busy, resolution_of(other) or 0.0, sigma_deg)
+    grain = max(moved_deg, _STEPS * (step or 0.0))
+    found = []
+    for at in long:
+        lo, hi = _within(stamps, int(first[at]), int(last[at]), margin)
+        excess = windows.excess(lo, hi, grain)
+        if excess is not None:
+            found.append((*excess, float(lasted[at]), int(stamps[first[at]])))
+    if not found:
+        return alive
+    moved, allowed, duration, start = max(found)
+    return Frozen(longest, len(found), start, duration, moved,
+                  'dead' if kind == 'dead' else 'frozen', sum(f[2] for f in found), step, hold,
+                  allowed)
+
+
+def _kind(stamps: np.ndarray, longest_s: float, step: float | None, other: np.ndarray,
+          least_s: float) -> str:
+    """Return what the longest repetition says by itself."""
+    whole_s = (int(stamps[-1]) - int(stamps[0])) / 1e9
+    # A value is held until the next one: from n readings it lasts n steps.
+    lasted = longest_s + float(np.median(np.diff(stamps[:_LOOKED_AT]))) / 1e9
+    is_dead = lasted >= _DEAD_S
+    is_constant = longest_s >= max(least_s, _NEARLY_ALL * whole_s)
+    if not (is_dead or is_constant) or (step is not None and step >= 1.0) or _is_still(other):
+        return 'alive'
+    return 'dead' if is_dead else 'constant'
+
+
+def _stretches(stamps: np.ndarray,
+               heading: np.ndarray) -> tuple[np.ndarray, np.ndarray, float | None]:
+    """Return first and last index of every stretch of equal readings, and the usual hold, s."""
+    steps = np.diff(heading)
+    np.abs(steps, out=steps)
+    same = steps <= _EQUAL_DEG
+    if steps.max() >= 360.0 - _EQUAL_DEG:
+        same |= steps >= 360.0 - _EQUAL_DEG
+    changes = np.flatnonzero(~same[:_LOOKED_AT])
+    hold = float(np.median(np.diff(stamps[changes]))) / 1e9 if changes.size > 1 else None
+    repeats = np.flatnonzero(same)
+    begins = np.diff(repeats, prepend=-2) > 1
+    return repeats[begins], repeats[np.append(begins[1:], True)[:begins.size]] + 1, hold
+
+
+def _within(stamps: np.ndarray, lo: int, hi: int, margin_s: float) -> tuple[int, int]:
+    """Return the half-open range of a stretch without its margins."""
+    margin = round(margin_s * 1e9)
+    first, last = np.searchsorted(stamps[lo:hi + 1], [stamps[lo] + margin, stamps[hi] - margin])
+    return lo + int(first), lo + max(int(last), int(first)) + 1
+
+
+def _is_still(heading: np.ndarray) -> bool:
+    """Tell whether a heading stays within two of its steps."""
+    still = _still_deg(resolution_of(heading))
+    return _range_of(heading, still) <= still
+
+
+def _still_deg(step: float | None) -> float:
+    return _STEPS * (step or 0.0) * 1.01 + _EQUAL_DEG
+
+
+def _range_of(heading: np.ndarray, enough_deg: float = math.inf) -> float:
+    """Return the range about the first heading, on the circle; of some of them if it is enough."""
+    for every in (max(1, heading.size // _LOOKED_AT), 1):
+        off = wrap180(heading[::every] - heading[0])
+        found = float(off.max() - off.min())
+        if found > enough_deg:
+            break
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Standstill:
+    """
+    Whether both sensors hardly change: then the run does not show that they work.
+
+    Attributes
+    ----------
+    kind : {'moving', 'still', 'not_testable'}
+        'still': both readings stay within two of their steps all the run. 'not_testable': n < 2.
+    ts_range_deg, rs_range_deg : float
+        Largest less smallest heading, degrees; of 16384 of them, where that is enough to tell.
+    ts_step_deg, rs_step_deg : float or None
+        Steps in which they report, `resolution_of`.
+
+    """
+
+    kind: str
+    ts_range_deg: float
+    rs_range_deg: float
+    ts_step_deg: float | None
+    rs_step_deg: float | None
+
+
+def standstill(ts_deg: ArrayLike, rs_deg: ArrayLike) -> Standstill:
+    """
+    Tell whether the motion is too small to show that the sensors work.
+
+    Parameters
+    ----------
+    ts_deg, rs_deg : array_like, shape (n,)
+        Headings of TS and RS, finite, degrees.
+
+    Returns
+    -------
+    Standstill
+
+    References
+    ----------
+    E.18 of ``docs/diagnostics.md``.
+
+    Examples
+    --------
+    >>> standstill([10.1, 10.1, 10.2], [10.0, 10.0, 10.0]).kind
+    'still'
+
+    """
+    ts, rs = (np.asarray(h, dtype=np.float64) for h in (ts_deg, rs_deg))
+    if ts.size < 2:
+        return Standstill('not_testable', 0.0, 0.0, None, None)
+    steps = resolution_of(ts), resolution_of(rs)
+    limits = tuple(_still_deg(step) for step in steps)
+    ranges = _range_of(ts, limits[0]), _range_of(rs, limits[1])
+    still = all(r <= limit for r, limit in zip(ranges, limits))
+    return Standstill('still' if still else 'moving', *ranges, *steps)

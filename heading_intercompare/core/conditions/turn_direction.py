@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the TS turns with the RS or against it, at whatever small skew."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from heading_intercompare.core.statistics.blocking import sum_covariance
+from heading_intercompare.core.timing.skew_instrument import common_tracks
+from heading_intercompare.core.timing.skew_search import coarser
+
+__all__ = ['Direction', 'turn_direction']
+
+_GRID_S = 0.25
+_COARSEST_S = 1.0
+_MOST = 1 << 18
+_LEAST_WINDOWS, _MANY_WINDOWS = 8, 32
+_CLEAR, _CLEARER = 4.0, 1.001
+_TURNED_DEG = 3.0
+_ABOVE_NOISE = 20.0
+_SURE = 7.0
+_LEAST_SAMPLES = 16
+_UNEVEN, _UNEVENEST = 0.01, 0.2
+_FASTEST_YAW_S = 5.0
+
+
+class Direction(NamedTuple):
+    """
+    How the TS turns.
+
+    Attributes
+    ----------
+    word : {'with', 'against', 'not_testable'}
+    turned_deg : float
+        Range of the means of the RS in the span that tells it best, degrees; 0 if none does.
+    balance : float or None
+        There, the square sum of the changes of TS + RS over that of TS - RS, each at the skew at
+        which it is least.
+
+    """
+
+    word: str = 'not_testable'
+    turned_deg: float = 0.0
+    balance: float | None = None
+
+
+def turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
+                   range_s: float = 2.0) -> Direction:
+    """
+    Tell how the TS turns from the pairs of a run.
+
+    Parameters
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps of the pairs in increasing order, nanoseconds.
+    x_deg, rs_deg : ndarray, shape (n,)
+        Differences and RS headings, finite, degrees.
+    range_s : float
+        Skews so large are allowed for, either way, seconds.
+
+    Returns
+    -------
+    Direction
+
+    Notes
+    -----
+    D is the mean over a span less that over the span before, of both headings on even times a
+    quarter of a second apart (at most 2^18, then up to a second, then the middle of the run), for
+    spans of 0.25, 0.5, 1, ... s, at least eight to the run. At every skew L within the range and
+    a step, V(+) = sum (D_ts + D_rs(L))^2 and V(-) = sum (D_ts - D_rs(L))^2; the balance is the
+    least V(+) over the least V(-), so half a yaw period of skew does not look mirrored. It tells
+    the direction above 4 and below 1/4, with a hundredth of the power of both D added to either V
+    for steps of skew, and more where interpolating leaves more, if the motion shows: the means of
+    the RS range over 3 deg; or over 20 times the root of the lesser V a sample, in 32 spans or
+    more; or the sum of D_ts (D_rs(L+) + D_rs(L-)) is 7 times its uncertainty, in 128 or more.
+
+    References
+    ----------
+    E.17 of ``docs/diagnostics.md``.
+
+    """
+    if x_deg.size < _LEAST_WINDOWS or stamp_ns[-1] == stamp_ns[0]:
+        return Direction()
+    ts, rs, grid_s, step_s = _on_even_times(stamp_ns, x_deg, rs_deg)
+    most = round((range_s + _GRID_S) / grid_s)
+    uneven = min(_UNEVENEST, _UNEVEN * (grid_s / _GRID_S) ** 2 + _interpolated(step_s))
+    best, clearest = Direction(), 0.0
+    width = 1
+    while rs.size >= _LEAST_WINDOWS * width:
+        found, clear = _at(ts, rs, width, min(most, rs.size // 4), uneven)
+        if clear > _CLEARER * clearest:
+            best, clearest = found, clear
+        width *= 2
+    return best
+
+
+def _on_even_times(stamp_ns: np.ndarray, x_deg: np.ndarray,
+                   rs_deg: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
+    """Return both headings, unwrapped, on even times; their step and that before, seconds."""
+    ts, rs = (coarser(track, _GRID_S) for track in common_tracks(stamp_ns, x_deg, rs_deg))
+    span = float(rs.t_s[-1] - rs.t_s[0])
+    grid_s = _GRID_S
+    while span / grid_s > _MOST and grid_s < _COARSEST_S:
+        grid_s *= 2.0
+    half = 0.5 * min(span, grid_s * _MOST)
+    middle = 0.5 * float(rs.t_s[0] + rs.t_s[-1])
+    t = np.arange(middle - half, middle + half + 1e-9, grid_s)
+    return ts.at(t), rs.at(t), grid_s, float(np.median(np.diff(rs.t_s)))
+
+
+def _interpolated(step_s: float) -> float:
+    """Return what interpolating both sensors leaves of a yaw of five seconds, E.21, as a share."""
+    return 2.0 * (2.0 * math.pi * step_s / _FASTEST_YAW_S) ** 4 / 120.0
+
+
+def _at(ts: np.ndarray, rs: np.ndarray, width: int, most: int,
+        uneven: float) -> tuple[Direction, float]:
+    """Return the direction by spans of some samples, and how clear the balance is."""
+    d_ts, (d_rs, mean_rs) = _changes(ts, width)[0], _changes(rs, width)
+    n = d_ts.size - 2 * most
+    if n < 2:
+        return Direction(), 0.0
+    mine = d_ts[most:most + n]
+    power = float(mine @ mine)
+    other = {k: d_rs[most + k:most + k + n] for k in range(-most, most + 1)}
+    products = {k: float(mine @ d) for k, d in other.items()}
+    powers = {k: float(d @ d) for k, d in other.items()}
+    up = min(products, key=lambda k: powers[k] - 2.0 * products[k])
+    down = min(products, key=lambda k: powers[k] + 2.0 * products[k])
+    apart = max(0.0, power + powers[up] - 2.0 * products[up])
+    together = max(0.0, power + powers[down] + 2.0 * products[down])
+    if together + apart <= 0.0:
+        return Direction(), 0.0
+    ratio = together / apart if apart > 0.0 else math.inf
+    # So much is left of a yaw of five seconds at the true skew.
+    floor = uneven * (power + powers[0])
+    surer = (together + floor) / (apart + floor)
+    clear = max(surer, 1.0 / surer)
+    turned = float(np.ptp(mean_rs))
+    windows = ts.size // width
+    noise = math.sqrt(min(together, apart) / n)
+    shows = turned >= _TURNED_DEG or (
+        windows >= _MANY_WINDOWS and turned >= _ABOVE_NOISE * noise and clear > _CLEAR)
+    if not shows and windows >= 4 * _MANY_WINDOWS and n >= _LEAST_SAMPLES and clear > _CLEAR:
+        terms = mine * (other[up] + other[down])
+        shows = abs(float(terms.sum())) > _SURE * math.sqrt(float(sum_covariance(terms)[0]))
+    if not shows:
+        return Direction(), 0.0
+    word = 'not_testable' if clear <= _CLEAR else 'with' if ratio > 1.0 else 'against'
+    return Direction(word, turned, ratio if math.isfinite(ratio) else None), clear
+
+
+def _changes(heading: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the changes from mean to mean over so many samples, and the means."""
+    total = np.concatenate(([0.0], np.cumsum(heading - heading[0])))
+    mean = (total[width:] - total[:-width]) / width
+    return mean[width:] - mean[:-width], mean

@@ -1,0 +1,226 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Several runs judged together: every run must comply, or the sensor that they all show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import Sequence
+
+from heading_intercompare.core.outcome import Outcome, worst
+from heading_intercompare.core.settings import Risk
+from heading_intercompare.core.statistics.confidence_bounds import rate_lower
+from heading_intercompare.core.statistics.variance_uncertainty import (
+    between_runs,
+    lower_bound,
+    pool,
+    upper_bound,
+)
+
+from .coverage import least_apart_s, least_duration_s, least_together_s
+from .criteria import Limits
+from .guarded import count_risk, Evidence, variance_risk
+
+__all__ = ['CAMPAIGN_REASONS', 'conclude_every_run', 'conclude_sensor', 'LEAST_RUNS',
+           'Together', 'together']
+
+LEAST_RUNS = 5
+"""Fewest runs whose means say anything of errors slower than a run."""
+
+CAMPAIGN_REASONS = {
+    'no_run': 'there is no run',
+    'every_run_compliant': 'every run complies',
+    'a_run_non_compliant': "a run is rejected, at its share of the producer's risk",
+    'no_run_rejected_at_its_share':
+        "a run is rejected on its own, but not at its share of the producer's risk",
+    'an_input_not_judged': 'not every input could be judged',
+    'a_run_void': 'a run is void, so it says nothing of the sensor',
+    'a_run_indeterminate': 'not every run complies, and none is rejected',
+    'a_run_repeated': 'two runs are one record, which shows the sensor once',
+    'insufficient_data': 'no run has 128 differences',
+    'lower_bound_above_rejection_limit':
+        'the variance that the runs share is above the rejection limit, at the stated risk',
+    'count_lower_bound_above_allowed': 'too many extreme differences, at the stated risk',
+    'insufficient_duration': 'the runs together are shorter than a run must be to comply',
+    'upper_bound_within_acceptance_limit':
+        'the variance that the runs share is within the acceptance limit, at the stated risk',
+    'total_error_not_within_norm': 'the total error of a run is not shown to be within its norm',
+    'slow_errors_not_resolved':
+        'the errors have a slow part that these runs cannot measure: measure longer, or in five '
+        'runs or more',
+    'reference_limited': 'only better knowledge of sigma_ref can decide, not more data',
+    'data_limited': 'more data can decide',
+}
+"""Why the outcome of a campaign is what it is: code and words."""
+
+
+@dataclass(frozen=True, slots=True)
+class Together:
+    """
+    The variance of the differences that all runs share; keys of the JSON.
+
+    Attributes
+    ----------
+    runs : int
+        Runs taken: those with at least 128 differences.
+    n : int
+        Their differences.
+    span_s : float
+        Their lengths added up, seconds.
+    apart_s : float
+        Shortest time between two of them, seconds; negative if they overlap, infinite for one.
+    d_hat_deg2 : float
+        Mean variance, weighted by the number of differences; square degrees. S.12.
+    nu, f : float
+        Effective degrees of freedom of it, and of its slow part. S.12.
+    slow_allowance_deg2 : float
+        What `pooled_upper_bound_deg2` allows for a slow part that shows, square degrees.
+    pooled_upper_bound_deg2 : float
+        Upper bound from what each run shows within itself, square degrees. S.12.
+    between_upper_bound_deg2 : float or None
+        Upper bound that takes the slow part from the means of the runs, square degrees; None in
+        variants A and C, for fewer than five runs, and for runs too close to each other. S.13.
+    upper_bound_deg2, lower_bound_deg2 : float
+        The bounds that decide, square degrees; the upper one is S.13 where there is one.
+    acceptance_limit_deg2, rejection_limit_deg2 : float
+        The limits they are compared with, square degrees.
+    rate_plus_lower : float
+        Lower bound of the rate of extreme deviations. S.14.
+
+    """
+
+    runs: int
+    n: int
+    span_s: float
+    apart_s: float
+    d_hat_deg2: float
+    nu: float
+    f: float
+    slow_allowance_deg2: float
+    pooled_upper_bound_deg2: float
+    between_upper_bound_deg2: float | None
+    upper_bound_deg2: float
+    lower_bound_deg2: float
+    acceptance_limit_deg2: float
+    rejection_limit_deg2: float
+    rate_plus_lower: float
+
+
+def together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk, variant: str,
+             apart_s: float = math.inf) -> Together | None:
+    """
+    Return what the runs say of one variance that they share.
+
+    Parameters
+    ----------
+    runs : sequence of Evidence
+    limits : sequence of Limits
+        Of each run; acceptance limits differ where interpolation shrank the noise differently.
+    risk : Risk
+        Not shared among runs: they are judged once, together.
+    variant : {'A', 'B', 'C'}
+        Of GK Table I; only in B is the mean one constant that the means of runs estimate.
+    apart_s : float
+        Shortest time between two runs, seconds. Means of runs that are no further apart than the
+        slowest error that is stated, or than 600 s if none is, are not independent, and do not
+        count.
+
+    Returns
+    -------
+    Together or None
+        None if no run has 128 differences.
+
+    References
+    ----------
+    S.12, S.13 of ``docs/risk.md``.
+
+    """
+    some = [(e, lim) for e, lim in zip(runs, limits) if e.spread is not None]
+    if not some:
+        return None
+    spreads = [e.spread for e, _ in some]
+    pooled = pool(spreads)
+    upper = upper_bound(pooled, risk.alpha_consumer)
+    between = None
+    if variant == 'B' and len(some) >= LEAST_RUNS and apart_s > least_apart_s(risk):
+        between = between_runs(spreads, [e.mean_deg for e, _ in some], risk.alpha_consumer)
+    n_plus = sum(e.n_plus for e, _ in some)
+    return Together(
+        len(some), pooled.n, math.fsum(e.span_s for e, _ in some), apart_s, pooled.d_deg2,
+        pooled.nu, pooled.f, pooled.slow_allowance_deg2, upper, between,
+        upper if between is None else between, lower_bound(pooled, variance_risk(risk)),
+        math.fsum(e.n * lim.tightened_limit_deg2 for e, lim in some) / pooled.n,
+        some[0][1].rejection_limit_deg2,
+        rate_lower(pooled.nu * n_plus / pooled.n, pooled.nu, count_risk(risk)))
+
+
+def conclude_every_run(alone: Sequence[Outcome],
+                       among: Sequence[Outcome]) -> tuple[Outcome, str]:
+    """
+    Return the outcome of a campaign in which every run must comply, and its reason.
+
+    Parameters
+    ----------
+    alone, among : sequence of Outcome
+        Of each run on its own, and when the runs share the producer's risk.
+
+    References
+    ----------
+    Intersection-union test, Berger 1982; GK, several runs: the worst one decides.
+
+    """
+    outcome = worst(among)
+    if not among:
+        return outcome, 'no_run'
+    if outcome is Outcome.COMPLIANT:
+        return outcome, 'every_run_compliant'
+    if outcome is Outcome.NON_COMPLIANT:
+        return outcome, 'a_run_non_compliant'
+    if Outcome.NON_COMPLIANT in alone:
+        return outcome, 'no_run_rejected_at_its_share'
+    return outcome, 'a_run_indeterminate'
+
+
+def conclude_sensor(found: Together | None, limits: Sequence[Limits], totals_met: bool,
+                    risk: Risk) -> tuple[Outcome, str]:
+    """
+    Return the outcome of a campaign that judges the sensor by all runs, and its reason.
+
+    Parameters
+    ----------
+    found : Together or None
+    limits : sequence of Limits
+        Of the runs.
+    totals_met : bool
+        Whether the total error of every run is within its norm, or has none.
+    risk : Risk
+
+    Notes
+    -----
+    No single run rejects: the bounds of all runs together do, at the full risk.
+
+    """
+    if not limits:
+        return Outcome.INDETERMINATE, 'no_run'
+    if found is None:
+        return Outcome.INDETERMINATE, 'insufficient_data'
+    accept, reject = found.acceptance_limit_deg2, found.rejection_limit_deg2
+    if found.lower_bound_deg2 > reject:
+        return Outcome.NON_COMPLIANT, 'lower_bound_above_rejection_limit'
+    if found.rate_plus_lower > float(limits[0].allowed(1)):
+        return Outcome.NON_COMPLIANT, 'count_lower_bound_above_allowed'
+    by_means = found.between_upper_bound_deg2 is not None
+    if found.span_s < (least_together_s(risk) if by_means else least_duration_s(risk)):
+        return Outcome.INDETERMINATE, 'insufficient_duration'
+    if found.upper_bound_deg2 <= accept:
+        if totals_met:
+            return Outcome.COMPLIANT, 'upper_bound_within_acceptance_limit'
+        return Outcome.INDETERMINATE, 'total_error_not_within_norm'
+    if not by_means and (found.upper_bound_deg2 - found.slow_allowance_deg2 <= accept
+                         or found.d_hat_deg2 <= accept
+                         < found.d_hat_deg2 + found.slow_allowance_deg2):
+        return Outcome.INDETERMINATE, 'slow_errors_not_resolved'
+    if found.lower_bound_deg2 > accept and found.upper_bound_deg2 <= reject:
+        return Outcome.INDETERMINATE, 'reference_limited'
+    return Outcome.INDETERMINATE, 'data_limited'

@@ -1,0 +1,211 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which errors a verdict covers: how slow they may be, and how long a run must last for that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Mapping
+
+from heading_intercompare.core.settings import Risk
+
+__all__ = ['Coverage', 'coverage_of', 'least_apart_s', 'least_duration_s', 'least_duration_words',
+           'least_together_s', 'LEAST_TIMES', 'SENSOR_CLASSES', 'SensorClass', 'slowest_error_s',
+           'span_words', 'UNSTATED_LEAST_S']
+
+LEAST_TIMES = 20.0
+"""Correlation times that a record must hold for the risks to be kept."""
+
+UNSTATED_LEAST_S = 600.0
+"""Least duration of a run where nobody states the slowest error, seconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class SensorClass:
+    """
+    The slowest error of a class of heading sensors.
+
+    Attributes
+    ----------
+    title : str
+        The instruments.
+    slowest_s : float
+        Time in which the correlation of the slowest error falls to 1/e, seconds; of an
+        oscillation its coherence time, never its period.
+    source : str
+        Where the figure comes from.
+    trial : str
+        Whether a trial can be long enough, in words.
+
+    """
+
+    title: str
+    slowest_s: float
+    source: str
+    trial: str
+
+    @property
+    def least_s(self) -> float:
+        """Length of the run that follows, seconds."""
+        return LEAST_TIMES * self.slowest_s
+
+
+SENSOR_CLASSES: Mapping[str, SensorClass] = {
+    'gyrocompass': SensorClass(
+        'gyrocompass, Schuler-tuned and damped', 2300.0,
+        'a swing of 84.4 min, damped to a third at each half swing, falls to 1/e in '
+        '42.2 min / ln 3 = 38.4 min',
+        'one run of 12.8 h, or five runs and more by campaign.rule sensor'),
+    'ins': SensorClass(
+        'inertial navigation system, not aided', 86164.0,
+        'Schuler, Foucault and Earth-rate oscillations are not damped: they stay coherent for a '
+        'sidereal day at least',
+        'no single run can certify it (20 days); five runs or more, each aligned anew, by '
+        'campaign.rule sensor'),
+    'ins_aided': SensorClass(
+        'inertial navigation system, aided by GNSS', 1800.0,
+        'heading is observed through manoeuvres only; 30 min is a usual time constant of that '
+        'filter state, to be replaced by the figure of the maker',
+        'one run of 10 h, or five runs and more by campaign.rule sensor'),
+    'gnss_compass': SensorClass(
+        'GNSS compass', 300.0,
+        'multipath from a reflector at 2 m turns by one wavelength of 0.19 m in 340 s, for a '
+        'satellite moves by 0.14 mrad/s; nearer reflectors are slower and weaker',
+        'one run of 100 min'),
+}
+"""By name for `risk.sensor_class`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Coverage:
+    """
+    What the record covers; keys of the JSON.
+
+    Attributes
+    ----------
+    span_s : float
+        Length of the record, seconds.
+    longest_s : float
+        Slowest errors for which the risks hold: a twentieth of the record, or the shortest time
+        between runs whose means count; seconds.
+    stated_s : float or None
+        Slowest error that was stated, seconds; None if none was.
+    least_duration_s : float
+        Least duration of a run that may comply, seconds.
+    by_run_means : bool
+        Whether the means of several runs stand in for errors slower than that.
+
+    """
+
+    span_s: float
+    longest_s: float
+    stated_s: float | None
+    least_duration_s: float
+    by_run_means: bool = False
+
+    @property
+    def words(self) -> str:
+        """What a certificate says of itself in its own line."""
+        covered = f'for errors that change within {span_words(self.longest_s)}'
+        if self.by_run_means:
+            covered += ', from run to run'
+        if self.stated_s is None:
+            return f'{covered}; slower errors are not covered'
+        return f'{covered}; the slowest stated is {span_words(self.stated_s)}'
+
+
+def span_words(span_s: float) -> str:
+    """
+    Return a span as people read it.
+
+    Examples
+    --------
+    >>> span_words(31.2), span_words(600.0), span_words(46000.0)
+    ('31 s', '10 min', '12.8 h')
+
+    """
+    if span_s < 120.0:
+        return f'{span_s:.3g} s' if span_s < 10.0 else f'{span_s:.0f} s'
+    if span_s < 7200.0:
+        return f'{span_s / 60.0:.0f} min'
+    return f'{span_s / 3600.0:.1f} h'
+
+
+def slowest_error_s(risk: Risk) -> float | None:
+    """Return the slowest error that the settings state, seconds; None if they state none."""
+    if risk.slowest_error_s is not None:
+        return risk.slowest_error_s
+    if risk.sensor_class is None:
+        return None
+    return SENSOR_CLASSES[risk.sensor_class].slowest_s
+
+
+def least_duration_s(risk: Risk) -> float:
+    """
+    Return how long a run must be to comply, seconds.
+
+    Twenty times the slowest error, if one is stated; `risk.min_duration_s`, if that is longer;
+    600 s if nothing is stated.
+
+    Examples
+    --------
+    >>> least_duration_s(Risk()), least_duration_s(Risk(min_duration_s=60.0))
+    (600.0, 60.0)
+    >>> least_duration_s(Risk(slowest_error_s=100.0, min_duration_s=60.0))
+    2000.0
+
+    """
+    slowest = slowest_error_s(risk)
+    stated = [s for s in (None if slowest is None else LEAST_TIMES * slowest,
+                          risk.min_duration_s) if s is not None]
+    return max(stated, default=UNSTATED_LEAST_S)
+
+
+def least_apart_s(risk: Risk) -> float:
+    """Return how far apart runs must be for their means to count as independent, seconds."""
+    slowest = slowest_error_s(risk)
+    return UNSTATED_LEAST_S if slowest is None else slowest
+
+
+def least_together_s(risk: Risk) -> float:
+    """Return how long runs must be together to comply by their means, seconds."""
+    return UNSTATED_LEAST_S if risk.min_duration_s is None else risk.min_duration_s
+
+
+def least_duration_words(risk: Risk) -> str:
+    """
+    Return how long a run must be to comply, and why, to be said before the trial.
+
+    Examples
+    --------
+    >>> least_duration_words(Risk(slowest_error_s=300.0))
+    'a run must last 100 min to comply: 20 times its slowest error, 5 min'
+
+    """
+    text = f'a run must last {span_words(least_duration_s(risk))} to comply'
+    slowest = slowest_error_s(risk)
+    if slowest is None:
+        return f'{text}; its slowest error is not stated (risk.slowest_error_s)'
+    if risk.min_duration_s is not None and risk.min_duration_s > LEAST_TIMES * slowest:
+        return f'{text} (risk.min_duration_s)'
+    return f'{text}: {LEAST_TIMES:g} times its slowest error, {span_words(slowest)}'
+
+
+def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None) -> Coverage:
+    """
+    Return what a record of this length covers.
+
+    Parameters
+    ----------
+    span_s : float
+        Length of the record, or of all runs together, seconds.
+    risk : Risk
+    apart_s : float, optional
+        Shortest time between runs whose means stand in for slower errors, seconds.
+
+    """
+    longest = span_s / LEAST_TIMES
+    if apart_s is None:
+        return Coverage(span_s, longest, slowest_error_s(risk), least_duration_s(risk))
+    return Coverage(span_s, max(longest, apart_s), slowest_error_s(risk), least_together_s(risk),
+                    True)

@@ -1,0 +1,390 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The decision rules of GK as printed: variance (5), counts (6), total error (7)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+import math
+
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.settings import Norms, SettingsError
+
+from .error_models import coverage_factor, ts_factor
+from .norm_presets import sigma_max_deg
+
+__all__ = ['CountCriterion', 'count_criterion', 'Limits', 'TotalError', 'total_error',
+           'VarianceCriterion', 'variance_criterion', 'variance_limits']
+
+
+def variance_limits(sigma_max_deg: float, sigma_ref_max_deg: float,
+                    m: float) -> tuple[float, float]:
+    """
+    Return the limits of the variance criterion.
+
+    Parameters
+    ----------
+    sigma_max_deg : float
+        Norm of the TS standard deviation, degrees.
+    sigma_ref_max_deg : float
+        Norm of the RS standard deviation, degrees.
+    m : float
+        Lower bound of sigma_ref / sigma_ref_max, in [0, 1].
+
+    Returns
+    -------
+    tightened_deg2, limit_deg2 : float
+        A variance up to the first proves compliance, one above the second non-compliance;
+        between them lies the dead zone. Square degrees.
+
+    Raises
+    ------
+    ValueError
+        If `m` is outside [0, 1].
+
+    References
+    ----------
+    GK (5), GK (5').
+
+    Examples
+    --------
+    >>> [round(limit, 6) for limit in variance_limits(0.3, 0.4, m=0.5)]
+    [0.13, 0.25]
+
+    """
+    if not 0.0 <= m <= 1.0:
+        raise ValueError(f'm = {m!r}: must be from 0 to 1')
+    return (sigma_max_deg ** 2 + (m * sigma_ref_max_deg) ** 2,
+            sigma_max_deg ** 2 + sigma_ref_max_deg ** 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """
+    Everything that the criteria compare with; computed once from the norms.
+
+    Attributes
+    ----------
+    m_low, m_up : float
+        Bounds of M = sigma_ref / sigma_ref_max; `m_low` already holds the square root of the
+        factor by which interpolation shrinks the noise of the RS.
+    ts_variance_factor : float
+        Factor by which interpolation shrinks the white noise of the TS; holds where a small
+        variance is to prove compliance.
+    limit_deg2, tightened_limit_deg2 : float
+        GK (5), (5').
+    k, k_tightened : float
+        Coverage factors of GK (*) and (**).
+
+    """
+
+    sigma_max_deg: float
+    sigma_ref_max_deg: float
+    m_low: float
+    m_up: float
+    probability: float
+    limit_deg2: float
+    tightened_limit_deg2: float
+    k: float
+    k_tightened: float
+    ts_variance_factor: float = 1.0
+
+    def with_rs_factor(self, factor: float) -> 'Limits':
+        """Return the limits where interpolation has shrunk the variance of the RS noise again."""
+        lost = (1.0 - factor) * (self.m_low * self.sigma_ref_max_deg) ** 2
+        return replace(self, m_low=self.m_low * math.sqrt(factor),
+                       tightened_limit_deg2=self.tightened_limit_deg2 - lost)
+
+    @property
+    def count_limit_deg(self) -> float:
+        """The limit of GK (*), degrees."""
+        return self.k * math.sqrt(self.limit_deg2)
+
+    @property
+    def tightened_count_limit_deg(self) -> float:
+        """The limit of GK (**), degrees."""
+        return self.k_tightened * math.sqrt(self.tightened_limit_deg2)
+
+    @property
+    def rejection_limit_deg2(self) -> float:
+        """The limit of the guarded rejection, with the upper bound of M; square degrees."""
+        return self.sigma_max_deg ** 2 + (self.m_up * self.sigma_ref_max_deg) ** 2
+
+    def allowed(self, n: int) -> Fraction:
+        """Return n (1 - P), exactly, from the shortest decimal form of P."""
+        return n * (1 - Fraction(repr(self.probability)))
+
+    @classmethod
+    def of(cls, norms: Norms, model: str = 'NN', rs_variance_factor: float = 1.0,
+           ts_variance_factor: float = 1.0) -> 'Limits':
+        """
+        Return the limits that follow from the norms.
+
+        Parameters
+        ----------
+        norms : Norms
+            `sigma_max_deg` or a preset, and `sigma_ref_max_deg`, must be there.
+        model : {'NN', 'UN', 'NU', 'UU'}
+            Error distributions of TS and RS.
+        rs_variance_factor, ts_variance_factor : float
+            Mean of (1-w)^2 + w^2 over the pairs; 1 where that sensor is not interpolated.
+
+        Raises
+        ------
+        SettingsError
+            If a norm is missing.
+
+        Notes
+        -----
+        Interpolation shrinks white errors by the factor, and those that last less. As nothing
+        is known of that, a TS at its norm may show anything from the factor times its variance
+        to all of it: acceptance takes the first, rejection the second. The same with the RS.
+
+        References
+        ----------
+        GK (5), (5'), (*), (**).
+
+        """
+        sigma_max, sigma_ref_max = sigma_max_deg(norms, model), norms.sigma_ref_max_deg
+        for name, value in (('sigma_max_deg', sigma_max), ('sigma_ref_max_deg', sigma_ref_max)):
+            if value is None:
+                raise SettingsError(
+                    f'norms.{name} is missing: a verdict needs it, e.g. norms.{name}=0.2')
+        low, up = norms.m_low, norms.m_up
+        if norms.sigma_ref_deg is not None and sigma_ref_max > 0.0:
+            low = up = norms.sigma_ref_deg / sigma_ref_max
+        low *= math.sqrt(rs_variance_factor)
+        ratio = sigma_ref_max / sigma_max
+        shrunk = math.sqrt(ts_variance_factor)
+        limit = variance_limits(sigma_max, sigma_ref_max, low)[1]
+        tightened = variance_limits(shrunk * sigma_max, sigma_ref_max, low)[0]
+        rule = norms.k_rule
+        if isinstance(rule, float):
+            k = k_tightened = rule
+        elif rule == 'three' and model == 'NN':
+            k = k_tightened = 3.0
+        else:
+            k = coverage_factor(model, ratio, norms.probability)
+            k_tightened = coverage_factor(model, low * ratio / shrunk, norms.probability)
+        return cls(sigma_max, sigma_ref_max, low, up, norms.probability, limit, tightened,
+                   k, k_tightened, ts_variance_factor)
+
+
+@dataclass(frozen=True, slots=True)
+class VarianceCriterion:
+    """
+    What GK (5) says of one run.
+
+    Attributes
+    ----------
+    limit_deg2, tightened_limit_deg2 : float
+        GK (5), (5'); square degrees.
+    ratio : float or None
+        GK (5''): the RS standard deviation, relative to its norm, at which the TS would just
+        meet its own; None if the variance is below sigma_max^2 or the RS norm is zero.
+    dead_zone_width : float
+        1 - M.
+    outcome : Outcome
+
+    """
+
+    limit_deg2: float
+    tightened_limit_deg2: float
+    ratio: float | None
+    dead_zone_width: float
+    outcome: Outcome
+
+
+def variance_criterion(variance_deg2: float | None, limits: Limits) -> VarianceCriterion:
+    """
+    Compare the variance of the differences with its limits.
+
+    Parameters
+    ----------
+    variance_deg2 : float or None
+        GK (4), square degrees; None (too few differences) is indeterminate.
+    limits : Limits
+
+    References
+    ----------
+    GK (5), (5'), (5'').
+
+    """
+    ratio = None
+    if variance_deg2 is None:
+        outcome = Outcome.INDETERMINATE
+    else:
+        if variance_deg2 > limits.limit_deg2:
+            outcome = Outcome.NON_COMPLIANT
+        elif variance_deg2 <= limits.tightened_limit_deg2:
+            outcome = Outcome.COMPLIANT
+        else:
+            outcome = Outcome.INDETERMINATE
+        excess = variance_deg2 - limits.sigma_max_deg ** 2
+        if excess >= 0.0 and limits.sigma_ref_max_deg > 0.0:
+            ratio = math.sqrt(excess) / limits.sigma_ref_max_deg
+    return VarianceCriterion(limits.limit_deg2, limits.tightened_limit_deg2, ratio,
+                             1.0 - limits.m_low, outcome)
+
+
+@dataclass(frozen=True, slots=True)
+class CountCriterion:
+    """
+    What GK (6) says of one run.
+
+    Attributes
+    ----------
+    k, k_tightened : float
+        Coverage factors of (*) and (**).
+    limit_deg, tightened_limit_deg : float
+        The limits of (*) and (**), degrees.
+    n_plus, n_plus_plus : int
+        How many deviations exceed them.
+    allowed : float
+        n (1 - P).
+    dead_zone_width : float or None
+        (n++ - n+) / [n (1 - P)]; None for n = 0.
+    outcome : Outcome
+
+    """
+
+    k: float
+    k_tightened: float
+    limit_deg: float
+    tightened_limit_deg: float
+    n_plus: int
+    n_plus_plus: int
+    allowed: float
+    dead_zone_width: float | None
+    outcome: Outcome
+
+
+def count_criterion(n: int, n_plus: int, n_plus_plus: int, limits: Limits) -> CountCriterion:
+    """
+    Compare the counts of extreme deviations with the number allowed.
+
+    Parameters
+    ----------
+    n : int
+        Number of differences.
+    n_plus, n_plus_plus : int
+        How many deviate by more than `limits.count_limit_deg` and
+        `limits.tightened_count_limit_deg`.
+    limits : Limits
+
+    Notes
+    -----
+    n (1 - P) is compared exactly, as a fraction: in binary 10 (1 - 0.9) is less than 1.
+
+    Fewer than two differences are indeterminate, as for the variance: one deviates from its own
+    mean by nothing, whatever the TS. For n < 1 / (1 - P) not a single deviation is allowed, and
+    (6') as printed is met by none; that says no more than that, and certifies no rate.
+
+    References
+    ----------
+    GK (6), (6'), (6'').
+
+    """
+    allowed = limits.allowed(n)
+    if n < 2:
+        outcome = Outcome.INDETERMINATE
+    elif n_plus > allowed:
+        outcome = Outcome.NON_COMPLIANT
+    elif n_plus_plus <= allowed:
+        outcome = Outcome.COMPLIANT
+    else:
+        outcome = Outcome.INDETERMINATE
+    width = float((n_plus_plus - n_plus) / allowed) if n else None
+    return CountCriterion(limits.k, limits.k_tightened, limits.count_limit_deg,
+                          limits.tightened_count_limit_deg, n_plus, n_plus_plus,
+                          float(allowed), width, outcome)
+
+
+@dataclass(frozen=True, slots=True)
+class TotalError:
+    """
+    Confidence limits of the total TS error of one run, GK (7).
+
+    Attributes
+    ----------
+    k : float or None
+        Coverage factor used (for 'composition' that of the wide limits).
+    sigma_ts_low_deg, sigma_ts_up_deg : float or None
+        The TS standard deviation if the RS is at the upper and at the lower bound of M.
+    low_deg, up_deg : float or None
+        Wide limits (RS at its lower bound), degrees.
+    low_narrow_deg, up_narrow_deg : float or None
+        Narrow limits (RS at its upper bound), degrees.
+    outcome : Outcome or None
+        Against the norm of the total error; None without one.
+
+    """
+
+    k: float | None
+    sigma_ts_low_deg: float | None
+    sigma_ts_up_deg: float | None
+    low_deg: float | None
+    up_deg: float | None
+    low_narrow_deg: float | None
+    up_narrow_deg: float | None
+    outcome: Outcome | None
+
+
+def total_error(mean_deg: float | None, variance_deg2: float | None, limits: Limits,
+                norms: Norms, model: str = 'NN') -> TotalError:
+    """
+    Return the confidence limits of the total TS error.
+
+    Parameters
+    ----------
+    mean_deg, variance_deg2 : float or None
+        Mean and variance of the differences; None with too few of them.
+    limits : Limits
+    norms : Norms
+        `probability`, `k_rule`, `k_total_rule` and `total_error_max_deg` are used.
+    model : {'NN', 'UN', 'NU', 'UU'}
+
+    Notes
+    -----
+    A variance of the differences below that of the RS gives a TS standard deviation of 0. For
+    the wide limits an interpolated TS has had errors larger by the root of its factor. The
+    rule of K is that of the counts: a number is taken as it is, 'three' is 3 where the law that K
+    belongs to is normal.
+
+    References
+    ----------
+    GK (7), whose root is GK (3) solved for the TS.
+
+    """
+    norm = norms.total_error_max_deg
+    if mean_deg is None or variance_deg2 is None:
+        outcome = None if norm is None else Outcome.INDETERMINATE
+        return TotalError(None, None, None, None, None, None, None, outcome)
+
+    def sigma_and_k(m: float, ts_variance_factor: float) -> tuple[float, float]:
+        ref = m * limits.sigma_ref_max_deg
+        sigma = math.sqrt(max(0.0, variance_deg2 - ref ** 2) / ts_variance_factor)
+        rule = norms.k_rule
+        if isinstance(rule, float):
+            return sigma, rule
+        if rule == 'three' and (model == 'NN' or norms.k_total_rule == 'ts' and model[0] == 'N'):
+            return sigma, 3.0
+        if norms.k_total_rule == 'ts':
+            return sigma, ts_factor(model, norms.probability)
+        ratio = ref / sigma if sigma > 0.0 else math.inf
+        return sigma, coverage_factor(model, ratio, norms.probability)
+
+    sigma_up, k = sigma_and_k(limits.m_low, limits.ts_variance_factor)
+    sigma_low, k_narrow = sigma_and_k(limits.m_up, 1.0)
+    wide, narrow = k * sigma_up, k_narrow * sigma_low
+    outcome = None
+    if norm is not None:
+        if abs(mean_deg) + wide <= norm:
+            outcome = Outcome.COMPLIANT
+        elif abs(mean_deg) + narrow > norm:
+            outcome = Outcome.NON_COMPLIANT
+        else:
+            outcome = Outcome.INDETERMINATE
+    return TotalError(k, sigma_low, sigma_up, mean_deg - wide, mean_deg + wide,
+                      mean_deg - narrow, mean_deg + narrow, outcome)

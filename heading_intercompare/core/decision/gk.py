@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What GK says as printed: the criteria (5), (6), (7) on the figures of a run, together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable
+
+from heading_intercompare.core.outcome import Outcome, worst
+from heading_intercompare.core.settings import Settings
+
+from .criteria import (
+    count_criterion,
+    CountCriterion,
+    Limits,
+    total_error,
+    TotalError,
+    variance_criterion,
+    VarianceCriterion,
+)
+
+__all__ = ['as_printed', 'Printed']
+
+
+@dataclass(frozen=True, slots=True)
+class Printed:
+    """
+    Findings of the criteria as printed.
+
+    Attributes
+    ----------
+    variance : VarianceCriterion
+    counts : CountCriterion
+    total : TotalError
+    outcome : Outcome
+        The worst of them; the total error counts if it has a norm.
+
+    """
+
+    variance: VarianceCriterion
+    counts: CountCriterion
+    total: TotalError
+    outcome: Outcome
+
+
+def as_printed(n: int, mean_deg: float | None, variance_deg2: float | None,
+               count: Callable[[float], int], limits: Limits, settings: Settings) -> Printed:
+    """
+    Apply the criteria of GK.
+
+    Parameters
+    ----------
+    n : int
+        Number of differences.
+    mean_deg, variance_deg2 : float or None
+        Their mean and variance; None where there are too few for them.
+    count : callable
+        ``count(limit_deg)``: how many deviations exceed a limit.
+    limits : Limits
+    settings : Settings
+        Norms and model are used.
+
+    References
+    ----------
+    GK (5), (6), (7).
+
+    """
+    variance = variance_criterion(variance_deg2, limits)
+    counts = count_criterion(n, count(limits.count_limit_deg),
+                             count(limits.tightened_count_limit_deg), limits)
+    total = total_error(mean_deg, variance_deg2, limits, settings.norms, settings.model)
+    outcomes = [variance.outcome, counts.outcome]
+    if total.outcome is not None:
+        outcomes.append(total.outcome)
+    known = variance_deg2 is not None
+    return Printed(variance, counts, total, worst(outcomes) if known else Outcome.INDETERMINATE)

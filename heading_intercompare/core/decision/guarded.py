@@ -1,0 +1,309 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The decision with a stated risk: confidence bounds, not estimates, against the limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+from scipy.special import stdtrit
+
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.settings import Risk
+from heading_intercompare.core.statistics.cells import Cells
+from heading_intercompare.core.statistics.confidence_bounds import (
+    confidence,
+    duration_factor,
+    mean_confidence,
+    rate_lower,
+    rate_upper,
+)
+from heading_intercompare.core.statistics.variance_uncertainty import (
+    lower_bound,
+    MEAN_DOF,
+    Spread,
+    spread,
+    upper_bound,
+)
+
+from .coverage import least_duration_s
+from .criteria import Limits
+
+__all__ = ['count_risk', 'decide', 'Evidence', 'evidence_of', 'Guarded', 'REASONS',
+           'variance_risk']
+
+REASONS = {
+    'insufficient_data': 'fewer than 128 differences, or too unevenly spread in time',
+    'lower_bound_above_rejection_limit':
+        'the variance is above the rejection limit, at the stated risk',
+    'insufficient_duration': 'shorter than a run must be to comply',
+    'upper_bound_within_acceptance_limit':
+        'the variance is within the acceptance limit, at the stated risk',
+    'slow_errors_not_resolved':
+        'the errors have a slow part that this record cannot measure: measure longer',
+    'drift_left_in':
+        'the drift that is left in may by itself break the norm: measure longer, or take it out '
+        '(drift_order)',
+    'reference_limited': 'only better knowledge of sigma_ref can decide, not more data',
+    'data_limited': 'more data can decide',
+}
+"""Why the decision on the variance is what it is: code and words."""
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """
+    All that the decision takes from the data of one run.
+
+    Attributes
+    ----------
+    n : int
+        Number of differences.
+    spread : Spread or None
+        Their variance and how well it is known; None for fewer than 128.
+    mean_deg : float or None
+        Mean difference, degrees; None for n = 0.
+    offset_u_deg : float
+        Standard uncertainty of the installation offset, degrees.
+    span_s : float
+        Time from the first to the last difference, seconds.
+    n_plus, n_plus_plus : int
+        How many deviations exceed the limits of GK (*) and (**).
+    drift_left_deg2 : float
+        Upper 95 % bound of the variance of the drift left in, square degrees.
+
+    """
+
+    n: int
+    spread: Spread | None
+    mean_deg: float | None
+    offset_u_deg: float
+    span_s: float
+    n_plus: int
+    n_plus_plus: int
+    drift_left_deg2: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Guarded:
+    """
+    The guarded decision on one run; the fields are the keys of the JSON, in its order.
+
+    None where there is no figure (fewer than 128 differences); infinite where a figure has no
+    bound. Angles in degrees, variances in square degrees.
+
+    Attributes
+    ----------
+    d_hat_deg2 : float or None
+        Variance D with what the removed mean has swallowed. S.2.
+    nu, f : float or None
+        Effective degrees of freedom of the variance, and of its slow part. S.4, S.6.
+    corner_j : float or None
+        Half-periods in the record at which the power of the squares falls off. S.5.
+    r_slow, slow_variance_deg2, slow_allowance_deg2 : float or None
+        How far the lowest half-periods stand out, the variance in that, and what the upper bound
+        allows for it. S.8, S.9.
+    upper_bound_deg2, lower_bound_deg2 : float or None
+        Bounds U at the consumer's and L at the producer's risk. S.10, S.11.
+    acceptance_limit_deg2, rejection_limit_deg2 : float
+        The limits A and R that they are compared with.
+    sigma_ts_lower_deg, sigma_ts_upper_deg : float or None
+        Bounds of the TS standard deviation, the RS at its upper and at its lower value; the upper
+        one allows for what interpolating the TS may have taken from it.
+    confidence_compliant, confidence_non_compliant : float or None
+        That the variance is at most A; that it is above R.
+    conformance_probability : float or None
+        That the TS meets its norm, the RS uniform between its bounds. E.10.
+    duration_factor, hours_needed : float or None
+        How many times as long a run would decide if everything stayed as it is, and its length.
+    bias_u_deg, bias_interval_deg, bias_significant : float, pair of float, bool or None
+        Standard uncertainty of the mean, its 95 % interval, whether that excludes 0.
+    rate_plus, rate_plus_plus : float or None
+        Rates of extreme deviations; None for n = 0.
+    rate_plus_lower, rate_plus_plus_upper : float or None
+        Their bounds. S.14.
+    count_outcome, outcome : Outcome
+        On the counts; on the variance.
+    reason : str
+        A key of `REASONS`.
+
+    """
+
+    d_hat_deg2: float | None
+    nu: float | None
+    f: float | None
+    corner_j: float | None
+    r_slow: float | None
+    slow_variance_deg2: float | None
+    slow_allowance_deg2: float | None
+    upper_bound_deg2: float | None
+    lower_bound_deg2: float | None
+    acceptance_limit_deg2: float
+    rejection_limit_deg2: float
+    sigma_ts_lower_deg: float | None
+    sigma_ts_upper_deg: float | None
+    confidence_compliant: float | None
+    confidence_non_compliant: float | None
+    conformance_probability: float | None
+    duration_factor: float | None
+    hours_needed: float | None
+    bias_u_deg: float | None
+    bias_interval_deg: tuple[float, float] | None
+    bias_significant: bool | None
+    rate_plus: float | None
+    rate_plus_plus: float | None
+    rate_plus_lower: float | None
+    rate_plus_plus_upper: float | None
+    count_outcome: Outcome
+    outcome: Outcome
+    reason: str
+
+
+def evidence_of(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: float,
+                mean_deg: float | None, offset_u_deg: float = 0.0, order: int = 0,
+                drift_left_deg2: float = 0.0) -> Evidence:
+    """
+    Return what a run says.
+
+    Parameters
+    ----------
+    cells : Cells
+        Of the differences, or of their residuals about a polynomial.
+    n_plus, n_plus_plus : int
+        How many deviations exceed the limits of GK (*) and (**).
+    span_s : float
+        Time from the first to the last difference, seconds.
+    mean_deg : float or None
+        Mean difference, degrees; None for n = 0.
+    offset_u_deg : float
+        Standard uncertainty of the installation offset, degrees.
+    order : int
+        Order of the polynomial to allow for; see `spread`.
+    drift_left_deg2 : float
+        Upper 95 % bound of the variance of the drift left in, square degrees.
+
+    """
+    return Evidence(cells.n, spread(cells, order), mean_deg, offset_u_deg, span_s, n_plus,
+                    n_plus_plus, drift_left_deg2)
+
+
+def variance_risk(risk: Risk) -> float:
+    """Return the producer's risk that the variance may take."""
+    return risk.alpha_producer * (1.0 - risk.count_share)
+
+
+def count_risk(risk: Risk) -> float:
+    """Return the producer's risk that the counts may take."""
+    return risk.alpha_producer * risk.count_share
+
+
+def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
+    """
+    Decide on a run with stated risks.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Of one run, or of several together.
+    limits : Limits
+        Acceptance limit `tightened_limit_deg2` and rejection limit `rejection_limit_deg2`.
+    risk : Risk
+        Among m runs divide `alpha_producer` by m: any of them may reject.
+
+    Returns
+    -------
+    Guarded
+
+    Notes
+    -----
+    Variance and counts may both reject, so they share the producer's risk; the variance alone
+    certifies, so it has all of the consumer's.
+
+    References
+    ----------
+    S.10, S.11, S.14 and the table of ``docs/risk.md``; JCGM 106:2012, guarded acceptance and
+    rejection.
+
+    """
+    found = evidence.spread
+    accept, reject = limits.tightened_limit_deg2, limits.rejection_limit_deg2
+    rates = _rates(evidence)
+    if found is None:
+        unknown = Outcome.INDETERMINATE
+        return Guarded(*(None,) * 9, accept, reject, *(None,) * 10, *rates, None, None,
+                       unknown, unknown, 'insufficient_data')
+    producer = variance_risk(risk)
+    upper = upper_bound(found, risk.alpha_consumer)
+    lower = lower_bound(found, producer)
+    least_s = least_duration_s(risk)
+    is_long = evidence.span_s >= least_s
+    outcome, reason = _variance_outcome(found, lower, upper, evidence.drift_left_deg2, limits,
+                                        is_long)
+    low_deg, up_deg = (m * limits.sigma_ref_max_deg for m in (limits.m_low, limits.m_up))
+    rate_low = rate_lower(found.nu * rates[0], found.nu, count_risk(risk))
+    rate_up = rate_upper(found.nu * rates[1], found.nu, risk.alpha_consumer)
+    factor = duration_factor(found, accept, reject, risk.alpha_consumer, producer)
+    if lower <= reject and evidence.span_s > 0.0:
+        factor = max(factor, least_s / evidence.span_s)
+    return Guarded(
+        d_hat_deg2=found.d_deg2, nu=found.nu, f=found.f, corner_j=found.corner_j,
+        r_slow=found.r_slow, slow_variance_deg2=found.slow_variance_deg2,
+        slow_allowance_deg2=found.slow_allowance_deg2,
+        upper_bound_deg2=upper, lower_bound_deg2=lower,
+        acceptance_limit_deg2=accept, rejection_limit_deg2=reject,
+        sigma_ts_lower_deg=math.sqrt(max(0.0, lower - up_deg ** 2)),
+        sigma_ts_upper_deg=math.sqrt(max(0.0, upper - low_deg ** 2)
+                                     / limits.ts_variance_factor),
+        confidence_compliant=confidence(found, accept),
+        confidence_non_compliant=1.0 - confidence(found, reject),
+        conformance_probability=mean_confidence(
+            found, math.sqrt(limits.ts_variance_factor) * limits.sigma_max_deg, low_deg, up_deg),
+        duration_factor=factor, hours_needed=factor * evidence.span_s / 3600.0,
+        **_bias(evidence, found),
+        rate_plus=rates[0], rate_plus_plus=rates[1],
+        rate_plus_lower=rate_low, rate_plus_plus_upper=rate_up,
+        count_outcome=_count_outcome(rate_low, rate_up, float(limits.allowed(1)), is_long),
+        outcome=outcome, reason=reason)
+
+
+def _rates(evidence: Evidence) -> tuple[float | None, float | None]:
+    if not evidence.n:
+        return None, None
+    return evidence.n_plus / evidence.n, evidence.n_plus_plus / evidence.n
+
+
+def _variance_outcome(found: Spread, lower: float, upper: float, drift_left_deg2: float,
+                      limits: Limits, is_long: bool) -> tuple[Outcome, str]:
+    """Apply the rows of the table of ``docs/risk.md`` in their order."""
+    accept, reject = limits.tightened_limit_deg2, limits.rejection_limit_deg2
+    if lower > reject:
+        return Outcome.NON_COMPLIANT, 'lower_bound_above_rejection_limit'
+    if not is_long:
+        return Outcome.INDETERMINATE, 'insufficient_duration'
+    if upper <= accept:
+        if found.d_deg2 + drift_left_deg2 > accept:
+            return Outcome.INDETERMINATE, 'drift_left_in'
+        return Outcome.COMPLIANT, 'upper_bound_within_acceptance_limit'
+    slow = found.slow_allowance_deg2
+    if upper - slow <= accept or found.d_deg2 <= accept < found.d_deg2 + slow:
+        return Outcome.INDETERMINATE, 'slow_errors_not_resolved'
+    if lower > accept and upper <= reject:
+        return Outcome.INDETERMINATE, 'reference_limited'
+    return Outcome.INDETERMINATE, 'data_limited'
+
+
+def _bias(evidence: Evidence, found: Spread) -> dict[str, float | tuple[float, float] | bool]:
+    u = math.sqrt(found.mean_variance_deg2 + evidence.offset_u_deg ** 2)
+    half = -float(stdtrit(MEAN_DOF, 0.025)) * u
+    low, up = evidence.mean_deg - half, evidence.mean_deg + half
+    return {'bias_u_deg': u, 'bias_interval_deg': (low, up),
+            'bias_significant': not low <= 0.0 <= up}
+
+
+def _count_outcome(low: float, up: float, allowed: float, is_long: bool) -> Outcome:
+    if low > allowed:
+        return Outcome.NON_COMPLIANT
+    if up <= allowed and is_long:
+        return Outcome.COMPLIANT
+    return Outcome.INDETERMINATE

@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Named norms of heading sensors, and the standard deviation that follows from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+from heading_intercompare.core.settings import Norms, SettingsError
+
+from .error_models import ts_factor
+
+__all__ = ['PRESETS', 'Preset', 'sigma_max_deg']
+
+
+@dataclass(frozen=True, slots=True)
+class Preset:
+    """
+    A published norm.
+
+    Attributes
+    ----------
+    title : str
+        The instrument and the document.
+    rms_deg : float or None
+        Norm of the standard deviation, degrees; it is the TS norm by itself.
+    limit_deg : float or None
+        Norm of the largest error, degrees; it becomes a standard deviation as limit / K(P).
+    probability : float or None
+        Probability that belongs to the limit; None for `norms.probability`.
+    secant : bool
+        Whether the norm grows with the secant of the latitude.
+    content : str
+        What else the document asks.
+    status : str
+        'verified' against the document, or 'unverified': from secondary sources or a draft.
+
+    """
+
+    title: str
+    rms_deg: float | None
+    limit_deg: float | None
+    probability: float | None
+    secant: bool
+    content: str
+    status: str
+
+
+PRESETS = {
+    'imo_a424': Preset(
+        'gyro-compass, IMO A.424(XI), ISO 8728 class A', 0.25, None, None, True,
+        'settle-point error 0.75 sec(lat); rms of ten readings 0.25 sec(lat); dynamic 1.0 '
+        'sec(lat)', 'unverified'),
+    'imo_a821': Preset(
+        'gyro-compass for high-speed craft, IMO A.821(19)', 0.25, None, None, True,
+        'settles within 6 h up to 70 deg; settle-point error 0.75 sec(lat); rms 0.25 sec(lat); '
+        'repeatability 0.25 sec(lat)', 'verified'),
+    'imo_msc116': Preset(
+        'transmitting heading device, IMO MSC.116(73)', None, 1.0, None, False,
+        'static error 1.0; dynamic amplitude 1.5; follow-up 0.5 up to 10 deg/s', 'verified'),
+    'iso22090_1': Preset(
+        'gyro transmitting heading device, ISO 22090-1', None, 1.5, None, True,
+        'dynamic error 1.5 sec(lat)', 'unverified'),
+    'iso22090_2': Preset(
+        'magnetic transmitting heading device, ISO 22090-2', None, 1.0, 0.95, False,
+        'static error 1.0 (95 %), at four headings or more', 'verified'),
+}
+
+
+def sigma_max_deg(norms: Norms, model: str = 'NN') -> float | None:
+    """
+    Return the norm of the TS standard deviation that is in force.
+
+    Parameters
+    ----------
+    norms : Norms
+        With a preset the norm follows from it, else it is `sigma_max_deg`, which may be None.
+    model : {'NN', 'UN', 'NU', 'UU'}
+        The TS law turns a norm of the largest error into one of the standard deviation.
+
+    Returns
+    -------
+    float or None
+        Degrees.
+
+    Raises
+    ------
+    SettingsError
+        If the preset is unknown, or needs a latitude that is not given.
+
+    Examples
+    --------
+    >>> round(sigma_max_deg(Norms(preset='imo_a821', latitude_deg=60.0)), 9)
+    0.5
+
+    """
+    if norms.preset is None:
+        return norms.sigma_max_deg
+    preset = PRESETS.get(norms.preset)
+    if preset is None:
+        raise SettingsError(f'norms.preset = {norms.preset!r}: must be one of '
+                            f'{", ".join(PRESETS)}')
+    sigma = preset.rms_deg
+    if sigma is None:
+        sigma = preset.limit_deg / ts_factor(model, preset.probability or norms.probability)
+    if preset.secant:
+        if norms.latitude_deg is None:
+            raise SettingsError(f'norms.latitude_deg is missing: the norm {norms.preset} grows '
+                                'with the secant of the latitude')
+        sigma /= math.cos(math.radians(norms.latitude_deg))
+    return sigma

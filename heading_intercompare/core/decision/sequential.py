@@ -1,0 +1,229 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Early verdicts: a few looks at doubling times that share the risk of one verdict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Sequence
+
+import numpy as np
+
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.settings import Risk, Settings, SettingsError
+
+from .coverage import least_duration_s
+
+__all__ = ['Look', 'Looks', 'LookVerdict', 'rejecting', 'risk_at_the_end', 'standing']
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """
+    One moment at which a run in progress may be decided.
+
+    Attributes
+    ----------
+    index : int
+        From 0; the last is the planned end of the run.
+    span_ns : int
+        Time since the first difference at which it is due, nanoseconds.
+    risk : Risk
+        With this look's share of both risks.
+
+    """
+
+    index: int
+    span_ns: int
+    risk: Risk
+
+
+@dataclass(frozen=True, slots=True)
+class LookVerdict:
+    """
+    What a look at a run in progress said; keys of the JSON.
+
+    Attributes
+    ----------
+    look, looks : int
+        Which look, from 1, of how many.
+    span_s : float
+        Time since the first difference, seconds.
+    outcome : Outcome
+    reason : str
+        As for a run; or 'not_confirmed', where an earlier look accepted.
+    validity_effect : {'holds', 'doubtful', 'void'}
+        The gravest effect of a finding at that time.
+    headline : str
+        The same in one line.
+
+    """
+
+    look: int
+    looks: int
+    span_s: float
+    outcome: Outcome
+    reason: str
+    validity_effect: str = 'holds'
+    headline: str = ''
+
+    def __str__(self) -> str:
+        return (f'look {self.look} of {self.looks}, {self.span_s:.1f} s after the first '
+                f'difference: {self.outcome}')
+
+
+def rejecting(looks: Sequence[LookVerdict]) -> LookVerdict | None:
+    """Return the first look that rejected; None if none did."""
+    return next((look for look in looks if look.outcome is Outcome.NON_COMPLIANT), None)
+
+
+def standing(looks: Sequence[LookVerdict]) -> LookVerdict | None:
+    """
+    Return what the looks taken so far leave standing of a run in progress.
+
+    Returns
+    -------
+    LookVerdict or None
+        The first that rejected; else the last one, if any accepted: where it does not confirm
+        that, it is indeterminate and says so. None while no look has decided.
+
+    """
+    rejected = rejecting(looks)
+    if rejected is not None:
+        return rejected
+    if not any(look.outcome is Outcome.COMPLIANT for look in looks):
+        return None
+    last = looks[-1]
+    if last.outcome is Outcome.COMPLIANT:
+        return last
+    return replace(last, reason='not_confirmed')
+
+
+class Looks:
+    """
+    The looks at one run, each taken once.
+
+    Parameters
+    ----------
+    plan_s : float
+        Planned length of the run, seconds, greater than 0.
+    looks : int
+        How many, at least 2: at plan, plan/2, plan/4, ... Those before the least duration of a
+        run do not exist.
+    risk : Risk
+        To be shared: half of each alpha for the last look, the other half in equal parts for
+        the earlier ones; all for the last one if there is no other.
+
+    Attributes
+    ----------
+    plan : tuple of Look
+        All looks, first to last.
+    taken : int
+        How many have been taken.
+
+    Raises
+    ------
+    SettingsError
+        If the plan is no plan, or a risk is too small to be shared.
+
+    Notes
+    -----
+    The probability that any look decides wrongly is at most the sum of the shares, whatever the
+    dependence between looks (Bonferroni). To look more often, or at the full risk each time,
+    is what it must not be used for: a rule of 5 % looked at every minute for ten hours accepts
+    at the limit in a quarter of all runs and more.
+
+    References
+    ----------
+    E.14 of ``docs/risk.md``.
+
+    Examples
+    --------
+    >>> looks = Looks(3600.0, 7, Risk())
+    >>> [look.span_ns // 10 ** 9 for look in looks.plan]
+    [900, 1800, 3600]
+    >>> [look.risk.alpha_consumer for look in looks.plan]
+    [0.0125, 0.0125, 0.025]
+    >>> [look.index for look in looks.due(2000.0)], looks.due(3000.0)
+    ([0, 1], [])
+
+    """
+
+    def __init__(self, plan_s: float, looks: int, risk: Risk) -> None:
+        if not plan_s > 0.0:
+            raise SettingsError(f'sequential.plan_s = {plan_s!r}: must be greater than 0')
+        if looks < 2:
+            raise SettingsError(f'sequential.looks = {looks!r}: must be at least 2')
+        plan_ns = round(plan_s * 1e9)
+        least_ns = round(least_duration_s(risk) * 1e9)
+        spans = [plan_ns >> (looks - 1 - k) for k in range(looks)]
+        spans = [span for span in spans[:-1] if span >= least_ns] + spans[-1:]
+        early, last = (_shared(risk, 2 * (len(spans) - 1)), _shared(risk, 2)) \
+            if len(spans) > 1 else (risk, risk)
+        self.plan = tuple(Look(k, span, last if k == len(spans) - 1 else early)
+                          for k, span in enumerate(spans))
+        self.taken = 0
+
+    def due(self, span_s: float) -> list[Look]:
+        """
+        Take the looks that a run of this length has reached.
+
+        Parameters
+        ----------
+        span_s : float
+            Time since the first difference of the run, seconds.
+
+        Returns
+        -------
+        list of Look
+            Those not taken before, first to last; each is returned once.
+
+        """
+        return self._reached(round(span_s * 1e9))
+
+    def _reached(self, span_ns: int) -> list[Look]:
+        start = self.taken
+        while self.taken < len(self.plan) and self.plan[self.taken].span_ns <= span_ns:
+            self.taken += 1
+        return list(self.plan[start:self.taken])
+
+    def cuts(self, start_ns: int, stamp_ns: np.ndarray) -> list[tuple[int, Look]]:
+        """
+        Take the looks that fall into a chunk, and say where.
+
+        Parameters
+        ----------
+        start_ns : int
+            Stamp of the first difference of the run, nanoseconds.
+        stamp_ns : ndarray of int64, shape (n,)
+            Stamps of the chunk, increasing.
+
+        Returns
+        -------
+        list of (int, Look)
+            How many samples of the chunk belong to the look: up to and with the first one that
+            reaches its time. So a look sees the same samples in whatever chunks they come.
+
+        """
+        if not len(stamp_ns):
+            return []
+        reached = self._reached(int(stamp_ns[-1]) - start_ns)
+        return [(int(np.searchsorted(stamp_ns, start_ns + look.span_ns)) + 1, look)
+                for look in reached]
+
+
+def risk_at_the_end(settings: Settings) -> Risk:
+    """Return the risks of the verdict at the end of a run: with a plan, those of its last look."""
+    plan, risk = settings.sequential, settings.risk
+    if plan.plan_s is None:
+        return risk
+    return Looks(plan.plan_s, plan.looks, risk).plan[-1].risk
+
+
+def _shared(risk: Risk, parts: int) -> Risk:
+    for name in ('alpha_consumer', 'alpha_producer'):
+        if getattr(risk, name) / parts < 1e-6:
+            raise SettingsError(f'risk.{name} = {getattr(risk, name)!r}: too small to be shared '
+                                f'by looks; must be at least {parts}e-06')
+    return replace(risk, alpha_consumer=risk.alpha_consumer / parts,
+                   alpha_producer=risk.alpha_producer / parts)

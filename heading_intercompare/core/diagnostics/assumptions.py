@@ -1,0 +1,359 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The assumptions (a) to (j) that GK makes, each held against the data of a run.
+
+What two sensors cannot show is said to be not testable, never to be met.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+from heading_intercompare.core.conditions.one_source import OneSource
+from heading_intercompare.core.statistics.drift import Order, Slope
+from heading_intercompare.core.statistics.ergodicity import Homogeneity
+from heading_intercompare.core.statistics.normality import Shape
+from heading_intercompare.core.statistics.stationarity import Stationarity
+from heading_intercompare.core.statistics.variance_uncertainty import Spread
+from heading_intercompare.core.statistics.warm_up import WarmUp
+from heading_intercompare.core.timing.time_skew import Skew
+
+from .deviation import HeadingDependence
+
+__all__ = ['Assumption', 'constant_moments', 'correlated_errors', 'drift_and_stationary',
+           'ergodic', 'installation', 'large_n', 'laws', 'MET', 'model_kurtosis', 'NOT_TESTABLE',
+           'reference_norm', 'resolved', 'stabilized', 'STATEMENTS', 'synchronous', 'VIOLATED']
+
+MET, VIOLATED, NOT_TESTABLE = 'met', 'violated', 'not_testable'
+
+STATEMENTS = {
+    'a': 'There are many readings, also counted as independent ones',
+    'b': 'TS and RS are read at the same instants',
+    'c': 'The stabilisation period is left out',
+    'd': 'The RS has no systematic error, and its norm is close to its true deviation',
+    'e': 'The installation offset is known, or small against the norm',
+    'f': 'The difference is a drift plus a stationary process',
+    'g': 'The process is ergodic: every run shows the same form',
+    'h': 'Mean and variance are constant within the run',
+    'i': 'The errors of TS and RS are uncorrelated',
+    'j': 'The errors follow the laws of the model',
+}
+"""What GK takes for granted, in this package's words."""
+
+SIGNIFICANT = 0.01
+"""An assumption is violated if data that obey it would look so bad less often than this."""
+
+DEPENDENT = 0.001
+"""The same for a dependence on the heading, for the test on few blocks is somewhat eager."""
+
+SKEW_SHARE = 0.05
+"""Share of the variance that a skew may add while the readings count as simultaneous."""
+
+ENOUGH = 15.0
+"""Fewest effectively independent differences that count as many."""
+
+SLOW_RATIO, SLOW_SHARE = 2.0, 0.05
+"""A slow error and a change look alike where the four lowest half-periods of a record have so many
+times the power of the middle ones, and so much of the variance."""
+
+SMALL_OFFSET = 1.0 / 3.0
+"""Share of sigma_max up to which a mean difference is small."""
+
+
+@dataclass(frozen=True, slots=True)
+class Assumption:
+    """
+    One assumption; keys of the JSON.
+
+    Attributes
+    ----------
+    id : str
+        'a' to 'j'.
+    statement : str
+        Of `STATEMENTS`.
+    state : {'met', 'violated', 'not_testable'}
+    evidence : str
+        A sentence with the figures.
+
+    """
+
+    id: str
+    statement: str
+    state: str
+    evidence: str
+
+
+_UNRESOLVED = 'the run is too short for the correlation of the errors'
+_ALIKE = f'{_UNRESOLVED}: a slow error and a change of the process look alike'
+
+
+def _of(key: str, state: str, evidence: str) -> Assumption:
+    return Assumption(key, STATEMENTS[key], state, evidence)
+
+
+def resolved(found: Spread | None) -> bool:
+    """Tell whether a record is long enough to tell its slow errors from a change."""
+    return found is not None and not (found.r_slow > SLOW_RATIO and
+                                      found.slow_variance_deg2 > SLOW_SHARE * found.d_deg2)
+
+
+def large_n(n: int, nu: float | None, resolved: bool) -> Assumption:
+    """Judge (a) by the number of differences and what they are worth for the variance."""
+    if n == 0:
+        return _of('a', NOT_TESTABLE, 'there are no differences')
+    if nu is None:
+        return _of('a', VIOLATED, f'{n} differences are fewer than 128, or too unevenly '
+                   'spread in time')
+    if nu >= ENOUGH and not resolved:
+        return _of('a', NOT_TESTABLE, f'{n} differences, but {_UNRESOLVED}: how many '
+                   'independent ones they are worth cannot be told')
+    return _of('a', MET if nu >= ENOUGH else VIOLATED,
+               f'{n} differences are worth {nu:.4g} independent ones; {ENOUGH:.4g} are needed')
+
+
+def synchronous(skew: Skew, range_s: float) -> Assumption:
+    """Judge (b) by the time skew and the variance it adds."""
+    largest = skew.largest_variance_deg2(range_s)
+    if largest is None or not skew.std_deg:
+        return _of('b', NOT_TESTABLE, 'there is too little data to estimate a time skew')
+    share = largest / skew.std_deg ** 2
+    if skew.kind == 'beyond':
+        return _of('b', VIOLATED, skew.why_not(range_s))
+    if not skew.well_determined:
+        if share <= SKEW_SHARE:
+            return _of('b', MET, 'the ship hardly turned: even a skew of '
+                       f'{range_s:.3g} s would add only {100.0 * share:.2g} % to the variance')
+        return _of('b', NOT_TESTABLE, skew.why_not(range_s))
+    figures = (f'the skew is {skew.skew_s:.3f} s (standard uncertainty {skew.u_s:.3f} s) and adds '
+               f'up to {100.0 * share:.3g} % to the variance')
+    if share <= SKEW_SHARE:
+        return _of('b', MET, figures)
+    return _of('b', VIOLATED if skew.significant else NOT_TESTABLE, figures)
+
+
+def stabilized(warm_up: WarmUp | None) -> Assumption:
+    """Judge (c) by an exponential warm-up in what is analysed."""
+    if warm_up is None:
+        return _of('c', NOT_TESTABLE, 'there is too little data to see a warm-up')
+    if not warm_up.preferred:
+        return _of('c', MET, 'no exponential warm-up describes the differences')
+    figures = (f'a warm-up of {warm_up.amplitude_deg:.3g} deg with time constant '
+               f'{warm_up.tau_s:.4g} s')
+    if warm_up.settle_s == 0.0:
+        return _of('c', MET, f'{figures} stays within {warm_up.tolerance_deg:.3g} deg')
+    end = (f'is over only {warm_up.settle_s:.4g} s after the first analysed difference'
+           if warm_up.settle_s < warm_up.span_s else 'is not over at the end of the run')
+    return _of('c', VIOLATED, f'{figures} {end}')
+
+
+def _below_reference(upper_deg2: float | None, reference_deg: float) -> str:
+    """Return why the variance is too small for the RS, or an empty text."""
+    if upper_deg2 is None or not upper_deg2 < reference_deg ** 2:
+        return ''
+    return (f'the standard deviation of the differences is at most {math.sqrt(upper_deg2):.3g} '
+            f'deg, less than the {reference_deg:.3g} deg that the RS alone should have')
+
+
+def reference_norm(sigma_ref_lower_deg: float | None, sigma_ref_max_deg: float,
+                   upper_deg2: float | None, m_low: float) -> Assumption:
+    """
+    Judge (d) by what the data say of the noise of the RS.
+
+    Parameters
+    ----------
+    sigma_ref_lower_deg : float or None
+        Lower bound of the RS standard deviation from both headings, `reference_noise`; degrees.
+    sigma_ref_max_deg : float
+        Its norm, degrees.
+    upper_deg2 : float or None
+        Upper confidence bound of the variance of the differences, square degrees; None if it
+        is not known or not to be trusted.
+    m_low : float
+        Lower bound of sigma_ref / sigma_ref_max that the verdict uses.
+
+    """
+    below = _below_reference(upper_deg2, m_low * sigma_ref_max_deg)
+    if below:
+        return _of('d', VIOLATED, f'{below}: its norm is too large, unless (i) is violated')
+    if sigma_ref_lower_deg is None:
+        return _of('d', NOT_TESTABLE, 'a systematic error of the RS cannot be seen in '
+                   'differences, and the ship is never quiet enough to see its noise')
+    figures = (f'both headings show at least {sigma_ref_lower_deg:.3g} deg of RS noise, its norm '
+               f'is {sigma_ref_max_deg:.3g} deg')
+    if sigma_ref_lower_deg > sigma_ref_max_deg:
+        return _of('d', VIOLATED, figures)
+    return _of('d', NOT_TESTABLE, f'{figures}; a systematic error of the RS cannot be seen in '
+               'differences')
+
+
+def installation(mean_interval_deg: tuple[float, float] | None, sigma_max_deg: float,
+                 variant: str) -> Assumption:
+    """Judge (e) by the 95 % interval of the mean, which holds the offset's uncertainty."""
+    if mean_interval_deg is None:
+        return _of('e', NOT_TESTABLE, 'there is too little data for an interval of the mean')
+    low, up = mean_interval_deg
+    figures = (f'the mean difference is within [{low:.4g}, {up:.4g}] deg, sigma_max is '
+               f'{sigma_max_deg:.4g} deg')
+    if max(abs(low), abs(up)) <= SMALL_OFFSET * sigma_max_deg:
+        return _of('e', MET, figures)
+    if variant == 'A' and not low <= 0.0 <= up:
+        return _of('e', VIOLATED, f'{figures}; in variant A nothing but an offset explains that')
+    return _of('e', NOT_TESTABLE, f'{figures}; an offset and a systematic error of the TS look '
+               'alike')
+
+
+def drift_and_stationary(order: Order | None, residual: Stationarity,
+                         resolved: bool | None) -> Assumption:
+    """
+    Judge (f) by the residuals about the polynomial that the drift calls for.
+
+    Parameters
+    ----------
+    order : Order or None
+        The order chosen.
+    residual : Stationarity
+        Of the residuals about that polynomial.
+    resolved : bool or None
+        Whether the record is long enough for their correlation.
+
+    """
+    if order is None or residual.least_p is None:
+        return _of('f', NOT_TESTABLE, 'there is too little data')
+    drift = f'a drift of order {order.order}' if order.order else 'no drift'
+    figures = f'{drift}; the rest is stationary with p = {residual.least_p:.2g}'
+    if not resolved:
+        return _of('f', NOT_TESTABLE, f'{drift}; {_ALIKE}')
+    return _of('f', VIOLATED if residual.least_p < SIGNIFICANT else MET, figures)
+
+
+def ergodic(runs: Homogeneity | None) -> Assumption:
+    """Judge (g) by the means and variances of several runs."""
+    if runs is None or runs.m < 2:
+        return _of('g', NOT_TESTABLE, 'there is only one run')
+    figures = (f'{runs.m} runs: equal means have p = {runs.q_p:.2g}, equal variances p = '
+               f'{runs.bartlett_p:.2g}')
+    if runs.variances_equal and runs.means_equal:
+        return _of('g', MET, figures)
+    if runs.variances_equal:
+        return _of('g', VIOLATED, f'{figures}; the systematic error changes from run to run '
+                   f'with {math.sqrt(runs.between_variance_deg2):.3g} deg: variant C')
+    return _of('g', VIOLATED, figures)
+
+
+def constant_moments(found: Stationarity, slope: Slope | None, span_h: float,
+                     dependence: HeadingDependence, resolved: bool | None) -> Assumption:
+    """
+    Judge (h) by trends of mean and variance, and by a dependence on the heading.
+
+    Parameters
+    ----------
+    found : Stationarity
+        Of the differences as they are analysed.
+    slope : Slope or None
+        Of the same.
+    span_h : float
+        Length of the run, hours.
+    dependence : HeadingDependence
+    resolved : bool or None
+        Whether the record is long enough for the correlation of the rest.
+
+    """
+    if found.least_p is None:
+        return _of('h', NOT_TESTABLE, 'there is too little data')
+    if dependence.p is not None and dependence.p < DEPENDENT:
+        return _of('h', VIOLATED, 'the difference depends on the heading, by up to '
+                   f'{dependence.amplitude_deg:.3g} deg (p = {dependence.p:.2g})')
+    trends = [text for p, text in (
+        (found.mean_p, 'the mean'), (found.square_p, 'the variance'),
+        (found.kpss_p, 'the level')) if p is not None and 3.0 * p < SIGNIFICANT]
+    figures = (f'reverse arrangements of {found.blocks} blocks: mean z = {found.mean_z:.2f}, '
+               f'square z = {found.square_z:.2f}')
+    if found.kpss is not None:
+        figures += f'; KPSS {found.kpss:.3f}'
+    if slope is not None and slope.u_deg_per_h is not None:
+        figures += (f'; slope {slope.slope_deg_per_h:.3g} deg/h (standard uncertainty '
+                    f'{slope.u_deg_per_h:.2g}), {slope.slope_deg_per_h * span_h:.3g} deg over '
+                    'the run')
+    if not resolved:
+        return _of('h', NOT_TESTABLE, f'{_ALIKE}; {figures}')
+    if trends:
+        return _of('h', VIOLATED, f'{" and ".join(trends)} changes; {figures}')
+    return _of('h', MET, figures)
+
+
+def correlated_errors(upper_deg2: float | None, reference_deg: float,
+                      source: OneSource) -> Assumption:
+    """
+    Judge (i): two sensors show it only where their difference is too small.
+
+    Parameters
+    ----------
+    upper_deg2 : float or None
+        As for `reference_norm`.
+    reference_deg : float
+        Least standard deviation of the RS that the verdict uses, degrees.
+    source : OneSource
+
+    """
+    if source.kind == 'common':
+        return _of('i', VIOLATED, 'the TS follows the noise or the glitches of the RS: both come '
+                   'from one sensor')
+    if source.kind == 'suspected':
+        return _of('i', VIOLATED, 'the TS repeats the RS, reading by reading: both may come from '
+                   'one sensor')
+    below = _below_reference(upper_deg2, reference_deg)
+    if below:
+        return _of('i', VIOLATED, f'{below}: the errors are correlated, unless (d) is violated')
+    return _of('i', NOT_TESTABLE, 'a correlation of the errors cannot be seen in differences')
+
+
+def model_kurtosis(model: str, rs_share: float) -> float:
+    """
+    Return the excess kurtosis of the difference under a model.
+
+    Parameters
+    ----------
+    model : {'NN', 'UN', 'NU', 'UU'}
+        Distributions of the TS and of the RS error.
+    rs_share : float
+        Share of the RS in the variance of the difference, 0 to 1.
+
+    References
+    ----------
+    The fourth cumulant of a sum is the sum of theirs; -1.2 sigma^4 for a uniform law.
+
+    """
+    ts, rs = (-1.2 if law == 'U' else 0.0 for law in model)
+    return ts * (1.0 - rs_share) ** 2 + rs * rs_share ** 2
+
+
+def laws(shape: Shape, model: str, reference_deg: tuple[float, float]) -> Assumption:
+    """
+    Judge (j) by skewness and kurtosis at the effective size.
+
+    Parameters
+    ----------
+    shape : Shape
+        Of the differences or their residuals.
+    model : {'NN', 'UN', 'NU', 'UU'}
+    reference_deg : pair of float
+        Least and largest standard deviation of the RS, degrees; any kurtosis that the model
+        gives between them is taken.
+
+    """
+    if shape.p is None:
+        return _of('j', NOT_TESTABLE, 'there is too little data, or the differences are equal')
+    shares = [min(1.0, (s / shape.std_deg) ** 2) for s in reference_deg]
+    steps = [shares[0] + (shares[1] - shares[0]) * k / 50.0 for k in range(51)]
+    expected = [model_kurtosis(model, s) for s in steps]
+    nearest = min(max(shape.excess_kurtosis, min(expected)), max(expected))
+    z = (shape.excess_kurtosis - nearest) * math.sqrt(shape.n_effective / 24.0)
+    p = math.exp(-0.5 * (shape.skewness_z ** 2 + z * z))
+    figures = (f'skewness {shape.skewness:.3g}, excess kurtosis {shape.excess_kurtosis:.3g} '
+               f'(model {model}: {nearest:.3g}) of {shape.n_effective:.4g} effective differences: '
+               f'p = {p:.2g}')
+    if shape.n_effective < ENOUGH:
+        return _of('j', NOT_TESTABLE, f'{figures}; too few to tell')
+    return _of('j', VIOLATED if p < SIGNIFICANT else MET, figures)

@@ -1,0 +1,230 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""How the difference depends on the heading: deviation coefficients."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import Iterator
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import fdtrc
+
+from heading_intercompare.core.angles import unwrap_deg, wrap360
+from heading_intercompare.core.statistics.autocorrelation import sokal_times
+from heading_intercompare.core.statistics.blocking import block_means, block_size
+
+__all__ = ['deviation', 'HeadingDependence', 'largest_empty_arc', 'WORST_CONDITION']
+
+WORST_CONDITION = 1e4
+"""Largest condition number at which coefficients are given: headings all round give 2."""
+
+_TERMS = 5
+#: So many at once stay in the cache, and products of them in one thread: with several, one
+#: would wait for the other on a machine that is busy.
+_PIECE = 1 << 13
+_LEAST_SAMPLES = 64
+_TURNS = 4.0
+_OUTLAST = 0.03
+_WIDER = 60.0
+_LOOKED_AT = 1 << 14
+
+
+@dataclass(frozen=True, slots=True)
+class HeadingDependence:
+    """
+    x = A + B sin(psi) + C cos(psi) + D sin(2 psi) + E cos(2 psi); keys of the JSON.
+
+    Attributes
+    ----------
+    n : int
+        Number of samples.
+    reason : str
+        Empty, or why there are no coefficients: 'insufficient_data', 'headings_too_narrow', or
+        'errors_outlast_the_turns': the ship turned round less than four times, and the errors
+        change too slowly to be told from a dependence on the heading.
+    empty_arc_deg : float or None
+        Largest arc of the compass without a heading of the RS; None for n = 0.
+    condition : float or None
+        Condition number of the normal equations; None for fewer than 64 samples.
+    coefficients_deg, u_deg : tuple of 5 floats or None
+        A to E, and their standard uncertainties, which allow for correlation; degrees. B and C
+        are semicircular (an uncorrected speed error is in C), D and E quadrantal.
+    covariance_deg2 : tuple of 5 tuples or None
+        Of the coefficients.
+    amplitude_deg : float or None
+        Largest departure from A over the compass.
+    f, p : float or None
+        Of B to E being zero together, and the probability of so large a value if they are.
+    residual_std_deg : float or None
+        Standard deviation of the differences less the fit.
+
+    """
+
+    n: int
+    reason: str
+    empty_arc_deg: float | None
+    condition: float | None
+    coefficients_deg: tuple[float, ...] | None = None
+    u_deg: tuple[float, ...] | None = None
+    covariance_deg2: tuple[tuple[float, ...], ...] | None = None
+    amplitude_deg: float | None = None
+    f: float | None = None
+    p: float | None = None
+    residual_std_deg: float | None = None
+
+
+def largest_empty_arc(heading_deg: ArrayLike) -> float | None:
+    """
+    Return the largest arc that holds no heading.
+
+    Parameters
+    ----------
+    heading_deg : array_like, shape (n,)
+        Degrees, finite, in any order.
+
+    Returns
+    -------
+    float or None
+        Degrees; 360 if all headings are equal, None for n = 0.
+
+    Examples
+    --------
+    >>> largest_empty_arc([350.0, 10.0, 100.0])
+    250.0
+
+    """
+    heading = np.sort(wrap360(heading_deg))
+    if not heading.size:
+        return None
+    over_north = float(heading[0]) + 360.0 - float(heading[-1])
+    return max(over_north, float(np.diff(heading).max(initial=0.0)))
+
+
+def _basis(heading_deg: np.ndarray) -> np.ndarray:
+    """Return the terms, a row each."""
+    psi = np.radians(heading_deg)
+    terms = np.empty((_TERMS, psi.size))
+    terms[0] = 1.0
+    sine, cosine = np.sin(psi, out=terms[1]), np.cos(psi, out=terms[2])
+    terms[3] = 2.0 * sine * cosine
+    terms[4] = (cosine - sine) * (cosine + sine)
+    return terms
+
+
+def _pieces(n: int) -> Iterator[slice]:
+    for lo in range(0, n, _PIECE):
+        yield slice(lo, min(n, lo + _PIECE))
+
+
+def deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
+    """
+    Fit the deviation coefficients of a run.
+
+    Parameters
+    ----------
+    x_deg, rs_deg : array_like, shape (n,)
+        Differences and headings of the RS, in sample order, finite, degrees.
+
+    Returns
+    -------
+    HeadingDependence
+        Without coefficients for fewer than 64 samples, or where the headings are too narrow an
+        arc: then the five terms cannot be told apart.
+
+    Notes
+    -----
+    Covariance G^-1 S G^-1, S from the scatter of the block means of each term times its
+    residual, so that it survives correlation. The 16 to 31 blocks have lost five degrees of
+    freedom to the fit, one to each term; the joint test allows for what is left (Hotelling).
+    Where the ship turned round less than four times the terms are as slow as the blocks, and the
+    scatter of these is too small: the covariance is then multiplied by 1 + 60 r max(1, 2.5 / k),
+    with k the number of turns and r the correlation time of the residuals over the length of the
+    run. That gives intervals of 90 to 99 % (measured, AR(1) over 20 to 200 correlation times).
+    Above r = 0.03 k, at most 0.06, nothing is given.
+
+    References
+    ----------
+    The coefficients A to E of the compass adjuster; E.7 of ``docs/diagnostics.md``.
+
+    """
+    x, psi = np.asarray(x_deg, dtype=np.float64), np.asarray(rs_deg, dtype=np.float64)
+    n = x.size
+    arc = largest_empty_arc(psi)
+    if n < _LEAST_SAMPLES:
+        return HeadingDependence(n, 'insufficient_data', arc, None)
+    size = block_size(n, 16)
+    first = float(x[0])
+    gram, right = np.zeros((_TERMS, _TERMS)), np.zeros(_TERMS)
+    for part in _pieces(n):
+        basis = _basis(psi[part])
+        gram += basis @ basis.T
+        right += basis @ (x[part] - first)
+    condition = float(np.linalg.cond(gram / n))
+    if not condition <= WORST_CONDITION:
+        return HeadingDependence(n, 'headings_too_narrow', arc,
+                                 condition if math.isfinite(condition) else None)
+    beta = np.linalg.solve(gram, right)
+    sums, rss = [], 0.0
+    # Both are powers of two: a block has whole pieces, or a piece whole blocks.
+    unit = min(size, _PIECE)
+    for part in _pieces(n):
+        basis = _basis(psi[part])
+        residual = x[part] - first - beta @ basis
+        rss += float(residual @ residual)
+        whole = residual.size // unit
+        basis *= residual
+        sums.append(basis[:, :whole * unit].reshape(_TERMS, whole, unit).sum(axis=2))
+    units = np.concatenate(sums, axis=1)
+    whole = units.shape[1] // (size // unit)
+    means = units[:, :whole * (size // unit)].reshape(_TERMS, whole, -1).sum(axis=2).T / size
+    dof = means.shape[0] - _TERMS
+    inverse = np.linalg.inv(gram)
+    scatter = np.cov(means, rowvar=False) * ((means.shape[0] - 1) / dof)
+    widening = _widening(x, psi, beta, first)
+    if widening is None:
+        return HeadingDependence(n, 'errors_outlast_the_turns', arc, condition)
+    covariance = widening * (inverse @ (n * size * scatter) @ inverse)
+    covariance = 0.5 * (covariance + covariance.T)
+    f, p = _joint(beta[1:], covariance[1:, 1:], dof)
+    around = beta[1:] @ _basis(np.arange(0.0, 360.0, 0.5))[1:]
+    beta[0] += first
+    return HeadingDependence(
+        n, '', arc, condition, tuple(beta.tolist()),
+        tuple(np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()),
+        tuple(tuple(row) for row in covariance.tolist()), float(np.abs(around).max()), f, p,
+        math.sqrt(rss / (n - _TERMS)))
+
+
+def _widening(x: np.ndarray, psi: np.ndarray, beta: np.ndarray, first: float) -> float | None:
+    """Return by what the covariance is too small for want of turns; None if that is too much."""
+    size = max(1, block_size(x.size, _LEAST_SAMPLES))
+    ends = unwrap_deg(psi)[::size]
+    turns = float(np.abs(np.diff(ends)).sum()) / 360.0
+    if turns >= _TURNS:
+        return 1.0
+    every = max(1, x.size // _LOOKED_AT)
+    residual = np.concatenate([
+        x[part] - first - beta @ _basis(psi[part]) for part in _pieces(x.size)])
+    if every > 1:
+        residual = block_means(residual, every)
+    ratio = sokal_times(residual).tau_1 / residual.size
+    if ratio > _OUTLAST * min(2.0, turns):
+        return None
+    return 1.0 + _WIDER * max(1.0, 2.5 / turns) * ratio
+
+
+def _joint(beta: np.ndarray, covariance: np.ndarray,
+           dof: int) -> tuple[float | None, float | None]:
+    """Return F and p of all being zero; None where the residuals are mere rounding."""
+    scale = np.sqrt(np.diag(covariance))
+    if not (scale > 1e-13 * (1.0 + np.abs(beta))).all():
+        return None, None
+    standard = covariance / np.outer(scale, scale)
+    z = beta / scale
+    q = beta.size
+    square = float(z @ np.linalg.lstsq(standard, z, rcond=None)[0])
+    f = square * (dof - q + 1) / (dof * q)
+    return f, float(fdtrc(q, dof - q + 1, f))

@@ -1,0 +1,262 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What else a run says beside its verdict, and which assumptions of the verdict it bears out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+import math
+from typing import Iterator, Sequence
+
+import numpy as np
+
+from heading_intercompare.core.angles import unwrap_deg, wrap360
+from heading_intercompare.core.conditions.conventions import (
+    Convention,
+    convention,
+    mean_difference,
+    MeanDifference,
+)
+from heading_intercompare.core.conditions.one_source import one_source, OneSource
+from heading_intercompare.core.conditions.outliers import Outliers, outliers
+from heading_intercompare.core.conditions.standstill import Frozen, frozen, Standstill, standstill
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.guarded import Guarded
+from heading_intercompare.core.settings import Detectors, Settings
+from heading_intercompare.core.statistics.autocorrelation import (
+    correlation_times,
+    CorrelationTimes,
+)
+from heading_intercompare.core.statistics.drift import Detrended
+from heading_intercompare.core.statistics.ergodicity import Homogeneity
+from heading_intercompare.core.statistics.normality import Normality, normality
+from heading_intercompare.core.statistics.resolution import resolution
+from heading_intercompare.core.statistics.stationarity import Stationarity, stationarity
+from heading_intercompare.core.timing.clock_drift import clock_drift, ClockDrift
+from heading_intercompare.core.timing.interpolation_error import (
+    interpolation_error,
+    InterpolationError,
+)
+from heading_intercompare.core.timing.skew_scan import Scan
+from heading_intercompare.core.timing.stamp_steps import stamp_steps
+from heading_intercompare.core.timing.time_skew import Skew, skew
+
+from . import assumptions
+from .assumptions import Assumption
+from .deviation import deviation, HeadingDependence
+from .reference_noise import reference_noise, ReferenceNoise
+from .run_findings import Allan, allan_of, Correlation, correlation_of, Drift, run_skew, RunSkew
+
+__all__ = ['diagnose', 'Diagnostics', 'Signs', 'with_runs']
+
+MOVING_AVERAGE_S = 1.0
+"""Span of the moving average that headings are compared with, seconds."""
+
+LONGEST_BURST_S = 60.0
+"""Longest excursion of the difference that is an outlier, not a slow error; seconds."""
+
+SETTLED_SHARE = 0.1
+"""Share of sigma_max to which a warm-up must have died away."""
+
+
+@dataclass(frozen=True, slots=True)
+class Signs:
+    """What the detectors found in the pairs of a run; the warnings say it in words."""
+
+    convention: Convention
+    mean: MeanDifference
+    source: OneSource
+    ts_frozen: Frozen
+    rs_frozen: Frozen
+    standstill: Standstill
+    outliers: Outliers
+    clock: ClockDrift
+    interpolation: InterpolationError
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostics:
+    """
+    The open blocks of a run in the JSON, its assumptions and warnings.
+
+    All fields but `signs` are keys of the JSON; ``docs/verdict_json.md`` lists what is in them.
+    """
+
+    skew: RunSkew
+    drift: Drift
+    heading_dependence: HeadingDependence
+    normality: Normality
+    stationarity: Stationarity
+    correlation: Correlation
+    allan: Allan
+    assumptions: tuple[Assumption, ...]
+    warnings: tuple[str, ...]
+    signs: Signs
+
+
+def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settings: Settings,
+             guarded: Guarded, limits: Limits, *, drift: Drift, rest: Detrended,
+             residual_deg: np.ndarray | None = None, times: CorrelationTimes | None = None,
+             scan: Scan | None = None, factor: np.ndarray | None = None,
+             interpolates_ts: bool = False) -> Diagnostics:
+    """
+    Examine a run.
+
+    Parameters
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps of the analysed pairs in increasing order, nanoseconds; n >= 0.
+    x_deg, rs_deg : ndarray, shape (n,)
+        Differences, installation offset removed, and headings of the RS; finite, degrees.
+    settings : Settings
+        Installation offset, model, variant, alignment, risk, pairing gap and detectors are used.
+    guarded : Guarded
+        The decision on the same differences.
+    limits : Limits
+        That it was made with.
+    drift : Drift
+        Of the differences, `drift_of`.
+    rest : Detrended
+        What it leaves of them.
+    residual_deg : ndarray, shape (n,), optional
+        Differences less the polynomial that `drift_order` removed; default the differences.
+    times : CorrelationTimes, optional
+        `correlation_times` of the residuals, if known already.
+    scan : Scan, optional
+        Of the two streams, if they are at hand.
+    factor : ndarray, shape (n,), optional
+        What interpolation left of the variance of white noise, (1-w)^2 + w^2; default 1.
+    interpolates_ts : bool
+        Whether that is of the TS; else it is of the RS.
+
+    Returns
+    -------
+    Diagnostics
+        With None and 'not_testable' where n is too small.
+
+    Notes
+    -----
+    Whatever is long is not thinned, but averaged or looked at in parts: the skew is estimated
+    on averages over up to 0.1 s, trends on 16 to 127 block means, the noise of each sensor on a
+    million readings spread over the run, resolutions on the first 100000. Everything else takes
+    all differences.
+
+    References
+    ----------
+    GK, conditions on the data; ``docs/diagnostics.md``.
+
+    """
+    detectors = settings.detectors
+    n = x_deg.size
+    is_whole = residual_deg is None
+    residual = x_deg if is_whole else residual_deg
+    range_s = settings.alignment.skew_range_s
+    estimate = Skew(0) if settings.alignment.skew == 'off' else skew(
+        stamp_ns, x_deg, rs_deg, range_s=range_s, max_gap_s=settings.pairing.max_gap_s)
+    stamps = stamp_steps(stamp_ns, detectors.silence_steps)
+    correlation = correlation_of(residual, stamps, times or correlation_times(residual))
+    signs, normal = _examine_headings(stamp_ns, x_deg, rs_deg, residual, settings, detectors,
+                                      limits, factor, interpolates_ts, correlation, estimate)
+    allan = allan_of(x_deg, stamps.typical_s, _noise_of_rs(x_deg, rs_deg, estimate, range_s))
+    variance = float(np.var(x_deg, ddof=1)) if n > 1 else None
+    block = run_skew(estimate, variance, limits, scan)
+    result = Diagnostics(block, drift, deviation(x_deg, rs_deg), normal,
+                         stationarity(residual, stamps.typical_s or 0.0), correlation, allan, (),
+                         (), signs)
+    resolved = assumptions.resolved(rest.found)
+    rest_found = stationarity(rest.polynomial.residual_deg, stamps.typical_s or 0.0)
+    return replace(result, warnings=tuple(_warnings(result)),
+                   assumptions=_assumptions(result, n, settings, guarded, limits, rest_found,
+                                            resolved, is_whole))
+
+
+def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
+                      residual_deg: np.ndarray, settings: Settings, detectors: Detectors,
+                      limits: Limits, factor: np.ndarray | None, interpolates_ts: bool,
+                      correlation: Correlation, estimate: Skew) -> tuple[Signs, Normality]:
+    """Look at the headings of both sensors; those of the TS follow from the differences."""
+    ts_deg = x_deg + rs_deg
+    ts_deg += settings.installation_offset_deg
+    ts_deg = wrap360(ts_deg)
+    least = {'least_s': detectors.frozen_s, 'moved_deg': detectors.frozen_moved_deg}
+    both = (ts_deg, rs_deg) if interpolates_ts else (rs_deg, ts_deg)
+    steps = resolution(ts_deg), resolution(rs_deg)
+    signs = Signs(
+        convention(x_deg, rs_deg, detectors.convention_tolerance_deg, stamp_ns=stamp_ns,
+                   range_s=settings.alignment.skew_range_s), mean_difference(x_deg),
+        one_source(stamp_ns, x_deg, rs_deg, factor=factor, interpolates_ts=interpolates_ts,
+                   share=detectors.same_source_share),
+        frozen(stamp_ns, ts_deg, rs_deg, **least, sigma_deg=limits.sigma_ref_max_deg),
+        frozen(stamp_ns, rs_deg, ts_deg, **least, sigma_deg=limits.sigma_max_deg),
+        standstill(ts_deg, rs_deg), outliers(
+            stamp_ns, residual_deg, longest_s=LONGEST_BURST_S,
+            step_deg=max((s.step_deg or 0.0) for s in steps)),
+        ClockDrift('not_testable') if settings.alignment.skew == 'off' else clock_drift(
+            stamp_ns, x_deg, rs_deg, range_s=settings.alignment.skew_range_s,
+            max_gap_s=settings.pairing.max_gap_s, near_s=estimate.about_s),
+        interpolation_error(stamp_ns, *both, np.ones(x_deg.size) if factor is None else factor))
+    step = correlation.stamps.typical_s
+    width = 2 * max(1, round(0.5 * MOVING_AVERAGE_S / step)) + 1 if step else 3
+    return signs, normality(residual_deg, ts_deg, rs_deg, width=width,
+                            n_effective=correlation.n_effective_variance)
+
+
+def _noise_of_rs(x_deg: np.ndarray, rs_deg: np.ndarray, estimate: Skew,
+                 range_s: float) -> ReferenceNoise:
+    added = estimate.largest_variance_deg2(range_s)
+    rs_line = unwrap_deg(rs_deg)
+    ts_line = unwrap_deg(x_deg)
+    ts_line += rs_line
+    return reference_noise(ts_line, rs_line,
+                           skew_variance_deg2=math.inf if added is None else added)
+
+
+def _assumptions(found: Diagnostics, n: int, settings: Settings, guarded: Guarded,
+                 limits: Limits, rest: Stationarity, resolved: bool,
+                 is_whole: bool) -> tuple[Assumption, ...]:
+    upper = guarded.upper_bound_deg2
+    least, most = (m * limits.sigma_ref_max_deg for m in (limits.m_low, limits.m_up))
+    drift = found.drift
+    return (
+        assumptions.large_n(n, guarded.nu, resolved),
+        assumptions.synchronous(found.skew.estimate, settings.alignment.skew_range_s),
+        assumptions.stabilized(drift.warm_up),
+        assumptions.reference_norm(found.allan.reference_noise.sigma_ref_lower_deg,
+                                   limits.sigma_ref_max_deg, upper, limits.m_low),
+        assumptions.installation(guarded.bias_interval_deg, limits.sigma_max_deg,
+                                 settings.variant),
+        assumptions.drift_and_stationary(drift.order, rest, resolved),
+        assumptions.ergodic(None),
+        assumptions.constant_moments(found.stationarity, drift.line if is_whole else None,
+                                     drift.span_h, found.heading_dependence, resolved),
+        assumptions.correlated_errors(upper, least, found.signs.source),
+        assumptions.laws(found.normality.difference, settings.model, (least, most)))
+
+
+def with_runs(checked: Sequence[Assumption], runs: Homogeneity) -> tuple[Assumption, ...]:
+    """Return the assumptions of a run with (g) judged by all runs."""
+    return tuple(assumptions.ergodic(runs) if a.id == 'g' else a for a in checked)
+
+
+def _warnings(found: Diagnostics) -> Iterator[str]:
+    estimate = found.skew.estimate
+    if estimate.significant and estimate.well_determined:
+        share = 1.0 - (estimate.std_aligned_deg / estimate.std_deg) ** 2
+        if share > assumptions.SKEW_SHARE:
+            age = 'older' if estimate.skew_s > 0.0 else 'newer'
+            yield (f'skew: the TS data are {abs(estimate.skew_s):.3f} s {age} than their stamps '
+                   'say, compared with the RS; that makes '
+                   f'{100.0 * share:.0f} % of the variance')
+    warm_up = found.drift.warm_up
+    if warm_up is not None and warm_up.stabilization_s > 0.0:
+        yield (f'warm_up: the difference still settles, to within {warm_up.tolerance_deg:.3g} deg '
+               f'{warm_up.settle_s:.4g} s after its first value')
+    steps = [s for s in (found.normality.ts_step_deg, found.normality.rs_step_deg) if s]
+    std = found.normality.difference.std_deg
+    if steps and std is not None and std < 0.5 * max(steps):
+        yield (f'resolution: the differences scatter by {std:.2g} deg, less than half of the step '
+               f'of {max(steps):.2g} deg in which a heading is reported')
+    stamps = found.correlation.stamps
+    if stamps.silences:
+        yield (f'silence: the pairs fall silent {stamps.silences} times, for up to '
+               f'{stamps.longest_s:.1f} s; correlation times and block lengths do not count that')

@@ -1,0 +1,279 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Blocks of the JSON of a run that gather several findings: skew, drift, correlation, Allan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+
+from heading_intercompare.core.decision.criteria import Limits, variance_criterion
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.statistics.autocorrelation import (
+    allan_deviation,
+    autocorrelation,
+    CorrelationTimes,
+)
+from heading_intercompare.core.statistics.drift import (
+    Detrended,
+    drift_left_deg2,
+    Order,
+    select_order,
+    Slope,
+    slope,
+)
+from heading_intercompare.core.statistics.warm_up import mser5, warm_up, WarmUp
+from heading_intercompare.core.timing.skew_scan import Scan
+from heading_intercompare.core.timing.stamp_steps import StampSteps
+from heading_intercompare.core.timing.time_skew import Skew
+
+from .reference_noise import ReferenceNoise
+
+__all__ = ['Allan', 'allan_of', 'Correlation', 'correlation_of', 'Drift', 'drift_of',
+           'left_in_deg2', 'RunSkew', 'run_skew']
+
+
+@dataclass(frozen=True, slots=True)
+class RunSkew:
+    """
+    The time skew of a run, and what the variance criterion says with and without it.
+
+    Attributes
+    ----------
+    estimate : Skew
+        From the pairs.
+    variance_aligned_deg2 : float or None
+        Variance of the differences less what the skew adds; None unless well determined.
+    outcome_as_paired, outcome_aligned : Outcome or None
+        GK (5) of the variance as paired, and of the aligned one; None without a variance.
+    scan : Scan or None
+        Of the two streams, where they were at hand.
+
+    """
+
+    estimate: Skew
+    variance_aligned_deg2: float | None
+    outcome_as_paired: Outcome | None
+    outcome_aligned: Outcome | None
+    scan: Scan | None
+
+
+@dataclass(frozen=True, slots=True)
+class Drift:
+    """
+    The drift of a run; None where there is too little data.
+
+    Attributes
+    ----------
+    order : Order or None
+        The order that the differences call for, whatever order was removed.
+    coefficients_deg : tuple of float or None
+        Legendre coefficients of that order.
+    left_deg2 : float or None
+        Upper 95 % bound of the variance that a drift of that order, at least a slope, makes if
+        it is left in; square degrees.
+    residual_std_deg : float or None
+        Standard deviation about that polynomial, RSS/(n - 1 - order).
+    span_h : float
+        Length of the run, hours.
+    line : Slope or None
+    warm_up : WarmUp or None
+    mser_s : float or None
+        Where the start stops to disturb the mean, by MSER-5: seconds after the first stamp.
+
+    """
+
+    order: Order | None
+    coefficients_deg: tuple[float, ...] | None
+    left_deg2: float | None
+    residual_std_deg: float | None
+    span_h: float
+    line: Slope | None
+    warm_up: WarmUp | None
+    mser_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Correlation:
+    """
+    The correlation of the differences in time.
+
+    Attributes
+    ----------
+    n : int
+        Number of differences.
+    stamps : StampSteps
+        How their stamps follow each other; silences are not seen by what follows.
+    r1 : float or None
+        Autocorrelation at one sample.
+    window_s, tau_1_s, tau_2_s : float or None
+        Largest lag summed, and the correlation times for mean and variance, seconds.
+    n_effective_mean, n_effective_variance : float
+        How many independent differences would give as good a mean, and as good a variance.
+    closed : bool
+        Whether the sum ended before a quarter of the run; if not, the times are too short.
+
+    """
+
+    n: int
+    stamps: StampSteps
+    r1: float | None
+    window_s: float | None
+    tau_1_s: float | None
+    tau_2_s: float | None
+    n_effective_mean: float
+    n_effective_variance: float
+    closed: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Allan:
+    """
+    Scatter of the differences by averaging time.
+
+    Attributes
+    ----------
+    m : tuple of int
+        Samples averaged: 1, 2, 4, ...; empty for n < 2.
+    tau_s, deviation_deg : tuple of float
+        Averaging times, seconds, and overlapping Allan deviations, degrees.
+    terms : tuple of int
+        Differences averaged in each.
+    reference_noise : ReferenceNoise
+        The same variance split between TS and RS where the ship is quiet.
+
+    """
+
+    m: tuple[int, ...]
+    tau_s: tuple[float, ...]
+    deviation_deg: tuple[float, ...]
+    terms: tuple[int, ...]
+    reference_noise: ReferenceNoise
+
+
+def run_skew(estimate: Skew, variance_deg2: float | None, limits: Limits,
+             scan: Scan | None = None) -> RunSkew:
+    """
+    Return the block of the skew.
+
+    Parameters
+    ----------
+    estimate : Skew
+        Of the pairs of the run.
+    variance_deg2 : float or None
+        Of the differences as paired, square degrees.
+    limits : Limits
+        Of the variance criterion.
+    scan : Scan, optional
+        Of the two streams.
+
+    """
+    if variance_deg2 is None:
+        return RunSkew(estimate, None, None, None, scan)
+    paired = variance_criterion(variance_deg2, limits).outcome
+    if not estimate.well_determined:
+        return RunSkew(estimate, None, paired, None, scan)
+    # The estimate may rest on short averages: what the skew adds is the same in these.
+    added = estimate.std_deg ** 2 - estimate.std_aligned_deg ** 2
+    aligned = max(0.0, variance_deg2 - added)
+    return RunSkew(estimate, aligned, paired, variance_criterion(aligned, limits).outcome, scan)
+
+
+def drift_of(stamp_ns: np.ndarray, x_deg: np.ndarray,
+             tolerance_deg: float) -> tuple[Drift, Detrended]:
+    """
+    Return the block of the drift, and what it leaves of the differences.
+
+    Parameters
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    x_deg : ndarray, shape (n,)
+        Differences, finite, degrees.
+    tolerance_deg : float
+        What may be left of a warm-up, degrees.
+
+    """
+    n = x_deg.size
+    span_h = (int(stamp_ns[-1]) - int(stamp_ns[0])) / 3.6e12 if n else 0.0
+    order = select_order(stamp_ns, x_deg)
+    rest = Detrended.of(stamp_ns, x_deg, order.order if order else 0)
+    fit = rest.polynomial
+    line = rest if fit.order == 1 else Detrended.of(stamp_ns, x_deg, 1)
+    std = None
+    if order is not None:
+        rss = float(fit.residual_deg @ fit.residual_deg)
+        std = math.sqrt(rss / (n - 1 - order.order))
+    return Drift(order, fit.coefficients_deg if order else None,
+                 drift_left_deg2(rest if fit.order > 1 else line), std, span_h,
+                 slope(stamp_ns, x_deg, line), warm_up(stamp_ns, x_deg, tolerance_deg),
+                 mser5(stamp_ns, x_deg)), rest
+
+
+def left_in_deg2(stamp_ns: np.ndarray, x_deg: np.ndarray) -> float:
+    """
+    Return the upper bound of the variance that a drift makes if it is left in, square degrees.
+
+    Parameters
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    x_deg : ndarray, shape (n,)
+        Differences, finite, degrees.
+
+    Returns
+    -------
+    float
+        `Drift.left_deg2` of `drift_of`; 0 where that is None.
+
+    """
+    order = select_order(stamp_ns, x_deg)
+    rest = Detrended.of(stamp_ns, x_deg, max(1, order.order if order else 0))
+    return drift_left_deg2(rest) or 0.0
+
+
+def correlation_of(x_deg: np.ndarray, stamps: StampSteps,
+                   times: CorrelationTimes) -> Correlation:
+    """
+    Return the block of the correlation.
+
+    Parameters
+    ----------
+    x_deg : ndarray, shape (n,)
+        Differences or residuals in sample order, finite, degrees.
+    stamps : StampSteps
+        Of the same.
+    times : CorrelationTimes
+        Of the same, `correlation_times`.
+
+    """
+    n, step = x_deg.size, stamps.typical_s
+    size = n / max(times.tau_1, 1.0), n / max(times.tau_2, 1.0)
+    if n < 2:
+        return Correlation(n, stamps, None, None, None, None, *size, False)
+    return Correlation(n, stamps, float(autocorrelation(x_deg, 1)[1]), times.window * step,
+                       times.tau_1 * step, times.tau_2 * step, *size,
+                       times.window < max(2, n // 4) - 1)
+
+
+def allan_of(x_deg: np.ndarray, step_s: float | None, noise: ReferenceNoise) -> Allan:
+    """
+    Return the block of the Allan deviation.
+
+    Parameters
+    ----------
+    x_deg : ndarray, shape (n,)
+        Differences in sample order, finite, degrees.
+    step_s : float or None
+        Time from sample to sample, seconds.
+    noise : ReferenceNoise
+        Of the headings of both sensors.
+
+    """
+    if not step_s:
+        return Allan((), (), (), (), noise)
+    found = allan_deviation(x_deg, 1.0 / step_s)
+    return Allan(*(tuple(c.tolist()) for c in (found.m, found.tau_s, found.deviation,
+                                               found.terms)), noise)

@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The variance of each of three or more sensors, none of them a reference."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import nnls
+
+from heading_intercompare.core.angles import wrap180
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.statistics.blocking import block_size, student_95, sum_covariance
+from heading_intercompare.core.statistics.drift import remove_polynomial
+from heading_intercompare.core.timing.heading_track import Track
+
+__all__ = ['at_common_stamps', 'Hats', 'three_cornered_hat']
+
+
+@dataclass(frozen=True, slots=True)
+class Hats:
+    """
+    Variances of sensors whose errors are uncorrelated with each other.
+
+    Attributes
+    ----------
+    n : int
+        Readings of each sensor.
+    pairs : tuple of pair of int
+        The sensors of each difference, numbered from 0.
+    pair_variance_deg2 : tuple of float
+        Variances of these differences, divisor n - 1.
+    variance_deg2 : tuple of float
+        Of each sensor, by least squares on all pairs; negative if the errors are correlated or
+        the record is short, and reported so.
+    interval_deg2 : tuple of pair of float, or None
+        95 % intervals; None for n < 16.
+    std_deg : tuple of float or None
+        Roots of the variances; None where negative.
+    point_deg2 : tuple of float
+        Variances that fit best among those that are not negative.
+
+    """
+
+    n: int
+    pairs: tuple[tuple[int, int], ...]
+    pair_variance_deg2: tuple[float, ...]
+    variance_deg2: tuple[float, ...]
+    interval_deg2: tuple[tuple[float, float], ...] | None
+    std_deg: tuple[float | None, ...]
+    point_deg2: tuple[float, ...]
+
+
+def at_common_stamps(sensors: Sequence[Headings],
+                     skew_s: Sequence[float] | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """
+    Return the headings of several sensors at the stamps of the first.
+
+    Parameters
+    ----------
+    sensors : sequence of Headings
+        Two or more.
+    skew_s : sequence of float, optional
+        How much older the first sensor's data are than those of each, seconds, as `scan` of the
+        first and each gives it; the first number is 0. Default no skew.
+
+    Returns
+    -------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps of the first sensor that are within the readings of all others.
+    heading_deg : ndarray, shape (k, n)
+        Unwrapped headings, those of the others interpolated at the stamp less their skew.
+
+    """
+    origin = int(sensors[0].stamp_ns[0]) if len(sensors[0]) else 0
+    tracks = [Track(s, origin) for s in sensors]
+    skews = [0.0] * len(tracks) if skew_s is None else list(skew_s)
+    t = tracks[0].t_s
+    inside = np.ones(t.shape, bool)
+    for track in tracks[1:]:
+        # Skew or not, a stamp counts only within the readings: so all skews share one set.
+        inside &= track.covers(t, t)
+    t = t[inside]
+    headings = [tracks[0].heading_deg[inside]]
+    headings += [track.at(t - d) for track, d in zip(tracks[1:], skews[1:])]
+    return origin + np.rint(t * 1e9).astype(np.int64), np.array(headings)
+
+
+def three_cornered_hat(heading_deg: ArrayLike, stamp_ns: ArrayLike | None = None,
+                       order: int = 0) -> Hats:
+    """
+    Split the variances of the differences among the sensors.
+
+    Parameters
+    ----------
+    heading_deg : array_like, shape (k, n)
+        Headings of k >= 3 sensors at common stamps, degrees.
+    stamp_ns : array_like of int, shape (n,), optional
+        The stamps; needed for an order above 0.
+    order : int
+        Order of the polynomial taken out of each difference first, 0 to 3; 0 is the mean.
+
+    Returns
+    -------
+    Hats
+
+    Raises
+    ------
+    ValueError
+        For fewer than three sensors or two readings, or an order without stamps.
+
+    Notes
+    -----
+    For three sensors s_1^2 = (D_12 + D_13 - D_23)/2, which equals cov(x_12, x_13). Intervals
+    from the scatter of block means of that product, with the Student factor.
+
+    References
+    ----------
+    Gray & Allan 1974; the covariance form is that of Groslambert et al. 1981. E.12 of
+    ``docs/diagnostics.md``.
+
+    """
+    heading = np.asarray(heading_deg, dtype=np.float64)
+    if heading.ndim != 2 or heading.shape[0] < 3 or heading.shape[1] < 2:
+        raise ValueError(f'heading_deg has shape {heading.shape}: at least 3 sensors by 2 '
+                         'readings are needed')
+    if order and stamp_ns is None:
+        raise ValueError(f'order = {order!r}: a polynomial needs stamp_ns')
+    k, n = heading.shape
+    stamps = np.arange(n) if stamp_ns is None else np.asarray(stamp_ns)
+    pairs = tuple((i, j) for i in range(k) for j in range(i + 1, k))
+    design = np.zeros((len(pairs), k))
+    squares = np.empty((len(pairs), n))
+    for row, (i, j) in enumerate(pairs):
+        design[row, [i, j]] = 1.0
+        x = remove_polynomial(stamps, wrap180(heading[i] - heading[j]), order).residual_deg
+        x -= x.mean()
+        squares[row] = x * x
+    variances = squares.sum(axis=1) / (n - 1)
+    solve = np.linalg.pinv(design)
+    estimate = solve @ variances
+    point, _ = nnls(design, variances)
+    return Hats(n, pairs, tuple(variances.tolist()), tuple(estimate.tolist()),
+                _intervals(estimate, solve, squares), tuple(
+                    math.sqrt(v) if v >= 0.0 else None for v in estimate.tolist()),
+                tuple(point.tolist()))
+
+
+def _intervals(estimate: np.ndarray, solve: np.ndarray,
+               squares: np.ndarray) -> tuple[tuple[float, float], ...] | None:
+    n = squares.shape[1]
+    if not block_size(n, 16):
+        return None
+    covariance, dof = sum_covariance((solve @ squares).T / n)
+    half = student_95(dof) * np.sqrt(np.diag(covariance))
+    return tuple(zip((estimate - half).tolist(), (estimate + half).tolist()))

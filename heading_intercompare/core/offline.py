@@ -1,0 +1,148 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whole streams judged; with the time skew between the sensors taken out if asked for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Sequence
+
+from heading_intercompare.core.timing.skew_scan import Scan, scan
+from heading_intercompare.core.verdict.judge import RunResult
+from heading_intercompare.core.verdict.verdict_document import Verdict
+
+from .pipeline import Intercomparison, join
+from .records import Headings
+from .settings import Pairing, Settings
+
+__all__ = ['aligned', 'analyze']
+
+
+def aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], settings: Settings, *,
+            source: str = '') -> list[RunResult]:
+    """
+    Pair each run again with its skew taken out, and judge it again.
+
+    Parameters
+    ----------
+    ts, rs : Headings
+        All readings of an input.
+    results : sequence of RunResult
+        Its runs as first judged.
+    settings : Settings
+        Within `alignment.skew_range_s` of `alignment.skew_s` a skew is looked for.
+    source : str
+        Name of the input.
+
+    Returns
+    -------
+    list of RunResult
+        In the same order. A run whose skew is not well determined stays as it was, and says so.
+
+    Notes
+    -----
+    The skew is that of the regression: the minimum of the scan, which is shown beside it, is
+    drawn away where interpolation averages the noise of the RS. A run keeps its TS readings: its
+    bounds move with the TS stamps. Each run is paired from its own readings alone.
+
+    References
+    ----------
+    ``docs/verdict.md``, time skew.
+
+    """
+    return [_again(ts, rs, result, settings, source) for result in results]
+
+
+def _again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
+           source: str) -> RunResult:
+    estimate = result.verdict.skew.estimate
+    ts, rs = _readings_of(ts, rs, result, settings)
+    found = scan(ts, rs, settings.alignment.skew_range_s)
+    if not estimate.well_determined:
+        why = estimate.why_not(settings.alignment.skew_range_s)
+        return _said(result, found, f'not_aligned: {why}; the run is judged as its stamps say')
+    shift_ns = round(estimate.skew_s * 1e9)
+    skew_s = settings.alignment.skew_s + shift_ns / 1e9
+    table = [(result.verdict.start_ns - shift_ns, result.verdict.end_ns - shift_ns + 1)]
+    moved = replace(settings, alignment=replace(settings.alignment, skew_s=skew_s),
+                    pairing=_as_paired(result, settings.pairing))
+    comparison = Intercomparison(moved, source=source, table=table)
+    comparison.update(ts, rs)
+    comparison.finish()
+    now = comparison.results()
+    if len(now) != 1:
+        return _said(result, found, 'not_aligned: at the skew found the run falls apart; it is '
+                     'judged as its stamps say')
+    return _said(now[0], found, f'aligned: {skew_s:.3f} s are taken from the stamps of '
+                 f'the TS; unaligned the outcome was {result.verdict.outcome}')
+
+
+def _as_paired(result: RunResult, rule: Pairing) -> Pairing:
+    """Return the rule with the sensor that 'auto' interpolated in a run named."""
+    sensor = result.verdict.pairing.interpolated(rule.method)
+    return replace(rule, method={'rs': 'interpolate', 'ts': 'interpolate_ts'}.get(
+        sensor, rule.method))
+
+
+def _readings_of(ts: Headings, rs: Headings, result: RunResult,
+                 settings: Settings) -> tuple[Headings, Headings]:
+    """Return the TS readings of a run, and the RS readings that any skew might need."""
+    known_ns = round(settings.alignment.skew_s * 1e9)
+    run = result.verdict
+    inside = (ts.stamp_ns - known_ns >= run.start_ns) & (ts.stamp_ns - known_ns <= run.end_ns)
+    margin_ns = (round(settings.alignment.skew_range_s * 1e9) + abs(known_ns)
+                 + round(settings.pairing.max_gap_s * 1e9))
+    near = (rs.stamp_ns >= run.start_ns - margin_ns) & (rs.stamp_ns <= run.end_ns + margin_ns)
+    return ts[inside], rs[near]
+
+
+def _said(result: RunResult, found: Scan | None, words: str) -> RunResult:
+    verdict = result.verdict
+    return replace(result, verdict=replace(
+        verdict, skew=replace(verdict.skew, scan=found), warnings=(*verdict.warnings, words)))
+
+
+def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings],
+            settings: Settings) -> Verdict:
+    """
+    Judge a TS by an RS.
+
+    Parameters
+    ----------
+    ts, rs : Headings, or equally long lists of them
+        Readings of the two sensors; in lists, each element is an input of its own.
+    settings : Settings
+        With the norms.
+
+    Returns
+    -------
+    Verdict
+        On all runs of all inputs; not compliant if an input has no run.
+
+    Raises
+    ------
+    SettingsError
+        If a norm is missing.
+    ValueError
+        If the lists differ in length.
+
+    References
+    ----------
+    GK (1)-(7); the guarded decision of ``docs/verdict.md``.
+
+    """
+    ts = [ts] if isinstance(ts, Headings) else list(ts)
+    rs = [rs] if isinstance(rs, Headings) else list(rs)
+    if len(ts) != len(rs):
+        raise ValueError(f'{len(ts)} TS inputs but {len(rs)} RS inputs: give one RS for each TS')
+    results, incomplete = [], False
+    for ts_part, rs_part in zip(ts, rs):
+        comparison = Intercomparison(settings)
+        comparison.update(ts_part, rs_part)
+        comparison.finish()
+        found = comparison.results()
+        if settings.alignment.skew == 'apply':
+            found = aligned(ts_part, rs_part, found, settings)
+        incomplete = incomplete or not found
+        results += found
+    return join(results, settings, incomplete=incomplete)

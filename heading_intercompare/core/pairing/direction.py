@@ -1,0 +1,192 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Which sensor is interpolated to the stamps of the other: by the stamps of the first minute alone.
+
+Halfway between two readings a bracket of length h is off by the curvature of the heading, about
+(pi h / T)^2 / 2 of the amplitude of a yaw of period T. What is interpolated should be the sensor
+that reports often.
+"""
+
+from __future__ import annotations
+
+from bisect import insort
+
+import numpy as np
+
+from heading_intercompare.core.settings import Pairing
+
+__all__ = ['Direction', 'is_slower', 'RATIO', 'typical_step_ns']
+
+RATIO = (3, 2)
+"""So many times longer than that of the TS must the step of a slower RS be."""
+
+
+def typical_step_ns(stamp_ns: np.ndarray) -> int | None:
+    """
+    Return the step of the stamps that half of the time is bridged by, or by shorter ones.
+
+    Parameters
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Rising stamps, nanoseconds.
+
+    Returns
+    -------
+    int or None
+        Nanoseconds; None for fewer than 2 stamps.
+
+    Notes
+    -----
+    Steps weigh by their length: readings that come in bursts are bridged by the pauses between
+    these, and a silence that is shorter than half of the time does not count.
+
+    Examples
+    --------
+    >>> typical_step_ns(np.array([0, 1, 2, 100, 101, 102, 200]))
+    98
+
+    """
+    if len(stamp_ns) < 2:
+        return None
+    steps = np.sort(np.diff(stamp_ns))
+    bridged = np.cumsum(steps)
+    return int(steps[np.searchsorted(2 * bridged, bridged[-1])])
+
+
+def is_slower(ts_step_ns: int | None, rs_step_ns: int | None, slow_ns: int) -> bool | None:
+    """
+    Tell whether the RS is the slower sensor, and slow enough for that to matter.
+
+    Parameters
+    ----------
+    ts_step_ns, rs_step_ns : int or None
+        Typical steps of both over the same time, nanoseconds.
+    slow_ns : int
+        An RS whose typical step is no longer is not slow, nanoseconds.
+
+    Returns
+    -------
+    bool or None
+        None where one of them has no step.
+
+    Examples
+    --------
+    >>> is_slower(2, 10, 5), is_slower(2, 3, 1), is_slower(2, 4, 5)
+    (True, False, False)
+
+    """
+    if ts_step_ns is None or rs_step_ns is None:
+        return None
+    more, than = RATIO
+    return rs_step_ns > slow_ns and than * rs_step_ns > more * ts_step_ns
+
+
+class Direction:
+    """
+    Choose for one stretch of two streams after the other whether the TS is interpolated.
+
+    A stretch starts with the first reading of each sensor and with each one behind a silence of
+    its sensor that no pair can bridge, `runs.gap_s` or `pairing.max_gap_s` if that is longer:
+    there a run ends, too. In its first `pairing.auto_s` both sensors are watched. A stretch in
+    which one of them has fewer than 2 readings by then takes the choice of the next stretch; the
+    last one, that of the stretch before.
+
+    Parameters
+    ----------
+    rule : Pairing
+        `max_gap_s`, `auto_s` and `slow_rs_s` are used.
+    gap_ns : int
+        `runs.gap_s`, nanoseconds.
+
+    Attributes
+    ----------
+    interpolates_ts : bool or None
+        Whether the TS is put onto the stamps of the RS in the present stretch; None as long as
+        that is open.
+    start_ns : int or None
+        Where the present stretch, or the first of those that share the choice, starts; None as
+        long as it is open.
+
+    """
+
+    def __init__(self, rule: Pairing, gap_ns: int) -> None:
+        self.interpolates_ts: bool | None = None
+        self.start_ns: int | None = None
+        self._before = False
+        self._silence_ns = max(gap_ns, round(rule.max_gap_s * 1e9))
+        self._watched_ns = round(rule.auto_s * 1e9)
+        self._slow_ns = round(rule.slow_rs_s * 1e9)
+        self._starts: list[int] = []
+        self._last_ns: dict[str, int] = {}
+        self._stamp_ns = {'ts': np.empty(0, np.int64), 'rs': np.empty(0, np.int64)}
+
+    def note(self, sensor: str, stamp_ns: np.ndarray) -> None:
+        """Take the stamps of new readings of a sensor, n >= 1."""
+        last_ns = self._last_ns.get(sensor)
+        steps = np.diff(stamp_ns, prepend=stamp_ns[0] if last_ns is None else last_ns)
+        begins = steps > self._silence_ns
+        begins[0] |= last_ns is None
+        for start_ns in stamp_ns[begins].tolist():
+            if start_ns not in self._starts:
+                insort(self._starts, start_ns)
+        self._last_ns[sensor] = int(stamp_ns[-1])
+        self._stamp_ns[sensor] = np.concatenate((self._stamp_ns[sensor], stamp_ns))
+        if len(self._last_ns) > 1:
+            oldest = min(*self._starts[:1], *self._last_ns.values())
+            for name, stamps in self._stamp_ns.items():
+                self._stamp_ns[name] = stamps[np.searchsorted(stamps, oldest):]
+
+    def forget(self) -> None:
+        """Keep of readings that were given up only what a choice can still depend on."""
+        newest = max(self._last_ns.values()) - self._watched_ns
+        first = self._starts[0] + self._watched_ns if self._starts else newest
+        for name, stamps in self._stamp_ns.items():
+            self._stamp_ns[name] = stamps[(stamps < first) | (stamps >= newest)]
+
+    @property
+    def limit_ns(self) -> int | None:
+        """Where the next stretch starts; None if that is not known."""
+        at = 1 if self.interpolates_ts is None else 0
+        return self._starts[at] if len(self._starts) > at else None
+
+    def heard(self, stamp_ns: int) -> bool:
+        """Tell whether both sensors have been heard up to a stamp."""
+        return len(self._last_ns) > 1 and min(self._last_ns.values()) >= stamp_ns
+
+    def choose(self, end: bool) -> bool:
+        """
+        Choose for the present stretch, if that is open and can be done.
+
+        Parameters
+        ----------
+        end : bool
+            Nothing more will come.
+
+        Returns
+        -------
+        bool
+            Whether it is chosen.
+
+        """
+        while self.interpolates_ts is None and self._starts:
+            start_ns, limit_ns = self._starts[0], self.limit_ns
+            until_ns = start_ns + self._watched_ns
+            if limit_ns is not None:
+                until_ns = min(until_ns, limit_ns)
+            if not end and not self.heard(until_ns):
+                return False
+            watched = (s[slice(*np.searchsorted(s, (start_ns, until_ns)))]
+                       for s in (self._stamp_ns['ts'], self._stamp_ns['rs']))
+            found = is_slower(*map(typical_step_ns, watched), self._slow_ns)
+            self._starts.pop(0)
+            self.start_ns = start_ns if self.start_ns is None else self.start_ns
+            if found is None and limit_ns is None:
+                found = self._before
+            self.interpolates_ts = found
+        return self.interpolates_ts is not None
+
+    def leave(self) -> None:
+        """Go on to the next stretch."""
+        self._before = self.interpolates_ts
+        self.interpolates_ts = self.start_ns = None

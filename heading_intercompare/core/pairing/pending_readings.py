@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The readings of one sensor that wait to be paired, and what each of them was good for."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.records import Headings
+
+from .ledger import Ledger
+
+__all__ = ['BRACKET', 'NEVER', 'PAIRED', 'rising', 'Stream']
+
+NEVER = np.iinfo(np.int64).min
+"""A stamp before all others."""
+
+BRACKET, PAIRED = 1, 2
+"""What a reading was good for, 0 for nothing; a pair as it is outranks a bracket."""
+
+_KEYS = {'ts': ('ts_unpaired', 'ts_used', 'ts_paired'), 'rs': ('rs_unused', 'rs_used', 'rs_used')}
+
+
+def rising(stamp_ns: np.ndarray, newest_ns: int | None = None) -> np.ndarray:
+    """
+    Tell which stamps are above all before them; the others are to be rejected.
+
+    Parameters
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps in the order in which they came, nanoseconds.
+    newest_ns : int, optional
+        Largest stamp accepted before.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+
+    Examples
+    --------
+    >>> rising(np.array([3, 3, 2, 4]), 1).tolist()
+    [True, False, False, True]
+
+    """
+    before = np.concatenate(([NEVER if newest_ns is None else newest_ns], stamp_ns[:-1]))
+    return stamp_ns > np.maximum.accumulate(before)[:len(stamp_ns)]
+
+
+class Stream:
+    """The accepted readings of one sensor that may still be needed, and when they came."""
+
+    def __init__(self, name: str, shift_ns: int, ledger: Ledger) -> None:
+        self.name = name
+        self.shift_ns = shift_ns
+        self.ledger = ledger
+        self.last_ns = NEVER
+        self.stamp_ns = np.empty(0, np.int64)
+        self.heading_deg = np.empty(0)
+        self.came_s = np.empty(0)
+        self.role = np.empty(0, np.uint8)
+        self.broken = np.empty(0, bool)
+        self._lost = False
+
+    def __len__(self) -> int:
+        return len(self.stamp_ns)
+
+    def take(self, headings: Headings, now_s: float) -> np.ndarray:
+        """Reject what cannot be used, keep the rest; return the stamps of the rest."""
+        stamp = headings.stamp_ns
+        heading = headings.heading_deg
+        self.ledger.receive(self.name, stamp)
+        good = self._reject('no_stamp', stamp > 0, stamp)
+        good = self._reject('invalid', np.isfinite(heading), stamp, good)
+        good = self._reject('out_of_range', (heading >= 0.0) & (heading <= 360.0), stamp, good)
+        stamp, heading = stamp[good] - self.shift_ns, heading[good]
+        if stamp.size:
+            rises = rising(stamp, self.last_ns)
+            if not rises.all():
+                self.ledger.add(f'{self.name}_rejected.stamp_not_increasing', stamp[~rises])
+                stamp, heading = stamp[rises], heading[rises]
+        if stamp.size:
+            self.last_ns = int(stamp[-1])
+            self.stamp_ns = np.concatenate((self.stamp_ns, stamp))
+            self.heading_deg = np.concatenate((self.heading_deg, wrap360(heading)))
+            self.came_s = np.concatenate((self.came_s, np.full(stamp.shape, now_s)))
+            self.role = np.concatenate((self.role, np.zeros(stamp.shape, np.uint8)))
+            broken = np.zeros(stamp.shape, bool)
+            broken[0], self._lost = self._lost, False
+            self.broken = np.concatenate((self.broken, broken))
+        return stamp
+
+    def _reject(self, reason: str, passes: np.ndarray, stamp: np.ndarray,
+                among: np.ndarray | None = None) -> np.ndarray:
+        fails = ~passes if among is None else among & ~passes
+        if fails.any():
+            self.ledger.add(f'{self.name}_rejected.{reason}', stamp[fails] - self.shift_ns)
+        return passes if among is None else among & passes
+
+    def release(self, n: int) -> np.ndarray:
+        """Book and drop the n oldest readings; return their stamps."""
+        stamps = self._book(slice(0, n))
+        self._keep(slice(n, None))
+        return stamps
+
+    def give_up(self, late: np.ndarray) -> np.ndarray:
+        """Book and drop readings in a row that waited too long; no bracket reaches over them."""
+        lo, hi = int(late[0]), int(late[-1]) + 1
+        stamps = self._book(slice(lo, hi))
+        if hi < len(self):
+            self.broken[hi] = True
+        else:
+            self._lost = True
+        self._keep(np.r_[:lo, hi:len(self)])
+        return stamps
+
+    def _book(self, which: slice) -> np.ndarray:
+        stamps, role = self.stamp_ns[which], self.role[which]
+        for number, key in enumerate(_KEYS[self.name]):
+            self.ledger.add(key, stamps[role == number])
+        return stamps
+
+    def _keep(self, which: slice | np.ndarray) -> None:
+        self.stamp_ns = self.stamp_ns[which]
+        self.heading_deg = self.heading_deg[which]
+        self.came_s = self.came_s[which]
+        self.role = self.role[which]
+        self.broken = self.broken[which]

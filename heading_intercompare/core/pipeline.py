@@ -1,0 +1,288 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The stages joined: pairs into runs, runs into a verdict; live, in replay and offline."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Callable, Iterable, Mapping, Sequence
+
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.sequential import Look, LookVerdict, standing
+from heading_intercompare.core.pairing.difference import difference
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
+from heading_intercompare.core.pairing.pairer import Pairer
+from heading_intercompare.core.runs.growing_columns import Keep
+from heading_intercompare.core.runs.live_figures import figures
+from heading_intercompare.core.runs.rolling_window import Rolling
+from heading_intercompare.core.runs.run_cutter import RunCutter
+from heading_intercompare.core.runs.run_series import RunSeries
+from heading_intercompare.core.verdict.judge import (
+    compare_runs,
+    conclude_campaign,
+    judge,
+    look_at,
+    RunResult,
+)
+from heading_intercompare.core.verdict.verdict_document import Verdict
+
+from .outcome import Outcome, worst
+from .records import Headings, Pairs
+from .settings import Settings
+
+__all__ = ['Compliance', 'Intercomparison', 'join']
+
+
+class Compliance:
+    """
+    Cut pairs into runs and judge each run at its end.
+
+    Parameters
+    ----------
+    settings : Settings
+        With the norms.
+    source : str
+        Name of the input, stated with each run.
+    table : sequence of (start_ns, stop_ns), optional
+        Where the runs are; without it marks decide, else the first pair opens a run.
+    keeper : callable, optional
+        Returns for each run where its pages are kept (see `Column`), so that memory does not
+        grow while it lasts; without it they stay in memory.
+
+    Raises
+    ------
+    SettingsError
+        If a norm is missing.
+
+    Notes
+    -----
+    Time is what the stamps say: nothing here reads a clock, so a replay at any rate and an
+    analysis of the recording give the live verdict.
+
+    """
+
+    def __init__(self, settings: Settings, *, source: str = '',
+                 table: Sequence[tuple[int, int]] | None = None,
+                 keeper: Callable[[], Keep | None] = lambda: None) -> None:
+        self.settings = settings
+        self._keeper = keeper
+        self.newest_ns: int | None = None
+        # Of the newest run: for the rolling window, in which it is the last one at least.
+        self._limits = Limits.of(settings.norms, settings.model)
+        self._source = source
+        self._cutter = RunCutter(settings.runs, table)
+        self._run: RunSeries | None = None
+        self._run_key: int | None = None
+        self._looks: list[LookVerdict] = []
+        self._finished: list[tuple[RunResult, int]] = []
+        self._n_short = 0
+        self._rolling = Rolling(settings.window_s)
+
+    def update(self, pairs: Pairs) -> None:
+        """Take pairs in stamp order; runs that end with them are judged."""
+        if not len(pairs):
+            return
+        for piece in self._cutter.update(pairs.stamp_ns):
+            if piece.key != self._run_key:
+                self._end_run()
+                self._run = RunSeries(piece.cut_ns, self.settings, self._look,
+                                      self._keeper())
+                self._run_key = piece.key
+            self._run.update(pairs[piece.lo:piece.hi])
+        self._rolling.update(difference(pairs, self.settings.installation_offset_deg,
+                                        self.settings.wrap_center_deg))
+        self.newest_ns = int(pairs.stamp_ns[-1])
+        self._end_run_if_cut()
+
+    def mark(self, kind: str, stamp_ns: int) -> None:
+        """Start or stop a run behind the pair of a stamp; see `RunCutter.mark`."""
+        if self._cutter.mark(kind, stamp_ns):
+            self._finished.clear()
+            self._run = self._run_key = None
+            self._looks = []
+        self._end_run_if_cut()
+
+    def finish(self) -> None:
+        """End the run in progress and judge it."""
+        self._end_run()
+
+    def _look(self, run: RunSeries, look: Look, looks: int) -> None:
+        """Judge the run in progress; the last look of a plan is the end of the run."""
+        if look.index < looks - 1:
+            self._looks.append(look_at(run, look, looks, self.settings))
+
+    @property
+    def early(self) -> LookVerdict | None:
+        """What the looks at the run in progress leave standing; None before one decides."""
+        return standing(self._looks)
+
+    def _end_run_if_cut(self) -> None:
+        if self._run is not None and self._cutter.current != self._run_key:
+            self._end_run()
+
+    def _end_run(self) -> None:
+        run, looks = self._run, self._looks
+        self._run = self._run_key = None
+        self._looks = []
+        if run is None or run.start_ns is None:
+            return
+        if run.end_ns - run.start_ns < round(self.settings.runs.min_duration_s * 1e9):
+            self._n_short += 1
+            return
+        result = judge(run, self.settings, len(self._finished) + 1, self._source,
+                       looks=looks)
+        self._limits = result.limits
+        self._finished.append((result, run.cut_ns))
+
+    @property
+    def finished_runs(self) -> int:
+        """Number of runs judged so far."""
+        return len(self._finished)
+
+    @property
+    def cuts(self) -> list[int]:
+        """Where the runs judged so far were cut; the ledger needs a segment from each."""
+        return [cut_ns for _, cut_ns in self._finished]
+
+    def run_figures(self) -> dict[str, Any]:
+        """Return the figures of the run in progress; ``n`` is 0 outside runs."""
+        run = self._run
+        result: dict[str, Any] = {'run': len(self._finished) + 1 if run else 0}
+        if run is None:
+            return {**result, 'n': 0}
+        result |= {'start_ns': run.start_ns, 'newest_ns': run.end_ns, 'n_input': run.n_input,
+                   'n_invalid': run.n_invalid, 'n_stabilization': run.n_stabilization}
+        if not len(run):
+            return {**result, 'n': 0}
+        limits = run.limits(self.settings.norms, self.settings.model)
+        return result | figures(run, limits, self.settings)
+
+    def rolling_figures(self) -> dict[str, Any]:
+        """Return the figures of the rolling window; ``n`` is 0 before the first pair."""
+        if self._rolling.start_ns is None:
+            return {'n': 0}
+        if self._run is not None and len(self._run):
+            self._limits = self._run.limits(self.settings.norms, self.settings.model)
+        return {'start_ns': self._rolling.start_ns, 'newest_ns': self.newest_ns,
+                **figures(self._rolling, self._limits, self.settings)}
+
+    def results(self, ledger: Ledger | None = None) -> list[RunResult]:
+        """
+        Return the runs judged so far, each with its share of a ledger.
+
+        Parameters
+        ----------
+        ledger : Ledger, optional
+            Of the pairer that made the pairs; without it the pairs are all that was received.
+
+        """
+        results = [result for result, _ in self._finished]
+        if not results:
+            return []
+        if ledger is None:
+            shares = [LedgerSegment(cut_ns, dict.fromkeys(('paired', 'ts_paired', 'rs_used'),
+                                                          r.verdict.n_input))
+                      for r, cut_ns in self._finished]
+            inside = shares
+        else:
+            # The run in progress has its share too; it is not among the results yet.
+            in_progress = [] if self._run is None else [self._run.cut_ns]
+            shares = ledger.shares([*self.cuts, *in_progress])
+            inside = [ledger.between(cut_ns, r.verdict.end_ns) for r, cut_ns in self._finished]
+        short = (f'{self._n_short} pieces shorter than runs.min_duration_s were left out',) \
+            if self._n_short else ()
+        return [r.with_pairing(share, within, short if at == 0 else ())
+                for at, (r, share, within) in enumerate(zip(results, shares, inside))]
+
+    def verdict(self, ledger: Ledger | None = None,
+                inputs: Iterable[Mapping[str, Any]] = ()) -> Verdict:
+        """Return the verdict on the runs judged so far."""
+        return join(self.results(ledger), self.settings, inputs)
+
+
+def join(results: Sequence[RunResult], settings: Settings,
+         inputs: Iterable[Mapping[str, Any]] = (), *, incomplete: bool = False) -> Verdict:
+    """
+    Return the verdict on runs, numbered in the order given.
+
+    Parameters
+    ----------
+    results : sequence of RunResult
+        Of one input or of several.
+    settings : Settings
+    inputs : iterable of mapping
+        ``path``, ``sha256``, ``ts_topic``, ``rs_topic`` of each input.
+    incomplete : bool
+        Whether there are inputs that could not be judged; then the verdict is not compliant.
+
+    """
+    runs = compare_runs(results)
+    results = [r.among(at + 1, runs) for at, r in enumerate(results)]
+    verdicts = [r.verdict for r in results]
+    outcome, coverage, campaign = conclude_campaign(results, runs, settings, incomplete)
+    verdict = Verdict.of(verdicts, outcome, campaign, coverage, settings, tuple(inputs))
+    if incomplete:
+        verdict = replace(verdict, paper_outcome=worst(
+            [verdict.paper_outcome, Outcome.INDETERMINATE]))
+    return verdict
+
+
+class Intercomparison:
+    """
+    Pair two streams and judge the pairs, in one process.
+
+    Parameters
+    ----------
+    settings : Settings
+        With the norms.
+    source, table
+        As for `Compliance`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> stamps = np.arange(1, 1001) * 10 ** 9
+    >>> rs = Headings.of(stamps, np.full(1000, 90.0))
+    >>> ts = Headings.of(stamps, 90.0 + 0.1 * np.random.default_rng(1).standard_normal(1000))
+    >>> comparison = Intercomparison(Settings.from_mapping(
+    ...     {'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}}))
+    >>> _ = comparison.update(ts=ts, rs=rs)
+    >>> _ = comparison.finish()
+    >>> comparison.verdict().outcome.value
+    'compliant'
+
+    """
+
+    def __init__(self, settings: Settings, *, source: str = '',
+                 table: Sequence[tuple[int, int]] | None = None) -> None:
+        self.compliance = Compliance(settings, source=source, table=table)
+        self.pairer = Pairer(settings)
+        for start_ns, stop_ns in table or ():
+            self.pairer.ledger.cut(start_ns)
+            self.pairer.ledger.cut(stop_ns)
+
+    def update(self, ts: Headings | None = None, rs: Headings | None = None) -> Pairs:
+        """Take readings; return the pairs they made."""
+        pairs = self.pairer.update(ts, rs)
+        self.compliance.update(pairs)
+        return pairs
+
+    def mark(self, kind: str, stamp_ns: int) -> None:
+        """Start or stop a run behind the pair of a stamp."""
+        self.pairer.ledger.cut(stamp_ns + 1)
+        self.compliance.mark(kind, stamp_ns)
+
+    def finish(self) -> Pairs:
+        """End both streams and the run in progress; return the last pairs."""
+        pairs = self.pairer.flush()
+        self.compliance.update(pairs)
+        self.compliance.finish()
+        return pairs
+
+    def results(self) -> list[RunResult]:
+        """Return the runs judged so far, for `join` with those of other inputs."""
+        return self.compliance.results(self.pairer.ledger)
+
+    def verdict(self, inputs: Iterable[Mapping[str, Any]] = ()) -> Verdict:
+        """Return the verdict on the runs judged so far."""
+        return join(self.results(), self.compliance.settings, inputs)

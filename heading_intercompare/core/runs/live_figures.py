@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Figures of the moment: what a window or a run in progress shows; no verdict."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.gk import as_printed, Printed
+from heading_intercompare.core.decision.guarded import decide, evidence_of
+from heading_intercompare.core.settings import Settings
+
+from .rolling_window import Rolling
+from .run_series import RunSeries
+
+__all__ = ['figures']
+
+
+def _printed_so_far(part: RunSeries | Rolling, limits: Limits, settings: Settings) -> Printed:
+    moments = part.moments()
+    center = 0.0 if settings.variant == 'A' else moments.mean_deg
+    return as_printed(moments.n, moments.mean_deg, moments.variance_deg2,
+                      lambda limit: part.count_outside(center, limit), limits, settings)
+
+
+def figures(part: RunSeries | Rolling, limits: Limits, settings: Settings) -> dict[str, Any]:
+    """
+    Return the figures of a window or of a run in progress, as they are published.
+
+    Parameters
+    ----------
+    part : RunSeries or Rolling
+        With at least one difference.
+    limits : Limits
+    settings : Settings
+
+    Notes
+    -----
+    The bounds are what they are now, at the full risks: they are no verdict, for who waits for
+    them to fall below a limit takes more than the stated risk. So there is no outcome word among
+    the figures. They are about the mean: what is taken out at the end of a run only, a drift or a
+    start that still settles, is named in `not_yet_removed`.
+
+    """
+    moments = part.moments()
+    printed = _printed_so_far(part, limits, settings)
+    evidence = evidence_of(
+        part.cells(), n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
+        span_s=part.span_s, mean_deg=moments.mean_deg,
+        offset_u_deg=settings.installation_offset_u_deg)
+    now = decide(evidence, limits, settings.risk)
+    return {
+        'n': moments.n, 'mean_deg': moments.mean_deg, 'std_deg': moments.std_deg,
+        'min_deg': moments.min_deg, 'max_deg': moments.max_deg,
+        'variance_deg2': moments.variance_deg2,
+        'limit_deg2': limits.limit_deg2, 'tightened_limit_deg2': limits.tightened_limit_deg2,
+        'n_plus': printed.counts.n_plus, 'n_plus_plus': printed.counts.n_plus_plus,
+        'allowed': printed.counts.allowed,
+        'total_error_low_deg': printed.total.low_deg, 'total_error_up_deg': printed.total.up_deg,
+        **{key: getattr(now, key) for key in (
+            'nu', 'f', 'slow_allowance_deg2', 'lower_bound_deg2', 'upper_bound_deg2',
+            'acceptance_limit_deg2', 'rejection_limit_deg2', 'sigma_ts_lower_deg',
+            'sigma_ts_upper_deg', 'bias_u_deg')},
+        'not_yet_removed': ' '.join(_not_yet_removed(settings)) or None}
+
+
+def _not_yet_removed(settings: Settings) -> list[str]:
+    return [name for name, is_due in (('drift', settings.drift_order != 0),
+                                      ('stabilization', settings.runs.stabilization_s == 'auto'))
+            if is_due]

@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The rolling window: exact over panes of a 64th of its length.
+
+A closed pane is a value; the window adds up what is asked of its panes. What nobody asks for, as
+in an analysis of a recording, is not computed.
+Nothing is ever subtracted, so no rounding builds up however long the watch.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from heading_intercompare.core.records import Differences
+from heading_intercompare.core.statistics.cells import Cells
+from heading_intercompare.core.statistics.moments import Moments
+
+__all__ = ['Rolling']
+
+_PANES = 64
+
+
+@dataclass(frozen=True)
+class _Pane:
+    key: int
+    stamp_ns: np.ndarray
+    x_deg: np.ndarray
+
+    @classmethod
+    def of(cls, key: int, chunks: list[Differences]) -> '_Pane':
+        joined = Differences.concatenate(chunks)
+        return cls(key, joined.stamp_ns, joined.x_deg)
+
+    @cached_property
+    def moments(self) -> Moments:
+        return Moments.of(self.x_deg)
+
+    @cached_property
+    def x_sorted_deg(self) -> np.ndarray:
+        return np.sort(self.x_deg)
+
+
+class Rolling:
+    """
+    Statistics of the latest differences.
+
+    Parameters
+    ----------
+    window_s : float
+        Length of the window, seconds of stamp time.
+
+    Notes
+    -----
+    A request costs the sum of at most 65 panes and the closing of the newest one, whatever the
+    length of the window.
+
+    """
+
+    def __init__(self, window_s: float) -> None:
+        self._pane_ns = max(1, round(window_s * 1e9 / _PANES))
+        self._panes: deque[_Pane] = deque()
+        self._open: list[Differences] = []
+        self._open_key: int | None = None
+        self._newest_ns = 0
+
+    def update(self, differences: Differences) -> None:
+        """Take differences in stamp order; values that are not finite are left out."""
+        keep = np.isfinite(differences.x_deg)
+        if not keep.all():
+            differences = differences[keep]
+        if not len(differences):
+            return
+        self._newest_ns = int(differences.stamp_ns[-1])
+        keys = differences.stamp_ns // self._pane_ns
+        edges = [0, *(1 + np.flatnonzero(np.diff(keys))).tolist(), len(keys)]
+        for lo, hi in zip(edges[:-1], edges[1:]):
+            key = int(keys[lo])
+            if key != self._open_key:
+                self._close()
+                self._open_key = key
+            self._open.append(differences[lo:hi])
+        while self._panes and self._panes[0].key <= self._open_key - _PANES:
+            self._panes.popleft()
+
+    def _close(self) -> None:
+        if self._open:
+            self._panes.append(_Pane.of(self._open_key, self._open))
+            self._open = []
+
+    def _all(self) -> list[_Pane]:
+        if len(self._open) > 1:
+            self._open = [Differences.concatenate(self._open)]
+        newest = [_Pane.of(self._open_key, self._open)] if self._open else []
+        return [*self._panes, *newest]
+
+    @property
+    def start_ns(self) -> int | None:
+        """First stamp in the window, None when it is empty."""
+        panes = self._all()
+        return int(panes[0].stamp_ns[0]) if panes else None
+
+    def cells(self) -> Cells:
+        """Return the differences in the window, summed up over cells."""
+        cells = Cells()
+        for pane in self._all():
+            cells.update(pane.x_deg, pane.stamp_ns)
+        return cells
+
+    @property
+    def span_s(self) -> float:
+        """Time from the first to the last difference in the window, seconds."""
+        panes = self._all()
+        return (self._newest_ns - int(panes[0].stamp_ns[0])) / 1e9 if panes else 0.0
+
+    def moments(self) -> Moments:
+        """Return the moments of the differences in the window."""
+        return sum((p.moments for p in self._all()), Moments())
+
+    def count_outside(self, center_deg: float, limit_deg: float) -> int:
+        """Return how many differences deviate from the centre by more than the limit."""
+        n = 0
+        for pane in self._all():
+            x = pane.x_sorted_deg
+            n += int(np.searchsorted(x, center_deg - limit_deg, side='left'))
+            n += len(x) - int(np.searchsorted(x, center_deg + limit_deg, side='right'))
+        return n

@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Where runs start and end.
+
+Cuts come from a table of runs if there is one, else from start and stop marks, else a run opens
+at the first pair. Within these bounds a silence of the pairs longer than `runs.gap_s` cuts.
+"""
+
+from __future__ import annotations
+
+from bisect import insort
+from dataclasses import dataclass
+from typing import Sequence
+
+import numpy as np
+
+from heading_intercompare.core.settings import RunCutting
+
+__all__ = ['Piece', 'RunCutter']
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """
+    Consecutive pairs of one run.
+
+    Attributes
+    ----------
+    key : int
+        The same for all pieces of a run, larger for a later run.
+    cut_ns : int
+        Where the run was cut: the stamp of its mark, or of its first pair.
+    lo, hi : int
+        The pairs of the chunk that belong to it: lo <= i < hi.
+
+    """
+
+    key: int
+    cut_ns: int
+    lo: int
+    hi: int
+
+
+class RunCutter:
+    """
+    Cut a stream of pairs into runs.
+
+    Parameters
+    ----------
+    rule : RunCutting
+        `gap_s` is used.
+    table : sequence of (start_ns, stop_ns), optional
+        Runs as half-open intervals, ascending, without overlap. Marks are then ignored.
+
+    Notes
+    -----
+    A mark carries the stamp of the newest pair at the time it was set: a start takes effect
+    behind that pair, a stop includes it. A mark may come early, then it waits; one that comes
+    late takes effect behind the newest pair. The first start mark withdraws the runs that were
+    opened without one.
+
+    """
+
+    def __init__(self, rule: RunCutting, table: Sequence[tuple[int, int]] | None = None) -> None:
+        self._gap_ns = round(rule.gap_s * 1e9)
+        self._events: list[tuple[int, bool]] = []
+        self._table = table is not None
+        self._marked = self._table
+        self._open = not self._table
+        self._key = 0
+        self._in_run = False
+        self._cut_ns: int | None = None
+        self._newest_ns: int | None = None
+        last = None
+        for start_ns, stop_ns in table or ():
+            if stop_ns <= start_ns:
+                raise ValueError(f'run table: stop {stop_ns} is not after start {start_ns}')
+            if last is not None and start_ns < last:
+                raise ValueError(f'run table: start {start_ns} is before the end {last} of '
+                                 'the run above it')
+            self._events += [(start_ns, True), (stop_ns, False)]
+            last = stop_ns
+
+    @property
+    def current(self) -> int | None:
+        """Key of the run in progress, None outside runs."""
+        return self._key if self._in_run else None
+
+    def mark(self, kind: str, stamp_ns: int) -> bool:
+        """
+        Set a mark.
+
+        Parameters
+        ----------
+        kind : {'start', 'stop'}
+            What begins or ends behind the pair of this stamp.
+        stamp_ns : int
+            Stamp of the newest pair when the mark was set.
+
+        Returns
+        -------
+        bool
+            True if runs that were opened without a mark are withdrawn by this one.
+
+        """
+        if kind not in ('start', 'stop'):
+            raise ValueError(f"mark = {kind!r}: use 'start' or 'stop'")
+        if self._table:
+            return False
+        withdraws = kind == 'start' and not self._marked
+        if withdraws:
+            self._open = self._in_run = False
+        self._marked = True
+        event = (stamp_ns + 1, kind == 'start')
+        if event not in self._events:
+            insort(self._events, event)
+        if self._newest_ns is not None:
+            self._apply(self._newest_ns + 1)
+        return withdraws
+
+    def update(self, stamp_ns: np.ndarray) -> list[Piece]:
+        """Return the pieces of runs in a chunk of pairs; pairs outside runs are in none."""
+        pieces = []
+        n = len(stamp_ns)
+        lo = 0
+        while lo < n:
+            self._apply(int(stamp_ns[lo]))
+            hi = int(np.searchsorted(stamp_ns, self._events[0][0])) if self._events else n
+            if self._open:
+                pieces += self._cut_silences(stamp_ns, lo, hi)
+            self._newest_ns = int(stamp_ns[hi - 1])
+            lo = hi
+        return pieces
+
+    def _apply(self, stamp_ns: int) -> None:
+        """Let the marks up to a stamp take effect."""
+        while self._events and self._events[0][0] <= stamp_ns:
+            at_ns, starts = self._events.pop(0)
+            self._in_run = False
+            self._open = starts
+            self._cut_ns = at_ns if starts else None
+
+    def _cut_silences(self, stamp_ns: np.ndarray, lo: int, hi: int) -> list[Piece]:
+        chunk = stamp_ns[lo:hi]
+        first = self._newest_ns if self._in_run else int(chunk[0])
+        bounds = [lo, *(lo + np.flatnonzero(
+            np.diff(chunk, prepend=first) > self._gap_ns)).tolist(), hi]
+        pieces = []
+        for at, (begin, end) in enumerate(zip(bounds[:-1], bounds[1:])):
+            silent = at > 0
+            if silent or not self._in_run:
+                if silent or self._cut_ns is None:
+                    self._cut_ns = int(stamp_ns[begin])
+                self._key += 1
+                self._in_run = True
+            if begin < end:
+                pieces.append(Piece(self._key, self._cut_ns, begin, end))
+        return pieces

@@ -1,0 +1,23 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Statistics of correlated series: what an estimate is worth."""
+
+from heading_intercompare._doors import door
+
+__getattr__, __dir__, __all__ = door(__name__, {
+    'autocorrelation': ('allan_deviation', 'correlation_times', 'CorrelationTimes', 'sokal_times'),
+    'blocking': ('block_means', 'block_size', 'student_95', 'sum_covariance'),
+    'cells': ('Cells',),
+    'confidence_bounds': ('confidence', 'duration_factor', 'mean_confidence', 'rate_lower',
+                          'rate_upper'),
+    'drift': ('Detrended', 'drift_left_deg2', 'Order', 'remove_polynomial', 'select_order',
+              'Slope', 'slope'),
+    'ergodicity': ('Homogeneity', 'homogeneity', 'RunFigures'),
+    'moments': ('count_outside', 'exact_sum', 'Moments', 'UNIT'),
+    'normality': ('Normality', 'Shape'),
+    'resolution': ('Resolution',),
+    'stationarity': ('Stationarity',),
+    'variance_uncertainty': ('between_runs', 'lower_bound', 'MEAN_DOF', 'pool', 'Spread',
+                             'spread', 'upper_bound'),
+    'warm_up': ('mser5', 'WarmUp'),
+})

@@ -1,0 +1,172 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Confidences that follow from the bounds of a variance, bounds of a rate, and planning."""
+
+from __future__ import annotations
+
+import math
+from typing import Callable
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import betaincinv, stdtrit
+
+from .variance_uncertainty import excess, lower_bound, Spread, upper_bound
+
+__all__ = ['confidence', 'duration_factor', 'LEAST_RISK', 'mean_confidence', 'rate_lower',
+           'rate_upper']
+
+LEAST_RISK = 1e-6
+"""Confidences are given from this to one minus this."""
+
+_LONGEST = 1e12
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(20)
+
+
+def confidence(found: Spread, limit_deg2: float) -> float:
+    """
+    Return the confidence that the variance is at most a limit.
+
+    Parameters
+    ----------
+    found : Spread
+        Of one run, or of several together.
+    limit_deg2 : float
+        The limit, square degrees, greater than 0.
+
+    Returns
+    -------
+    float
+        1 - alpha if the upper bound at alpha is the limit, alpha if the lower bound at alpha
+        is, 0.5 between the two bounds at 0.5; from 1e-6 to 1 - 1e-6.
+
+    """
+    def upper(alpha: float) -> float:
+        return limit_deg2 / upper_bound(found, alpha) - 1.0
+
+    def lower(alpha: float) -> float:
+        return lower_bound(found, alpha) / limit_deg2 - 1.0
+
+    if found.d_deg2 == 0.0:
+        return 1.0 - LEAST_RISK
+    if upper(0.5) >= 0.0:
+        return 1.0 - _risk_where_zero(upper)
+    if lower(0.5) >= 0.0:
+        return _risk_where_zero(lower)
+    return 0.5
+
+
+def _risk_where_zero(f: Callable[[float], float]) -> float:
+    """Return the risk at which a function that rises to f(0.5) >= 0 is zero."""
+    low = math.log(LEAST_RISK)
+    if f(LEAST_RISK) >= 0.0:
+        return LEAST_RISK
+    return math.exp(brentq(lambda t: f(math.exp(t)), low, math.log(0.5), xtol=1e-13))
+
+
+def mean_confidence(found: Spread, sigma_deg: float, low_deg: float,
+                    up_deg: float) -> float:
+    """
+    Return the confidence that the TS meets its norm when the RS is known within an interval.
+
+    Parameters
+    ----------
+    found : Spread
+        Of one run, or of several together.
+    sigma_deg : float
+        Norm of the TS, degrees.
+    low_deg, up_deg : float
+        Interval of the RS standard deviation, taken as uniform in it; degrees.
+
+    Returns
+    -------
+    float
+        Mean of `confidence` over the interval, by 20 Gauss-Legendre points.
+
+    References
+    ----------
+    JCGM 106:2012, conformance probability; E.10 of ``docs/risk.md``.
+
+    """
+    middle, half = 0.5 * (up_deg + low_deg), 0.5 * (up_deg - low_deg)
+    if half == 0.0:
+        return confidence(found, sigma_deg ** 2 + middle ** 2)
+    values = [confidence(found, sigma_deg ** 2 + (middle + half * t) ** 2)
+              for t in _NODES]
+    return 0.5 * float(np.dot(_WEIGHTS, values))
+
+
+def duration_factor(found: Spread, accept_deg2: float, reject_deg2: float,
+                    alpha_consumer: float, alpha_producer: float) -> float:
+    """
+    Return how many times as long a record would decide if everything stayed as it is.
+
+    Parameters
+    ----------
+    found : Spread
+    accept_deg2, reject_deg2 : float
+        Acceptance and rejection limit, square degrees.
+    alpha_consumer, alpha_producer : float
+        Risks, up to 0.5.
+
+    Returns
+    -------
+    float
+        1 if the record decides; infinite where no length does: from limit to limit, and where
+        the slow part that shows fills the room below the acceptance limit.
+
+    Notes
+    -----
+    The standard error falls with the root of the length and the degrees of freedom of the slow
+    part grow with it; the allowance for the slow part stays.
+
+    References
+    ----------
+    S.15 of ``docs/risk.md``.
+
+    """
+    d, s = found.d_deg2, found.s_deg2
+    if d > reject_deg2:
+        t = -float(stdtrit(found.student_dof, alpha_producer))
+        a = (t * found.cv / math.log(d / reject_deg2)) ** 2
+        # The root of r^2 = a (r + 1 / f), from exp(-t cv sqrt((1 + 1 / (r f)) / r)).
+        return max(1.0, 0.5 * (a + math.sqrt(a * a + 4.0 * a / found.f)))
+    room = accept_deg2 - d - found.slow_allowance_deg2
+    if s == 0.0:
+        return 1.0 if room >= 0.0 else math.inf
+    if not room > 0.0:
+        return math.inf
+
+    def missing(log_r: float) -> float:
+        r = math.exp(log_r)
+        return excess(r * found.f, alpha_consumer, found.student_dof) * s / math.sqrt(r) - room
+
+    if missing(0.0) <= 0.0:
+        return 1.0
+    longest = math.log(_LONGEST)
+    return math.exp(brentq(missing, 0.0, longest)) if missing(longest) < 0.0 else math.inf
+
+
+def rate_lower(k: float, trials: float, alpha: float) -> float:
+    """
+    Return the lower confidence bound of a rate.
+
+    Parameters
+    ----------
+    k, trials : float
+        Events among effective trials, 0 <= k <= trials; need not be integers.
+    alpha : float
+        Risk that the rate is below the bound.
+
+    References
+    ----------
+    Clopper & Pearson 1934 with real arguments; S.14 of ``docs/risk.md``.
+
+    """
+    return float(betaincinv(k, trials - k + 1.0, alpha)) if k > 0.0 else 0.0
+
+
+def rate_upper(k: float, trials: float, alpha: float) -> float:
+    """Return the upper confidence bound of a rate, S.14; see `rate_lower`."""
+    return float(betaincinv(k + 1.0, trials - k, 1.0 - alpha)) if k < trials else 1.0

@@ -1,0 +1,355 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The drift of the differences: polynomials fitted, their order chosen, and a slope."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+from numpy.polynomial.legendre import legvander
+from numpy.typing import ArrayLike
+from scipy.special import stdtrit
+
+from .autocorrelation import sokal_times
+from .blocking import block_means, block_size, student_95
+from .cells import Cells
+from .variance_uncertainty import MEAN_DOF, Spread, spread
+
+__all__ = ['bic_of', 'blocked', 'drift_left_deg2', 'HIGHEST_ORDER', 'Order', 'Polynomial',
+           'remove_polynomial', 'rounding_floor', 'select_order', 'Slope', 'slope']
+
+HIGHEST_ORDER = 3
+"""Largest order of a polynomial that may be removed."""
+
+#: Products of so many stay in one thread, as in `deviation`.
+_PIECE = 1 << 13
+_LEAST_BLOCKS = 64
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Polynomial:
+    """
+    A polynomial in time taken out of differences.
+
+    Attributes
+    ----------
+    order : int
+        Its order; lower than asked for if there are fewer samples than order + 2.
+    coefficients_deg : tuple of float
+        Factors of the Legendre polynomials P_0 to P_order of u = (2t - t_1 - t_n)/(t_n - t_1),
+        degrees; that of P_0 is about the mean. Empty for n = 0.
+    residual_deg : ndarray, shape (n,)
+        Differences less the polynomial, degrees.
+
+    """
+
+    order: int
+    coefficients_deg: tuple[float, ...]
+    residual_deg: np.ndarray
+
+
+def _scaled_time(stamp_ns: np.ndarray) -> np.ndarray:
+    """Return stamps scaled to [-1, 1]."""
+    span = int(stamp_ns[-1]) - int(stamp_ns[0])
+    t = (stamp_ns - stamp_ns[0]).astype(np.float64)
+    return 2.0 * t / span - 1.0 if span else t
+
+
+def _least_squares(u: np.ndarray, y: np.ndarray, order: int) -> np.ndarray:
+    """Return Legendre coefficients by normal equations, in pieces so that memory stays flat."""
+    gram, right = np.zeros((order + 1, order + 1)), np.zeros(order + 1)
+    for lo in range(0, u.size, _PIECE):
+        basis = legvander(u[lo:lo + _PIECE], order)
+        gram += basis.T @ basis
+        right += basis.T @ y[lo:lo + _PIECE]
+    return np.linalg.lstsq(gram, right, rcond=None)[0]
+
+
+def _evaluate(u: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+    return np.polynomial.legendre.legval(u, coefficients)
+
+
+def remove_polynomial(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> Polynomial:
+    """
+    Take the polynomial of best fit out of differences.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    x_deg : array_like, shape (n,)
+        Differences, finite, degrees.
+    order : int
+        From 0 (the mean) to 3.
+
+    Returns
+    -------
+    Polynomial
+        Least squares on the stamps as they are.
+
+    Raises
+    ------
+    ValueError
+        If the order is not from 0 to 3.
+
+    References
+    ----------
+    GK models x as drift plus a stationary process; this form of the drift is E.2 of
+    ``docs/diagnostics.md``.
+
+    Examples
+    --------
+    >>> fit = remove_polynomial([0, 1, 2, 3], [1.0, 2.0, 3.0, 4.0], 1)
+    >>> [round(c, 9) for c in fit.coefficients_deg]
+    [2.5, 1.5]
+
+    """
+    if not 0 <= order <= HIGHEST_ORDER:
+        raise ValueError(f'order = {order!r}: must be from 0 to {HIGHEST_ORDER}')
+    stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
+    if not x.size:
+        return Polynomial(0, (), x.copy())
+    order = max(0, min(order, x.size - 2))
+    first = float(x[0])
+    residual = x - first
+    u = _scaled_time(stamps)
+    coefficients = np.zeros(order + 1)
+    for _ in range(2):
+        # The second pass takes back the rounding of the normal equations.
+        correction = _least_squares(u, residual, order)
+        residual -= _evaluate(u, correction)
+        coefficients += correction
+    coefficients[0] += first
+    return Polynomial(order, tuple(coefficients.tolist()), residual)
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """
+    How high an order the drift of a run calls for.
+
+    Attributes
+    ----------
+    order : int
+        From 0 to 3: the one of smallest criterion among these.
+    bic : tuple of float or None
+        Schwarz's criterion of orders 0 to 4; None where the fit leaves nothing.
+    blocks : int
+        Number of block means it was found on, 64 to 127.
+    beyond : bool
+        Whether order 4 would fit better still: then no order up to 3 describes the drift.
+
+    """
+
+    order: int
+    bic: tuple[float | None, ...]
+    blocks: int
+    beyond: bool
+
+
+def bic_of(rss: float, blocks: int, parameters: int, floor: float) -> float:
+    """Return Schwarz's criterion; minus infinity if the residuals are mere rounding."""
+    if rss <= floor:
+        return -math.inf
+    return blocks * math.log(rss / blocks) + parameters * math.log(blocks)
+
+
+def rounding_floor(values: np.ndarray) -> float:
+    """Return the sum of squares that rounding alone would leave of values."""
+    return values.size * (1e-13 * (1.0 + float(np.abs(values).max()))) ** 2
+
+
+def blocked(stamp_ns: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+    """Return times (s after the first stamp) and values of 64 to 127 block means, their size."""
+    size = block_size(x.size, _LEAST_BLOCKS)
+    return block_means((stamp_ns - stamp_ns[0]) / 1e9, size), block_means(x, size), size
+
+
+def select_order(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Order | None:
+    """
+    Choose the order of the polynomial that the drift of a run calls for.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    x_deg : array_like, shape (n,)
+        Differences, finite, degrees.
+
+    Returns
+    -------
+    Order or None
+        None for fewer than 64 samples.
+
+    Notes
+    -----
+    On the means of 64 to 127 blocks, whose residuals are nearly white; on raw correlated
+    samples the criterion overfits. A correlation longer than about a hundredth of the run is
+    still taken for drift.
+
+    References
+    ----------
+    Schwarz 1978: B ln(RSS/B) + (p + 2) ln B; E.2 of ``docs/diagnostics.md``.
+
+    """
+    stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
+    if x.size < _LEAST_BLOCKS or stamps[-1] == stamps[0]:
+        return None
+    t, z, _ = blocked(stamps, x)
+    z = z - z.mean()
+    u = 2.0 * (t - t[0]) / (t[-1] - t[0]) - 1.0
+    basis = legvander(u, HIGHEST_ORDER + 1)
+    floor = rounding_floor(x)
+    values = []
+    for p in range(HIGHEST_ORDER + 2):
+        part = basis[:, :p + 1]
+        left = z - part @ np.linalg.lstsq(part, z, rcond=None)[0]
+        values.append(bic_of(float(left @ left), z.size, p + 2, floor))
+    order = int(np.argmin(values[:HIGHEST_ORDER + 1]))
+    return Order(order, tuple(v if math.isfinite(v) else None for v in values), z.size,
+                 values[-1] < values[order])
+
+
+@dataclass(frozen=True, slots=True)
+class Detrended:
+    """
+    Differences less a polynomial in time.
+
+    Attributes
+    ----------
+    polynomial : Polynomial
+        With the residuals.
+    found : Spread or None
+        Spectra of the residuals; None for fewer than 128 differences.
+
+    """
+
+    polynomial: Polynomial
+    found: Spread | None
+
+    @classmethod
+    def of(cls, stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> 'Detrended':
+        """Take a polynomial out of differences, as `remove_polynomial` does."""
+        fit = remove_polynomial(stamp_ns, x_deg, order)
+        return cls(fit, spread(Cells.of(fit.residual_deg, stamp_ns), fit.order))
+
+
+def drift_left_deg2(rest: Detrended) -> float | None:
+    """
+    Return an upper bound of the variance that a drift makes where it is not taken out.
+
+    Parameters
+    ----------
+    rest : Detrended
+        By the polynomial that describes the drift; a slope at least.
+
+    Returns
+    -------
+    float or None
+        One-sided 95 % bound, square degrees; None for fewer than 128 differences.
+
+    Notes
+    -----
+    The part of order k of the polynomial has the variance c_k^2 / (2k + 1), with its Legendre
+    coefficient c_k; where nothing drifts, errors make that as large as the variance v of the
+    mean, S.1. The bound is (r + t sqrt(v))^2 with r^2 the variance of all parts and Student's t.
+
+    References
+    ----------
+    S.16 of ``docs/risk.md``.
+
+    """
+    fit, found = rest.polynomial, rest.found
+    if found is None:
+        return None
+    r = math.sqrt(math.fsum(c * c / (2 * k + 1) for k, c in enumerate(fit.coefficients_deg)
+                            if k > 0))
+    t = -float(stdtrit(MEAN_DOF, 0.05))
+    return (r + t * math.sqrt(found.mean_variance_deg2)) ** 2
+
+
+@dataclass(frozen=True, slots=True)
+class Slope:
+    """
+    A straight line through the differences.
+
+    Attributes
+    ----------
+    slope_deg_per_h : float
+        Degrees an hour.
+    intercept_deg : float
+        At the first stamp.
+    u_naive_deg_per_h : float or None
+        Standard error as if the residuals were uncorrelated; None for n < 3.
+    u_deg_per_h : float or None
+        Standard uncertainty that allows for correlation, by the power of the residuals at the
+        lowest half-periods of the record; for fewer than 128 differences the naive one times the
+        root of the correlation time.
+    interval_deg_per_h : pair of float or None
+        95 % interval of the slope.
+    tau_samples : float
+        Correlation time of the residuals, in samples.
+    residual_std_deg : float or None
+        Root of RSS/(n - 1).
+
+    """
+
+    slope_deg_per_h: float
+    intercept_deg: float
+    u_naive_deg_per_h: float | None
+    u_deg_per_h: float | None
+    interval_deg_per_h: tuple[float, float] | None
+    tau_samples: float
+    residual_std_deg: float | None
+
+
+def slope(stamp_ns: ArrayLike, x_deg: ArrayLike, line: Detrended | None = None) -> Slope | None:
+    """
+    Return the slope of the differences and how well it is known.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    x_deg : array_like, shape (n,)
+        Differences, finite, degrees.
+    line : Detrended, optional
+        The same less a polynomial of order 1, if known already.
+
+    Returns
+    -------
+    Slope or None
+        None for n < 2.
+
+    References
+    ----------
+    Ordinary least squares; with the variance v of the mean by S.1, that of the slope is 12 v
+    over the square of the span. Correlation time with the window of Sokal 1997.
+
+    """
+    stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
+    n = x.size
+    if n < 2 or stamps[-1] == stamps[0]:
+        return None
+    t_h = (stamps - stamps[0]) / 3.6e12
+    mean_h, mean_deg = float(t_h.mean()), float(x.mean())
+    t_h -= mean_h
+    power = float(t_h @ t_h)
+    b = float(t_h @ x) / power
+    residual = x - mean_deg
+    residual -= b * t_h
+    tau = sokal_times(residual).tau_1
+    if n < 3:
+        return Slope(b, mean_deg - b * mean_h, None, None, None, tau, None)
+    rss = float(residual @ residual)
+    naive = math.sqrt(rss / (n - 2) / power)
+    u, dof = naive * math.sqrt(max(1.0, tau)), n - 2
+    found = (Detrended.of(stamps, x, 1) if line is None else line).found
+    if found is not None:
+        span_h = (int(stamps[-1]) - int(stamps[0])) / 3.6e12
+        u, dof = math.sqrt(12.0 * found.mean_variance_deg2) / span_h, MEAN_DOF
+    half = student_95(dof) * u
+    return Slope(b, mean_deg - b * mean_h, naive, u, (b - half, b + half), tau,
+                 math.sqrt(rss / (n - 1)))

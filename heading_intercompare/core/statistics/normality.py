@@ -1,0 +1,329 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether values are normal, tested for as many of them as are independent in effect."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import log_ndtr
+
+from heading_intercompare.core.angles import unwrap_deg, wrap180
+
+from .autocorrelation import effective_size, sokal_times
+from .resolution import Resolution, resolution
+
+__all__ = ['anderson_darling', 'AndersonDarling', 'moving_average_residual', 'Normality',
+           'normality', 'Shape', 'shape', 'symmetric_difference', 'thinned']
+
+_PIECE = 1 << 15
+_LEAST = 8
+_MOST = 1 << 20
+_STRETCH = 1 << 16
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """
+    Skewness and kurtosis of values, and how unlikely they are for normal ones.
+
+    Attributes
+    ----------
+    n : int
+        Number of values.
+    n_effective : float
+        How many independent ones they are worth.
+    std_deg : float or None
+        Standard deviation, degrees; None for n < 2.
+    skewness, excess_kurtosis : float or None
+        g_1 and g_2 from moments about the mean; None for n < 8 or equal values, as all below.
+        Uniform values have -1.2, the difference of two equal uniforms -0.6.
+    skewness_z, kurtosis_z : float or None
+        In standard deviations for normal values.
+    jarque_bera, p : float or None
+        Sum of the squares of both, and the probability of so large a sum for normal values.
+
+    """
+
+    n: int
+    n_effective: float
+    std_deg: float | None = None
+    skewness: float | None = None
+    excess_kurtosis: float | None = None
+    skewness_z: float | None = None
+    kurtosis_z: float | None = None
+    jarque_bera: float | None = None
+    p: float | None = None
+
+
+def shape(values: ArrayLike, n_effective: float | None = None) -> Shape:
+    """
+    Test values for normality by their third and fourth moments.
+
+    Parameters
+    ----------
+    values : array_like, shape (n,)
+        Finite, degrees.
+    n_effective : float, optional
+        How many independent values they are worth; default n. Hundreds of thousands of
+        correlated values are never normal at their full number.
+
+    Returns
+    -------
+    Shape
+
+    References
+    ----------
+    z_1 = g_1/sqrt(6/nu), z_2 = g_2/sqrt(24/nu), chi-square of two degrees: Jarque & Bera 1987;
+    for correlated values Bai & Ng 2005 (JBES 23, 49). E.6 of ``docs/diagnostics.md``.
+
+    """
+    x = np.asarray(values, dtype=np.float64)
+    n = x.size
+    nu = float(n if n_effective is None else n_effective)
+    if n < 2:
+        return Shape(n, nu)
+    first = float(x[0])
+    mean = first + float(np.mean(x - first))
+    m2 = m3 = m4 = 0.0
+    for lo in range(0, n, _PIECE):
+        e = x[lo:lo + _PIECE] - mean
+        e2 = e * e
+        m2 += float(e2.sum())
+        m3 += float(e @ e2)
+        m4 += float(e2 @ e2)
+    std = math.sqrt(m2 / (n - 1))
+    if n < _LEAST or m2 / n <= (1e-13 * (1.0 + abs(mean))) ** 2:
+        return Shape(n, nu, std)
+    m2, m3, m4 = m2 / n, m3 / n, m4 / n
+    g1, g2 = m3 / (m2 * math.sqrt(m2)), m4 / (m2 * m2) - 3.0
+    z1, z2 = g1 * math.sqrt(nu / 6.0), g2 * math.sqrt(nu / 24.0)
+    jb = z1 * z1 + z2 * z2
+    return Shape(n, nu, std, g1, g2, z1, z2, jb, math.exp(-0.5 * jb))
+
+
+@dataclass(frozen=True, slots=True)
+class AndersonDarling:
+    """
+    Distance of values from the normal distribution of their mean and standard deviation.
+
+    Attributes
+    ----------
+    statistic, adjusted : float
+        A^2, and A^2 (1 + 0.75/n + 2.25/n^2).
+    p : float
+        Probability of so large a distance for independent normal values.
+
+    """
+
+    statistic: float
+    adjusted: float
+    p: float
+
+
+def anderson_darling(values: ArrayLike) -> AndersonDarling | None:
+    """
+    Test independent values for normality by their whole distribution.
+
+    Parameters
+    ----------
+    values : array_like, shape (n,)
+        Finite; thin correlated ones first, see `thinned`.
+
+    Returns
+    -------
+    AndersonDarling or None
+        None for n < 8, or if all values are equal.
+
+    References
+    ----------
+    Anderson & Darling 1954; p by Stephens (D'Agostino & Stephens 1986, table 4.9).
+
+    """
+    x = np.sort(np.asarray(values, dtype=np.float64))
+    n = x.size
+    if n < _LEAST or x[-1] == x[0]:
+        return None
+    z = (x - x.mean()) / x.std(ddof=1)
+    odd = 2.0 * np.arange(1, n + 1) - 1.0
+    statistic = -n - float(np.mean(odd * (log_ndtr(z) + log_ndtr(-z[::-1]))))
+    a = statistic * (1.0 + 0.75 / n + 2.25 / (n * n))
+    if a >= 10.0:
+        p = 3.7e-24
+    elif a >= 0.6:
+        p = math.exp(1.2937 - 5.709 * a + 0.0186 * a * a)
+    elif a >= 0.34:
+        p = math.exp(0.9177 - 4.279 * a - 1.38 * a * a)
+    elif a >= 0.2:
+        p = 1.0 - math.exp(-8.318 + 42.796 * a - 59.938 * a * a)
+    else:
+        p = 1.0 - math.exp(-13.436 + 101.14 * a - 223.73 * a * a)
+    return AndersonDarling(statistic, a, p)
+
+
+def thinned(values: ArrayLike) -> tuple[np.ndarray, int]:
+    """Return every k-th value, and k: the correlation time of Sokal, rounded up."""
+    x = np.asarray(values, dtype=np.float64)
+    step = max(1, math.ceil(sokal_times(x).tau_1))
+    return x[::step], step
+
+
+def symmetric_difference(heading_deg: ArrayLike) -> np.ndarray:
+    """
+    Return the symmetric first differences of a heading.
+
+    Parameters
+    ----------
+    heading_deg : array_like, shape (n,)
+        Headings in stamp order, degrees.
+
+    Returns
+    -------
+    ndarray, shape (max(n - 2, 0),)
+        Each reading less the one after the next, wrapped. White noise of standard deviation s
+        gives s sqrt(2); a slow heading nearly cancels.
+
+    References
+    ----------
+    GK, checking the error models: theta_{i-1} - theta_{i+1}.
+
+    """
+    heading = np.asarray(heading_deg, dtype=np.float64)
+    return wrap180(heading[:-2] - heading[2:])
+
+
+def moving_average_residual(heading_deg: ArrayLike, width: int) -> np.ndarray:
+    """
+    Return a heading less its centred moving average.
+
+    Parameters
+    ----------
+    heading_deg : array_like, shape (n,)
+        Headings in stamp order, degrees; unwrapped before they are averaged.
+    width : int
+        Readings averaged, odd, at least 3.
+
+    Returns
+    -------
+    ndarray, shape (max(n - width + 1, 0),)
+        White noise of standard deviation s gives s sqrt(1 - 1/width).
+
+    Raises
+    ------
+    ValueError
+        If the width is even or below 3.
+
+    References
+    ----------
+    GK, checking the error models.
+
+    """
+    if width < 3 or width % 2 == 0:
+        raise ValueError(f'width = {width!r}: must be odd and at least 3')
+    heading = unwrap_deg(heading_deg)
+    if heading.size < width:
+        return np.empty(0)
+    heading -= heading[0]
+    sums = np.concatenate(([0.0], np.cumsum(heading)))
+    result = heading[width // 2:heading.size - width // 2]
+    result -= (sums[width:] - sums[:-width]) / width
+    return result
+
+
+@dataclass(frozen=True, slots=True)
+class Normality:
+    """
+    The normality of a run; keys of the JSON.
+
+    Attributes
+    ----------
+    difference : Shape
+        Of the differences, at their effective size.
+    thinned_step, thinned_n : int
+        Every so many-th difference makes these nearly independent ones.
+    anderson_darling, anderson_darling_p : float or None
+        Of the thinned differences, adjusted; None for fewer than 8 or equal ones.
+    ts_first_difference, rs_first_difference : Shape
+        Of the symmetric first differences of the headings of each sensor.
+    ts_moving_average, rs_moving_average : Shape
+        Of the headings less their centred moving average.
+    moving_average_width : int
+        Readings averaged.
+    ts_step_deg, rs_step_deg : float or None
+        Resolution of the headings as paired; an interpolated RS shows none.
+    ts_repeated_share, rs_repeated_share : float or None
+        Share of readings equal to the one before.
+    rounding_variance_deg2 : float
+        What the resolutions found add to the variance of the differences; not subtracted.
+
+    """
+
+    difference: Shape
+    thinned_step: int
+    thinned_n: int
+    anderson_darling: float | None
+    anderson_darling_p: float | None
+    ts_first_difference: Shape
+    rs_first_difference: Shape
+    ts_moving_average: Shape
+    rs_moving_average: Shape
+    moving_average_width: int
+    ts_step_deg: float | None
+    rs_step_deg: float | None
+    ts_repeated_share: float | None
+    rs_repeated_share: float | None
+    rounding_variance_deg2: float
+
+
+def normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *, n_effective: float,
+              width: int = 3) -> Normality:
+    """
+    Test the normality of a run.
+
+    Parameters
+    ----------
+    x_deg, ts_deg, rs_deg : array_like, shape (n,)
+        Differences or their residuals, and headings, in sample order, finite, degrees.
+    n_effective : float
+        Effective size of the differences.
+    width : int
+        Readings of a moving average, odd, at least 3.
+
+    Returns
+    -------
+    Normality
+
+    Notes
+    -----
+    Of more than a million headings, 16 stretches spread over the run are used, of 65536 each.
+
+    References
+    ----------
+    GK asks for normality of the differences, of symmetric first differences, and of headings
+    less a moving average; effective sizes instead of n: Bai & Ng 2005.
+
+    """
+    few, step = thinned(x_deg)
+    distance = anderson_darling(few)
+    sensors = [_sensor(np.asarray(h, dtype=np.float64), width) for h in (ts_deg, rs_deg)]
+    (ts_first, ts_average, ts_step), (rs_first, rs_average, rs_step) = sensors
+    return Normality(
+        shape(x_deg, n_effective), step, few.size,
+        *((distance.adjusted, distance.p) if distance else (None, None)),
+        ts_first, rs_first, ts_average, rs_average, width, ts_step.step_deg, rs_step.step_deg,
+        ts_step.repeated_share, rs_step.repeated_share,
+        ts_step.variance_deg2 + rs_step.variance_deg2)
+
+
+def _sensor(heading_deg: np.ndarray, width: int) -> tuple[Shape, Shape, Resolution]:
+    starts = range(0, 1) if heading_deg.size <= _MOST else np.linspace(
+        0, heading_deg.size - _STRETCH, _MOST // _STRETCH).astype(int)
+    stretch = heading_deg.size if len(starts) == 1 else _STRETCH
+    parts = [heading_deg[lo:lo + stretch] for lo in starts]
+    first = np.concatenate([symmetric_difference(h) for h in parts])
+    average = np.concatenate([moving_average_residual(h, width) for h in parts])
+    return (shape(first, effective_size(first)), shape(average, effective_size(average)),
+            resolution(heading_deg))

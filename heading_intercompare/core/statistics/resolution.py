@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The step in which a sensor reports its heading, and what rounding to it adds to the variance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from heading_intercompare.core.angles import wrap180
+
+__all__ = ['Resolution', 'resolution']
+
+_LOOKED_AT = 100_000
+_LEAST_STEP_DEG = 1e-7
+_LEAST_STEPS = 20
+_SHARE = 0.99
+
+
+@dataclass(frozen=True, slots=True)
+class Resolution:
+    """
+    How finely a heading is reported.
+
+    Attributes
+    ----------
+    n : int
+        Readings looked at, the first 100000 at most.
+    step_deg : float or None
+        All changes of the heading are multiples of it; None if there is no such step, or too
+        few changes to tell.
+    repeated_share : float or None
+        Share of readings equal to the one before; None for n < 2.
+
+    """
+
+    n: int
+    step_deg: float | None
+    repeated_share: float | None
+
+    @property
+    def variance_deg2(self) -> float:
+        """Variance that rounding adds, square degrees; 0 if no step was found."""
+        return 0.0 if self.step_deg is None else self.step_deg ** 2 / 12.0
+
+
+def resolution(heading_deg: ArrayLike) -> Resolution:
+    """
+    Find the step in which a heading is reported.
+
+    Parameters
+    ----------
+    heading_deg : array_like, shape (n,)
+        Headings in stamp order, finite, degrees; also of steps that are no decimal fraction,
+        as of 0.0001 rad.
+
+    Returns
+    -------
+    Resolution
+
+    Notes
+    -----
+    The smallest change is the candidate; it is kept if 99 % of all changes are multiples of it
+    to a twentieth. Rounding adds step^2/12 to the variance, as long as the standard deviation
+    is at least half a step (Sheppard); it is reported, never subtracted.
+
+    Examples
+    --------
+    >>> found = resolution([0.2 * (k % 3) for k in range(40)])
+    >>> round(found.step_deg, 6), found.repeated_share
+    (0.2, 0.0)
+
+    """
+    heading = np.asarray(heading_deg, dtype=np.float64)[:_LOOKED_AT]
+    if heading.size < 2:
+        return Resolution(heading.size, None, None)
+    changes = np.abs(wrap180(np.diff(heading)))
+    moved = changes[changes > _LEAST_STEP_DEG]
+    share = 1.0 - moved.size / changes.size
+    return Resolution(heading.size, _common_step(moved), share)
+
+
+def _common_step(changes: np.ndarray) -> float | None:
+    if changes.size < _LEAST_STEPS:
+        return None
+    step = float(changes.min())
+    # Multiples found with the candidate refine it, the small ones first: an error of the
+    # candidate grows with the multiple.
+    for most in (4.0, 64.0, np.inf):
+        some = changes[changes <= most * step]
+        multiple = np.rint(some / step)
+        step = float(some @ multiple) / float(multiple @ multiple)
+    off = np.abs(changes / step - np.rint(changes / step))
+    return step if np.count_nonzero(off < 0.05) >= _SHARE * changes.size else None

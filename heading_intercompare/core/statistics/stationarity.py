@@ -1,0 +1,234 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether mean and variance of the differences stay the same within a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import gammaln, kve, ndtr
+
+from .blocking import block_means, block_size
+
+__all__ = ['Arrangements', 'Kpss', 'kpss', 'reverse_arrangements', 'Stationarity', 'stationarity']
+
+LEAST_SAMPLES = 64
+"""Fewest samples of which stationarity is tested: 16 blocks of four."""
+
+
+@dataclass(frozen=True, slots=True)
+class Arrangements:
+    """
+    Reverse arrangements of a few values: a trend has too few or too many.
+
+    Attributes
+    ----------
+    count : float
+        Pairs of which the earlier value is the larger; equal ones count half.
+    z : float
+        Count about its expectation, in standard deviations; positive if the values fall.
+    p : float
+        Probability of so large a deviation, either way, if there is no trend.
+
+    """
+
+    count: float
+    z: float
+    p: float
+
+
+def reverse_arrangements(values: ArrayLike) -> Arrangements | None:
+    """
+    Test a few independent values for a trend.
+
+    Parameters
+    ----------
+    values : array_like, shape (k,)
+        Tens of values in the order of time; time and memory grow with the square.
+
+    Returns
+    -------
+    Arrangements or None
+        None for fewer than 10 values, for which the count is not normal.
+
+    References
+    ----------
+    Bendat & Piersol, *Random Data*: mean k (k - 1)/4, variance k (2k + 5)(k - 1)/72.
+
+    Examples
+    --------
+    >>> reverse_arrangements(range(10)).count
+    0.0
+
+    """
+    z = np.asarray(values, dtype=np.float64)
+    k = z.size
+    if k < 10:
+        return None
+    row, column = np.triu_indices(k, 1)
+    count = (float(np.count_nonzero(z[row] > z[column]))
+             + 0.5 * float(np.count_nonzero(z[row] == z[column])))
+    deviation = (count - 0.25 * k * (k - 1)) / math.sqrt(k * (2 * k + 5) * (k - 1) / 72.0)
+    return Arrangements(count, deviation, float(2.0 * ndtr(-abs(deviation))))
+
+
+@dataclass(frozen=True, slots=True)
+class Kpss:
+    """
+    Statistic of Kwiatkowski, Phillips, Schmidt & Shin for a constant level.
+
+    Attributes
+    ----------
+    statistic : float
+        Mean square of the cumulated deviations over n times the long-run variance; 0.463 is
+        exceeded by 5 % of stationary series.
+    lags : int
+        Of the Bartlett kernel.
+    p : float
+        Probability of so large a statistic if the series is stationary, for n to infinity.
+
+    """
+
+    statistic: float
+    lags: int
+    p: float
+
+
+def kpss(values: ArrayLike) -> Kpss | None:
+    """
+    Test a series for a constant level.
+
+    Parameters
+    ----------
+    values : array_like, shape (n,)
+        In the order of time; here block means.
+
+    Returns
+    -------
+    Kpss or None
+        None for n < 20, or if the long-run variance is zero.
+
+    Notes
+    -----
+    Lags: the whole part of 12 (n/100)^(1/4). The limit distribution is that of the Cramer-von
+    Mises statistic, the integral of a squared Brownian bridge.
+
+    References
+    ----------
+    Kwiatkowski et al. 1992 (J. Econometrics 54, 159).
+
+    """
+    z = np.asarray(values, dtype=np.float64)
+    n = z.size
+    if n < 20 or float(z.max()) == float(z.min()):
+        return None
+    e = z - z.mean()
+    lags = int(12.0 * (n / 100.0) ** 0.25)
+    long_run = float(e @ e)
+    for k in range(1, lags + 1):
+        long_run += 2.0 * (1.0 - k / (lags + 1.0)) * float(e[k:] @ e[:-k])
+    if long_run <= 0.0:
+        return None
+    walk = np.cumsum(e)
+    statistic = float(walk @ walk) / (n * long_run)
+    return Kpss(statistic, lags, _bridge_tail(statistic))
+
+
+def _bridge_tail(value: float) -> float:
+    """
+    Return the probability that the integral of a squared Brownian bridge exceeds a value.
+
+    The series of Anderson & Darling 1952 (Ann. Math. Stat. 23, 193).
+    """
+    if value <= 0.0:
+        return 1.0
+    if value >= 6.0:
+        # Less than exp(-pi^2 value / 2): below the rounding of the series.
+        return 0.0
+    j = np.arange(25.0)
+    u = (4.0 * j + 1.0) ** 2 / (16.0 * value)
+    terms = (np.exp(gammaln(j + 0.5) - gammaln(j + 1.0) - 2.0 * u) * np.sqrt(4.0 * j + 1.0)
+             * kve(0.25, u))
+    return min(1.0, max(0.0, 1.0 - float(terms.sum()) / (math.pi ** 1.5 * math.sqrt(value))))
+
+
+@dataclass(frozen=True, slots=True)
+class Stationarity:
+    """
+    What the blocks of a run say about the constancy of its moments; keys of the JSON.
+
+    Attributes
+    ----------
+    blocks : int
+        Blocks compared for a trend, 16 to 31; 0 if there are fewer than 64 samples, and all
+        that follows is None then.
+    block_s : float or None
+        Their length, seconds.
+    mean_z, mean_p : float or None
+        Reverse arrangements of the block means.
+    square_z, square_p : float or None
+        Of the block means of the squared deviation.
+    kpss, kpss_p : float or None
+        Statistic for a constant level on 64 to 127 block means, and its probability; None also
+        if these are all equal.
+    kpss_lags : int or None
+        Of its kernel.
+
+    """
+
+    blocks: int
+    block_s: float | None
+    mean_z: float | None
+    mean_p: float | None
+    square_z: float | None
+    square_p: float | None
+    kpss: float | None
+    kpss_lags: int | None
+    kpss_p: float | None
+
+    @property
+    def least_p(self) -> float | None:
+        """Smallest of the three probabilities times three (Bonferroni); None if untested."""
+        values = [p for p in (self.mean_p, self.square_p, self.kpss_p) if p is not None]
+        return min(1.0, len(values) * min(values)) if values else None
+
+
+def stationarity(x_deg: ArrayLike, step_s: float) -> Stationarity:
+    """
+    Test whether mean and variance of the differences are constant within a run.
+
+    Parameters
+    ----------
+    x_deg : array_like, shape (n,)
+        Differences or residuals, in sample order, finite, degrees.
+    step_s : float
+        Time from sample to sample, seconds.
+
+    Returns
+    -------
+    Stationarity
+
+    Notes
+    -----
+    The blocks must be long compared with the correlation of the errors; where the record is too
+    short for that (`assumptions.resolved`), a slow error and a change of the mean look alike.
+
+    References
+    ----------
+    GK asks for moments that are constant within a run. E.4 of ``docs/diagnostics.md``.
+
+    """
+    x = np.asarray(x_deg, dtype=np.float64)
+    size = block_size(x.size, 16)
+    if x.size < LEAST_SAMPLES:
+        return Stationarity(0, *(None,) * 8)
+    e = x - x[0]
+    e -= e.mean()
+    means, squares = block_means(e, size), block_means(e * e, size)
+    by_mean, by_square = reverse_arrangements(means), reverse_arrangements(squares)
+    level = kpss(block_means(e, block_size(x.size, 64)))
+    return Stationarity(means.size, size * step_s, by_mean.z, by_mean.p, by_square.z, by_square.p,
+                        *((level.statistic, level.lags, level.p) if level else (None,) * 3))

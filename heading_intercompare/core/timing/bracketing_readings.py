@@ -1,0 +1,192 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The readings behind a heading that was interpolated between them, from its pairs alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from heading_intercompare.core.angles import unwrap_deg
+
+__all__ = ['Brackets', 'brackets', 'pairs_per_reading', 'readings_per_pair']
+
+_SLOPE = 1e-6
+_EQUAL_DEG = 1e-7
+_LOOKED_AT = 100_000
+_LEAST_SHARE = 0.1
+_PHASES = 4096
+_LEAST_POWER, _LEAST_VARIANCE = 0.5, 0.01
+_SHORT = 0.05
+_REGULAR = 0.3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Brackets:
+    """
+    Straight pieces of an interpolated heading, of three pairs or more each.
+
+    Attributes
+    ----------
+    first, last : ndarray of int64, shape (b,)
+        Pairs between which the heading is a straight line, in order.
+    node_s, node_deg : ndarray, shape (b - 1,)
+        Where the lines of neighbouring pieces meet: the reading between them. Seconds after the
+        first stamp, unwrapped degrees; nan if they are more than one reading apart or in line.
+
+    """
+
+    first: np.ndarray
+    last: np.ndarray
+    node_s: np.ndarray
+    node_deg: np.ndarray
+
+
+def _slopes(stamp_ns: np.ndarray, heading: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the slopes from pair to pair, deg/s, and where three pairs are not in line."""
+    slope = np.diff(heading) / np.maximum(np.diff(stamp_ns) / 1e9, 1e-9)
+    kink = np.abs(np.diff(slope)) > _SLOPE * (1.0 + np.abs(slope[1:]))
+    return slope, kink
+
+
+def brackets(stamp_ns: ArrayLike, heading_deg: ArrayLike) -> Brackets:
+    """
+    Find the straight pieces of a heading that was interpolated linearly.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    heading_deg : array_like, shape (n,)
+        The interpolated heading, finite, degrees.
+
+    Returns
+    -------
+    Brackets
+        Empty if no three pairs in a row lie between the same two readings.
+
+    Examples
+    --------
+    >>> found = brackets([0, 10**9, 2 * 10**9, 4 * 10**9, 5 * 10**9, 6 * 10**9],
+    ...                  [0.0, 1.0, 2.0, 3.0, 3.0, 3.0])
+    >>> found.first.tolist(), found.node_s.tolist(), found.node_deg.tolist()
+    ([0, 3], [3.0], [3.0])
+
+    """
+    stamps, heading = np.asarray(stamp_ns), unwrap_deg(heading_deg)
+    none = np.empty(0, np.int64)
+    if stamps.size < 3:
+        return Brackets(none, none, np.empty(0), np.empty(0))
+    slope, kink = _slopes(stamps, heading)
+    straight = np.flatnonzero(~kink)
+    begins = np.diff(straight, prepend=-2) > 1
+    first = straight[begins]
+    last = straight[np.append(begins[1:], True)[:begins.size]] + 2
+    t = (stamps - stamps[0]) / 1e9
+    a, b = slope[first[:-1]], slope[first[1:]]
+    with np.errstate(divide='ignore', invalid='ignore'):
+        # The line of each piece through its last, of the next through its first pair.
+        lead = (heading[first[1:]] - heading[last[:-1]]
+                - b * (t[first[1:]] - t[last[:-1]])) / (a - b)
+        node = t[last[:-1]] + lead
+        value = heading[last[:-1]] + a * lead
+    good = np.isfinite(node) & (first[1:] - last[:-1] <= 1)
+    good &= (node >= t[last[:-1]] - 1e-6) & (node <= t[first[1:]] + 1e-6)
+    return Brackets(first, last, np.where(good, node, np.nan), np.where(good, value, np.nan))
+
+
+def readings_per_pair(stamp_ns: ArrayLike, heading_deg: ArrayLike) -> int:
+    """
+    Return of how many pairs one holds a new reading of a sensor.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    heading_deg : array_like, shape (n,)
+        Headings of the pairs, finite, degrees.
+
+    Returns
+    -------
+    int
+        1 for a sensor as fast as the pairs. Slower ones are known by values that are repeated,
+        or that lie in a line between readings; the first 100000 pairs are looked at.
+
+    Examples
+    --------
+    >>> readings_per_pair(range(0, 10**12, 10**9), [k // 5 for k in range(1000)])
+    5
+
+    """
+    stamps, heading = np.asarray(stamp_ns)[:_LOOKED_AT], unwrap_deg(heading_deg[:_LOOKED_AT])
+    if stamps.size < 3:
+        return 1
+    repeated = _usual(np.flatnonzero(np.abs(np.diff(heading)) > _EQUAL_DEG))
+    slope, kink = _slopes(stamps, heading)
+    moving = (np.abs(slope) > _SLOPE)[1:]
+    if not moving.any() or float(np.mean(kink[moving])) > 1.0 - _LEAST_SHARE:
+        return repeated
+    # A reading between two pairs makes two kinks in a row, one that meets a pair makes one.
+    kinks = np.flatnonzero(kink)
+    begins = np.flatnonzero(np.diff(kinks, prepend=-2) > 1)
+    if np.count_nonzero(np.diff(begins, append=kinks.size) > 2) > _SHORT * begins.size:
+        return repeated
+    return max(repeated, _usual(kinks[begins]))
+
+
+def pairs_per_reading(factor: ArrayLike) -> float:
+    """
+    Return how many pairs there may be for one reading of an interpolated sensor.
+
+    Parameters
+    ----------
+    factor : array_like, shape (n,)
+        What interpolation left of the variance of white noise, (1-w)^2 + w^2.
+
+    Returns
+    -------
+    float
+        From 1 to 2; 1 if the factors do not tell.
+
+    Notes
+    -----
+    cos(2 pi w) follows from the factor. Of even stamps it is a sine whose frequency is the number
+    of readings a pair, folded: 0.6 cannot be told from 0.4 or 1.4. The slowest sensor with two
+    pairs a reading or fewer is returned; three in a line show a slower one, `readings_per_pair`.
+
+    Examples
+    --------
+    >>> w = [0.1 + 0.7 * k % 1.0 for k in range(200)]
+    >>> round(pairs_per_reading([(1.0 - v) ** 2 + v ** 2 for v in w]), 3)
+    1.429
+
+    """
+    some = np.asarray(factor, dtype=np.float64)[:_PHASES]
+    if some.size < _PHASES // 32:
+        return 1.0
+    phase = -np.cos(np.pi * np.sqrt(np.clip(2.0 * some - 1.0, 0.0, 1.0)))
+    if float(np.var(phase)) < _LEAST_VARIANCE:
+        return 1.0
+    power = np.abs(np.fft.rfft((phase - phase.mean()) * np.hanning(phase.size))) ** 2
+    at = int(np.argmax(power))
+    near = slice(max(0, at - 2), at + 3)
+    if power[near].sum() < _LEAST_POWER * power.sum():
+        return 1.0
+    folded = float(np.arange(power.size)[near] @ power[near] / power[near].sum()) / phase.size
+    return 1.0 / (1.0 - min(0.5, folded))
+
+
+def _usual(where: np.ndarray) -> int:
+    """Return the usual distance of events that a slow sensor makes; 1 if it is none."""
+    if where.size < 2:
+        return 1
+    # Rounding repeats values, too, or puts them in a line, but it ends at any time.
+    apart = np.diff(where)
+    least = float(np.quantile(apart, _SHORT, method='lower'))
+    usual = float(apart[apart < 1.5 * least].mean())
+    if float(np.mean(np.cos(2.0 * np.pi / usual * apart))) < _REGULAR:
+        return 1
+    return max(1, math.floor(usual + 0.5))

@@ -1,0 +1,321 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the clocks of the two sensors drift apart: the time skew of parts of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import stdtrit
+
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.statistics.blocking import student_95
+
+from .heading_track import Track
+from .skew_instrument import common_tracks, HALF_SPAN_S, Instrument
+from .skew_search import find_skew, scatter_deg
+
+__all__ = ['clock_drift', 'ClockDrift', 'ClockStep', 'SkewOfPart']
+
+_BLOCK_S = 0.25
+_MOST_PARTS, _FEWEST_PARTS = 16, 6
+_LEAST_PART_S = 60.0
+_MOST_SAMPLES = 4096
+_LEAST_SAMPLES = 128
+_FLOOR_S = 0.005
+_RISK = 5e-4
+_CLEAR = 0.25
+_LEAST_STEP_S, _SURE = 0.1, 6.0
+_LEAST_OF_LEVEL = 2
+_LEAST_KEPT = 0.6
+_MUCH, _BETTER = 4.0, 0.95
+
+
+@dataclass(frozen=True, slots=True)
+class SkewOfPart:
+    """
+    The time skew of a part of a run.
+
+    Attributes
+    ----------
+    time_s : float
+        Middle of the part, seconds after the first stamp.
+    skew_s, u_s : float
+        Skew and its standard uncertainty, seconds; positive if the TS data are older.
+    rate_std_deg_s : float
+        Standard deviation of the common rate of turn, degrees a second.
+
+    """
+
+    time_s: float
+    skew_s: float
+    u_s: float
+    rate_std_deg_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ClockStep:
+    """
+    A change of the skew at once.
+
+    Attributes
+    ----------
+    time_s : float
+        When, seconds after the first stamp.
+    before_s, after_s : float
+        Skew before and after, seconds.
+
+    """
+
+    time_s: float
+    before_s: float
+    after_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ClockDrift:
+    """
+    A line through the time skew of the parts of a run.
+
+    Attributes
+    ----------
+    kind : {'steady', 'drifting', 'stepped', 'not_testable'}
+        'drifting': the slope is not zero, at a risk of 0.05 %. 'stepped': the skew changes at
+        once, between parts in which it stays. 'not_testable': fewer than six parts in which the
+        ship turned enough.
+    parts : tuple of SkewOfPart
+        Those in which it did, in order of time.
+    skew_s : float or None
+        Of the line, in the middle of the run, seconds.
+    slope_s_per_h, u_s_per_h : float or None
+        Slope and its standard uncertainty, which allows for scatter about the line.
+    interval_s_per_h : pair of float or None
+        95 % interval of the slope.
+    variance_deg2 : float or None
+        What the slope adds to the variance of the differences, beside a constant skew, square
+        degrees: slope^2 Var(time) Var(rate).
+    steps : tuple of ClockStep
+        In order of time.
+
+    """
+
+    kind: str
+    parts: tuple[SkewOfPart, ...] = ()
+    skew_s: float | None = None
+    slope_s_per_h: float | None = None
+    u_s_per_h: float | None = None
+    interval_s_per_h: tuple[float, float] | None = None
+    variance_deg2: float | None = None
+    steps: tuple[ClockStep, ...] = ()
+
+    def late_s(self, t_s: np.ndarray) -> np.ndarray:
+        """Return by how much the TS is late at times after the first stamp, seconds."""
+        if not self.steps:
+            return self.skew_s + self.slope_s_per_h / 3600.0 * (t_s - 0.5 * (t_s[0] + t_s[-1]))
+        levels = np.array([self.steps[0].before_s, *(step.after_s for step in self.steps)])
+        return levels[np.searchsorted([step.time_s for step in self.steps], t_s, side='right')]
+
+
+def clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
+                range_s: float = 2.0, max_gap_s: float = 3.0,
+                near_s: float = 0.0) -> ClockDrift:
+    """
+    Estimate how the time skew changes within a run.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps of the pairs in increasing order, nanoseconds.
+    x_deg, rs_deg : array_like, shape (n,)
+        Differences and RS headings, finite, degrees.
+    range_s : float
+        A skew so near to `near_s` is preferred in the first part, and one so near to the line
+        through the parts before in each other; seconds.
+    max_gap_s : float
+        Spans that hold a longer silence are left out, seconds.
+    near_s : float
+        The skew of the whole run, if it has one, seconds.
+
+    Returns
+    -------
+    ClockDrift
+
+    Notes
+    -----
+    The instrumental estimate of E.8 in 6 to 16 parts of a minute or more, on averages over up
+    to 0.25 s, of at most 4096 of them in the middle of a part. The first part starts from
+    `near_s`, each other from the line through the parts before, so a skew that grows beyond half
+    a period of the swell is followed; a skew elsewhere, up to 60 s, is taken where it scatters
+    clearly less.
+    Where two parts or more stay at one skew, and two or more at another that differs by more than
+    0.1 s and 6 standard uncertainties, and levels fit four times better than the line, the clock
+    stepped; when, says the least sum of squares between them. The line is weighted by the
+    uncertainties, none taken for less than 5 ms, since interpolation moves the estimate by as
+    much.
+
+    References
+    ----------
+    E.22 of ``docs/diagnostics.md``.
+
+    """
+    stamps, x, rs = np.asarray(stamp_ns), np.asarray(x_deg), np.asarray(rs_deg)
+    if x.size < _LEAST_SAMPLES or stamps[-1] == stamps[0]:
+        return ClockDrift('not_testable')
+    ts_track, rs_track = common_tracks(stamps, x, rs, _BLOCK_S)
+    span = float(ts_track.t_s[-1] - ts_track.t_s[0])
+    count = min(_MOST_PARTS, int(span / _LEAST_PART_S), len(ts_track) // _LEAST_SAMPLES)
+    if count < _FEWEST_PARTS:
+        return ClockDrift('not_testable')
+    edges = np.searchsorted(ts_track.t_s, np.linspace(0.0, span, count + 1) + ts_track.t_s[0])
+    found: list[SkewOfPart] = []
+    for lo, hi in zip(edges[:-1].tolist(), edges[1:].tolist()):
+        if hi - lo < _LEAST_SAMPLES:
+            continue
+        middle = (lo + hi) // 2
+        lo, hi = max(lo, middle - _MOST_SAMPLES // 2), min(hi, middle + _MOST_SAMPLES // 2)
+        part = _cut(ts_track, lo, hi)
+        one = _skew_of(part, rs_track, _expected(found, float(part.t_s.mean()), near_s), range_s,
+                       max_gap_s)
+        if one is not None:
+            found.append(one)
+    if len(found) < _FEWEST_PARTS:
+        return ClockDrift('not_testable', tuple(found))
+    line = _line(found, float(ts_track.t_s[0]) + 0.5 * span)
+    steps = _steps(found, ts_track, rs_track)
+    return replace(line, kind='stepped', steps=steps) if steps else line
+
+
+def _cut(track: Track, lo: int, hi: int) -> Track:
+    """Return a part of a track."""
+    part = Track(Headings.empty())
+    part.t_s, part.heading_deg = track.t_s[lo:hi], track.heading_deg[lo:hi]
+    return part
+
+
+def _expected(found: list[SkewOfPart], at_s: float, near_s: float) -> float:
+    """Return the skew that the line through the last parts gives at a time."""
+    if not found:
+        return near_s
+    if len(found) == 1:
+        return found[0].skew_s
+    last = found[-4:]
+    t = np.array([one.time_s for one in last])
+    slope = np.polyfit(t - t[-1], [one.skew_s for one in last], 1)
+    return float(np.polyval(slope, at_s - t[-1]))
+
+
+def _skew_of(ts: Track, rs: Track, expected_s: float, range_s: float,
+             max_gap_s: float) -> SkewOfPart | None:
+    """Return the skew of a part; None if the ship did not turn enough or nothing settles."""
+    instrument = Instrument(ts, rs, HALF_SPAN_S, max_gap_s)
+    place = find_skew(instrument, expected_s, range_s)
+    if place is None or place[1].u_s > _CLEAR * range_s:
+        return None
+    d, found = place
+    return SkewOfPart(float(found.t_s.mean()), d, found.u_s, found.rate_std_deg_s)
+
+
+def _steps(found: list[SkewOfPart], ts: Track, rs: Track) -> tuple[ClockStep, ...]:
+    """Return where the skew changes at once; none where it does not, or a line does as well."""
+    precise = _MUCH * float(np.median([one.u_s for one in found]))
+    groups: list[list[SkewOfPart]] = []
+    for one in found:
+        if one.u_s > max(precise, _FLOOR_S):
+            continue
+        if groups and not _apart(groups[-1][-1], one):
+            groups[-1].append(one)
+        else:
+            groups.append([one])
+    # A part in which the step lies shows neither skew, or an uncertain one.
+    levels: list[list[SkewOfPart]] = []
+    for group in groups:
+        if len(group) < _LEAST_OF_LEVEL:
+            continue
+        if levels and not _apart(levels[-1][-1], group[0]):
+            levels[-1] += group
+        else:
+            levels.append(group)
+    kept = [one for level in levels for one in level]
+    if len(levels) < 2 or len(kept) < _LEAST_KEPT * len(found):
+        return ()
+    dof = len(kept) - len(levels)
+    flat = sum(_misfit(level, 0) for level in levels) / dof
+    if 4.0 * flat > _misfit(kept, 1) / (len(kept) - 2):
+        return ()
+    steps = [_step(before, after, ts, rs) for before, after in zip(levels, levels[1:])]
+    # A skew off by a period of the swell fits nearly as well.
+    if not all(_is_better(before, step.before_s, step.after_s, ts, rs)
+               and _is_better(after, step.after_s, step.before_s, ts, rs)
+               for step, before, after in zip(steps, levels, levels[1:])):
+        return ()
+    return tuple(steps)
+
+
+def _is_better(level: list[SkewOfPart], skew_s: float, other_s: float, ts: Track,
+               rs: Track) -> bool:
+    """Tell whether the parts of a level scatter clearly less at their own skew than at another."""
+    half = 0.5 * _LEAST_PART_S
+    inside = (ts.t_s >= level[0].time_s - half) & (ts.t_s <= level[-1].time_s + half)
+    t = ts.t_s[inside]
+    own, other = (scatter_deg(t, ts.heading_deg[inside] - rs.at(t - d)) for d in (skew_s, other_s))
+    return own < _BETTER * other
+
+
+def _apart(one: SkewOfPart, other: SkewOfPart) -> bool:
+    """Tell whether the skew of two parts surely differs, by more than a tenth of a second."""
+    return abs(one.skew_s - other.skew_s) > max(_LEAST_STEP_S,
+                                                _SURE * math.hypot(one.u_s, other.u_s))
+
+
+def _misfit(parts: list[SkewOfPart], order: int) -> float:
+    """Return the weighted square sum of skews about their mean or line."""
+    t = np.array([one.time_s for one in parts])
+    d = np.array([one.skew_s for one in parts])
+    root = 1.0 / np.maximum([one.u_s for one in parts], _FLOOR_S)
+    fit = np.polyfit(t - t.mean(), d, order, w=root)
+    return float(np.sum((root * (d - np.polyval(fit, t - t.mean()))) ** 2))
+
+
+def _step(before: list[SkewOfPart], after: list[SkewOfPart], ts: Track, rs: Track) -> ClockStep:
+    """Return a step with the time at which both levels together leave the least squares."""
+    levels = [float(np.median([one.skew_s for one in side])) for side in (before, after)]
+    lo, hi = before[-1].time_s, after[0].time_s
+    t = ts.t_s[(ts.t_s >= lo) & (ts.t_s <= hi)]
+    at_s = 0.5 * (lo + hi)
+    if t.size > 2:
+        left, right = (_squares(t, level, ts, rs) for level in levels)
+        total = np.concatenate(([0.0], np.cumsum(left))) + np.concatenate(
+            (np.cumsum(right[::-1])[::-1], [0.0]))
+        at_s = float(t[min(int(np.argmin(total)), t.size - 1)])
+    return ClockStep(at_s, *levels)
+
+
+def _squares(t_s: np.ndarray, skew_s: float, ts: Track, rs: Track) -> np.ndarray:
+    """Return the squared differences about their median with the RS read so much earlier."""
+    x = ts.at(t_s) - rs.at(t_s - skew_s)
+    return (x - np.median(ts.at(ts.t_s) - rs.at(ts.t_s - skew_s))) ** 2
+
+
+def _line(found: list[SkewOfPart], middle_s: float) -> ClockDrift:
+    """Return the weighted line through the skews; its level is in the middle of the run."""
+    t = np.array([one.time_s for one in found]) / 3600.0
+    d = np.array([one.skew_s for one in found])
+    u = np.array([one.u_s for one in found])
+    u = np.maximum(u, max(_FLOOR_S, float(np.median(u)) / 3.0))
+    w = 1.0 / u ** 2
+    t0 = float(w @ t / w.sum())
+    power = float(w @ (t - t0) ** 2)
+    slope = float(w @ ((t - t0) * d)) / power
+    level = float(w @ d / w.sum())
+    dof = d.size - 2
+    scatter = float(w @ (d - level - slope * (t - t0)) ** 2) / dof
+    u_slope = math.sqrt(max(1.0, scatter) / power)
+    half = student_95(dof) * u_slope
+    drifting = abs(slope) > -float(stdtrit(dof, 0.5 * _RISK)) * u_slope
+    rate2 = float(np.mean([one.rate_std_deg_s ** 2 for one in found]))
+    return ClockDrift('drifting' if drifting else 'steady', tuple(found),
+                      level + slope * (middle_s / 3600.0 - t0), slope, u_slope,
+                      (slope - half, slope + half), slope ** 2 * float(np.var(t)) * rate2)

@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The heading of one sensor as a continuous function of time."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from heading_intercompare.core.angles import unwrap_deg
+from heading_intercompare.core.records import Headings
+
+__all__ = ['Track']
+
+_ROUNDING_S = 5e-10
+
+
+class Track:
+    """
+    The heading of one sensor as a continuous function of time.
+
+    Parameters
+    ----------
+    headings : Headings
+        Readings that are not finite, or whose stamp does not increase, are left out.
+    origin_ns : int
+        Stamp of time zero, nanoseconds.
+
+    Attributes
+    ----------
+    t_s, heading_deg : ndarray, shape (n,)
+        Times of the readings, seconds after the origin; unwrapped headings, degrees.
+
+    """
+
+    def __init__(self, headings: Headings, origin_ns: int = 0) -> None:
+        headings = headings[np.isfinite(headings.heading_deg)]
+        stamps = headings.stamp_ns
+        if stamps.size > 1 and not (stamps[1:] > stamps[:-1]).all():
+            newest = np.maximum.accumulate(stamps)
+            headings = headings[np.concatenate(([True], stamps[1:] > newest[:-1]))]
+        self.t_s = (headings.stamp_ns - origin_ns) / 1e9
+        self.heading_deg = unwrap_deg(headings.heading_deg)
+
+    def __len__(self) -> int:
+        return self.t_s.size
+
+    def at(self, t_s: np.ndarray) -> np.ndarray:
+        """Return headings interpolated to times within those of the readings, unwrapped."""
+        return np.interp(t_s, self.t_s, self.heading_deg)
+
+    def rate(self, t_s: np.ndarray, half_span_s: float) -> np.ndarray:
+        """Return the mean rate from `half_span_s` before to as much after, degrees a second."""
+        return (self.at(t_s + half_span_s) - self.at(t_s - half_span_s)) / (2.0 * half_span_s)
+
+    def covers(self, from_s: np.ndarray, to_s: np.ndarray,
+               max_gap_s: float = math.inf) -> np.ndarray:
+        """Tell where all of a span of time lies between readings at most a gap apart."""
+        if not len(self):
+            return np.zeros(from_s.shape, bool)
+        # Half a nanosecond, the unit of stamps, absorbs the rounding of seconds.
+        from_s, to_s = from_s + _ROUNDING_S, to_s - _ROUNDING_S
+        good = (from_s >= self.t_s[0]) & (to_s <= self.t_s[-1])
+        gaps = np.flatnonzero(np.diff(self.t_s) > max_gap_s)
+        if gaps.size:
+            # Gaps that end by a time, less those that begin before another: none in between.
+            ended = np.searchsorted(self.t_s[gaps + 1], from_s, side='right')
+            begun = np.searchsorted(self.t_s[gaps], to_s, side='left')
+            good &= ended == begun
+        return good

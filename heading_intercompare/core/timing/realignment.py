@@ -1,0 +1,55 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The pairs of a run with the RS read earlier: what the differences are without a skew."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from heading_intercompare.core.angles import unwrap_deg
+
+__all__ = ['realigned']
+
+_FEW_STEPS = 5.0
+
+
+def realigned(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
+              late_s: float | np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """
+    Return the differences as if the TS were not late.
+
+    Parameters
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps of the pairs in increasing order, nanoseconds.
+    x_deg, rs_deg : ndarray, shape (n,)
+        Differences and RS headings, finite, degrees.
+    late_s : float or ndarray, shape (n,)
+        How much earlier the RS is read, seconds; it may change with time.
+
+    Returns
+    -------
+    stamp_ns, x_deg : ndarray, shape (m,)
+        Of the pairs for which the RS was read there, m <= n: not those whose earlier time lies
+        before the first pair, behind the last, or between two that are more than five typical
+        steps apart, where no reading is.
+    factor : float
+        What interpolating leaves of the variance of white RS errors; 1 for m = 0.
+
+    """
+    if not stamp_ns.size:
+        return stamp_ns, x_deg, 1.0
+    t = (stamp_ns - stamp_ns[0]) / 1e9
+    earlier = t - late_s
+    steps = np.diff(t)
+    place = np.interp(earlier, t, np.arange(t.size, dtype=np.float64))
+    left = np.floor(place)
+    w = place - left
+    kept = (earlier >= t[0]) & (earlier <= t[-1])
+    if steps.size:
+        wide = np.append(steps > _FEW_STEPS * np.median(steps), False)
+        kept &= ~wide[left.astype(np.intp)] | (w == 0.0)
+    rs = unwrap_deg(rs_deg)
+    x = (x_deg + rs - np.interp(earlier, t, rs))[kept]
+    w = w[kept]
+    return stamp_ns[kept], x, float(np.mean((1.0 - w) ** 2 + w ** 2)) if w.size else 1.0

@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The instrumental estimate of the time skew at one shift of the RS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+
+from heading_intercompare.core.angles import unwrap_deg
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.statistics.blocking import block_means, block_size, sum_covariance
+
+from .heading_track import Track
+
+__all__ = ['BLOCK_S', 'common_tracks', 'Fit', 'HALF_SPAN_S', 'Instrument', 'LEAST_STRENGTH']
+
+BLOCK_S = 0.1
+"""Longest block that pairs are averaged over, seconds."""
+
+HALF_SPAN_S = 0.5
+"""Rates are taken from so long before a pair to so long after it, seconds."""
+
+LEAST_STRENGTH = 10.0
+"""Least F of the common turning of both sensors; below, the instrument is weak."""
+
+
+def common_tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray,
+                  block_s: float = BLOCK_S) -> tuple[Track, Track]:
+    """
+    Return TS and RS on common times, averaged over short blocks.
+
+    Parameters
+    ----------
+    stamps : ndarray of int64, shape (n,)
+        Stamps of the pairs in increasing order, nanoseconds; n >= 64.
+    x, rs_deg : ndarray, shape (n,)
+        Differences and RS headings, finite, degrees.
+    block_s : float
+        Longest block, seconds.
+
+    Returns
+    -------
+    ts, rs : Track
+        Their time zero is the first stamp.
+
+    """
+    step = float(np.median(np.diff(stamps[:100_001]))) / 1e9
+    size = block_size(math.floor(block_s / step), 1) if step < block_s else 1
+    if size > block_size(x.size, 64):
+        size = 1
+
+    def averaged(values: np.ndarray) -> np.ndarray:
+        return block_means(values, size) if size > 1 else values
+
+    ts, rs = Track(Headings.empty()), Track(Headings.empty())
+    ts.heading_deg, rs.heading_deg = averaged(unwrap_deg(x)), averaged(unwrap_deg(rs_deg))
+    ts.heading_deg += rs.heading_deg
+    ts.t_s = rs.t_s = averaged((stamps - int(stamps[0])) / 1e9)
+    return ts, rs
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """
+    The instrumental estimate at one shift of the RS.
+
+    Attributes
+    ----------
+    t_s, x, rate : ndarray, shape (n,)
+        Times used, seconds; differences with the RS shifted, degrees; its rates, degrees a
+        second.
+    step_s, u_s : float
+        Skew that is left, and its standard uncertainty, seconds.
+    dof : int
+        Degrees of freedom of the uncertainty.
+    strength : float
+        F of the common rate.
+    rate_std_deg_s : float
+        Standard deviation of the common rate, degrees a second.
+
+    """
+
+    t_s: np.ndarray
+    x: np.ndarray
+    rate: np.ndarray
+    step_s: float
+    u_s: float
+    dof: int
+    strength: float
+    rate_std_deg_s: float
+
+
+class Instrument:
+    """
+    Estimates what skew is left once the RS is shifted by some seconds.
+
+    Parameters
+    ----------
+    ts, rs : Track
+        Both sensors on common times; the RS may reach further.
+    half_span_s : float
+        Rates are taken from so long before a pair to so long after it, seconds.
+    max_gap_s : float
+        Spans that hold a longer silence are left out, seconds.
+    most : int, optional
+        Times that are looked at, spread evenly over those of the TS; default all.
+
+    """
+
+    def __init__(self, ts: Track, rs: Track, half_span_s: float, max_gap_s: float,
+                 most: int | None = None) -> None:
+        self.ts, self.rs = ts, rs
+        self.half_span_s, self.max_gap_s = half_span_s, max_gap_s
+        self._every = 1 if most is None else max(1, -(-len(ts) // most))
+
+    def __call__(self, shift_s: float) -> Fit | None:
+        h = self.half_span_s
+        t = self.ts.t_s[::self._every]
+        t = t[self.ts.covers(t - h - max(0.0, shift_s), t + h + max(0.0, -shift_s),
+                             self.max_gap_s)]
+        if t.size < 64:
+            return None
+        ts_rate = self.ts.rate(t, h)
+        ts_rate -= ts_rate.mean()
+        rate = self.rs.rate(t - shift_s, h)
+        x = self.ts.at(t) - self.rs.at(t - shift_s)
+        common = ts_rate * (rate - rate.mean())
+        total = float(common.sum())
+        u_total = math.sqrt(float(sum_covariance(common)[0]))
+        strength = (total / u_total) ** 2 if u_total > 0.0 and total > 0.0 else 0.0
+        if strength == 0.0:
+            return Fit(t, x, rate, 0.0, math.inf, 0, 0.0, 0.0)
+        e = x - x.mean()
+        step = -float(ts_rate @ e) / total
+        e += step * (rate - rate.mean())
+        covariance, dof = sum_covariance(ts_rate * e)
+        return Fit(t, x, rate, step, math.sqrt(float(covariance)) / total, dof, strength,
+                    math.sqrt(total / (t.size - 1)))

@@ -1,0 +1,213 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The time skew at which the differences of two streams scatter least."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+
+from heading_intercompare.core.angles import wrap180
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.statistics.blocking import sum_covariance
+
+from .heading_track import Track
+from .skew_instrument import LEAST_STRENGTH
+
+__all__ = ['scan', 'Scan']
+
+_SEARCHED = 20_000
+_CURVE = 50
+
+
+@dataclass(frozen=True, slots=True)
+class Scan:
+    """
+    A scan of the skew between two streams; keys of the JSON.
+
+    Attributes
+    ----------
+    n : int
+        TS readings compared, the same at every skew.
+    range_s, step_s : float
+        Largest skew tried, either way, and the step of the grid.
+    skew_s : float
+        L*: where the parabola through the least variance and its neighbours is lowest.
+    u_s : float or None
+        Its standard uncertainty, which allows for correlation; None for fewer than 64 readings
+        or if the RS does not turn.
+    bias_s : float or None
+        By how much interpolating a noisy RS can have moved it, at most.
+    at_edge : bool
+        Whether the least variance is at an end of the range: then it is `skew_s`, and no skew
+        was found.
+    well_determined : bool
+        Whether the ship turned enough: not at an edge, and `u_s` and `bias_s` together at most
+        a tenth of the range.
+    std_deg, mean_deg : float
+        Of the differences at `skew_s`.
+    std_zero_deg, mean_zero_deg : float
+        Of the same differences without skew.
+    curve_s, curve_std_deg : tuple of float
+        Some of the grid, to be drawn: at most 101 points.
+
+    """
+
+    n: int
+    range_s: float
+    step_s: float
+    skew_s: float
+    u_s: float | None
+    bias_s: float | None
+    at_edge: bool
+    well_determined: bool
+    std_deg: float
+    mean_deg: float
+    std_zero_deg: float
+    mean_zero_deg: float
+    curve_s: tuple[float, ...]
+    curve_std_deg: tuple[float, ...]
+
+
+class _Differences:
+    """TS less shifted RS over the fixed set of TS readings."""
+
+    def __init__(self, ts: Track, rs: Track, range_s: float, max_gap_s: float) -> None:
+        inside = rs.covers(ts.t_s - range_s, ts.t_s + range_s, max_gap_s)
+        self.rs = rs
+        self.t_s, self.ts_deg = ts.t_s[inside], ts.heading_deg[inside]
+
+    def at(self, skew_s: float, every: int = 1) -> np.ndarray:
+        """Return the wrapped differences at a skew."""
+        x = self.ts_deg[::every] - self.rs.at(self.t_s[::every] - skew_s)
+        x -= 360.0 * round(float(x.mean()) / 360.0)
+        if float(x.max()) >= 180.0 or float(x.min()) < -180.0:
+            x = wrap180(x)
+        return x
+
+    def variance(self, skew_s: float, every: int = 1) -> float:
+        """Return the sample variance at a skew; two readings at least."""
+        x = self.at(skew_s, every)
+        x -= x.mean()
+        return float(x @ x) / (x.size - 1)
+
+
+def scan(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 0.01, *,
+         max_gap_s: float = math.inf) -> Scan | None:
+    """
+    Find the skew at which the differences of two streams scatter least.
+
+    Parameters
+    ----------
+    ts, rs : Headings
+        All readings of the TS and of the RS; those that are not finite, or whose stamp does not
+        increase, are left out.
+    range_s : float
+        Largest skew tried, either way, seconds; rounded to steps.
+    step_s : float
+        Step of the grid, seconds.
+    max_gap_s : float
+        TS readings with a longer silence of the RS within the range are left out, seconds.
+
+    Returns
+    -------
+    Scan or None
+        None for fewer than 3 TS readings that stay within the RS at every skew.
+
+    Raises
+    ------
+    ValueError
+        If range or step are not positive, or the range is shorter than a step.
+
+    Notes
+    -----
+    x_i(L) = TS(t_i) - RS(t_i - L), wrapped, the unwrapped RS interpolated linearly; the set of
+    i is the one that is inside the RS at both ends of the range. L_0 is the grid point of least
+    variance v, L* = L_0 - step (v_+ - v_-) / (2 (v_+ - 2 v_0 + v_-)). Of more than 20000
+    readings, L_0 is sought on every so many-th one, then moved to the nearest minimum of all.
+
+    Interpolating halfway between two RS readings averages their noise, which draws the minimum
+    away from the readings if TS and RS keep step. `bias_s` bounds that: half the RS interval
+    times the share of noise in the variance of the RS rate.
+
+    References
+    ----------
+    E.16 of ``docs/diagnostics.md``.
+
+    """
+    if not 0.0 < step_s <= range_s < math.inf:
+        raise ValueError(f'range_s = {range_s!r}, step_s = {step_s!r}: must be greater than 0, '
+                         'the range at least a step')
+    if not len(ts) or not len(rs):
+        return None
+    last = round(range_s / step_s)
+    origin = int(rs.stamp_ns[0])
+    difference = _Differences(Track(ts, origin), Track(rs, origin), last * step_s, max_gap_s)
+    n = difference.t_s.size
+    if n < 3:
+        return None
+    every = max(1, -(-n // _SEARCHED))
+    grid = np.arange(-last, last + 1)
+    searched = np.array([difference.variance(k * step_s, every) for k in grid.tolist()])
+    best = _descend(difference, step_s, last, int(grid[np.argmin(searched)]))
+    skew_s = _lowest(difference, best, last, step_s)
+    x = difference.at(skew_s)
+    zero = difference.at(0.0)
+    u_s, bias_s = _uncertainty(difference, skew_s, step_s, x)
+    at_edge = abs(best) == last
+    thin = max(1, -(-last // _CURVE))
+    shown = slice(last % thin, None, thin)
+    return Scan(n, last * step_s, step_s, skew_s, u_s, bias_s, at_edge,
+                not at_edge and u_s is not None and u_s + bias_s <= 0.1 * last * step_s,
+                float(x.std(ddof=1)), float(x.mean()), float(zero.std(ddof=1)),
+                float(zero.mean()), tuple((grid[shown] * step_s).tolist()),
+                tuple(np.sqrt(searched[shown]).tolist()))
+
+
+def _descend(difference: _Differences, step_s: float, last: int, start: int) -> int:
+    """Return the nearest grid point from which the variance of all readings rises."""
+    best, least = start, difference.variance(start * step_s)
+    for direction in (1, -1):
+        while abs(best + direction) <= last:
+            value = difference.variance((best + direction) * step_s)
+            if value >= least:
+                break
+            best, least = best + direction, value
+    return best
+
+
+def _lowest(difference: _Differences, best: int, last: int, step_s: float) -> float:
+    """Return where the parabola through a grid point and its neighbours is lowest."""
+    if abs(best) == last:
+        return best * step_s
+    minus, here, plus = (difference.variance(k * step_s) for k in (best - 1, best, best + 1))
+    bend = plus - 2.0 * here + minus
+    return best * step_s - (step_s * (plus - minus) / (2.0 * bend) if bend > 0.0 else 0.0)
+
+
+def _uncertainty(difference: _Differences, skew_s: float, step_s: float,
+                 x: np.ndarray) -> tuple[float | None, float | None]:
+    """Return the standard uncertainty, and how far interpolation may have moved the minimum."""
+    if x.size < 64:
+        return None, None
+    t, ts_deg = difference.t_s, difference.ts_deg
+    h = min(step_s, 0.5 * float(np.median(np.diff(difference.rs.t_s))))
+    t = np.clip(t - skew_s, difference.rs.t_s[0] + h, difference.rs.t_s[-1] - h)
+    rate = difference.rs.rate(t, h)
+    rate -= rate.mean()
+    power = float(rate @ rate)
+    if power <= 0.0:
+        return None, None
+    # The neighbours of a TS reading give its rate free of the noise of the reading itself.
+    ts_rate = np.gradient(ts_deg, difference.t_s)
+    common = rate * (ts_rate - ts_rate.mean())
+    covariance, _ = sum_covariance(common)
+    total = float(common.sum())
+    if total <= 0.0 or total * total < LEAST_STRENGTH * float(covariance):
+        return None, None
+    noise = max(0.0, 1.0 - total / power)
+    covariance, _ = sum_covariance(rate * (x - x.mean()))
+    interval = float(np.median(np.diff(difference.rs.t_s)))
+    return math.sqrt(float(covariance)) / power, 0.5 * interval * noise

@@ -1,0 +1,276 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where to look for a time skew: the rates of turn correlated, and the least scatter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.statistics.blocking import block_means, block_size
+
+from .heading_track import Track
+from .skew_instrument import Fit, Instrument, LEAST_STRENGTH
+
+__all__ = ['coarser', 'Correlogram', 'correlogram', 'find_skew', 'has_turned', 'REACH_S',
+           'scatter_deg']
+
+REACH_S = 60.0
+"""Largest skew looked for at all, either way, seconds."""
+
+_GRID_S = 0.25
+_HALF_SPAN_STEPS = 2
+_SEGMENT = 1 << 14
+_MOST_SEGMENTS = 64
+_STEPS = 20
+_SETTLED_S = 1e-4
+_NEAR_S = 0.5
+_ALIKE = 0.95
+_MOST_STARTS = 4
+_LEAST_MET = 0.5
+_CLEARLY_LESS, _FAR_LESS = 0.98, 0.7
+_AT_END = 0.9
+_GLANCED, _WORTH_TRYING = 1024, 0.8
+_SLOW_S = 0.4
+_BLOCK_S = 64.0
+_MOVED = 0.3
+
+
+def coarser(track: Track, block_s: float) -> Track:
+    """Return a track averaged over blocks of at most some seconds; the same if it is as coarse."""
+    if len(track) < 2:
+        return track
+    step = float(np.median(np.diff(track.t_s)))
+    size = block_size(math.floor(block_s / step), 1) if 0.0 < step < block_s else 1
+    if size < 2 or len(track) < 64 * size:
+        return track
+    mean = Track(Headings.empty())
+    mean.t_s, mean.heading_deg = (block_means(track.t_s, size),
+                                  block_means(track.heading_deg, size))
+    return mean
+
+
+@dataclass(frozen=True, slots=True)
+class Correlogram:
+    """
+    The correlation of the rates of turn of both sensors with the RS shifted.
+
+    Attributes
+    ----------
+    lag_s : ndarray, shape (k,)
+        How much later the TS shows what the RS does, in increasing order, seconds.
+    value : ndarray, shape (k,)
+        Correlation; 0 where there are no rates.
+
+    """
+
+    lag_s: np.ndarray
+    value: np.ndarray
+
+    def starts(self, near_s: float, low_s: float, high_s: float) -> list[float]:
+        """Return the lags of the highest peaks in a range, the nearest first."""
+        v = self.value
+        tops = 1 + np.flatnonzero((v[1:-1] > 0.0) & (v[1:-1] >= v[:-2]) & (v[1:-1] > v[2:]))
+        before, top, after = v[tops - 1], v[tops], v[tops + 1]
+        lags = self.lag_s[tops] + 0.5 * _GRID_S * (after - before) / (2.0 * top - before - after)
+        inside = (lags > low_s) & (lags < high_s)
+        lags, top = lags[inside], top[inside]
+        if not lags.size:
+            return []
+        return sorted(lags[top >= _ALIKE * top.max()].tolist(), key=lambda lag: abs(lag - near_s))
+
+
+def _rates(track: Track, t_s: np.ndarray, max_gap_s: float) -> np.ndarray:
+    """Return the rates at even times about their mean; 0 where there are none."""
+    half = _HALF_SPAN_STEPS * _GRID_S
+    good = track.covers(t_s - half, t_s + half, max_gap_s)
+    heading = track.at(np.concatenate((t_s[:1] - half, t_s[:1] - _GRID_S, t_s,
+                                       t_s[-1:] + _GRID_S, t_s[-1:] + half)))
+    rate = (heading[2 * _HALF_SPAN_STEPS:] - heading[:-2 * _HALF_SPAN_STEPS]) / (2.0 * half)
+    return np.where(good, rate - rate[good].mean(), 0.0) if good.any() else np.zeros(t_s.size)
+
+
+def correlogram(ts: Track, rs: Track, reach_s: float = REACH_S,
+                max_gap_s: float = 3.0) -> Correlogram:
+    """
+    Correlate the rates of turn of both sensors at all skews within reach.
+
+    Parameters
+    ----------
+    ts, rs : Track
+        Both sensors on common times; the RS may reach further. Two readings at least.
+    reach_s : float
+        Largest skew, either way, seconds.
+    max_gap_s : float
+        Rates over a longer silence count for nothing, seconds.
+
+    Returns
+    -------
+    Correlogram
+        In steps of a quarter of a second.
+
+    Notes
+    -----
+    By the fast Fourier transform, over segments of 4096 s, of which 64 are taken evenly if there
+    are more. All of a TS segment meets the RS at every skew, so no skew is favoured but at the
+    ends of the run.
+
+    """
+    m = math.ceil(reach_s / _GRID_S)
+    n = max(2, int((ts.t_s[-1] - ts.t_s[0]) / _GRID_S) + 1)
+    t = ts.t_s[0] + _GRID_S * np.arange(-m, n + m)
+    a, b = _rates(ts, t[m:n + m], max_gap_s), _rates(rs, t, max_gap_s)
+    size = min(n, _SEGMENT)
+    begins = np.arange(0, n - size + 1, size)
+    if begins.size > _MOST_SEGMENTS:
+        begins = begins[np.linspace(0, begins.size - 1, _MOST_SEGMENTS).astype(int)]
+    width = 1 << (size + 2 * m - 1).bit_length()
+    total, power = np.zeros(2 * m + 1), 0.0
+    for lo in begins.tolist():
+        mine, other = a[lo:lo + size], b[lo:lo + size + 2 * m]
+        total += np.fft.irfft(np.fft.rfft(other, width) * np.conj(np.fft.rfft(mine, width)),
+                              width)[:2 * m + 1]
+        power += math.sqrt(float(mine @ mine) * float(other[m:m + size] @ other[m:m + size]))
+    lag = _GRID_S * np.arange(-m, m + 1)
+    if power <= 0.0:
+        return Correlogram(lag, np.zeros(2 * m + 1))
+    span = ts.t_s[-1] - ts.t_s[0]
+    met = np.minimum(ts.t_s[-1], rs.t_s[-1] + lag) - np.maximum(ts.t_s[0], rs.t_s[0] + lag)
+    return Correlogram(lag, total[::-1] / (power * np.clip(met / span, _LEAST_MET, 1.0)))
+
+
+def has_turned(rs: Track, max_gap_s: float = 3.0) -> bool:
+    """Tell whether the rates of a sensor show motion: whether they agree with later ones."""
+    step = float(np.median(np.diff(rs.t_s)))
+    # Rates that share a reading, or one interpolated, agree by their noise.
+    shared_s = 2.0 * (_HALF_SPAN_STEPS * _GRID_S + step)
+    found = correlogram(rs, rs, shared_s + 20.0, max_gap_s)
+    return float(np.abs(found.value[found.lag_s > shared_s]).max()) > _MOVED
+
+
+def find_skew(instrument: Instrument, near_s: float, range_s: float,
+              curve: Correlogram | None = None) -> tuple[float, Fit] | None:
+    """
+    Return the skew at which the differences scatter least.
+
+    Parameters
+    ----------
+    instrument : Instrument
+    near_s : float
+        Where a skew is expected, seconds.
+    range_s : float
+        A skew so near to that is preferred, seconds.
+    curve : Correlogram, optional
+        Where else to start; default that of the tracks of the instrument.
+
+    Returns
+    -------
+    skew_s : float
+    fit : Fit
+        There. None if the ship did not turn enough, or nothing settles.
+
+    Notes
+    -----
+    In a swell the estimate settles from within a quarter of a period, and a period away too. It
+    starts at the skew expected and at the peaks of the correlogram, of many at the four where the
+    differences scatter least; of what settles within the
+    range the one is taken that scatters least about means of 64 s, and an earlier one unless the
+    scatter falls by 2 %. What settles beyond the range must scatter by 30 % less.
+
+    References
+    ----------
+    E.8 of ``docs/diagnostics.md``.
+
+    """
+    if curve is None:
+        curve = correlogram(instrument.ts, instrument.rs, max_gap_s=instrument.max_gap_s)
+    low, high = near_s - range_s, near_s + range_s
+    best = _least(instrument, [near_s, *curve.starts(near_s, low, high)], low, high)
+    if best is None:
+        ends = [near_s - _AT_END * range_s, near_s + _AT_END * range_s]
+        best = _least(instrument, ends, low, high)
+    reach = float(curve.lag_s[-1])
+    known = [near_s, *curve.starts(near_s, low, high)] if best is None else [best.skew_s]
+    glance = _Glance(instrument)
+    least = min(glance(d) for d in known)
+    far = [lag for lag in curve.starts(near_s, -reach, reach)
+           if glance(lag) < _WORTH_TRYING * least]
+    other = _least(instrument, far, -reach, reach)
+    if other is not None and not low <= other.skew_s <= high and (
+            glance(other.skew_s) < _FAR_LESS * least):
+        best = other
+    return None if best is None else (best.skew_s, best.fit)
+
+
+class _Glance:
+    """The scatter at a skew by a few times; a slow RS is read by splines, alike at any skew."""
+
+    def __init__(self, instrument: Instrument) -> None:
+        ts, rs = instrument.ts, instrument.rs
+        every = -(-len(ts) // _GLANCED)
+        self.t_s, self.ts_deg = ts.t_s[::every], ts.heading_deg[::every]
+        self.from_s, self.to_s = rs.t_s[0], rs.t_s[-1]
+        slow = float(np.median(np.diff(rs.t_s))) > _SLOW_S
+        self.rs_at = CubicSpline(rs.t_s, rs.heading_deg) if slow else rs.at
+
+    def __call__(self, skew_s: float) -> float:
+        """Return the scatter, degrees; infinite where the RS has ended."""
+        inside = (self.t_s - skew_s >= self.from_s) & (self.t_s - skew_s <= self.to_s)
+        t = self.t_s[inside]
+        if not t.size:
+            return math.inf
+        return scatter_deg(t, self.ts_deg[inside] - self.rs_at(t - skew_s))
+
+
+class _Place(NamedTuple):
+    skew_s: float
+    fit: Fit
+    scatter_deg: float
+
+
+def _least(instrument: Instrument, starts: Sequence[float], low_s: float,
+           high_s: float) -> _Place | None:
+    """Return the place of least scatter from some starts; an earlier one if they are alike."""
+    best, settled = None, []
+    if len(starts) > _MOST_STARTS:
+        scatter = [math.inf if (one := instrument(start)) is None else scatter_deg(one.t_s, one.x)
+                   for start in starts]
+        kept = np.sort(np.argsort(scatter, kind='stable')[:_MOST_STARTS])
+        starts = [starts[i] for i in kept.tolist()]
+    for start in starts:
+        if any(abs(start - d) < _NEAR_S for d in settled):
+            continue
+        one = _settle(instrument, start, low_s, high_s)
+        if one is None:
+            continue
+        settled.append(one[0])
+        place = _Place(*one, scatter_deg(one[1].t_s, one[1].x))
+        if best is None or place.scatter_deg < _CLEARLY_LESS * best.scatter_deg:
+            best = place
+    return best
+
+
+def _settle(instrument: Instrument, start_s: float, low_s: float,
+            high_s: float) -> tuple[float, Fit] | None:
+    """Return the skew at which nothing is left, from a start; None if there is none between."""
+    d = start_s
+    for _ in range(_STEPS):
+        found = instrument(d) if low_s <= d <= high_s else None
+        if found is None or not found.strength >= LEAST_STRENGTH:
+            return None
+        d += found.step_s
+        if abs(found.step_s) < _SETTLED_S:
+            return d, found
+    return None
+
+
+def scatter_deg(t_s: np.ndarray, x_deg: np.ndarray) -> float:
+    """Return the standard deviation of differences about their means over 64 s; n >= 1."""
+    block = ((t_s - t_s[0]) / _BLOCK_S).astype(np.intp)
+    mean = np.bincount(block, x_deg) / np.maximum(np.bincount(block), 1)
+    return float(np.sqrt(np.mean((x_deg - mean[block]) ** 2)))

@@ -1,0 +1,306 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The time skew between the sensors, from the pairs of a run.
+
+A TS whose stamps are late by d reports the heading of d seconds ago; in a turn of rate w the
+difference is then off by -d w. A positive skew means that the TS data are older than their
+stamps say, compared with those of the RS.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.statistics.blocking import student_95
+
+from .heading_track import Track
+from .skew_instrument import common_tracks, Fit, HALF_SPAN_S, Instrument, LEAST_STRENGTH
+from .skew_search import coarser, find_skew, has_turned
+
+__all__ = ['Regression', 'skew', 'Skew', 'skew_regression']
+
+_MAX_GAP_S = 3.0
+_STEPS = 20
+_SEARCH_BLOCK_S = 0.25
+_SEARCHED = 8192
+_SAME_S = 0.2
+
+
+@dataclass(frozen=True, slots=True)
+class Regression:
+    """
+    Ordinary least squares of the differences on the rate of the RS.
+
+    Attributes
+    ----------
+    n : int
+        Samples used.
+    skew_s : float
+        Minus the slope; too near zero by the noise of the rate.
+    u_naive_s : float
+        Standard error as if the residuals were uncorrelated.
+    intercept_deg : float
+        Difference without turning.
+    correlation : float
+        Between difference and rate.
+    residual_std_deg : float
+        Root of RSS/(n - 1).
+    rate_std_deg_s, rate_max_deg_s : float
+        Of the RS rate; the largest without its sign.
+
+    """
+
+    n: int
+    skew_s: float
+    u_naive_s: float
+    intercept_deg: float
+    correlation: float
+    residual_std_deg: float
+    rate_std_deg_s: float
+    rate_max_deg_s: float
+
+
+def skew_regression(stamp_ns: ArrayLike, x_deg: ArrayLike, rs: Headings,
+                    half_span_s: float = HALF_SPAN_S) -> Regression | None:
+    """
+    Regress the differences on the rate of the RS.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps of the pairs, nanoseconds.
+    x_deg : array_like, shape (n,)
+        Differences, degrees.
+    rs : Headings
+        Readings of the RS; only pairs within them by the half span are used.
+    half_span_s : float
+        The rate is taken from so long before a pair to so long after it, seconds.
+
+    Returns
+    -------
+    Regression or None
+        None for fewer than 3 samples, or if rate or differences do not vary.
+
+    References
+    ----------
+    Ordinary least squares on central differences, whose noise is uncorrelated with x.
+
+    """
+    stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
+    if not len(rs) or not x.size:
+        return None
+    track = Track(rs, int(rs.stamp_ns[0]))
+    t = (stamps - int(rs.stamp_ns[0])) / 1e9
+    inside = track.covers(t - half_span_s, t + half_span_s)
+    t, x = t[inside], x[inside]
+    return _regress(x, track.rate(t, half_span_s)) if x.size else None
+
+
+def _regress(x: np.ndarray, rate: np.ndarray) -> Regression | None:
+    n = x.size
+    if n < 3:
+        return None
+    w, e = rate - rate.mean(), x - x.mean()
+    ww, ee, we = float(w @ w), float(e @ e), float(w @ e)
+    if min(ww, ee) <= 0.0:
+        return None
+    b = we / ww
+    residual = e - b * w
+    rss = float(residual @ residual)
+    return Regression(n, -b, math.sqrt(rss / (n - 2) / ww), float(x.mean() - b * rate.mean()),
+                      we / math.sqrt(ww * ee), math.sqrt(rss / (n - 1)), math.sqrt(ww / (n - 1)),
+                      float(np.abs(rate).max()))
+
+
+@dataclass(frozen=True, slots=True)
+class Skew:
+    """
+    The time skew of a run; keys of the JSON.
+
+    Attributes
+    ----------
+    n : int
+        Pairs, or short averages of pairs, that the estimate rests on; 0 if there are fewer than
+        64, and all figures are None then.
+    kind : {'found', 'unclear', 'beyond', 'no_fit', 'not_turned', 'too_few'}
+        'found': well determined. 'unclear': found, but not so well. 'beyond': the differences
+        scatter least at a skew beyond the range. 'no_fit': the ship moved, but no skew fits.
+        'not_turned': the ship did not turn enough. 'too_few': too few pairs.
+    rs_rate_std_deg_s : float or None
+        Standard deviation of the rate of turn as the RS shows it, with its noise.
+    rate_std_deg_s : float or None
+        Of the rate common to both sensors, free of their noise.
+    strength : float or None
+        F of that common rate; below 10 the ship did not turn enough.
+    ols_s, ols_u_s : float or None
+        Ordinary least squares and its naive standard error; attenuated by noise.
+    iv_s : float or None
+        One step of the instrumental estimate, E.8.
+    skew_s, u_s : float or None
+        The instrumental estimate repeated on pairs shifted by it until nothing is left, and its
+        standard uncertainty, which allows for correlation. None if it does not settle within
+        the range.
+    interval_s : pair of float or None
+        95 % interval.
+    well_determined : bool or None
+        Whether the ship turned enough, and the uncertainty is at most a tenth of the range.
+    significant : bool or None
+        Whether the interval excludes zero; meaningless unless well determined.
+    std_deg, std_aligned_deg, mean_aligned_deg : float or None
+        Standard deviation of the differences as paired, of the same differences with the skew
+        removed, and the mean of these.
+    beyond_s : float or None
+        About the skew beyond the range, up to 60 s; None unless `kind` is 'beyond'.
+
+    """
+
+    n: int
+    kind: str = 'too_few'
+    rs_rate_std_deg_s: float | None = None
+    rate_std_deg_s: float | None = None
+    strength: float | None = None
+    ols_s: float | None = None
+    ols_u_s: float | None = None
+    iv_s: float | None = None
+    skew_s: float | None = None
+    u_s: float | None = None
+    interval_s: tuple[float, float] | None = None
+    well_determined: bool | None = None
+    significant: bool | None = None
+    std_deg: float | None = None
+    std_aligned_deg: float | None = None
+    mean_aligned_deg: float | None = None
+    beyond_s: float | None = None
+
+    @property
+    def about_s(self) -> float:
+        """The skew, be it within the range or beyond; 0 if none is known, seconds."""
+        return (self.skew_s if self.well_determined else self.beyond_s) or 0.0
+
+    def why_not(self, range_s: float) -> str:
+        """Say why the skew is not well determined, within a range in seconds."""
+        if self.kind == 'beyond':
+            return (f'the differences scatter least with a skew of about {self.beyond_s:.1f} s, '
+                    f'beyond alignment.skew_range_s = {range_s:g} s')
+        if self.kind == 'no_fit':
+            return (f'the ship moved, but no skew within {range_s:g} s '
+                    '(alignment.skew_range_s) fits')
+        if self.kind == 'unclear':
+            return (f'the skew, {self.skew_s:.3f} s, is not well determined (standard uncertainty '
+                    f'{self.u_s:.3f} s)')
+        return 'the ship did not turn enough to see a skew of the clocks'
+
+    def largest_variance_deg2(self, range_s: float) -> float | None:
+        """
+        Return the largest variance that a skew may add to the differences, d^2 Var(rate).
+
+        With d the far end of the interval; or the range, where the skew is not well determined.
+        None if nothing is known of the rates.
+        """
+        if self.well_determined:
+            return (max(abs(d) for d in self.interval_s) * self.rate_std_deg_s) ** 2
+        if self.rs_rate_std_deg_s is None:
+            return None
+        return (range_s * self.rs_rate_std_deg_s) ** 2
+
+
+def skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
+         range_s: float = 2.0, half_span_s: float = HALF_SPAN_S,
+         max_gap_s: float = _MAX_GAP_S) -> Skew:
+    """
+    Estimate the time skew of a run from its pairs.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Stamps of the pairs in increasing order, nanoseconds.
+    x_deg, rs_deg : array_like, shape (n,)
+        Differences and RS headings, finite, degrees.
+    range_s : float
+        Largest skew looked for, either way, seconds.
+    half_span_s : float
+        Rates are taken from so long before a pair to so long after it, seconds.
+    max_gap_s : float
+        Spans that hold a longer silence are left out, seconds.
+
+    Returns
+    -------
+    Skew
+
+    Notes
+    -----
+    Rates of the RS are noisy, which draws ordinary least squares to zero; the rate of the TS
+    serves as an instrument, for its noise over a span symmetric about the pair is correlated
+    neither with the noise of the pair nor with the RS. Where it settles is sought first, on
+    averages over 0.25 s of which up to 8192 are looked at, from several starts. Interpolating a
+    shifted RS changes its noise, but not this estimate. Pairs more frequent than 10 a second are
+    averaged over up to 0.1 s first, both sensors alike, which moves neither.
+
+    References
+    ----------
+    E.8 of ``docs/diagnostics.md``; strength of an instrument: Staiger & Stock 1997
+    (Econometrica 65, 557).
+
+    """
+    stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
+    if x.size < 64 or stamps[-1] == stamps[0]:
+        return Skew(0)
+    ts, rs = common_tracks(stamps, x, np.asarray(rs_deg, dtype=np.float64))
+    fit = Instrument(ts, rs, half_span_s, max_gap_s)
+    found = fit(0.0)
+    if found is None:
+        return Skew(0)
+    ols = _regress(found.x, found.rate)
+    result = Skew(found.x.size, 'not_turned', float(found.rate.std(ddof=1)),
+                  found.rate_std_deg_s, found.strength, ols.skew_s if ols else None,
+                  ols.u_naive_s if ols else None,
+                  found.step_s if found.strength > 0.0 else None, well_determined=False,
+                  std_deg=float(found.x.std(ddof=1)))
+    coarse = coarser(ts, _SEARCH_BLOCK_S), coarser(rs, _SEARCH_BLOCK_S)
+    place = find_skew(Instrument(*coarse, half_span_s, max_gap_s, _SEARCHED), 0.0, range_s)
+    if place is not None and abs(place[0]) > range_s:
+        return replace(result, kind='beyond', beyond_s=place[0])
+    settled = _settle(fit, found, 0.0, range_s)
+    if place is not None and (settled is None or abs(settled[0] - place[0]) > _SAME_S):
+        begun = fit(place[0])
+        settled = None if begun is None else _settle(fit, begun, place[0], range_s)
+    if settled is None:
+        return replace(result, kind='no_fit' if has_turned(coarse[1], max_gap_s) else
+                       'not_turned')
+    d, found = settled
+    return _filled(result, found, d, range_s, ts.at(found.t_s) - rs.at(found.t_s))
+
+
+def _settle(fit: Instrument, found: Fit, d: float, range_s: float) -> tuple[float, Fit] | None:
+    """Return the skew at which nothing is left, from the fit at one; None without any."""
+    if not found.strength >= LEAST_STRENGTH:
+        return None
+    for _ in range(_STEPS):
+        step = found.step_s
+        d += step
+        found = fit(d) if abs(d) <= range_s else None
+        if found is None:
+            return None
+        if abs(step) < 1e-7:
+            return d, found
+    return None
+
+
+def _filled(result: Skew, found: Fit, d: float, range_s: float, x_paired: np.ndarray) -> Skew:
+    half = student_95(found.dof) * found.u_s
+    interval = d - half, d + half
+    clear = found.strength >= LEAST_STRENGTH and found.u_s <= 0.1 * range_s
+    return Skew(
+        found.x.size, 'found' if clear else 'unclear', result.rs_rate_std_deg_s,
+        found.rate_std_deg_s, found.strength,
+        result.ols_s, result.ols_u_s, result.iv_s, d, found.u_s, interval,
+        well_determined=clear,
+        significant=not interval[0] <= 0.0 <= interval[1],
+        std_deg=float(x_paired.std(ddof=1)), std_aligned_deg=float(found.x.std(ddof=1)),
+        mean_aligned_deg=float(found.x.mean()))

@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The outcome of a run: what variance, counts, norms, findings and looks say together."""
+
+from __future__ import annotations
+
+from typing import Sequence
+
+from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
+from heading_intercompare.core.decision.gk import Printed
+from heading_intercompare.core.decision.guarded import Guarded, REASONS
+from heading_intercompare.core.decision.sequential import LookVerdict, rejecting
+from heading_intercompare.core.outcome import Outcome
+
+from .validity import DOUBTFUL, Finding, gravest, VOID, VOID_REASONS, worst_effect
+
+__all__ = ['ALL_REASONS', 'campaign_words', 'conclude', 'effect_with_looks', 'with_findings',
+           'with_looks']
+
+ALL_REASONS = {
+    **REASONS,
+    'count_lower_bound_above_allowed': 'too many extreme differences, at the stated risk',
+    'total_error_not_within_norm': 'the total error is not shown to be within its norm',
+    'outliers_decide': 'a few outlying readings decide; without them the outcome would differ',
+    'rejected_at_a_look': 'a look at the run in progress rejected, and that stays',
+    **VOID_REASONS,
+}
+"""Why the outcome of a run is what it is: code and words."""
+
+
+#: Void for reasons that do not come and go: how the sensors are set up.
+_ALWAYS_VOID = {f'void.{condition}' for condition in (
+    'same_source', 'convention', 'mean_difference', 'clocks', 'interpolation')}
+
+
+def conclude(guarded: Guarded, printed: Printed) -> tuple[Outcome, str]:
+    """Return the outcome that variance, counts and total error give a run, and its reason."""
+    if guarded.outcome is Outcome.NON_COMPLIANT:
+        return guarded.outcome, guarded.reason
+    if guarded.count_outcome is Outcome.NON_COMPLIANT:
+        return Outcome.NON_COMPLIANT, 'count_lower_bound_above_allowed'
+    if (guarded.outcome is Outcome.COMPLIANT
+            and printed.total.outcome not in (None, Outcome.COMPLIANT)):
+        return Outcome.INDETERMINATE, 'total_error_not_within_norm'
+    return guarded.outcome, guarded.reason
+
+
+def with_findings(outcome: Outcome, reason: str,
+                  findings: Sequence[Finding]) -> tuple[Outcome, str]:
+    """
+    Return outcome and reason as the findings leave them.
+
+    A void comparison says nothing of the TS, whatever its variance. Where outliers decide, an
+    outcome that is open says so.
+    """
+    for finding in findings:
+        if finding.effect == VOID:
+            return Outcome.INDETERMINATE, f'void.{finding.condition}'
+    if outcome is Outcome.INDETERMINATE and any(
+            f.condition == 'outliers' and f.effect == DOUBTFUL for f in findings):
+        return outcome, 'outliers_decide'
+    return outcome, reason
+
+
+def with_looks(outcome: Outcome, reason: str,
+               looks: Sequence[LookVerdict]) -> tuple[Outcome, str]:
+    """
+    Return outcome and reason at the end of a run that was looked at.
+
+    The worse of what any look decided and what the end says: a rejection at a look stays, an
+    acceptance does not outlast data that speak against it. But what makes the whole comparison
+    void made it void at the look, too, though it did not show yet.
+    """
+    if reason in _ALWAYS_VOID:
+        return outcome, reason
+    if outcome is not Outcome.NON_COMPLIANT and rejecting(looks) is not None:
+        return Outcome.NON_COMPLIANT, 'rejected_at_a_look'
+    return outcome, reason
+
+
+def effect_with_looks(findings: Sequence[Finding], reason: str,
+                      looks: Sequence[LookVerdict]) -> str:
+    """Return the gravest effect, that at the look included which decided."""
+    at_end = worst_effect(findings)
+    if reason != 'rejected_at_a_look':
+        return at_end
+    return gravest((at_end, rejecting(looks).validity_effect))
+
+
+def campaign_words(reason: str, runs: Sequence[tuple[int, Outcome, str]]) -> str:
+    """
+    Return the reason of a campaign in words, and that of the first run it comes from.
+
+    Parameters
+    ----------
+    reason : str
+        A key of `CAMPAIGN_REASONS`.
+    runs : sequence of (int, Outcome, str)
+        Number, outcome and reason of each run.
+
+    Examples
+    --------
+    >>> campaign_words('a_run_indeterminate', [(1, Outcome.COMPLIANT, ''),
+    ...                                        (2, Outcome.INDETERMINATE, 'data_limited')])
+    'not every run complies, and none is rejected (run 2: more data can decide)'
+
+    """
+    words = CAMPAIGN_REASONS[reason]
+    blamed = {'a_run_indeterminate': Outcome.INDETERMINATE,
+              'a_run_non_compliant': Outcome.NON_COMPLIANT}.get(reason)
+    for number, outcome, why in runs:
+        if outcome is blamed:
+            return f'{words} (run {number}: {ALL_REASONS[why]})'
+    return words

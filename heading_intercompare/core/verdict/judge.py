@@ -1,0 +1,338 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""One run judged at its end: figures, criteria as printed, guarded decision, diagnostics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+import math
+from typing import Iterator, Sequence
+
+import numpy as np
+
+from heading_intercompare.core.angles import circular_mean
+from heading_intercompare.core.decision.campaign import (
+    conclude_every_run,
+    conclude_sensor,
+    together,
+)
+from heading_intercompare.core.decision.coverage import Coverage, coverage_of
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.gk import as_printed, Printed
+from heading_intercompare.core.decision.guarded import decide, Evidence, evidence_of, Guarded
+from heading_intercompare.core.decision.sequential import Look, LookVerdict, risk_at_the_end
+from heading_intercompare.core.diagnostics.run_diagnostics import (
+    diagnose,
+    SETTLED_SHARE,
+    with_runs,
+)
+from heading_intercompare.core.diagnostics.run_findings import drift_of, left_in_deg2
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.pairing.ledger import LedgerSegment
+from heading_intercompare.core.runs.run_series import RunSeries
+from heading_intercompare.core.settings import Risk, Settings
+from heading_intercompare.core.statistics.autocorrelation import correlation_times
+from heading_intercompare.core.statistics.cells import Cells
+from heading_intercompare.core.statistics.ergodicity import Homogeneity, homogeneity, RunFigures
+
+from .conclusion import ALL_REASONS, conclude, effect_with_looks, with_findings, with_looks
+from .headline import headline, headline_with_looks
+from .losses import find_losses
+from .prepare import Analysed, analysed, HIGHEST_ORDER_REMOVED
+from .validity import examine, Examined, Finding, VOID
+from .verdict_document import Campaign, PairingFigures, RunVerdict
+
+__all__ = ['compare_runs', 'conclude_campaign', 'judge', 'look_at', 'RunResult']
+
+
+@dataclass(frozen=True, slots=True)
+class RunResult:
+    """A judged run, and what is needed to decide on it again among several runs."""
+
+    verdict: RunVerdict
+    evidence: Evidence
+    limits: Limits
+    printed: Printed
+    alone: tuple[Outcome, str]
+    settings: Settings
+
+    def with_pairing(self, share: LedgerSegment, inside: LedgerSegment,
+                     warnings: Sequence[str] = ()) -> 'RunResult':
+        """
+        Return the result with its share of the pairing ledger, and what that leaves of it.
+
+        Parameters
+        ----------
+        share : LedgerSegment
+            Of the whole ledger, for every reading belongs to a run.
+        inside : LedgerSegment
+            Of that, what lies between the first and the last pair of the run.
+        warnings : sequence of str
+            To be added.
+
+        """
+        old = self.verdict.pairing
+        pairing = PairingFigures.of(share, old.mean_lag_s, old.max_lag_s,
+                                    old.rs_variance_factor, old.ts_variance_factor)
+        verdict = replace(self.verdict, pairing=pairing,
+                          warnings=(*self.verdict.warnings, *warnings))
+        return replace(self, verdict=_concluded(
+            verdict, self.alone, (*(f for f in verdict.validity if f.condition != 'losses'),
+                                  find_losses(verdict, share, inside, self.settings))))
+
+    def among(self, run: int, runs: Homogeneity) -> 'RunResult':
+        """Return the result with its number among the runs, and what they say of each other."""
+        checked = with_runs(self.verdict.assumptions, runs)
+        return replace(self, verdict=replace(self.verdict, run=run, assumptions=checked))
+
+    def outcome_among(self, m: int, settings: Settings) -> Outcome:
+        """
+        Return the outcome when m runs share the producer's risk.
+
+        A run that is rejected on its own may be open among others, but never complies: it may
+        have been rejected at a look.
+        """
+        if m == 1 or self.verdict.outcome is not Outcome.NON_COMPLIANT:
+            return self.verdict.outcome
+        risk = risk_at_the_end(settings)
+        shared = replace(risk, alpha_producer=risk.alpha_producer / m)
+        among, _ = conclude(decide(self.evidence, self.limits, shared), self.printed)
+        return Outcome.INDETERMINATE if among is Outcome.COMPLIANT else among
+
+
+def _concluded(verdict: RunVerdict, alone: tuple[Outcome, str],
+               findings: Sequence[Finding]) -> RunVerdict:
+    """Return a verdict as findings and looks leave it."""
+    at_end = with_findings(*alone, findings)
+    outcome, reason = with_looks(*at_end, verdict.looks)
+    line = headline(at_end[0], findings, verdict.coverage, ALL_REASONS[at_end[1]])
+    return replace(verdict, outcome=outcome, reason=reason, validity=tuple(findings),
+                   validity_effect=effect_with_looks(findings, reason, verdict.looks),
+                   headline=headline_with_looks(line, outcome, reason, verdict.looks))
+
+
+class _Decision:
+    """The rule of one run, applied to its differences and to variations of them."""
+
+    def __init__(self, limits: Limits, settings: Settings, risk: Risk) -> None:
+        self._limits, self._settings, self._risk = limits, settings, risk
+
+    def __call__(self, data: Analysed, cells: Cells,
+                 drift_left_deg2: float) -> tuple[Evidence, Guarded, Printed]:
+        """Return what the differences say, the guarded decision, and GK as printed."""
+        settings = self._settings
+        printed = _printed(data, self._limits, settings)
+        auto = settings.drift_order == 'auto'
+        evidence = evidence_of(
+            cells, n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
+            span_s=data.span_s, offset_u_deg=settings.installation_offset_u_deg,
+            order=HIGHEST_ORDER_REMOVED if auto else data.order,
+            mean_deg=data.moments.mean_deg if data.moments.n else None,
+            drift_left_deg2=drift_left_deg2)
+        return evidence, decide(evidence, self._limits, self._risk), printed
+
+    def outcome(self, stamp_ns: np.ndarray, x_deg: np.ndarray,
+                rs_factor: float = 1.0) -> Outcome:
+        """Return the outcome of other differences, the noise of the RS shrunk once more."""
+        if rs_factor != 1.0:
+            other = _Decision(self._limits.with_rs_factor(rs_factor), self._settings, self._risk)
+            return other.outcome(stamp_ns, x_deg)
+        data = Analysed.of(stamp_ns, x_deg, np.zeros_like(x_deg), self._settings)
+        drift_left_deg2 = left_in_deg2(stamp_ns, x_deg) if data.residual_deg is None else 0.0
+        _, guarded, printed = self(data, Cells.of(data.series_deg, stamp_ns), drift_left_deg2)
+        return conclude(guarded, printed)[0]
+
+
+def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
+          risk: Risk | None = None, looks: Sequence[LookVerdict] = ()) -> RunResult:
+    """
+    Judge a run as it is.
+
+    Parameters
+    ----------
+    run : RunSeries
+        With at least one pair; any number of analysed differences, also none.
+    settings : Settings
+        With the norms.
+    number : int
+        Of the run, from 1.
+    source : str
+        Name of the input.
+    risk : Risk, optional
+        Share of the risks that this judgement may take; default that of the end of a run.
+    looks : sequence of LookVerdict
+        What looks said before.
+
+    Returns
+    -------
+    RunResult
+
+    Notes
+    -----
+    With a plan of looks the end of the run is the last look and takes its share, so that all
+    looks together keep to the risks. A look judges just as the end does.
+
+    References
+    ----------
+    GK (4)-(7); ``docs/verdict.md`` for the guarded decision.
+
+    """
+    risk = risk_at_the_end(settings) if risk is None else risk
+    limits = run.limits(settings.norms, settings.model)
+    data = analysed(run, limits, settings)
+    moments = data.moments
+    n = moments.n
+    drift, rest = drift_of(data.stamp_ns, data.x_deg, SETTLED_SHARE * limits.sigma_max_deg)
+    left = drift.left_deg2 if data.residual_deg is None and drift.left_deg2 is not None else 0.0
+    # Live figures come from the same sums, so they are the same to the bit.
+    as_it_came = data.residual_deg is None and not data.n_left_out
+    cells = run.cells() if as_it_came else Cells.of(data.series_deg, data.stamp_ns)
+    decision = _Decision(limits, settings, risk)
+    evidence, guarded, printed = decision(data, cells, left)
+    outcome, reason = conclude(guarded, printed)
+    found = diagnose(data.stamp_ns, data.x_deg, data.rs_deg, settings, guarded, limits,
+                     drift=drift, rest=rest, residual_deg=data.residual_deg,
+                     times=correlation_times(data.series_deg),
+                     factor=run.factor.values[data.n_left_out:],
+                     interpolates_ts=run.interpolates_ts)
+    validity = examine(Examined(
+        data, found, limits, settings, outcome, decision.outcome,
+        guarded.d_hat_deg2, guarded.lower_bound_deg2, guarded.upper_bound_deg2))
+    coverage = coverage_of(data.span_s, risk)
+    direction, length = circular_mean(data.x_deg) if n else (None, None)
+    verdict = RunVerdict(
+        run=number, source=source, start_ns=run.start_ns, end_ns=run.end_ns,
+        duration_s=(run.end_ns - run.start_ns) / 1e9,
+        pairing=PairingFigures.of(LedgerSegment(None), run.mean_lag_s, run.max_lag_s,
+                                  run.rs_variance_factor, run.ts_variance_factor),
+        n_input=run.n_input, n_invalid=run.n_invalid,
+        n_stabilization=run.n_stabilization + data.n_left_out, n=n,
+        mean_deg=moments.mean_deg if n else None,
+        min_deg=moments.min_deg if n else None,
+        max_deg=moments.max_deg if n else None,
+        max_abs_deg=max(abs(moments.min_deg), abs(moments.max_deg)) if n else None,
+        mean_square_deg2=moments.mean_square_deg2,
+        circular_mean_deg=direction, resultant_length=length,
+        drift_coefficients_deg=data.coefficients_deg, variance_deg2=data.variance_deg2,
+        std_deg=None if data.variance_deg2 is None else math.sqrt(data.variance_deg2),
+        variance_criterion=printed.variance, count_criterion=printed.counts,
+        total_error=printed.total, outcome=outcome, reason=reason, headline='',
+        validity=(), validity_effect='', coverage=coverage,
+        looks=tuple(looks),
+        paper_outcome=printed.outcome, guarded=guarded, skew=found.skew, drift=found.drift,
+        heading_dependence=found.heading_dependence, normality=found.normality,
+        stationarity=found.stationarity, correlation=found.correlation, allan=found.allan,
+        assumptions=found.assumptions,
+        warnings=(*_warnings(data, limits, guarded, settings), *found.warnings))
+    alone = outcome, reason
+    validity = (*validity, find_losses(verdict, None, None, settings))
+    return RunResult(_concluded(verdict, alone, validity), evidence, limits, printed, alone,
+                     settings)
+
+
+def look_at(run: RunSeries, look: Look, looks: int, settings: Settings) -> LookVerdict:
+    """
+    Judge a run in progress at a look of the plan, just as its end would be judged.
+
+    Parameters
+    ----------
+    run : RunSeries
+        Holding the differences up to the look.
+    look : Look
+        With its share of the risks.
+    looks : int
+        How many the plan has.
+    settings : Settings
+
+    Notes
+    -----
+    Only the ledger is not known yet: gaps between the pairs count at a look, readings rejected
+    or without partner at the end.
+
+    """
+    found = judge(run, settings, 0, '', risk=look.risk).verdict
+    return LookVerdict(look.index + 1, looks, run.span_s, found.outcome, found.reason,
+                       found.validity_effect, found.headline)
+
+
+def _printed(data: Analysed, limits: Limits, settings: Settings) -> Printed:
+    deviation = data.deviations(settings.variant)
+    return as_printed(data.moments.n, data.moments.mean_deg if data.moments.n else None,
+                      data.variance_deg2,
+                      lambda limit: int(np.count_nonzero(deviation > limit)), limits, settings)
+
+
+def _warnings(data: Analysed, limits: Limits, guarded: Guarded,
+              settings: Settings) -> Iterator[str]:
+    if settings.norms.preset is not None:
+        yield (f'sigma_max = {limits.sigma_max_deg:.6g} deg follows from the norm '
+               f'{settings.norms.preset}')
+    if data.order:
+        yield f'drift_removed: a polynomial of order {data.order} is taken out of the differences'
+    reference_deg2 = (limits.m_low * limits.sigma_ref_max_deg) ** 2
+    if data.variance_deg2 is not None and data.variance_deg2 < reference_deg2:
+        yield ('difference_variance_below_reference_variance: the norm of the RS is too large, '
+               'or its errors and those of the TS are correlated')
+    if settings.variant == 'A' and guarded.bias_significant:
+        yield ('variant_A_mean_not_zero: the mean difference is not zero, but variant A takes '
+               'it for zero')
+
+
+def compare_runs(results: Sequence[RunResult]) -> Homogeneity:
+    """Return what the runs say of each other."""
+    return homogeneity([
+        RunFigures(r.verdict.mean_deg, r.evidence.spread.mean_variance_deg2,
+                   r.evidence.spread.d_deg2, r.evidence.spread.nu)
+        for r in results if r.evidence.spread is not None])
+
+
+def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
+                      settings: Settings, incomplete: bool = False,
+                      ) -> tuple[Outcome, Coverage | None, Campaign]:
+    """
+    Return what the runs say together: outcome, what it covers, and the figures.
+
+    Notes
+    -----
+    A void run says nothing, so it is not among those that share a variance, and without it
+    the campaign is open, unless the others reject. Nor does it comply if it is `incomplete`: if
+    an input could not be judged.
+
+    """
+    risk = risk_at_the_end(settings)
+    sound = [r for r in results if r.verdict.validity_effect != VOID]
+    shared = together([r.evidence for r in sound], [r.limits for r in sound], risk,
+                      settings.variant, _apart_s([r.verdict for r in sound]))
+    if settings.campaign.rule == 'sensor':
+        met = all(r.printed.total.outcome in (None, Outcome.COMPLIANT) for r in results)
+        outcome, reason = conclude_sensor(shared, [r.limits for r in results], met, risk)
+        if _repeats([r.verdict for r in sound]):
+            outcome, reason = Outcome.INDETERMINATE, 'a_run_repeated'
+        coverage = None if shared is None else coverage_of(
+            shared.span_s, risk, apart_s=None if shared.between_upper_bound_deg2 is None
+            else shared.apart_s)
+    else:
+        outcome, reason = conclude_every_run(
+            [r.verdict.outcome for r in results],
+            [r.outcome_among(len(results), settings) for r in results])
+        spans = [r.evidence.span_s for r in results]
+        coverage = coverage_of(min(spans), risk) if spans else None
+    if len(sound) < len(results) and outcome is not Outcome.NON_COMPLIANT:
+        outcome, reason = Outcome.INDETERMINATE, 'a_run_void'
+    if incomplete and outcome is Outcome.COMPLIANT:
+        outcome, reason = Outcome.INDETERMINATE, 'an_input_not_judged'
+    verdicts = [r.verdict for r in results]
+    return outcome, coverage, Campaign.of(verdicts, runs, settings.campaign.rule, reason, shared)
+
+
+def _repeats(runs: Sequence[RunVerdict]) -> bool:
+    """Tell whether two runs are of one record."""
+    seen = {(run.start_ns, run.end_ns, run.n, run.mean_deg, run.variance_deg2) for run in runs}
+    return len(seen) < len(runs)
+
+
+def _apart_s(runs: Sequence[RunVerdict]) -> float:
+    """Return the shortest time from the end of a run to the start of the next, seconds."""
+    spans = sorted((run.start_ns, run.end_ns) for run in runs)
+    return min((after[0] - before[1] for before, after in zip(spans, spans[1:])),
+               default=math.inf) / 1e9

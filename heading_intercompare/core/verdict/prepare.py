@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The differences of a run as its verdict takes them: settled, and with the drift taken out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.diagnostics.run_diagnostics import SETTLED_SHARE
+from heading_intercompare.core.runs.run_series import RunSeries
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.statistics.drift import remove_polynomial, select_order
+from heading_intercompare.core.statistics.moments import Moments
+from heading_intercompare.core.statistics.warm_up import warm_up
+
+__all__ = ['Analysed', 'analysed', 'HIGHEST_ORDER_REMOVED']
+
+HIGHEST_ORDER_REMOVED = 3
+"""Of the polynomials that `drift_order` may take out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Analysed:
+    """
+    What of a run is analysed.
+
+    Attributes
+    ----------
+    stamp_ns, x_deg, rs_deg : ndarray, shape (n,)
+        Stamps, differences and RS headings behind the stabilisation period.
+    residual_deg : ndarray, shape (n,), or None
+        Differences about the polynomial that is removed, degrees; None if it is the mean alone.
+    order : int
+        Of that polynomial; 0 for the mean.
+    coefficients_deg : tuple of float
+        Its Legendre coefficients from order 0, degrees; empty if the mean alone is removed.
+    n_left_out : int
+        Differences at the start that an automatic stabilisation period leaves out.
+    moments : Moments
+        Of `x_deg`.
+    variance_deg2 : float or None
+        GK (4): sum of squared residuals / (n - 1 - order); None for n < 2 + order.
+
+    """
+
+    stamp_ns: np.ndarray
+    x_deg: np.ndarray
+    rs_deg: np.ndarray
+    residual_deg: np.ndarray | None
+    order: int
+    coefficients_deg: tuple[float, ...]
+    n_left_out: int
+    moments: Moments
+    variance_deg2: float | None
+
+    def deviations(self, variant: str) -> np.ndarray:
+        """Return what the counts are taken of: |x| in variant A, else about what is removed."""
+        if variant == 'A':
+            return np.abs(self.x_deg)
+        if self.residual_deg is not None:
+            return np.abs(self.residual_deg)
+        return np.abs(self.x_deg - self.moments.mean_deg)
+
+    @classmethod
+    def of(cls, stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
+           settings: Settings, n_left_out: int = 0) -> 'Analysed':
+        """Return settled differences with the drift taken out as the settings ask."""
+        order = settings.drift_order
+        if order == 'auto':
+            chosen = select_order(stamp_ns, x_deg)
+            order = 0 if chosen is None else min(chosen.order, HIGHEST_ORDER_REMOVED)
+        moments = Moments.of(x_deg)
+        if order == 0 or moments.n < 2 + order:
+            variance = moments.variance_deg2 if moments.n >= 2 + order else None
+            return cls(stamp_ns, x_deg, rs_deg, None, 0, (), n_left_out, moments, variance)
+        fit = remove_polynomial(stamp_ns, x_deg, order)
+        squares = float(np.dot(fit.residual_deg, fit.residual_deg))
+        return cls(stamp_ns, x_deg, rs_deg, fit.residual_deg, fit.order, fit.coefficients_deg,
+                   n_left_out, moments, squares / (moments.n - 1 - fit.order))
+
+    @property
+    def series_deg(self) -> np.ndarray:
+        """What the variance is taken of: the residuals, or the differences; degrees."""
+        return self.x_deg if self.residual_deg is None else self.residual_deg
+
+    @property
+    def span_s(self) -> float:
+        """Time from the first to the last analysed difference, seconds."""
+        stamps = self.stamp_ns
+        return (int(stamps[-1]) - int(stamps[0])) / 1e9 if stamps.size else 0.0
+
+
+def analysed(run: RunSeries, limits: Limits, settings: Settings) -> Analysed:
+    """
+    Take a stabilisation period and a drift out of a run as the settings ask.
+
+    Parameters
+    ----------
+    run : RunSeries
+        A run at its end.
+    limits : Limits
+        `sigma_max_deg` says what counts as settled.
+    settings : Settings
+        `runs.stabilization_s` and `drift_order`; both may be 'auto'.
+
+    References
+    ----------
+    GK (4) and its conditions on the data.
+
+    """
+    stamps, x, rs = run.stamp_ns.values, run.x_deg.values, run.rs_deg.values
+    lo = 0
+    if settings.runs.stabilization_s == 'auto':
+        found = warm_up(stamps, x, SETTLED_SHARE * limits.sigma_max_deg)
+        if found is not None and found.stabilization_s > 0.0:
+            until = int(stamps[0]) + round(found.stabilization_s * 1e9)
+            lo = int(np.searchsorted(stamps, until))
+            stamps, x, rs = stamps[lo:], x[lo:], rs[lo:]
+    return Analysed.of(stamps, x, rs, settings, lo)

@@ -1,0 +1,364 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The conditions under which a comparison of two sensors means anything, and what binds a verdict.
+
+Each condition is judged in one place, here: from evidence to an effect and its words. A condition
+binds by what it could change, not by how significant it is: in twelve hours everything is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import Callable, Iterable
+
+import numpy as np
+
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.diagnostics.run_diagnostics import Diagnostics
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.timing.clock_drift import ClockDrift
+from heading_intercompare.core.timing.realignment import realigned
+
+from .prepare import Analysed
+
+__all__ = ['CONDITIONS', 'DOUBTFUL', 'examine', 'Examined', 'Finding', 'gravest', 'HOLDS',
+           'NOT_TESTABLE', 'VOID', 'VOID_REASONS', 'worst_effect']
+
+HOLDS, NOT_TESTABLE, DOUBTFUL, VOID = 'holds', 'not_testable', 'doubtful', 'void'
+
+VOID_REASONS = {
+    'void.same_source': 'void: TS and RS show the same noise or glitches, so both may come '
+                        'from one sensor',
+    'void.convention': 'void: one sensor does not report its heading by the convention of the '
+                       'other, or the wrap tears the differences apart',
+    'void.mean_difference': 'void: the mean difference is too large for sensors of one axis, and '
+                            'no installation angle stated explains it',
+    'void.frozen': 'void: a sensor repeats its value while the other shows that the ship turns',
+    'void.clocks': 'void: the clocks of the sensors drift apart or step, and that decides',
+    'void.interpolation': 'void: the slower sensor is too slow for the motion, and that decides',
+    'void.losses': 'void: too many readings of the run are lost, rejected or without partner',
+}
+"""Why a run is void: code and words."""
+
+CONDITIONS = ('same_source', 'convention', 'mean_difference', 'frozen', 'standstill', 'outliers',
+              'clocks', 'interpolation', 'losses')
+"""All conditions, in the order in which a void run is named after them."""
+
+_RANK = {HOLDS: 0, NOT_TESTABLE: 0, DOUBTFUL: 1, VOID: 2}
+
+_NO_NOISE = {
+    'too_short': 'the run is too short to compare the noise of TS and RS',
+    'too_slow': 'readings more than a second apart do not show noise above the motion',
+    'no_rs_noise': 'the RS shows no noise of its own in which a common source could be seen',
+}
+
+LARGE_SIGMAS = 3.0
+"""A mean difference above so many norms of the standard deviation is doubtful."""
+
+_YAWED_DEG = 5.0
+
+COVERED_SIGMAS = 3.0
+"""A stated installation angle covers what is within so many of its standard uncertainties."""
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """
+    What the data say of one condition; keys of the JSON.
+
+    Attributes
+    ----------
+    condition : str
+        Of `CONDITIONS`.
+    effect : {'holds', 'doubtful', 'void', 'not_testable'}
+        'doubtful': the outcome stands, and the headline says why it is doubted. 'void': the run
+        says nothing of the TS. 'not_testable': these data cannot show whether it holds.
+    words : str
+        The finding in a few words, as a headline has room for.
+    evidence : str
+        A sentence with the figures.
+
+    """
+
+    condition: str
+    effect: str
+    words: str
+    evidence: str
+
+
+def worst_effect(findings: Iterable[Finding]) -> str:
+    """Return the gravest effect: 'holds', 'doubtful' or 'void'."""
+    return gravest(f.effect for f in findings)
+
+
+def gravest(effects: Iterable[str]) -> str:
+    """Return the gravest of effects: 'holds', 'doubtful' or 'void'."""
+    worst = max((_RANK[effect] for effect in effects), default=0)
+    return (HOLDS, DOUBTFUL, VOID)[worst]
+
+
+@dataclass(frozen=True, slots=True)
+class Examined:
+    """
+    What the conditions are judged by.
+
+    Attributes
+    ----------
+    data : Analysed
+    found : Diagnostics
+    limits : Limits
+    settings : Settings
+    outcome : Outcome
+        Of the run as it is.
+    decided : callable
+        ``decided(stamp_ns, x_deg, rs_factor=1.0)``: the outcome of other differences under the
+        same rule, where interpolation has left that share of the variance of the RS noise.
+    d_hat_deg2, lower_bound_deg2, upper_bound_deg2 : float or None
+        The variance and its bounds.
+
+    """
+
+    data: Analysed
+    found: Diagnostics
+    limits: Limits
+    settings: Settings
+    outcome: Outcome
+    decided: Callable[..., Outcome]
+    d_hat_deg2: float | None
+    lower_bound_deg2: float | None
+    upper_bound_deg2: float | None
+
+
+def examine(examined: Examined) -> tuple[Finding, ...]:
+    """Return what the data of a run say of each condition, but for `losses`."""
+    return tuple(judge(examined) for judge in (
+        _same_source, _convention, _mean_difference, _frozen, _standstill, _outliers, _clocks,
+        _interpolation))
+
+
+def _same_source(e: Examined) -> Finding:
+    source = e.found.signs.source
+    noise, glitches = source.noise, source.glitches
+    name, words = 'same_source', 'TS and RS look like one sensor'
+    followed = f'the TS follows {glitches.followed} of {glitches.count} glitches of the RS'
+    if noise.kind == 'common':
+        return Finding(name, VOID, words, f'from {noise.band_hz[0]:.3g} to {noise.band_hz[1]:.3g} '
+                       'Hz, above the motion of the ship, the TS follows the noise of the RS: '
+                       f'coherence {noise.coherence:.2f}')
+    if glitches.kind == 'common':
+        return Finding(name, VOID, words, f'{followed}, {glitches.delay_s:.3g} s later: by chance '
+                       f'with a probability below {max(glitches.chance, 1e-99):.1g}')
+    least = e.limits.m_low * e.limits.sigma_ref_max_deg
+    if e.upper_bound_deg2 is not None and 0.0 < e.upper_bound_deg2 < least ** 2:
+        return Finding(name, VOID, 'TS and RS differ by less than the RS alone should',
+                       f'the difference scatters by at most {math.sqrt(e.upper_bound_deg2):.3g} '
+                       f'deg, the RS alone by {least:.3g} deg at least, as its norm is stated')
+    if noise.kind == 'independent':
+        return Finding(name, HOLDS, '', f'the noise of the RS, {noise.rs_noise_deg:.2g} deg, is '
+                       f'not found in the TS: coherence {noise.coherence:.2f}')
+    if glitches.kind == 'independent':
+        return Finding(name, HOLDS, '', followed)
+    if source.kind == 'suspected':
+        # Without noise two perfect sensors do that, too; real ones never.
+        effect = DOUBTFUL if noise.reason == 'no_rs_noise' else VOID
+        return Finding(name, effect, 'one sensor twice, or two without error', 'the TS repeats '
+                       f'the RS, reading by reading, and {_NO_NOISE[noise.reason]}')
+    return Finding(name, NOT_TESTABLE, '', _NO_NOISE[noise.reason])
+
+
+def _convention(e: Examined) -> Finding:
+    found = e.found.signs.convention
+    if found.kind == 'not_testable':
+        return Finding('convention', NOT_TESTABLE, '', 'there are no differences')
+    if found.kind == 'offset':
+        return Finding('convention', VOID, f'TS - RS is near {found.angle_deg:.0f} deg',
+                       f'TS - RS is {found.angle_deg:.2f} deg: is one of them a yaw (ENU) taken '
+                       'for a heading, or mounted backwards?')
+    if found.kind == 'mirrored':
+        return Finding('convention', VOID, 'TS turns against RS', 'TS turns against RS, their sum '
+                       f'stays at {found.angle_deg:.1f} deg: one of them counts '
+                       f'counter-clockwise{_unless_late(found.turned_deg)}')
+    mean = e.found.signs.mean
+    if mean.torn(e.settings.wrap_center_deg):
+        return Finding('convention', VOID, 'the differences lie on the seam of wrap_center_deg',
+                       'the differences are reduced to 180 deg either way of '
+                       f'{e.settings.wrap_center_deg:g} deg, which tears them apart: they lie '
+                       f'about {mean.mean_deg:.2f} deg, {100.0 * mean.seam_share:.3g} % of them a '
+                       'whole turn away from the others')
+    if found.direction == 'not_testable':
+        return Finding('convention', NOT_TESTABLE, '', 'the ship did not move enough, or only in '
+                       'a swell in which a skew looks alike, to tell whether both count clockwise')
+    return Finding('convention', HOLDS, '', 'TS turns with RS, by the same axes')
+
+
+def _unless_late(turned_deg: float) -> str:
+    """Return what else it may be where the ship only yawed."""
+    return ', or is late by half a period of the yaw' if turned_deg < _YAWED_DEG else ''
+
+
+def _mean_difference(e: Examined) -> Finding:
+    found, settings = e.found.signs.mean, e.settings
+    name = 'mean_difference'
+    if found.mean_deg is None:
+        return Finding(name, NOT_TESTABLE, '', 'there is no mean difference')
+    words = f'the mean difference is {found.mean_deg:.2f} deg'
+    most = settings.detectors.mean_max_deg
+    u_offset = settings.installation_offset_u_deg
+    if abs(found.mean_deg) > max(most, COVERED_SIGMAS * u_offset):
+        return Finding(name, VOID, words, f'{words}, above {most:g} deg, and the installation '
+                       f'angle stated, {settings.installation_offset_deg:g} deg with a standard '
+                       f'uncertainty of {u_offset:g} deg, does not explain it')
+    if found.surely_exceeds(LARGE_SIGMAS * e.limits.sigma_max_deg):
+        return Finding(name, DOUBTFUL, words, f'{words}, significantly above {LARGE_SIGMAS:g} '
+                       f'sigma_max = {LARGE_SIGMAS * e.limits.sigma_max_deg:.3g} deg')
+    return Finding(name, HOLDS, '', words)
+
+
+def _frozen(e: Examined) -> Finding:
+    signs = e.found.signs
+    if signs.ts_frozen.kind == 'not_testable':
+        return Finding('frozen', NOT_TESTABLE, '', 'there are too few readings')
+    for name, sign in (('TS', signs.ts_frozen), ('RS', signs.rs_frozen)):
+        if sign.kind == 'frozen':
+            return Finding(
+                'frozen', VOID, f'the {name} froze', f'the {name} repeated its value '
+                f'{sign.stretches} times while the other sensor turned, for '
+                f'{sign.duration_s:.1f} s by {sign.other_moved_deg:.2f} deg at {sign.start_ns}')
+        if sign.kind == 'dead':
+            return Finding('frozen', VOID, f'the {name} sent one value for an hour',
+                           f'the {name} sent one value for {sign.longest_s:.0f} s, although it '
+                           'reports decimals')
+    for name, sign in (('TS', signs.ts_frozen), ('RS', signs.rs_frozen)):
+        if sign.kind == 'constant':
+            lasted = f'for {sign.longest_s:.0f} s'
+            never = sign.hold_s is None and sign.longest_s >= (
+                int(e.data.stamp_ns[-1]) - int(e.data.stamp_ns[0])) / 1e9
+            return Finding('frozen', DOUBTFUL, f'the {name} never changed its value' if never
+                           else f'the {name} did not change its value {lasted}',
+                           f'the {name} sent one value {lasted}, although it reports decimals, '
+                           'and the other sensor did not')
+    longest = max(signs.ts_frozen.longest_s, signs.rs_frozen.longest_s)
+    return Finding('frozen', HOLDS, '', f'no value was repeated for more than {longest:.1f} s '
+                   'while the other sensor turned' if longest else 'no value was repeated')
+
+
+def _standstill(e: Examined) -> Finding:
+    found = e.found.signs.standstill
+    if found.kind == 'not_testable':
+        return Finding('standstill', NOT_TESTABLE, '', 'there are too few readings')
+    ranges = (f'the headings range over {found.ts_range_deg:.3g} deg (TS) and '
+              f'{found.rs_range_deg:.3g} deg (RS)')
+    if found.kind == 'still':
+        return Finding('standstill', DOUBTFUL, 'motion too small to tell', f'{ranges}: whether '
+                       'the sensors work cannot be seen')
+    return Finding('standstill', HOLDS, '', ranges)
+
+
+def _outliers(e: Examined) -> Finding:
+    found = e.found.signs.outliers
+    if found.kind == 'not_testable':
+        return Finding('outliers', NOT_TESTABLE, '', 'there are too few differences')
+    if found.kind == 'none':
+        return Finding('outliers', HOLDS, '', 'no isolated difference stands out')
+    largest = ', '.join(f'{o.size_deg:+.3g} deg at {o.stamp_ns}' for o in found.largest[:3])
+    count = f'{found.count} isolated outlier{"s" if found.count != 1 else ""}'
+    evidence = f'{count} make {100.0 * found.share:.3g} % of the variance: {largest}'
+    without = e.decided(np.delete(e.data.stamp_ns, found.index),
+                        np.delete(e.data.x_deg, found.index))
+    if without is e.outcome:
+        return Finding('outliers', HOLDS, '', f'{evidence}; the outcome is the same without')
+    return Finding('outliers', DOUBTFUL, f'{count} decide{"s" if found.count == 1 else ""}',
+                   f'{evidence}; without the outcome is {without}')
+
+
+def _clocks(e: Examined) -> Finding:
+    if e.settings.alignment.skew == 'off':
+        return Finding('clocks', NOT_TESTABLE, '', 'the skew is not estimated (alignment.skew '
+                       'off)')
+    estimate, clock = e.found.skew.estimate, e.found.signs.clock
+    if clock.kind in ('drifting', 'stepped'):
+        words, evidence = _unsteady(clock, e.data)
+        t = (e.data.stamp_ns - e.data.stamp_ns[0]) / 1e9
+        steady = _without(e, clock.late_s(t))
+        if steady is not e.outcome and e.outcome is not Outcome.COMPLIANT:
+            return Finding('clocks', VOID, words,
+                           f'{evidence}; with that taken out the outcome is {steady}')
+        return Finding('clocks', HOLDS, '', f'{evidence}; the outcome is the same without')
+    if estimate.kind == 'beyond':
+        return _beyond(e, estimate.beyond_s)
+    if not estimate.well_determined:
+        return Finding('clocks', NOT_TESTABLE, '', estimate.why_not(
+            e.settings.alignment.skew_range_s))
+    figures = f'the skew is {estimate.skew_s:.3f} s (standard uncertainty {estimate.u_s:.3f} s)'
+    if not estimate.significant:
+        return Finding('clocks', HOLDS, '', figures)
+    aligned = _without(e, estimate.skew_s)
+    # A skew only adds to the variance: what complies with it complies without.
+    if aligned is e.outcome or e.outcome is Outcome.COMPLIANT:
+        return Finding('clocks', HOLDS, '', f'{figures}; the outcome is the same without it')
+    return Finding('clocks', DOUBTFUL, f'a skew of {estimate.skew_s:.2f} s decides, without it '
+                   f'{aligned}', f'{figures}; with it taken out the outcome is {aligned}')
+
+
+def _unsteady(clock: ClockDrift, data: Analysed) -> tuple[str, str]:
+    """Return in few words and with the figures how the skew changes."""
+    if clock.kind == 'drifting':
+        words = f'the clocks drift apart by {clock.slope_s_per_h:.2g} s/h'
+        return words, (f'{words} (95 % interval {clock.interval_s_per_h[0]:.2g} to '
+                       f'{clock.interval_s_per_h[1]:.2g})')
+    sizes = [(step.after_s - step.before_s, int(data.stamp_ns[0]) + round(step.time_s * 1e9))
+             for step in clock.steps]
+    size, at_ns = max(sizes, key=lambda one: abs(one[0]))
+    each = ', '.join(f'by {size:.2f} s at {at}' for size, at in sizes)
+    return (f'the skew changes by {size:.2g} s at {at_ns}',
+            f'the skew changes at once {each}; it is {clock.steps[0].before_s:.2f} s before')
+
+
+def _beyond(e: Examined, skew_s: float) -> Finding:
+    """Judge a skew beyond the range, where the differences scatter least."""
+    range_s = e.settings.alignment.skew_range_s
+    words = (f'the TS may be {"late" if skew_s > 0.0 else "early"} by about {abs(skew_s):.1f} s, '
+             'beyond alignment.skew_range_s')
+    evidence = (f'the clocks may be off by more than {range_s:g} s (alignment.skew_range_s): '
+                f'the differences scatter least with a skew of about {skew_s:.1f} s')
+    aligned = _without(e, skew_s)
+    if aligned is e.outcome or e.outcome is Outcome.COMPLIANT:
+        return Finding('clocks', HOLDS, '', f'{evidence}; the outcome is the same without it')
+    return Finding('clocks', DOUBTFUL, f'{words}, without that {aligned}',
+                   f'{evidence}; with it taken out the outcome is {aligned}')
+
+
+def _without(e: Examined, late_s: float | np.ndarray) -> Outcome:
+    """Return the outcome with the RS read so much earlier."""
+    return e.decided(*realigned(e.data.stamp_ns, e.data.x_deg, e.data.rs_deg, late_s))
+
+
+def _interpolation(e: Examined) -> Finding:
+    found, name = e.found.signs.interpolation, 'interpolation'
+    if found.kind == 'none':
+        return Finding(name, HOLDS, '', 'every reading is taken as it is')
+    if found.kind == 'not_testable':
+        return Finding(name, NOT_TESTABLE, '', 'these pairs do not tell what '
+                       'interpolation adds')
+    evidence = (f'interpolation adds {found.variance_deg2:.2g} deg2 to the variance, '
+                f'{found.upper_deg2:.2g} deg2 at most')
+    if found.folded:
+        evidence += '; the motion is so fast that the readings hardly show it'
+    if _would_decide(e, found.upper_deg2, found.folded):
+        return Finding(name, VOID, 'the slower sensor is too slow for the motion',
+                       f'{evidence}: without that the outcome might differ')
+    return Finding(name, HOLDS, '', f'{evidence}; the outcome is the same without')
+
+
+def _would_decide(e: Examined, added_deg2: float, folded: bool) -> bool:
+    """Tell whether an outcome might differ without a variance that interpolation adds."""
+    if e.upper_bound_deg2 is None or e.outcome is Outcome.COMPLIANT or not e.d_hat_deg2:
+        return False
+    share = 0.0 if folded else max(0.0, 1.0 - added_deg2 / e.d_hat_deg2)
+    if e.outcome is Outcome.NON_COMPLIANT:
+        return share * e.lower_bound_deg2 <= e.limits.rejection_limit_deg2 < e.lower_bound_deg2
+    return not folded and (share * e.upper_bound_deg2 <= e.limits.tightened_limit_deg2
+                           < e.upper_bound_deg2)

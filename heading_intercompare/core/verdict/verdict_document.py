@@ -1,0 +1,265 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The conclusion: findings of each run, the worst of runs, and the mapping that becomes JSON."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, is_dataclass, replace
+import math
+from typing import Any, Mapping, Sequence
+
+from heading_intercompare.core.decision.campaign import Together
+from heading_intercompare.core.decision.coverage import Coverage
+from heading_intercompare.core.decision.criteria import (
+    CountCriterion,
+    TotalError,
+    VarianceCriterion,
+)
+from heading_intercompare.core.decision.guarded import Guarded
+from heading_intercompare.core.decision.sequential import LookVerdict
+from heading_intercompare.core.diagnostics.assumptions import Assumption
+from heading_intercompare.core.diagnostics.deviation import HeadingDependence
+from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
+from heading_intercompare.core.outcome import Outcome, worst
+from heading_intercompare.core.pairing.ledger import LedgerSegment, REASONS
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.statistics.ergodicity import Homogeneity
+from heading_intercompare.core.statistics.normality import Normality
+from heading_intercompare.core.statistics.stationarity import Stationarity
+from heading_intercompare.core.version import VERSION
+
+from .conclusion import campaign_words
+from .headline import headline
+from .validity import Finding, gravest
+
+__all__ = ['Campaign', 'PairingFigures', 'plain', 'RunVerdict', 'SCHEMA', 'Verdict']
+
+SCHEMA = 'heading_intercompare/verdict/2'
+
+
+def plain(value: Any) -> Any:
+    """
+    Return a value as JSON can hold it.
+
+    Dataclasses become dictionaries in the order of their fields, outcomes their word, tuples
+    lists; a number that is not finite becomes None.
+    """
+    if is_dataclass(value) and not isinstance(value, type):
+        return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
+    if isinstance(value, Outcome):
+        return value.value
+    if isinstance(value, Mapping):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(v) for v in value]
+    if isinstance(value, (bool, str)) or value is None:
+        return value
+    if isinstance(value, int):
+        return int(value)
+    number = float(value)
+    return number if math.isfinite(number) else None
+
+
+@dataclass(frozen=True, slots=True)
+class PairingFigures:
+    """The share of one run in the pairing ledger, and the lags of its pairs."""
+
+    ts_received: int
+    rs_received: int
+    paired: int
+    ts_paired: int
+    ts_used: int
+    ts_unpaired: int
+    rs_used: int
+    rs_unused: int
+    rejected: Mapping[str, Mapping[str, int]]
+    mean_lag_s: float | None
+    max_lag_s: float | None
+    rs_variance_factor: float | None
+    ts_variance_factor: float | None
+
+    def interpolated(self, method: str) -> str | None:
+        """Return the sensor, 'ts' or 'rs', that a method interpolated; None for none, or both."""
+        found = {'interpolate': 'rs', 'interpolate_ts': 'ts'}.get(method)
+        if method == 'auto' and self.rs_variance_factor != self.ts_variance_factor:
+            alone = 1.0 in (self.rs_variance_factor, self.ts_variance_factor)
+            found = None if not alone else 'ts' if self.rs_variance_factor == 1.0 else 'rs'
+        return found
+
+    @classmethod
+    def of(cls, share: LedgerSegment, mean_lag_s: float | None, max_lag_s: float | None,
+           rs_variance_factor: float | None,
+           ts_variance_factor: float | None) -> 'PairingFigures':
+        """Return the figures; readings still pending count as not yet received."""
+        counts = share.counts
+        rejected = {s: {r: counts[f'{s}_rejected.{r}'] for r in REASONS
+                        if counts.get(f'{s}_rejected.{r}')} for s in ('ts', 'rs')}
+        return cls(share.received('ts') - counts.get('ts_pending', 0),
+                   share.received('rs') - counts.get('rs_pending', 0),
+                   *(counts.get(k, 0) for k in ('paired', 'ts_paired', 'ts_used', 'ts_unpaired',
+                                                'rs_used', 'rs_unused')),
+                   rejected, mean_lag_s, max_lag_s, rs_variance_factor, ts_variance_factor)
+
+
+@dataclass(frozen=True, slots=True)
+class RunVerdict:
+    """
+    All findings of one run; the fields are the keys of the JSON, in its order.
+
+    Attributes are documented with the JSON in ``docs/verdict_json.md``; angles in degrees,
+    variances in square degrees, stamps in nanoseconds, None where there is no figure.
+    """
+
+    run: int
+    source: str
+    start_ns: int
+    end_ns: int
+    duration_s: float
+    pairing: PairingFigures
+    n_input: int
+    n_invalid: int
+    n_stabilization: int
+    n: int
+    mean_deg: float | None
+    min_deg: float | None
+    max_deg: float | None
+    max_abs_deg: float | None
+    mean_square_deg2: float | None
+    circular_mean_deg: float | None
+    resultant_length: float | None
+    drift_coefficients_deg: tuple[float, ...]
+    variance_deg2: float | None
+    std_deg: float | None
+    variance_criterion: VarianceCriterion
+    count_criterion: CountCriterion
+    total_error: TotalError
+    outcome: Outcome
+    reason: str
+    headline: str
+    validity: Sequence[Finding]
+    validity_effect: str
+    coverage: Coverage
+    looks: Sequence[LookVerdict]
+    paper_outcome: Outcome
+    guarded: Guarded
+    skew: RunSkew
+    drift: Drift
+    heading_dependence: HeadingDependence
+    normality: Normality
+    stationarity: Stationarity
+    correlation: Correlation
+    allan: Allan
+    assumptions: Sequence[Assumption]
+    warnings: Sequence[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Campaign:
+    """
+    What the runs say together; keys of the JSON, None where no run has the figure.
+
+    The rule that decides and its reason; the worst of m runs, GK variant C; how many runs there
+    are of each outcome; the variance that all share.
+    """
+
+    rule: str
+    reason: str
+    m: int
+    worst_variance_deg2: float | None
+    worst_variance_run: int | None
+    worst_plus_rate: float | None
+    worst_plus_plus_rate: float | None
+    a_low_deg: float | None
+    a_up_deg: float | None
+    low_worst_deg: float | None
+    up_worst_deg: float | None
+    homogeneity: Homogeneity
+    runs_by_outcome: Mapping[str, int]
+    sensor: Together | None
+
+    @classmethod
+    def of(cls, runs: Sequence[RunVerdict], homogeneity: Homogeneity, rule: str, reason: str,
+           sensor: Together | None) -> 'Campaign':
+        """Return what the runs say together."""
+        def over(pick, values):
+            present = [v for v in values if v is not None]
+            return pick(present) if present else None
+
+        with_variance = [r for r in runs if r.variance_deg2 is not None]
+        worst_run = max(with_variance, key=lambda r: r.variance_deg2, default=None)
+        counted = [r for r in runs if r.n]
+        return cls(
+            rule, reason, len(runs),
+            worst_run.variance_deg2 if worst_run else None,
+            worst_run.run if worst_run else None,
+            over(max, [r.count_criterion.n_plus / r.n for r in counted]),
+            over(max, [r.count_criterion.n_plus_plus / r.n for r in counted]),
+            over(min, [r.mean_deg for r in runs]),
+            over(max, [r.mean_deg for r in runs]),
+            over(min, [r.total_error.low_deg for r in runs]),
+            over(max, [r.total_error.up_deg for r in runs]),
+            homogeneity, {o.value: sum(r.outcome is o for r in runs) for o in Outcome}, sensor)
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """
+    What the runs together say of the TS.
+
+    Attributes
+    ----------
+    outcome : Outcome
+        The guarded decision by `campaign.rule`.
+    headline : str
+        The same in one line, with what binds it and what it covers.
+    validity_effect : {'holds', 'doubtful', 'void'}
+        The gravest effect of a finding in any run.
+    paper_outcome : Outcome
+        GK as printed, worst of runs.
+    settings : Settings
+    inputs : sequence of mapping
+        ``path``, ``sha256``, ``ts_topic``, ``rs_topic`` of each input.
+    campaign : Campaign
+    runs : sequence of RunVerdict
+
+    """
+
+    outcome: Outcome
+    headline: str
+    validity_effect: str
+    paper_outcome: Outcome
+    settings: Settings
+    inputs: Sequence[Mapping[str, Any]]
+    campaign: Campaign
+    runs: Sequence[RunVerdict]
+
+    @classmethod
+    def of(cls, runs: Sequence[RunVerdict], outcome: Outcome, campaign: Campaign,
+           coverage: Coverage | None, settings: Settings,
+           inputs: Sequence[Mapping[str, Any]]) -> 'Verdict':
+        """Return the verdict on runs and on what they say together."""
+        if len(runs) == 1 and runs[0].outcome is outcome and campaign.rule == 'every_run':
+            line = runs[0].headline
+        else:
+            findings = [replace(f, words=f'run {r.run}: {f.words}')
+                        for r in runs for f in r.validity]
+            why = campaign_words(campaign.reason, [(r.run, r.outcome, r.reason) for r in runs])
+            line = headline(outcome, findings, coverage, why)
+        return cls(outcome, line, gravest(r.validity_effect for r in runs),
+                   worst(r.paper_outcome for r in runs), settings, tuple(inputs), campaign,
+                   tuple(runs))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the verdict as plain dictionaries and lists, ready for JSON."""
+        return {
+            'schema': SCHEMA,
+            'outcome': self.outcome.value,
+            'headline': self.headline,
+            'validity_effect': self.validity_effect,
+            'paper_outcome': self.paper_outcome.value,
+            'software': {'name': 'heading_intercompare', 'version': VERSION},
+            'settings': plain(self.settings.to_mapping()),
+            'inputs': plain(self.inputs),
+            'campaign': plain(self.campaign),
+            'runs': plain(self.runs),
+        }

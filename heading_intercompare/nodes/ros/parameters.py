@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Settings classes as ROS parameters: read-only, described, checked, unknown names refused."""
+
+from __future__ import annotations
+
+from typing import Any, Mapping
+
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from heading_intercompare.bags.checked_text import utf8
+from heading_intercompare.core.settings import (
+    declared,
+    from_mapping,
+    SettingsError,
+    to_mapping,
+    unknown,
+)
+
+__all__ = ['declare', 'OVERRIDES', 'overrides', 'resolved']
+
+OVERRIDES = {'automatically_declare_parameters_from_overrides': True}
+"""What `Node.__init__` must be given for `declare` to see all that was given to the node."""
+
+# Declared by every node of rclpy.
+_OF_ROS = ('use_sim_time', 'start_type_description_service')
+
+
+def declare(node: Node, *classes: type) -> tuple[Any, ...]:
+    """
+    Return the settings of a node, and declare them as parameters.
+
+    Parameters
+    ----------
+    node : Node
+        Made with `OVERRIDES`.
+    *classes : type
+        Settings classes whose names do not clash.
+
+    Returns
+    -------
+    tuple
+        An instance of each class.
+
+    Raises
+    ------
+    SettingsError
+        For a name that no class declares, or a value that is not allowed.
+
+    """
+    given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()
+             if name not in _OF_ROS}
+    rules = {cls: {rule.name: rule for rule in declared(cls)} for cls in classes}
+    known = [name for names in rules.values() for name in names]
+    for name in given:
+        if name not in known:
+            raise unknown('parameter', name, known)
+    made = []
+    for cls, names in rules.items():
+        settings = from_mapping(cls, {n: v for n, v in given.items() if n in names})
+        for name, value in to_mapping(settings).items():
+            if name in given:
+                node.undeclare_parameter(name)
+            rule = names[name]
+            node.declare_parameter(
+                name, 'none' if value is None else value,
+                ParameterDescriptor(description=str(rule.help), read_only=True,
+                                    additional_constraints=str(rule.allowed),
+                                    dynamic_typing=True), ignore_override=True)
+        made.append(settings)
+    return tuple(made)
+
+
+def resolved(node: Node, topic: str) -> str:
+    """Return the full name of a topic, remapped; SettingsError if it cannot be one."""
+    try:
+        return node.resolve_topic_name(topic)
+    except RuntimeError as error:
+        reason = str(error).partition(': ')[2].partition(', at ')[0]
+        raise SettingsError(f'topic {topic!r}: {reason}') from error
+
+
+def overrides(values: Mapping[str, Any]) -> list[Parameter]:
+    """Return values, by dotted name, as `parameter_overrides` of a node; None is not given."""
+    given = {name: value for name, value in values.items() if value is not None}
+    for name, value in given.items():
+        if isinstance(value, str):
+            utf8(value, name)
+    return [Parameter(name, value=value) for name, value in given.items()]

@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Ledger, marks, figures and verdicts to diagnostic messages and back; every field is typed here.
+
+Numbers are bare texts with the unit in the key, so that tools can plot them; integers stay
+integers, reals are written so that they read back to the bit.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Iterable, Mapping
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from std_msgs.msg import String
+
+from heading_intercompare.core.decision.sequential import LookVerdict
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
+from heading_intercompare.core.verdict.validity import DOUBTFUL, VOID
+from heading_intercompare.core.verdict.verdict_document import plain, RunVerdict, Verdict
+
+from .message_stamps import stamp_ns, time_message
+
+__all__ = ['ERROR', 'figures_message', 'ledger_from', 'ledger_message', 'marker_message',
+           'MARKS', 'marks_from', 'OK', 'OUTCOME_LEVELS', 'report_message', 'run_table', 'status',
+           'status_array', 'verdict_level', 'verdict_message', 'WARN']
+
+OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
+
+OUTCOME_LEVELS = {Outcome.COMPLIANT: OK, Outcome.INDETERMINATE: WARN,
+                  Outcome.NON_COMPLIANT: ERROR}
+
+MARKS = ('start', 'stop')
+
+_SEGMENT = 'segment'
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bool):
+        return 'true' if value else 'false'
+    return repr(float(value)) if isinstance(value, float) else str(value)
+
+
+def status(name: str, level: bytes, message: str,
+           values: Mapping[str, Any] = {}) -> DiagnosticStatus:  # noqa: B006
+    """Return one status; values that are None are left out."""
+    return DiagnosticStatus(
+        level=bytes(level), name=str(name), message=str(message),
+        values=[KeyValue(key=str(k), value=_text(v)) for k, v in values.items() if v is not None])
+
+
+def status_array(ns: int, statuses: Iterable[DiagnosticStatus]) -> DiagnosticArray:
+    """Return statuses under a stamp, nanoseconds."""
+    message = DiagnosticArray(status=list(statuses))
+    message.header.stamp = time_message(ns)
+    return message
+
+
+def _values(one: DiagnosticStatus) -> dict[str, str]:
+    return {pair.key: pair.value for pair in one.values}
+
+
+def ledger_message(ledger: Ledger, final: bool = False) -> DiagnosticArray:
+    """Return a ledger: its total, then its segments, stamped with the newest reading."""
+    total = status('ledger', OK, 'final' if final else 'so far',
+                   {'final': final, **ledger.total.counts})
+    segments = [status(f'{_SEGMENT} {number}', OK, '', {'start_ns': s.start_ns, **s.counts})
+                for number, s in enumerate(ledger.segments)]
+    return status_array(ledger.newest_ns or 0, [total, *segments])
+
+
+def ledger_from(message: DiagnosticArray) -> tuple[Ledger, bool]:
+    """Return the ledger of a message of `ledger_message`, and whether it is the final one."""
+    segments, final = [], False
+    for one in message.status:
+        values = _values(one)
+        final = final or values.pop('final', '') == 'true'
+        if one.name.startswith(_SEGMENT):
+            start_ns = values.pop('start_ns', None)
+            segments.append(LedgerSegment(None if start_ns is None else int(start_ns),
+                                          {key: int(n) for key, n in values.items()}))
+    return Ledger.from_segments(segments, stamp_ns(message.header.stamp) or None), final
+
+
+def marker_message(kind: str, ns: int) -> DiagnosticArray:
+    """Return a mark, 'start' or 'stop', stamped with the newest pair."""
+    return status_array(ns, [status('marker', OK, kind)])
+
+
+def marks_from(message: DiagnosticArray) -> list[tuple[str, int]]:
+    """Return kind and stamp of the marks in a message."""
+    ns = stamp_ns(message.header.stamp)
+    return [(one.message, ns) for one in message.status]
+
+
+def figures_message(name: str, figures: Mapping[str, Any], ns: int) -> DiagnosticArray:
+    """Return figures of the window or of the run in progress; absent ones are left out."""
+    return status_array(ns, [status(name, OK, 'figures, not a verdict', figures)])
+
+
+def _run_values(run: RunVerdict) -> dict[str, Any]:
+    names = ('start_ns', 'end_ns', 'duration_s', 'n', 'mean_deg', 'std_deg', 'variance_deg2',
+             'max_abs_deg', 'outcome', 'reason', 'paper_outcome')
+    findings = {f'validity.{found.condition}': found.effect for found in run.validity}
+    return {**{name: getattr(run, name) for name in names}, 'nu': run.guarded.nu,
+            'headline': run.headline, 'validity': run.validity_effect, **findings}
+
+
+def verdict_level(outcome: Outcome, effect: str) -> bytes:
+    """Return the level of a verdict: OK only for a certificate that nothing puts in doubt."""
+    level = OUTCOME_LEVELS[outcome]
+    return WARN if level == OK and effect in (DOUBTFUL, VOID) else level
+
+
+def verdict_message(verdict: Verdict, ns: int,
+                    early: LookVerdict | None = None) -> DiagnosticArray:
+    """Return a verdict: the conclusion, each run with its reason, a look at the one going on."""
+    whole = status('verdict', verdict_level(verdict.outcome, verdict.validity_effect),
+                   verdict.headline,
+                   {'outcome': verdict.outcome, 'paper_outcome': verdict.paper_outcome,
+                    'validity': verdict.validity_effect, 'runs': len(verdict.runs)})
+    runs = [status(f'run {run.run}', verdict_level(run.outcome, run.validity_effect),
+                   run.reason, _run_values(run))
+            for run in verdict.runs]
+    looks = [] if early is None else [status('run in progress', OUTCOME_LEVELS[early.outcome],
+                                             early.reason, plain(early))]
+    return status_array(ns, [whole, *runs, *looks])
+
+
+def report_message(verdict: Verdict) -> String:
+    """Return the verdict as JSON, the text that `analyze --json` writes."""
+    return String(data=json.dumps(verdict.to_dict(), indent=1, ensure_ascii=False,
+                                  allow_nan=False) + '\n')
+
+
+def run_table(report: str) -> str:
+    """Return the runs of a report as the table that `analyze --runs` reads: [start, stop) ns."""
+    rows = [f'{run["start_ns"]},{run["end_ns"] + 1}' for run in json.loads(report)['runs']]
+    return '\n'.join(['start,stop', *rows]) + '\n'

@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The state of a node on /diagnostics: once a second, and at once when it gets worse."""
+
+from __future__ import annotations
+
+from typing import Any, Callable
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.node import Node
+from rclpy.qos import qos_policy_name_from_kind
+
+from heading_intercompare.nodes.ros.qos import STATUS
+from heading_intercompare.nodes.ros.status_messages import ERROR, OK, status, status_array, WARN
+from heading_intercompare.nodes.ros.steady_timer import every
+
+__all__ = ['Health']
+
+
+class Health:
+    """
+    What a node says of itself, part by part; a change of state is logged once.
+
+    Parameters
+    ----------
+    node : Node
+        Whose state it is.
+
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._parts: dict[str, DiagnosticStatus] = {}
+        self._latched: dict[str, DiagnosticStatus] = {}
+        self._refreshers: list[Callable[[], None]] = []
+        self._ending = False
+        self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', STATUS)
+        every(node, 1.0, self._beat)
+        self.note('node', OK, 'running')
+
+    def mute(self) -> None:
+        """Log only errors from now on: at the end inputs go away, as they should."""
+        self._ending = True
+
+    def before_beat(self, refresh: Callable[[], None]) -> None:
+        """Have a function called each second, before the parts are published."""
+        self._refreshers.append(refresh)
+
+    def note(self, part: str, level: bytes, message: str, *, latch: bool = False,
+             log: bool = True, **values: Any) -> None:
+        """
+        State how a part is; a worse state than before is published at once.
+
+        Parameters
+        ----------
+        part : str
+            What is spoken of: an input, a file.
+        level : bytes
+            `OK`, `WARN` or `ERROR`.
+        message : str
+            The state in words.
+        latch : bool
+            Keep showing this state, unless it is OK, or a graver one before it, until
+            `acknowledge`.
+        log : bool
+            Log a change of level.
+        **values : object
+            Figures.
+
+        """
+        before = self._parts.get(part)
+        now = status(f'{self._node.get_name()}: {part}', level, message, values)
+        self._parts[part] = now
+        latched = self._latched.get(part)
+        if latch and level != OK and (latched is None or level >= latched.level):
+            self._latched[part] = now
+        if log and (before is None or before.level != level):
+            self._log(level, f'{part}: {message}', first=before is None)
+        if level > (OK if before is None else before.level):
+            self.publish()
+
+    def acknowledge(self) -> int:
+        """Let go of the latched states; return how many there were."""
+        n = len(self._latched)
+        self._latched.clear()
+        self.publish()
+        return n
+
+    def publish(self) -> None:
+        """Publish all parts as they are."""
+        now_ns = self._node.get_clock().now().nanoseconds
+        shown = {**self._parts, **self._latched}
+        self._publisher.publish(status_array(now_ns, shown.values()))
+
+    def _beat(self) -> None:
+        for refresh in self._refreshers:
+            refresh()
+        self.publish()
+
+    def _log(self, level: bytes, text: str, first: bool) -> None:
+        logger = self._node.get_logger()
+        if level == ERROR:
+            logger.error(text)
+        elif self._ending:
+            pass
+        elif level == WARN:
+            logger.warning(text)
+        elif not first:
+            logger.info(text)
+
+    def _mismatch(self, topic: str, event: Any) -> None:
+        policy = qos_policy_name_from_kind(event.last_policy_kind)
+        self.note(topic, ERROR, f'QoS mismatch on {topic}: {policy}; nothing passes')
+
+    def of_subscription(self, topic: str) -> SubscriptionEventCallbacks:
+        """Return what makes a QoS mismatch of a subscription known."""
+        return SubscriptionEventCallbacks(incompatible_qos=lambda e: self._mismatch(topic, e))
+
+    def of_publisher(self, topic: str) -> PublisherEventCallbacks:
+        """Return what makes a QoS mismatch of a publisher known."""
+        return PublisherEventCallbacks(incompatible_qos=lambda e: self._mismatch(topic, e))

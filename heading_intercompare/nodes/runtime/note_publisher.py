@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A note of the operator, published for the recorder."""
+
+from __future__ import annotations
+
+import time
+
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from std_msgs.msg import String
+
+from heading_intercompare.bags.rosbag2.provenance import NOTE_TOPIC
+from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.nodes.ros.process import spinning
+from heading_intercompare.nodes.ros.qos import NOTE
+
+from .publishing import all_acknowledged
+
+__all__ = ['publish_note']
+
+# Discovery between processes takes up to two seconds.
+_PATIENCE_S = 5.0
+
+
+def publish_note(text: str, patience_s: float = _PATIENCE_S) -> None:
+    """
+    Publish a note as soon as a recorder listens; return when it has it.
+
+    Raises
+    ------
+    SettingsError
+        If none listens in time, or does not confirm it.
+
+    """
+    context = Context()
+    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        with spinning(context) as (executor, nodes):
+            nodes.append(Node('operator_note', context=context))
+            publisher = nodes[0].create_publisher(String, NOTE_TOPIC, NOTE)
+            executor.add_node(nodes[0])
+            deadline_s = time.monotonic() + patience_s
+            while not publisher.get_subscription_count():
+                if time.monotonic() > deadline_s:
+                    raise SettingsError(
+                        f'nobody listens to {NOTE_TOPIC}: is a bag being recorded, on this '
+                        'network and in this ROS_DOMAIN_ID?')
+                executor.spin_once(0.05)
+            publisher.publish(String(data=text))
+            if not all_acknowledged([publisher]):
+                raise SettingsError(f'a listener to {NOTE_TOPIC} has not confirmed the note')
+    finally:
+        context.try_shutdown()

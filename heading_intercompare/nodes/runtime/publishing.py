@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Topics published from a recording or a simulation: begun when they are heard, paced, counted."""
+
+from __future__ import annotations
+
+import time
+from typing import Iterable, Sequence
+
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+
+from heading_intercompare.nodes.ros.status_messages import OK, WARN
+
+from .health import Health
+
+__all__ = ['Allowance', 'all_acknowledged', 'Audience']
+
+# Discovery between processes takes up to two seconds; after this the waiting is a warning.
+_PATIENCE_S = 5.0
+
+
+class Audience:
+    """
+    Waits until topics have their subscriptions.
+
+    Parameters
+    ----------
+    node : Node
+        Who publishes.
+    publishers : sequence of Publisher
+        Of the topics.
+    wanted : int
+        Subscriptions each must have.
+    health : Health
+        Where the waiting is shown.
+
+    """
+
+    def __init__(self, node: Node, publishers: Sequence[Publisher], wanted: int,
+                 health: Health) -> None:
+        self._node, self._publishers, self._wanted = node, publishers, wanted
+        self._health, self._there = health, False
+        self._began_s = time.monotonic()
+
+    def there(self) -> bool:
+        """Tell whether all have come; once they have, the answer stays."""
+        if not self._there:
+            missing = [p.topic_name for p in self._publishers
+                       if p.get_subscription_count() < self._wanted]
+            self._there = not missing
+            late = missing and time.monotonic() > self._began_s + _PATIENCE_S
+            self._health.note('audience', WARN if late else OK,
+                              f'waiting for {self._wanted} subscriptions of {missing[0]}'
+                              if missing else 'heard')
+        return self._there
+
+
+class Allowance:
+    """Bounds the rate of messages: no more may go out when it is used up, for a moment."""
+
+    def __init__(self, rate_hz: float) -> None:
+        self._rate_hz = rate_hz
+        self._left = 0.0
+        self._last_s = time.monotonic()
+
+    def left(self) -> bool:
+        """Tell whether a message may go out now; what is not used in 0.1 s is lost."""
+        now_s = time.monotonic()
+        self._left = min(self._left + self._rate_hz * (now_s - self._last_s),
+                         0.1 * self._rate_hz + 1.0)
+        self._last_s = now_s
+        return self._left >= 1.0
+
+    def spend(self, n: int) -> None:
+        """Count messages that went out."""
+        self._left -= n
+
+
+def all_acknowledged(publishers: Iterable[Publisher], timeout_s: float = 5.0) -> bool:
+    """Wait until all messages have reached the reliable subscriptions; tell whether they have."""
+    deadline_s = time.monotonic() + timeout_s
+    arrived = True
+    for publisher in publishers:
+        left_s = max(0.0, deadline_s - time.monotonic())
+        arrived = publisher.wait_for_all_acked(Duration(seconds=left_s)) and arrived
+    return arrived

@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""When the verdict is published and the report written: at each change, with its whole ledger."""
+
+from __future__ import annotations
+
+from datetime import datetime, timezone
+import os
+from pathlib import Path
+import time
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.duration import Duration
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from heading_intercompare.bags.recording.disk_sync import replace_file
+from heading_intercompare.core.decision.sequential import LookVerdict
+from heading_intercompare.core.pairing.ledger import Ledger
+from heading_intercompare.core.pipeline import Compliance
+from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.status_messages import (
+    ERROR,
+    OK,
+    OUTCOME_LEVELS,
+    report_message,
+    verdict_level,
+    verdict_message,
+    WARN,
+)
+from heading_intercompare.nodes.settings import ComplianceNode
+
+from .health import Health
+
+__all__ = ['Reporting']
+
+
+class Reporting:
+    """
+    Verdict and report of a compliance node.
+
+    Parameters
+    ----------
+    node : Node
+        Who publishes.
+    compliance : Compliance
+        Who judges.
+    own : ComplianceNode
+        Settings.
+    health : Health
+        Where alerts are shown.
+
+    Attributes
+    ----------
+    final : bool
+        The ledger is the final one.
+    paired : int
+        Pairs that the ledger knows of.
+    report : str or None
+        The last report.
+    closed : bool
+        The last report is out.
+
+    """
+
+    def __init__(self, node: Node, compliance: Compliance, own: ComplianceNode,
+                 health: Health) -> None:
+        self._node, self._compliance, self._own, self._health = node, compliance, own, health
+        self._verdict = node.create_publisher(
+            DiagnosticArray, 'compliance/verdict', qos.VERDICT,
+            event_callbacks=health.of_publisher('compliance/verdict'))
+        self._report = node.create_publisher(String, 'compliance/report', qos.REPORT)
+        self._ledger: Ledger | None = None
+        self._seen: tuple[int, LookVerdict | None] = (0, None)
+        self._due: tuple[int, float] | None = None
+        self.final, self.paired, self.report, self.closed = False, 0, None, False
+        if own.report_dir is not None:
+            os.makedirs(own.report_dir, exist_ok=True)
+
+    def book(self, ledger: Ledger, final: bool) -> None:
+        """Take the newest ledger."""
+        self._ledger, self.paired = ledger, ledger.paired
+        self.final = self.final or final
+
+    def look(self, n_pairs: int) -> None:
+        """Publish what has changed; `n_pairs` were published so far, a ledger must know them."""
+        seen = self._compliance.finished_runs, self._compliance.early
+        if seen[0] != self._seen[0]:
+            self._due = n_pairs, time.monotonic() + self._own.ledger_wait_s
+        elif seen[1] != self._seen[1]:
+            self._announce(self._compliance.verdict(self._ledger))
+        self._seen = seen
+        if self._due is not None:
+            n_due, until_s = self._due
+            covered = self.paired >= n_due
+            if covered or time.monotonic() > until_s:
+                self._conclude(covered)
+
+    def close(self, complete: bool) -> None:
+        """Publish the last verdict and report, and wait until they have arrived."""
+        self._conclude(complete)
+        for publisher in (self._verdict, self._report):
+            publisher.wait_for_all_acked(Duration(seconds=1.0))
+        self.closed = True
+
+    def _conclude(self, complete: bool) -> None:
+        """Publish and write the report, unless it says nothing new."""
+        self._due = None
+        verdict = self._compliance.verdict(self._ledger)
+        report = report_message(verdict)
+        if report.data == self.report:
+            return
+        self.report = report.data
+        self._health.note('ledger', OK if complete else WARN,
+                          'complete' if complete else 'the last report lacks the whole ledger')
+        self._announce(verdict)
+        self._report.publish(report)
+        self._write(report.data)
+
+    def _announce(self, verdict: Verdict) -> None:
+        """Publish the verdict."""
+        early = self._compliance.early
+        said = []
+        if verdict.runs or early is None:
+            said.append((verdict_level(verdict.outcome, verdict.validity_effect),
+                         f'{len(verdict.runs)} runs: {verdict.headline}'))
+        if early is not None:
+            said.append((OUTCOME_LEVELS[early.outcome], f'the run in progress, {early}'))
+        # What goes on now does not excuse what was found before.
+        self._health.note('verdict', max(level for level, _ in said),
+                          '; '.join(words for _, words in said), latch=True, log=False,
+                          runs=len(verdict.runs))
+        self._node.get_logger().info(f'verdict on {said[-1][1]}')
+        self._verdict.publish(verdict_message(verdict, self._compliance.newest_ns or 0, early))
+
+    def _write(self, text: str) -> None:
+        if self._own.report_dir is None:
+            return
+        newest_ns = self._compliance.newest_ns
+        moment = datetime.fromtimestamp(time.time() if newest_ns is None else newest_ns / 1e9,
+                                        timezone.utc)
+        path = Path(self._own.report_dir, f'verdict_{moment:%Y%m%dT%H%M%S}Z.json')
+        try:
+            replace_file(path, text)
+        except OSError as error:
+            self._health.note('report', ERROR, f'{path}: {error.strerror}', latch=True)
+        else:
+            self._health.note('report', OK, f'written to {path}')

@@ -1,0 +1,222 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the graphs of a report need of the pairs, collected in bounded memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.pairing.difference import difference
+from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.settings import Settings
+
+__all__ = ['Bins', 'Envelope', 'HEADING_BINS', 'Histogram', 'SeriesSketch']
+
+HEADING_BINS = 36
+
+_TIME_BINS = 1000
+_FIRST_WIDTH_NS = 1_000_000
+_HISTOGRAM_BINS = 4096
+_FIRST_WIDTH_DEG = 2.0 ** -20
+
+
+@dataclass
+class Bins:
+    """
+    Count, mean, sum of squared deviations and extremes of x in each of a row of bins.
+
+    Attributes
+    ----------
+    n : ndarray of int64, shape (k,)
+    mean_deg : ndarray, shape (k,)
+        0 where n is 0.
+    m2_deg2 : ndarray, shape (k,)
+        Sum of squared deviations from the mean.
+    low_deg, up_deg : ndarray, shape (k,)
+        Extremes; infinite where n is 0.
+
+    """
+
+    n: np.ndarray
+    mean_deg: np.ndarray
+    m2_deg2: np.ndarray
+    low_deg: np.ndarray
+    up_deg: np.ndarray
+
+    @classmethod
+    def of(cls, size: int, at: np.ndarray, x_deg: np.ndarray) -> 'Bins':
+        """Return the bins of values `x_deg`, each in the bin `at`."""
+        n = np.bincount(at, minlength=size)
+        mean = np.bincount(at, x_deg, size) / np.maximum(n, 1)
+        m2 = np.bincount(at, (x_deg - mean[at]) ** 2, size)
+        low, up = np.full(size, np.inf), np.full(size, -np.inf)
+        np.minimum.at(low, at, x_deg)
+        np.maximum.at(up, at, x_deg)
+        return cls(n, mean, m2, low, up)
+
+    def __add__(self, other: 'Bins') -> 'Bins':
+        """Return the bins of both samples; Chan's formula."""
+        n = self.n + other.n
+        share = other.n / np.maximum(n, 1)
+        step = other.mean_deg - self.mean_deg
+        return Bins(n, np.where(self.n > 0, self.mean_deg + step * share, other.mean_deg),
+                    self.m2_deg2 + other.m2_deg2 + step ** 2 * self.n * share,
+                    np.minimum(self.low_deg, other.low_deg), np.maximum(self.up_deg, other.up_deg))
+
+    def halved(self) -> 'Bins':
+        """Return bins of twice the width in the lower half, the upper half empty."""
+        columns = (self.n, self.mean_deg, self.m2_deg2, self.low_deg, self.up_deg)
+        pairs = Bins(*(c[0::2] for c in columns)) + Bins(*(c[1::2] for c in columns))
+        half = len(self.n) // 2
+        empty = Bins.of(half, np.zeros(0, np.int64), np.zeros(0))
+        return Bins(*(np.concatenate((getattr(pairs, name), getattr(empty, name)))
+                      for name in ('n', 'mean_deg', 'm2_deg2', 'low_deg', 'up_deg')))
+
+    @property
+    def std_deg(self) -> np.ndarray:
+        """Standard deviation in each bin, degrees; nan for fewer than two values."""
+        return np.sqrt(np.where(self.n > 1, self.m2_deg2 / np.maximum(self.n - 1, 1), np.nan))
+
+
+class Envelope:
+    """Bins of time from the first difference on, their width doubled as the span grows."""
+
+    def __init__(self) -> None:
+        self.start_ns: int | None = None
+        self.width_ns = _FIRST_WIDTH_NS
+        self.bins = Bins.of(_TIME_BINS, np.zeros(0, np.int64), np.zeros(0))
+
+    def update(self, stamp_ns: np.ndarray, x_deg: np.ndarray) -> None:
+        """Take finite differences in stamp order."""
+        if not len(x_deg):
+            return
+        if self.start_ns is None:
+            self.start_ns = int(stamp_ns[0])
+        since = stamp_ns - self.start_ns
+        while int(since[-1]) >= self.width_ns * _TIME_BINS:
+            self.bins = self.bins.halved()
+            self.width_ns *= 2
+        self.bins = self.bins + Bins.of(_TIME_BINS, since // self.width_ns, x_deg)
+
+
+class Histogram:
+    """
+    Counts in bins of equal width, aligned to zero; doubled as the range grows.
+
+    Attributes
+    ----------
+    width_deg : float
+        A power of two, degrees.
+    first : int
+        Number of the first bin; bin k is [k, k + 1) times the width.
+    counts : ndarray of int64, shape (k,)
+
+    """
+
+    def __init__(self) -> None:
+        self.width_deg = _FIRST_WIDTH_DEG
+        self.first = 0
+        self.counts = np.zeros(0, np.int64)
+
+    def update(self, x_deg: np.ndarray) -> None:
+        """Take finite differences."""
+        if not len(x_deg):
+            return
+        low, up = float(x_deg.min()), float(x_deg.max())
+        if len(self.counts):
+            low = min(low, self.first * self.width_deg)
+            up = max(up, (self.first + len(self.counts) - 1) * self.width_deg)
+        while up // self.width_deg - low // self.width_deg >= _HISTOGRAM_BINS:
+            self._double()
+        first = int(low // self.width_deg)
+        counts = np.zeros(int(up // self.width_deg) - first + 1, np.int64)
+        shift = self.first - first
+        counts[shift:shift + len(self.counts)] += self.counts
+        at = np.floor_divide(x_deg, self.width_deg).astype(np.int64) - first
+        self.first, self.counts = first, counts + np.bincount(at, minlength=len(counts))
+
+    def _double(self) -> None:
+        if len(self.counts):
+            at = (np.arange(len(self.counts)) + self.first) // 2
+            self.first = int(at[0])
+            self.counts = np.bincount(at - self.first, self.counts).astype(np.int64)
+        self.width_deg *= 2.0
+
+    def edges_deg(self) -> np.ndarray:
+        """Return the edges of the bins, one more than bins; degrees."""
+        return (self.first + np.arange(len(self.counts) + 1)) * self.width_deg
+
+
+class SeriesSketch:
+    """
+    The differences of one input in bounded memory: against time, by size, against heading.
+
+    Parameters
+    ----------
+    source : str
+        Name of the input, as the runs of the verdict state it.
+
+    Attributes
+    ----------
+    n, n_invalid : int
+        Finite differences taken; pairs left out as not finite.
+    time : Envelope
+        At most 1000 bins of time.
+    histogram : Histogram
+    heading : Bins
+        36 bins of 10 degrees of the RS heading, from 0.
+
+    Notes
+    -----
+    All pairs are taken, those of the stabilisation period too. Counts, extremes and bin widths
+    do not depend on the chunks; means and deviations to rounding.
+
+    """
+
+    def __init__(self, source: str = '') -> None:
+        self.source = source
+        self.n = self.n_invalid = 0
+        self.newest_ns: int | None = None
+        self.time = Envelope()
+        self.histogram = Histogram()
+        self.heading = Bins.of(HEADING_BINS, np.zeros(0, np.int64), np.zeros(0))
+
+    def update(self, pairs: Pairs, settings: Settings) -> None:
+        """
+        Take pairs in stamp order.
+
+        Parameters
+        ----------
+        pairs : Pairs
+            n >= 0.
+        settings : Settings
+            The installation offset and the wrap centre are used, as in the analysis.
+
+        Raises
+        ------
+        ValueError
+            If the stamps go back.
+
+        References
+        ----------
+        GK (1).
+
+        """
+        if not len(pairs):
+            return
+        newest = self.newest_ns if self.newest_ns is not None else int(pairs.stamp_ns[0])
+        if int(pairs.stamp_ns[0]) < newest or np.any(np.diff(pairs.stamp_ns) < 0):
+            raise ValueError(f'stamp_ns goes back behind {newest}: pairs come in stamp order')
+        self.newest_ns = int(pairs.stamp_ns[-1])
+        x = difference(pairs, settings.installation_offset_deg, settings.wrap_center_deg).x_deg
+        good = np.isfinite(x)
+        x, n = x[good], int(np.count_nonzero(good))
+        self.n += n
+        self.n_invalid += len(pairs) - n
+        self.time.update(pairs.stamp_ns[good], x)
+        self.histogram.update(x)
+        at = (wrap360(pairs.rs_deg[good]) // (360.0 / HEADING_BINS)).astype(np.int64)
+        self.heading = self.heading + Bins.of(HEADING_BINS, at, x)

@@ -1,0 +1,33 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The words for outcomes, reasons and states, wherever people read them."""
+
+from __future__ import annotations
+
+from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
+from heading_intercompare.core.verdict.conclusion import ALL_REASONS
+from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
+
+__all__ = ['CAMPAIGN_WORDS', 'CONDITION_WORDS', 'EFFECT_WORDS', 'OUTCOME_WORDS', 'REASON_WORDS',
+           'STATE_WORDS']
+
+CAMPAIGN_WORDS = CAMPAIGN_REASONS
+
+REASON_WORDS = ALL_REASONS
+
+CONDITION_WORDS = {
+    'same_source': 'TS and RS are two sensors',
+    'convention': 'both report the heading by one convention',
+    'mean_difference': 'the mean difference is that of sensors of one axis',
+    'frozen': 'no sensor repeats its value while the ship turns',
+    'standstill': 'the ship moves enough to see that the sensors work',
+    'outliers': 'no single reading decides',
+    'clocks': 'the clocks of the sensors agree',
+    'interpolation': 'the slower sensor is fast enough for the motion',
+    'losses': 'few readings are lost, rejected or without partner',
+}
+
+EFFECT_WORDS = {'holds': 'holds', 'doubtful': 'DOUBTFUL', 'void': 'VOID',
+                'not_testable': 'not testable'}
+
+STATE_WORDS = {'met': 'met', 'violated': 'VIOLATED', 'not_testable': 'not testable'}

@@ -1,0 +1,286 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The gimballed AHRS as a whole: acceptance figures A1 to A12 of docs/ahrs.md, and its modes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from heading_intercompare.ahrs.gimballed.control_laws import speed_error
+from heading_intercompare.ahrs.gimballed.modes import Mode, Validity
+from heading_intercompare.ahrs.ship.earth import EARTH_RATE_RAD_S, KNOT_M_S, RAD_PER_DEG_H
+
+HOUR = 3600.0
+
+
+def test_a1_coarse_levelling_leaves_the_earth_rate(make_ahrs, run_for):
+    """W cos(phi) tau = 1.773' from a tilt of 5 degrees, within 1 %."""
+    run = run_for(make_ahrs(initial_state='warm', tilt_deg=5.0, azimuth_deg=0.0), 130.0)
+    last = run.first(Mode.GYRO_CALIBRATION)
+    assert last == 1200
+    assert run.tilt_arcmin[last] == pytest.approx(1.773, rel=0.01)
+
+
+@pytest.mark.parametrize('azimuth_deg', [0.0, 70.0, -150.0])
+def test_a2_rotation_fit_finds_the_meter_biases(make_ahrs, run_for, azimuth_deg):
+    """0.05 and -0.02 deg/h after a hold of 900 s, within 2e-4 deg/h."""
+    ahrs = make_ahrs(initial_state='warm', hold_s=900.0, azimuth_deg=azimuth_deg,
+                     fixed='meter_x 0.05; meter_y -0.02')
+    run = run_for(ahrs, 1390.0)
+    assert run.mode[-1] == Mode.AZIMUTH_ALIGNMENT
+    found = np.array([ahrs.computer.meter_x_rad_s, ahrs.computer.meter_y_rad_s]) / RAD_PER_DEG_H
+    assert found == pytest.approx((0.05, -0.02), abs=2e-4)
+
+
+@pytest.mark.parametrize('latitude_deg, error_arcmin', [
+    (45.0, 3.232), (0.0, 3.232 * math.cos(math.radians(45.0))), (60.0, 3.232 * math.sqrt(2.0))])
+def test_a3_alignment_error_of_an_east_meter_bias(make_ahrs, run_for, latitude_deg,
+                                                  error_arcmin):
+    """0.01 deg/h that comes after the calibration: 3.232' at 45 degrees, with the secant."""
+    ahrs = make_ahrs(latitude_deg, initial_state='warm', azimuth_deg=0.0)
+    run_for(ahrs, 1090.0)
+    assert ahrs.mode is Mode.AZIMUTH_ALIGNMENT
+    ahrs.instruments.gyro_bias[4] += 0.01 * RAD_PER_DEG_H
+    run = run_for(ahrs, 620.0)
+    error = run.heading_error_arcmin[run.first(Mode.FINE_LEVELLING) + 1]
+    assert abs(error) == pytest.approx(error_arcmin, abs=0.03)
+
+
+@pytest.mark.parametrize('fixed, error_arcmin, tolerance', [
+    pytest.param('drift_y 0.01', 3.232, 0.02, id='a4'),
+    pytest.param('drift_z 0.01', -0.167, 0.005, id='a5')])
+def test_a4_a5_gyrocompass_error_of_a_drift(make_ahrs, run_for, fixed, error_arcmin, tolerance):
+    ahrs = make_ahrs(initial_state='aligned', azimuth_deg=0.0, fixed=fixed)
+    run = run_for(ahrs, 5.0 * HOUR)
+    assert run.heading_error_arcmin[-1] == pytest.approx(error_arcmin, abs=tolerance)
+
+
+def test_a6_gyrocompass_settles_from_one_degree(make_ahrs, run_for):
+    """Last above 0.1 degrees at 1560 s, above 0.01 degrees at 3140 s, within 5 %."""
+    run = run_for(make_ahrs(initial_state='aligned', azimuth_deg=1.0), 2.0 * HOUR)
+    error = np.abs(run.heading_error_arcmin) / 60.0
+    assert run.t_s[error > 0.1][-1] == pytest.approx(1560.0, rel=0.05)
+    assert run.t_s[error > 0.01][-1] == pytest.approx(3140.0, rel=0.05)
+    assert run.validity[0] == Validity.SETTLING
+    assert run.validity[-1] == Validity.VALID
+
+
+def test_settled_start_is_where_the_gyrocompass_stays(make_ahrs, run_for):
+    """An aligned start puts the platform where drifts and biases would have taken it."""
+    ahrs = make_ahrs(initial_state='aligned',
+                     fixed='drift_x 0.02; drift_y 0.01; drift_z -0.03; bias_x 40; bias_y 60')
+    run = run_for(ahrs, 2.0 * HOUR)
+    assert np.ptp(run.heading_error_arcmin) < 0.03
+    assert run.validity[0] == Validity.VALID
+
+
+@pytest.mark.slow
+def test_a7_free_azimuth_drifts_in_a_line(make_ahrs, run_for):
+    """0.01 deg/h for 12 h: 0.12 degrees to 0.0005."""
+    run = run_for(make_ahrs(initial_state='aligned', operation='gyro_azimuth', azimuth_deg=0.0,
+                            fixed='drift_z 0.01'), 12.0 * HOUR)
+    error = run.heading_error_arcmin / 60.0
+    assert error[-1] == pytest.approx(-0.12, abs=5e-4)
+    assert np.abs(error - error[-1] * run.t_s / run.t_s[-1]).max() < 5e-4
+
+
+@pytest.mark.parametrize('compensation', ['none', 'full', 'manual'])
+def test_a8_speed_error(make_ahrs, run_for, compensation):
+    """Ten knots north: +0.914 degrees without the speed (+-0.005), less than 0.1" with it."""
+    ahrs = make_ahrs(legs=((0.0, 0.0, 10.0),), initial_state='aligned', azimuth_deg=0.0,
+                     speed_compensation=compensation, manual_speed_kn=10.0)
+    run = run_for(ahrs, 4.0 * HOUR)
+    error_deg = run.heading_error_arcmin[-1] / 60.0
+    if compensation == 'none':
+        formula = speed_error(10.0 * KNOT_M_S, 0.0, ahrs.computer.latitude_rad)
+        assert error_deg == pytest.approx(math.degrees(formula), abs=0.005)
+    else:
+        assert abs(error_deg) * 3600.0 < 0.1
+
+
+def test_a9_own_velocity_oscillates_with_the_schuler_period(make_ahrs, run_for):
+    """Equator, 50 ug: about a mean tilt of 10.3" with 84.3 min (+-1)."""
+    ahrs = make_ahrs(0.0, initial_state='aligned', operation='gyro_azimuth', azimuth_deg=0.0,
+                     vertical='schuler', fixed='bias_x 50')
+    ahrs.platform.beta_rad = 0.0
+    run = run_for(ahrs, 2.0 * 5058.0)
+    assert -np.mean(run.beta_arcsec) == pytest.approx(10.3, abs=0.1)
+    above = run.beta_arcsec > np.mean(run.beta_arcsec)
+    crossings = run.t_s[1:][above[1:] != above[:-1]]
+    assert np.mean(np.diff(crossings)) * 2.0 / 60.0 == pytest.approx(84.3, abs=1.0)
+    assert np.ptp(run.beta_arcsec[:50580]) == pytest.approx(np.ptp(run.beta_arcsec[50580:]),
+                                                            rel=0.01)
+
+
+@pytest.mark.slow
+def test_own_latitude_brings_the_day_into_the_errors(make_ahrs, run_for):
+    """An east drift of e swings the latitude by e / W in 24 h; the Schuler motion rides on it."""
+    ahrs = make_ahrs(initial_state='aligned', operation='gyro_azimuth', azimuth_deg=0.0,
+                     vertical='schuler', own_latitude=True, fixed='drift_y 0.01')
+    ahrs.platform.alpha_rad = ahrs.platform.beta_rad = 0.0
+    latitudes = []
+    while ahrs.now_s < 24.0 * HOUR:
+        ahrs.block()
+        latitudes.append(ahrs.computer.latitude_rad - math.radians(45.0))
+    amplitude = 0.01 * RAD_PER_DEG_H / EARTH_RATE_RAD_S
+    assert np.max(np.abs(latitudes)) == pytest.approx(amplitude, rel=0.35)
+    assert abs(latitudes[-1]) < 0.35 * amplitude
+
+
+def test_a12_cold_start_goes_through_the_modes_in_order(make_ahrs, run_for):
+    """In operation at 3456 s plus the slew, whose angle is that of the platform at the start."""
+    ahrs = make_ahrs(initial_state='cold', azimuth_deg=-123.0, noise=True)
+    run = run_for(ahrs, 3600.0)
+    changes = run.mode[np.concatenate(([0], 1 + np.flatnonzero(np.diff(run.mode))))]
+    assert changes.tolist() == [Mode.POST, Mode.THERMOSTAT_WAIT, Mode.COARSE_LEVELLING,
+                                Mode.GYRO_CALIBRATION, Mode.AZIMUTH_ALIGNMENT,
+                                Mode.FINE_LEVELLING, Mode.GYROCOMPASS]
+    ready = run.t_s[run.first(Mode.GYROCOMPASS)]
+    assert ready == pytest.approx(3456.4 + 12.3, abs=0.5)
+    assert set(run.validity[run.mode < Mode.FINE_LEVELLING]) == {Validity.NONE}
+    assert set(run.validity[run.mode == Mode.FINE_LEVELLING]) == {Validity.PROVISIONAL}
+    assert not run.statuses[-1].faults
+
+
+def test_fine_levelling_calibrates_what_was_wrong(make_ahrs, run_for):
+    """Course gyro 0.05 deg/h, accelerometers 80 and -60 ug, all found alongside."""
+    ahrs = make_ahrs(initial_state='warm', azimuth_deg=40.0,
+                     fixed='drift_z 0.05; bias_x 80; bias_y -60; drift_x 0.02; drift_y -0.03')
+    run_for(ahrs, 2600.0)
+    said = ahrs.computer
+    assert ahrs.mode is Mode.GYROCOMPASS
+    assert said.drift_z_rad_s / RAD_PER_DEG_H == pytest.approx(0.05, abs=1e-3)
+    assert said.bias_x_m_s2 / 9.80665e-6 == pytest.approx(80.0, abs=1.0)
+    assert said.bias_y_m_s2 / 9.80665e-6 == pytest.approx(-60.0, abs=1.0)
+    assert said.drift_x_rad_s / RAD_PER_DEG_H == pytest.approx(0.02, abs=1e-3)
+    assert said.drift_y_rad_s / RAD_PER_DEG_H == pytest.approx(-0.03, abs=1e-3)
+
+
+def test_one_position_tells_no_bias(make_ahrs, run_for):
+    """On a platform levelled by the same accelerometers, S (16)-(19) return zero."""
+    ahrs = make_ahrs(initial_state='warm', azimuth_deg=0.0, fixed='bias_x 80',
+                     accelerometer_calibration='single')
+    run = run_for(ahrs, 1900.0)
+    assert ahrs.computer.bias_x_m_s2 == 0.0
+    assert any('change 0 ug' in status.message for status in run.statuses)
+
+
+@pytest.mark.slow
+def test_errors_are_as_large_as_claimed(make_ahrs, run_for):
+    """
+    Twelve settled starts of the class of 0.1 degrees: mean square over claimed variance near 1.
+
+    Chi-square with 12 degrees of freedom: 1e-6 and 1 - 1e-6 quantiles 0.027 and 4.1.
+    """
+    ratios = []
+    for seed in range(12):
+        ahrs = make_ahrs(55.0, seed=seed, noise=True, model='marine_0p1',
+                         initial_state='aligned')
+        run = run_for(ahrs, 2100.0)
+        ratios.append(run.heading_error_arcmin[-1] / 60.0 / run.statuses[-1].sigma_deg)
+    assert 0.027 < np.mean(np.square(ratios)) < 4.1
+
+
+def test_satellite_heading_takes_the_drift_out(make_ahrs, run_for):
+    """A free azimuth with 0.2 deg/h; two fixes at 30 and 60 min, without noise, find it all."""
+    ahrs = make_ahrs(initial_state='aligned', operation='gyro_azimuth', azimuth_deg=0.0,
+                     gps=True, fixed='drift_z 0.2')
+    run_for(ahrs, 3700.0)
+    assert ahrs.computer.drift_z_rad_s / RAD_PER_DEG_H == pytest.approx(0.2, abs=1e-4)
+    run = run_for(ahrs, 1000.0)
+    assert np.ptp(run.heading_error_arcmin) < 0.01
+
+
+def test_commands_change_the_mode_and_keep_the_azimuth(make_ahrs, run_for):
+    ahrs = make_ahrs(initial_state='aligned', azimuth_deg=0.5,
+                     events='100 gyro_azimuth; 200 gyrocompass')
+    run = run_for(ahrs, 300.0)
+    assert run.mode[[990, 1010, 1990, 2010]].tolist() == [
+        Mode.GYROCOMPASS, Mode.GYRO_AZIMUTH, Mode.GYRO_AZIMUTH, Mode.GYROCOMPASS]
+    assert np.abs(np.diff(run.heading_error_arcmin)).max() < 0.02
+
+
+def test_near_the_pole_the_azimuth_is_free(make_ahrs, run_for):
+    run = run_for(make_ahrs(86.0, initial_state='aligned', azimuth_deg=0.0), 20.0)
+    assert run.mode[-1] == Mode.GYRO_AZIMUTH
+
+
+@pytest.mark.parametrize('fault, cause', [
+    ('fail_gyro', 'gyro'), ('fail_accelerometer', 'accelerometer'), ('fail_gimbal', 'gimbal')])
+def test_failures_stop_the_heading_until_a_reset(make_ahrs, run_for, fault, cause):
+    ahrs = make_ahrs(initial_state='aligned', events=f'20 {fault}; 60 repair; 61 reset')
+    run = run_for(ahrs, 90.0)
+    assert run.mode[[195, 215]].tolist() == [Mode.GYROCOMPASS, Mode.FAULT]
+    assert run.validity[215] == Validity.NONE
+    assert run.statuses[40].faults == (cause,)
+    assert run.mode[620] == Mode.POST
+    assert run.mode[-1] == Mode.COARSE_LEVELLING
+
+
+def test_broken_heater_is_seen_when_the_instruments_are_cold(make_ahrs, run_for):
+    """2 of 40 K are lost after 200 s ln(40/38) = 10.3 s."""
+    ahrs = make_ahrs(initial_state='aligned', events='20 fail_thermostat')
+    run = run_for(ahrs, 60.0)
+    assert run.t_s[run.first(Mode.FAULT)] == pytest.approx(31.0, abs=1.0)
+
+
+def test_cold_instruments_time_out_or_are_forced_on(make_ahrs, run_for):
+    heater = '0 fail_thermostat'
+    run = run_for(make_ahrs(initial_state='cold', events=heater), 1820.0)
+    assert run.t_s[run.first(Mode.FAULT)] == pytest.approx(1810.0, abs=0.3)
+    run = run_for(make_ahrs(initial_state='cold', events=heater + '; 30 force_on'), 60.0)
+    assert run.mode[-1] == Mode.COARSE_LEVELLING
+    assert run.statuses[-1].flags == ('DEGRADED', 'FORCED_ON')
+
+
+def test_failed_self_test_times_out(make_ahrs, run_for):
+    run = run_for(make_ahrs(initial_state='cold', events='0 fail_post'), 40.0)
+    assert run.t_s[run.first(Mode.FAULT)] == pytest.approx(30.0, abs=0.2)
+    assert run.statuses[-1].faults == ('post',)
+
+
+def test_power_dip_starts_again_but_warm(make_ahrs, run_for):
+    run = run_for(make_ahrs(initial_state='aligned', events='20 power_dip'), 60.0)
+    assert run.mode[[195, 205, 310]].tolist() == [
+        Mode.GYROCOMPASS, Mode.POST, Mode.COARSE_LEVELLING]
+
+
+def test_lost_log_is_used_for_a_minute_and_then_flagged(make_ahrs, run_for):
+    ahrs = make_ahrs(legs=((0.0, 30.0, 10.0),), initial_state='aligned',
+                     events='20 log_lost; 140 log_found')
+    run = run_for(ahrs, 160.0)
+    flags = {status.t_s: status.flags for status in run.statuses}
+    assert flags[70.0] == ()
+    assert flags[100.0] == ('DEGRADED', 'NO_SPEED')
+    assert flags[150.0] == ()
+
+
+def test_calibration_in_a_gale_is_rejected_twice_and_goes_on_degraded(make_ahrs, run_for):
+    """Biases of 2 deg/h are out of range, whatever the sea does."""
+    ahrs = make_ahrs(initial_state='warm', fixed='meter_x 2')
+    run = run_for(ahrs, 1500.0)
+    assert run.t_s[run.first(Mode.AZIMUTH_ALIGNMENT)] == pytest.approx(120 + 600 + 720, abs=0.2)
+    assert run.statuses[-1].flags == ('DEGRADED', 'NOT_CALIBRATED')
+    assert sum('rejected' in status.message for status in run.statuses) == 2
+
+
+def test_alignment_that_misses_the_earth_rate_fails(make_ahrs, run_for):
+    """0.5 deg/h along the north axis are five times what the check allows."""
+    ahrs = make_ahrs(initial_state='warm', azimuth_deg=0.0, alignment_s=100.0)
+    run_for(ahrs, 1090.0)
+    ahrs.instruments.gyro_bias[3] += 0.5 * RAD_PER_DEG_H
+    run = run_for(ahrs, 210.0)
+    assert run.mode[-1] == Mode.FAULT
+    assert run.statuses[-1].faults == ('alignment',)
+
+
+def test_alignment_at_sea_works(make_ahrs, run_for):
+    """Under way in sea state 3 with turns, without sensor errors: within 0.5 degrees at once."""
+    ahrs = make_ahrs(legs=((0.0, 60.0, 10.0), (1500.0, 90.0, 10.0)), seaway='ss3', seed=3,
+                     initial_state='warm')
+    run = run_for(ahrs, 2000.0)
+    error = run.heading_error_arcmin[run.first(Mode.FINE_LEVELLING) + 1:]
+    assert np.abs(error).max() < 30.0

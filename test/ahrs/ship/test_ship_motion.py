@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The ship on her course."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from heading_intercompare.ahrs.ship.earth import KNOT_M_S, radii
+from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
+
+TURN = (Leg(0.0, 350.0, 12.0), Leg(60.0, 80.0, 12.0))
+
+
+def test_steady_course_is_kept():
+    ship = ShipTruth([Leg(0.0, 123.0, 12.0)], 45.0)
+    assert ship.heading_deg(np.array([0.0, 1.7, 5000.0])) == pytest.approx(123.0, abs=1e-9)
+
+
+def test_turn_takes_the_short_way_and_ends_on_course():
+    """From 350 to 80 degrees through north, at no more than 2 deg/s."""
+    ship = ShipTruth(TURN, 45.0)
+    t_s = np.arange(0.0, 900.0, 0.5)
+    turned_deg = np.degrees(ship.heading_rad(t_s))
+    assert turned_deg[-1] == pytest.approx(350.0 + 90.0, abs=0.05)
+    assert turned_deg.max() < 350.0 + 100.0
+    assert np.degrees(ship.heading_rate_rad_s(t_s)).max() <= 2.0
+
+
+def test_steering_follows_its_differential_equation():
+    """Nomoto's equation and the autopilot, integrated by scipy with the rudder held for 0.5 s."""
+    heading, r = math.radians(350.0), 0.0
+    t = 60.0
+    for _ in range(120):
+        away = math.remainder(math.radians(80.0) - heading, 2.0 * math.pi)
+        wanted = np.clip(0.02 * away, -math.radians(2.0), math.radians(2.0))
+        rudder = np.clip((wanted + 1.5 * (wanted - r)) / 0.08, -math.radians(25.0),
+                         math.radians(25.0))
+        step = solve_ivp(lambda _, y, d=rudder: (y[1], (0.08 * d - y[1]) / 20.0), (0.0, 0.5),
+                         (heading, r), rtol=1e-10, atol=1e-13)
+        heading, r = step.y[:, -1]
+        t += 0.5
+    ship = ShipTruth(TURN, 45.0)
+    assert ship.heading_rad(np.array([t]))[0] == pytest.approx(heading, abs=1e-8)
+    assert ship.heading_rate_rad_s(np.array([t]))[0] == pytest.approx(r, abs=1e-9)
+
+
+def test_rate_is_the_derivative_of_the_heading():
+    ship, t_s = ShipTruth(TURN, 45.0, seaway='ss5', seed=2), np.arange(55.0, 200.0, 0.01)
+    steps = np.diff(ship.heading_rad(t_s)) / 0.01
+    rate = ship.heading_rate_rad_s(t_s[:-1] + 0.005)
+    assert np.degrees(np.abs(steps - rate).max()) < 1e-5
+
+
+def test_dead_reckoning_by_hand():
+    """Twelve knots north for an hour are 22224 m of the meridian."""
+    ship = ShipTruth([Leg(0.0, 0.0, 12.0)], 45.0, 10.0)
+    latitude, longitude = ship.position_deg(np.array([0.0, 3600.0]))
+    assert np.radians(np.diff(latitude))[0] * radii(math.radians(45.1))[0] == pytest.approx(
+        22224.0, rel=1e-5)
+    assert longitude == pytest.approx(10.0)
+
+
+def test_block_agrees_with_the_readings():
+    ship, t_s = ShipTruth(TURN, 45.0, seaway='ss3', seed=2), 60.0 + 0.1 * np.arange(601)
+    block = ship.block(1)
+    assert block.heading_rad == pytest.approx(ship.heading_rad(t_s), abs=1e-12)
+    assert block.speed_m_s == pytest.approx(ship.speed_m_s(t_s), abs=1e-12)
+
+
+def test_specific_force_of_a_calm_straight_run_is_gravity_and_coriolis():
+    """2 W sin(phi) v to port, 6.4e-4 m/s^2 for 12 kn at 45 degrees north: west on course 0."""
+    block = ShipTruth([Leg(0.0, 0.0, 12.0)], 45.0).block(0)
+    assert block.force_east_m_s2[0] == pytest.approx(
+        -2.0 * 7.292115e-5 * math.sin(math.radians(45.0)) * 12.0 * KNOT_M_S, rel=1e-3)
+    assert block.force_north_m_s2[0] == pytest.approx(0.0, abs=1e-12)
+    assert block.force_down_m_s2[0] == pytest.approx(-9.8062, abs=2e-4)
+
+
+def test_level_frame_of_a_northward_ship_tips_westward():
+    """Going north turns it by -v / R about east, on top of the rotation of the Earth."""
+    block = ShipTruth([Leg(0.0, 0.0, 12.0)], 30.0).block(0)
+    latitude = math.radians(30.0)
+    assert block.turn_north_rad_s[0] == pytest.approx(7.292115e-5 * math.cos(latitude))
+    assert block.turn_east_rad_s[0] == pytest.approx(-12.0 * KNOT_M_S / radii(latitude)[0],
+                                                     rel=1e-6)
+    assert block.turn_down_rad_s[0] == pytest.approx(-7.292115e-5 * math.sin(latitude))
+
+
+def test_the_same_ship_whatever_is_asked_first():
+    one, other = (ShipTruth(TURN, 45.0, seaway='ss5', seed=4) for _ in range(2))
+    late, early = np.array([5000.25]), np.array([77.77])
+    first = one.heading_rad(late)[0], one.heading_rad(early)[0]
+    second = other.heading_rad(early)[0], other.heading_rad(late)[0]
+    assert first == second[::-1]
+
+
+def test_before_the_start_there_is_no_ship():
+    with pytest.raises(ValueError, match='t_s = -1.0'):
+        ShipTruth(TURN, 45.0).heading_rad(np.array([-1.0, 2.0]))

@@ -1,0 +1,115 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Chunks one behind the other in memory used again: nothing of one block is left in the next."""
+
+from __future__ import annotations
+
+from io import BytesIO
+import zlib
+
+import lz4.frame
+from mcap.opcode import Opcode
+import numpy as np
+import pytest
+import zstandard
+
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.mcap.chunks import CHUNK_HEAD, Gathering, unpacked
+from heading_intercompare.bags.mcap.message_blocks import MESSAGE_HEAD
+
+PACK = {'': bytes, 'lz4': lz4.frame.compress, 'zstd': zstandard.ZstdCompressor().compress}
+EVER = (0, 2**64)
+
+
+def messages(first: int, count: int, size: int = 40) -> bytes:
+    return b''.join(
+        MESSAGE_HEAD.pack(Opcode.MESSAGE, 22 + size, 1, n, n, n) + bytes([n % 256]) * size
+        for n in range(first, first + count))
+
+
+def chunk(data: bytes, compression: str = '', *, size: int | None = None, crc: int | None = None,
+          packed: bytes | None = None, inner: int | None = None) -> bytes:
+    """Return the content of a chunk record; what it says of itself may be wrong."""
+    packed = PACK[compression](data) if packed is None else packed
+    return CHUNK_HEAD.pack(3, 7, len(data) if size is None else size,
+                           zlib.crc32(data) if crc is None else crc, len(compression)) + (
+        compression.encode() + (len(packed) if inner is None else inner).to_bytes(8, 'little')
+        + packed)
+
+
+@pytest.mark.parametrize('compression', PACK)
+def test_chunks_are_joined_in_their_order_and_memory_is_used_again(compression):
+    gathering = Gathering()
+    for first in (0, 100, 1000):
+        gathering.clear()
+        for lo in (first, first + 7):
+            content = chunk(messages(lo, 7), compression)
+            assert gathering.take(BytesIO(content), len(content), *EVER)
+        block = gathering.block()
+        assert bytes(block.data) == messages(first, 14)
+        assert block.heads['sequence'].tolist() == list(range(first, first + 14))
+        assert [block.data[at] for at in block.start] == [
+            n % 256 for n in range(first, first + 14)]
+
+
+@pytest.mark.parametrize('compression', PACK)
+def test_memory_grows_without_losing_what_was_taken(compression):
+    gathering = Gathering()
+    for number in range(6):
+        content = chunk(messages(50 * number, 50, 10 ** (number % 4)), compression)
+        gathering.take(BytesIO(content), len(content), *EVER)
+    assert gathering.block().heads['sequence'].tolist() == list(range(300))
+
+
+def test_a_chunk_of_another_time_is_left_out():
+    gathering = Gathering()
+    content = chunk(messages(3, 5))
+    assert not gathering.take(BytesIO(content), len(content), 8, 2**64)
+    assert not gathering.take(BytesIO(content), len(content), 0, 3)
+    assert not gathering
+    assert gathering.take(BytesIO(content), len(content), 7, 8)
+
+
+DATA = messages(0, 9)
+DAMAGED = {
+    'flipped': chunk(DATA, crc=zlib.crc32(DATA) ^ 1),
+    'cut head': chunk(DATA)[:20],
+    'no name': chunk(DATA)[:CHUNK_HEAD.size - 4] + (2**31).to_bytes(4, 'little') + bytes(40),
+    'plain longer than the record': chunk(DATA, inner=len(DATA) + 1, size=len(DATA) + 1),
+    'plain of another size': chunk(DATA, size=len(DATA) - 1),
+    'claims two gigabytes': chunk(DATA, 'zstd', size=2**32),
+    'zstd of another size': chunk(DATA, 'zstd', size=len(DATA) + 1),
+    'lz4 of another size': chunk(DATA, 'lz4', size=len(DATA) - 1),
+    'lz4 that is larger than can be': chunk(DATA, 'lz4', size=2**30),
+    'lz4 without its end': chunk(DATA, 'lz4', packed=lz4.frame.compress(DATA)[:-6]),
+    'no zstd': chunk(DATA, 'zstd', packed=b'rubbish'),
+    'no lz4': chunk(DATA, 'lz4', packed=b'rubbish' * 50),
+}
+
+
+@pytest.mark.parametrize('content', DAMAGED.values(), ids=DAMAGED.keys())
+def test_a_damaged_chunk_is_refused_and_what_was_taken_stays(content):
+    with pytest.raises(BagError, match='chunk damaged'):
+        unpacked(content, zstandard.ZstdDecompressor())
+    gathering, good = Gathering(), chunk(messages(20, 4))
+    gathering.take(BytesIO(good), len(good), *EVER)
+    with pytest.raises(BagError, match='chunk damaged'):
+        gathering.take(BytesIO(content), len(content), *EVER)
+    assert bytes(gathering.block().data) == messages(20, 4)
+
+
+@pytest.mark.parametrize('compression', PACK)
+def test_an_index_tells_where_messages_of_unequal_length_are(compression, monkeypatch):
+    gathering, expected = Gathering(), []
+    for lo in (0, 40):
+        parts = [messages(n, 1, n % 13) for n in range(lo, lo + 40)]
+        content = chunk(b''.join(parts), compression)
+        gathering.take(BytesIO(content), len(content), *EVER)
+        offsets = np.cumsum([0, *map(len, parts[:-1])])
+        entries = np.stack([np.arange(lo, lo + 40), offsets], axis=1).astype('<i8')
+        for half in (entries[::2], entries[1::2]):
+            gathering.add_index(half.tobytes())
+        expected += range(lo, lo + 40)
+    # The walk would find them too, but not be needed.
+    monkeypatch.setattr('heading_intercompare.bags.mcap.message_blocks.walk', None)
+    assert gathering.block().heads['sequence'].tolist() == expected

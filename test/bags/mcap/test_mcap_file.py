@@ -1,0 +1,277 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""One file: nothing it lost goes unnoticed, and nothing it claims is believed too much."""
+
+from __future__ import annotations
+
+from io import FileIO
+import struct
+import zlib
+
+from bags.mcap_bytes import (
+    channel,
+    HEADER,
+    indexed,
+    MAGIC,
+    message,
+    record,
+    schema,
+    write,
+)
+from mcap import records as mcap
+from mcap.writer import CompressionType, IndexType, Writer
+import pytest
+
+from heading_intercompare.bags.codec.cdr import encode
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.mcap.index_records import ending
+from heading_intercompare.bags.mcap.message_blocks import Record
+from heading_intercompare.bags.mcap.record_stream import RecordStream
+from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.bags.rosbag2.bag_check import check
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+
+STRING = 'std_msgs/msg/String'
+DEFINED = schema(1) + channel(1, '/a')
+
+
+def ten(begin: int) -> list[bytes]:
+    """Return ten messages."""
+    return [message(1, log, encode(STRING, {'data': str(log)}))
+            for log in range(begin, begin + 10)]
+
+
+def closed(path, **options):
+    """Write a file of three chunks with `mcap`, and return it with its bytes."""
+    with open(path, 'wb') as file:
+        writer = Writer(file, chunk_size=200, compression=CompressionType.NONE, **options)
+        writer.start('ros2')
+        number = writer.register_channel('/a', 'cdr', writer.register_schema(
+            STRING, 'ros2msg', b'string data\n'))
+        for log in range(12):
+            writer.add_message(number, log, encode(STRING, {'data': 'x' * 20}), log)
+        writer.finish()
+    return path, path.read_bytes()
+
+
+def records(data: bytes) -> list[tuple[int, int, int]]:
+    """Return opcode, begin and end of the records of a file."""
+    found, at = [], len(MAGIC)
+    while at < len(data) - len(MAGIC):
+        end = at + 9 + int.from_bytes(data[at + 1:at + 9], 'little')
+        found.append((data[at], at, end))
+        at = end
+    return found
+
+
+def without_a_chunk(data: bytes) -> bytes:
+    """Return a file without its second chunk and the indexes behind that."""
+    begins = [begin for opcode, begin, _ in records(data) if opcode == 6]
+    return data[:begins[1]] + data[begins[2]:]
+
+
+# Where it ends
+
+
+@pytest.mark.parametrize('options', [{}, {'enable_crcs': False}], ids=str)
+def test_a_chunk_cut_out_whole_is_missed(tmp_path, options):
+    path, data = closed(tmp_path / 'a.mcap', **options)
+    path.write_bytes(without_a_chunk(data))
+    reader = BagReader(path)
+    kept = len(list(reader.messages()))
+    assert 0 < kept < 12
+    assert reader.incomplete == f'a.mcap has {kept} messages where its index says 12'
+    assert check(path).faults == [reader.incomplete]
+
+
+@pytest.mark.parametrize('behind', [lambda data: data, lambda data: bytes(100),
+                                    lambda data: data[len(MAGIC):]], ids=['file', 'zeros', 'rest'])
+def test_what_follows_the_end_is_named(tmp_path, behind):
+    path, data = closed(tmp_path / 'a.mcap')
+    path.write_bytes(data + behind(data))
+    reader = BagReader(path)
+    assert len(list(reader.messages())) == 12
+    assert reader.incomplete == (f'a.mcap goes on at byte {len(data)} of '
+                                 f'{path.stat().st_size} behind its end; that is not read')
+
+
+def test_data_behind_what_looks_like_the_end_of_the_data_is_named(tmp_path):
+    """A message index becomes the end of the data if one bit of its type turns over."""
+    path = write(tmp_path / 'a.mcap', indexed(DEFINED, *ten(0)), indexed(*ten(10)))
+    data = bytearray(path.read_bytes())
+    (_, begin, end), *_ = [each for each in records(data + MAGIC) if each[0] == 7]
+    data[begin] = 0x0F
+    path.write_bytes(data)
+    reader = BagReader(path)
+    assert len(list(reader.messages())) == 10
+    assert reader.incomplete.startswith(f'a.mcap goes on at byte {end} of ')
+
+
+def test_a_damaged_index_of_a_closed_file_is_named(tmp_path):
+    path, data = closed(tmp_path / 'a.mcap')
+    at = next(begin for opcode, begin, _ in records(data) if opcode == 8)
+    path.write_bytes(data[:at] + b'\x08' + b'\xff' * 8 + data[at + 9:])
+    reader = BagReader(path)
+    assert len(list(reader.messages())) == 12
+    assert reader.incomplete == (f'a.mcap has an index that is damaged at byte {at}; its messages '
+                                 'are there')
+
+
+# Chunks that are no chunks any more
+
+
+@pytest.mark.parametrize('bit', range(8))
+def test_a_chunk_of_an_unfinished_file_that_lost_its_type_is_where_it_breaks_off(tmp_path, bit):
+    lost = bytearray(indexed(*ten(2**40)))
+    lost[0] ^= 1 << bit
+    path = write(tmp_path / 'a.mcap', indexed(DEFINED, *ten(0)), bytes(lost),
+                 indexed(*ten(20)))
+    reader = BagReader(path)
+    assert [m.log_time_ns for m in reader.messages()] == list(range(10))
+    assert reader.incomplete.startswith('a.mcap was not closed: ')
+
+
+def test_a_chunk_of_a_closed_file_that_lost_its_type_is_an_error_with_its_place(tmp_path):
+    path, data = closed(tmp_path / 'a.mcap')
+    begin, end = [each[1:] for each in records(data) if each[0] == 6][1]
+    path.write_bytes(data[:begin] + b'\x86' + data[begin + 1:])
+    with pytest.raises(BagError, match=rf'a message index follows no chunk \(at byte {end}\)'):
+        list(BagReader(path).messages())
+
+
+def test_without_message_indexes_it_is_missed_by_the_count(tmp_path):
+    path, data = closed(tmp_path / 'a.mcap', index_types=IndexType.CHUNK)
+    begin = [begin for opcode, begin, _ in records(data) if opcode == 6][1]
+    path.write_bytes(data[:begin] + b'\x86' + data[begin + 1:])
+    with pytest.raises(BagError, match=r'damaged: \d+ messages where its index says 12'):
+        list(BagReader(path).messages())
+
+
+# Metadata and attachments
+
+
+def attachment(crc: int | None = None, size: int | None = None) -> bytes:
+    """Return an attachment; its checksum and the size of its data are right unless given."""
+    whole = bytearray(record(mcap.Attachment(create_time=1, log_time=2, name='a.txt',
+                                             media_type='text/plain', data=b'calibration')))
+    if size is not None:
+        at = whole.index(b'calibration') - 8
+        whole[at:at + 8] = struct.pack('<Q', size)
+    if crc is not None:
+        whole[-4:] = struct.pack('<I', crc)
+    return bytes(whole)
+
+
+def test_a_checksum_over_the_data_alone_is_accepted(tmp_path):
+    """That is what pybag 0.13 writes."""
+    path = write(tmp_path / 'a.mcap', attachment(crc=zlib.crc32(b'calibration')))
+    assert [found.data for found in BagReader(path).attachments()] == [b'calibration']
+
+
+def test_metadata_are_read_beside_a_damaged_attachment(tmp_path):
+    remark = record(mcap.Metadata('remark', {'sea': 'calm'}))
+    path = write(tmp_path / 'a.mcap', attachment(crc=1), remark)
+    assert BagReader(path).metadata() == {'remark': {'sea': 'calm'}}
+    with pytest.raises(BagError, match='attachment damaged: its checksum does not match'):
+        BagReader(path).attachments()
+
+
+@pytest.mark.parametrize('size', [2**64 - 1, 2**63, 2**62, 12])
+def test_an_attachment_that_claims_more_than_it_has_is_an_error(tmp_path, size):
+    path = write(tmp_path / 'a.mcap', attachment(crc=0, size=size))
+    with pytest.raises(BagError, match='a record of type Attachment is damaged'):
+        BagReader(path).attachments()
+    (_, fault) = check(path).faults
+    assert fault.startswith('a.mcap: a record of type Attachment is damaged (at byte')
+
+
+@pytest.mark.parametrize('offset', [2**63, 2**64 - 1, 10**6, 30, 8])
+def test_what_the_index_has_in_the_wrong_place_is_found(tmp_path, offset):
+    """The library @mcap/core writes such places where there are no chunks."""
+    extras = record(mcap.Metadata('remark', {'sea': 'calm'})) + attachment()
+    begun = MAGIC + HEADER + indexed(DEFINED, *ten(0)) + extras
+    indexes = [mcap.MetadataIndex(offset=offset, length=10, name='remark'),
+               mcap.AttachmentIndex(offset=offset, length=10, log_time=2, create_time=1,
+                                    data_size=11, name='a.txt', media_type='text/plain')]
+    path = tmp_path / 'a.mcap'
+    path.write_bytes(begun + ending(len(begun), [mcap.Schema(
+        data=b'string data\n', encoding='ros2msg', id=1, name=STRING)], [mcap.Channel(
+            id=1, topic='/a', message_encoding='cdr', metadata={}, schema_id=1)], [], indexes,
+        {1: 10}, (0, 9)))
+    reader = BagReader(path)
+    assert reader.incomplete is None
+    assert reader.metadata() == {'remark': {'sea': 'calm'}}
+    assert [found.data for found in reader.attachments()] == [b'calibration']
+
+
+def test_a_metadata_record_that_lost_its_type_is_missed(tmp_path):
+    with BagWriter(tmp_path / 'bag') as bag:
+        bag.metadata('remark', {'sea': 'calm'})
+    path = bag.path / 'bag_0.mcap'
+    data = bytearray(path.read_bytes())
+    data[next(at for opcode, at, _ in records(data) if opcode == 12)] |= 0x80
+    path.write_bytes(data)
+    with pytest.raises(BagError, match=r'damaged: \d records of type Metadata where its'):
+        BagReader(bag.path).metadata()
+
+
+# Sizes that are claimed
+
+
+SPARSE = 3 * 2**30
+
+
+def sparse(path, *begun: bytes, behind: bytes = b''):
+    """Write a file whose last record claims 3 GB that take no room on disk."""
+    write(path, *begun)
+    with path.open('r+b') as file:
+        file.seek(SPARSE, 2)
+        file.write(behind or bytes(8))
+    return path
+
+
+def test_no_message_outside_chunks_is_believed_that_claims_gigabytes(tmp_path):
+    claims = struct.pack('<BQHIQQ', 5, SPARSE, 1, 0, 5, 5)
+    reader = BagReader(sparse(tmp_path / 'a.mcap', DEFINED, *ten(0), claims))
+    assert 'was not closed: a record of ' in reader.incomplete
+    assert 'is too large for the memory' in reader.incomplete
+    assert len(list(reader.messages())) == 10
+
+
+def test_no_attachment_is_read_that_claims_gigabytes(tmp_path):
+    path = sparse(tmp_path / 'a.mcap', indexed(DEFINED, *ten(0)), struct.pack('<BQ', 9, SPARSE))
+    with pytest.raises(BagError, match=r'a record of 32\d+ bytes is too large for the memory'):
+        BagReader(path).attachments()
+    assert len(list(BagReader(path).messages())) == 10
+
+
+@pytest.mark.parametrize('ahead', [b'', struct.pack('<BQI', 15, 4, 0)], ids=['data', 'its end'])
+def test_no_summary_is_believed_that_claims_gigabytes(tmp_path, monkeypatch, ahead):
+    read, sizes = RecordStream.content, []
+
+    def content(self, record):
+        found = read(self, record)
+        sizes.append(len(found))
+        return found
+
+    monkeypatch.setattr(RecordStream, 'content', content)
+    begun = indexed(DEFINED, *ten(0)) + ahead
+    footer = record(mcap.Footer(len(MAGIC + HEADER + begun), 0, 0))
+    path = sparse(tmp_path / 'a.mcap', begun, struct.pack('<BQ', 0x80, SPARSE),
+                  behind=record(mcap.DataEnd(0)) + footer + MAGIC)
+    reader = BagReader(path)
+    assert reader.topics['/a'].count == len(list(reader.messages())) == 10
+    assert max(sizes) < 1000
+
+
+def test_what_does_not_fit_into_memory_is_an_error_with_its_place(tmp_path):
+    path, _ = closed(tmp_path / 'a.mcap')
+
+    class Full(FileIO):
+        def read(self, size=-1):
+            raise MemoryError
+
+    with Full(path) as file:
+        stream = RecordStream(file)
+        with pytest.raises(BagError, match=r'a record of 5 bytes is too .* \(at byte 17\)'):
+            stream.content(Record(1, 17, 5))

@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The index of a chunk is believed only if it is right; the walk gives the same."""
+
+from __future__ import annotations
+
+from mcap.opcode import Opcode
+import numpy as np
+import pytest
+
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.mcap.message_blocks import (
+    Block,
+    block_of,
+    HEAD,
+    MESSAGE_HEAD,
+    whole,
+)
+
+hypothesis = pytest.importorskip('hypothesis')
+st = hypothesis.strategies
+
+
+def message(channel: int, number: int, size: int) -> bytes:
+    return MESSAGE_HEAD.pack(Opcode.MESSAGE, 22 + size, channel, number, 100 + number,
+                             200 + number) + bytes([number % 256]) * size
+
+
+def other(size: int) -> bytes:
+    return HEAD.pack(Opcode.SCHEMA, size) + b'\x05' * size
+
+
+def records(parts: list[tuple[int, int]]) -> tuple[bytes, list[int]]:
+    """Return messages (channel > 0) and other records (channel 0), and where the former are."""
+    data, offsets = b'', []
+    for number, (channel, size) in enumerate(parts):
+        if channel:
+            offsets.append(len(data))
+        data += message(channel, number, size) if channel else other(size)
+    return data, offsets
+
+
+def same(a: Block, b: Block) -> bool:
+    return (np.array_equal(a.start, b.start) and np.array_equal(a.stop, b.stop)
+            and a.heads.tobytes() == b.heads.tobytes() and a.others == b.others)
+
+
+PARTS = st.lists(st.tuples(st.integers(0, 3), st.integers(0, 40)), max_size=20)
+
+
+@hypothesis.given(PARTS, st.randoms())
+@hypothesis.settings(max_examples=200, deadline=None)
+def test_index_and_walk_find_the_same_messages(parts, random):
+    data, offsets = records(parts)
+    random.shuffle(offsets)
+    assert same(block_of(data, 0, lambda: np.array(offsets, np.int64)), block_of(data, 0))
+
+
+@hypothesis.given(PARTS, st.data())
+@hypothesis.settings(max_examples=300, deadline=None)
+def test_a_wrong_index_does_no_harm(parts, data):
+    content, offsets = records(parts)
+    wrong = data.draw(st.lists(st.sampled_from(offsets or [0]), max_size=25)
+                      | st.lists(st.integers(-2**63, 2**63 - 1), max_size=5)
+                      | st.lists(st.integers(0, len(content)), max_size=25))
+    assert same(block_of(content, 0, lambda: np.array(wrong, np.int64)), block_of(content, 0))
+
+
+def test_columns_are_those_of_the_messages():
+    block = block_of(*records([(0, 5), (3, 4), (1, 0), (0, 0), (2, 7)])[:1], 0)
+    assert block.heads['channel'].tolist() == [3, 1, 2]
+    assert block.heads['sequence'].tolist() == [1, 2, 4]
+    assert block.heads['log_time'].tolist() == [101, 102, 104]
+    assert block.heads['publish_time'].tolist() == [201, 202, 204]
+    assert [block.data[lo:hi] for lo, hi in zip(block.start, block.stop)] == [
+        b'\x01' * 4, b'', b'\x04' * 7]
+
+
+def test_records_that_do_not_fill_the_chunk_are_refused():
+    data, offsets = records([(1, 5), (2, 6)])
+    for size in range(1, len(data)):
+        if size != len(message(1, 0, 5)):
+            with pytest.raises(BagError, match='chunk damaged') as caught:
+                block_of(data[:size], 4711, lambda: np.array(offsets, np.int64))
+            assert caught.value.offset == 4711
+
+
+def test_a_message_without_room_for_its_head_is_refused():
+    with pytest.raises(BagError, match='wrong length'):
+        block_of(HEAD.pack(Opcode.MESSAGE, 21) + bytes(21), 0)
+
+
+def test_whole_records_end_before_a_cut_and_before_other_kinds():
+    data, offsets = records([(1, 5), (2, 6), (0, 3), (1, 1)])
+    kinds = (Opcode.MESSAGE,)
+    assert whole(data, kinds) == len(message(1, 0, 5)) + len(message(2, 1, 6))
+    assert whole(data[:offsets[1] + 30], kinds) == offsets[1]
+    assert whole(data[:3], kinds) == 0

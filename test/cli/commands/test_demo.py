@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The demo and the live graph in one process: the verdict live, replayed and offline is one."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from heading_intercompare.app.compare_verdicts import differences
+from heading_intercompare.cli import main
+
+pytest.importorskip('rclpy')
+
+NORMS = 'norms: {sigma_max_deg: 0.2, sigma_ref_max_deg: 0.1, m_low: 0.9}'
+
+
+@pytest.mark.slow
+def test_live_replayed_and_offline_agree_on_simulated_sensors(tmp_path, capfd):
+    out = tmp_path / 'out'
+    for _ in range(2):
+        assert main(['demo', '--out', str(out), '--duration', '120', '--speed', '60']) == 0
+        text = capfd.readouterr().out
+        assert 'verdicts agree: 1199 pairs' in text and 'VERDICT: ' in text
+    (report,) = (out / 'live').glob('verdict_*.json')
+    assert json.loads(report.read_text())['runs'][0]['n'] == 1199
+
+
+@pytest.mark.parametrize('speed', ['inf', '-1', '50'])
+def test_the_demo_removes_only_what_a_demo_made(tmp_path, capfd, speed):
+    (tmp_path / 'bag').mkdir()
+    (tmp_path / 'bag' / 'mine').write_text('precious')
+    assert main(['demo', '--out', str(tmp_path), '--speed', speed]) == 2
+    error = capfd.readouterr().err
+    assert error.count('\n') == 1
+    assert ('--speed' if speed != '50' else 'bag is there and was not made by a demo') in error
+    assert (tmp_path / 'bag' / 'mine').read_text() == 'precious'
+
+
+def test_differences_between_verdicts_are_found():
+    a = {'n': 1, 'x': 1.0, 'runs': [{'word': 'a'}], 'source': 'here'}
+    assert list(differences(a, {**a, 'source': 'there', 'x': 1.0 + 1e-15})) == []
+    assert list(differences(a, {**a, 'x': 1.0 + 1e-9})) == ['x: 1.0 and 1.000000001']
+    assert list(differences(a, {**a, 'n': 2, 'runs': []})) == [
+        'n: 1 and 2', "runs: [{'word': 'a'}] and []"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('ts, rs, n', [
+    ('nbp1406/NBP1406_gyr1-2014-08-01', 'nbp1406/NBP1406_s330-2014-08-01', 625),
+    ('lmg1903/LMG1903_lgyr.d085', 'lmg1903/LMG1903_lsep.d085', 999)], ids=['nbp', 'lmg'])
+def test_real_logs_played_live_give_the_verdict_of_their_import(ts, rs, n, shared_data, tmp_path,
+                                                                capfd):
+    config = tmp_path / 'config.yaml'
+    config.write_text('\n'.join([
+        '/**:', '  ros__parameters:', f'    {NORMS}',
+        *(f'{role}_driver:\n  ros__parameters:\n    source: file:{shared_data / log}\n'
+          '    speed: 60' for role, log in (('ts', ts), ('rs', rs)))]) + '\n')
+    live, bag, imported = (str(tmp_path / name) for name in ('live.json', 'bag', 'imported'))
+    assert main(['live', '--config', str(config), '-o', bag, '--json', live]) == 0
+    assert main(['import-nmea', '--ts', str(shared_data / ts), '--rs', str(shared_data / rs),
+                 '-o', imported]) == 0
+    capfd.readouterr()
+    verdicts = [json.loads(open(live).read())]
+    for path in (bag, imported):
+        assert main(['analyze', path, '--config', str(config), '--json', '-']) == 0
+        verdicts.append(json.loads(capfd.readouterr().out))
+    assert sum(run['n'] for run in verdicts[0]['runs']) == n
+    for other in verdicts[1:]:
+        assert list(differences(verdicts[0], other)) == []
+
+
+@pytest.mark.parametrize('text, words', [
+    ('{}', "section 'ts_driver': source is missing"),
+    ('ts_driver: {ros__parameters: {source: "ftp://x"}}\n'
+     'rs_driver: {ros__parameters: {source: "udp://:1"}}', 'must be file:PATH'),
+    ('ts_driver: {ros__parameters: {source: "file:nowhere.log"}}\n'
+     'rs_driver: {ros__parameters: {source: "file:nowhere.log"}}', 'nowhere.log: No such file'),
+    ('ts_driver: {ros__parameters: {source: "udp://:1", spead: 3}}\n'
+     'rs_driver: {ros__parameters: {source: "udp://:1"}}', "did you mean 'speed'"),
+    ('ts_driver: {ros__parameters: {source: "udp://:1"}}\n'
+     'rs_driver: {ros__parameters: {source: "udp://:1"}}\n'
+     'synchronizer: {ros__parameters: {end_weight_s: 1}}', "did you mean 'end_wait_s'")])
+def test_a_wrong_source_is_named(text, words, tmp_path, capfd):
+    config = tmp_path / 'config.yaml'
+    config.write_text(f'/**: {{ros__parameters: {{{NORMS}}}}}\n' + text.replace('{}', ''))
+    assert main(['live', '--config', str(config), '-o', str(tmp_path / 'bag')]) == 2
+    *notes, error = capfd.readouterr().err.splitlines()
+    assert error.startswith('heading-intercompare: error: ') and words in error
+    assert all('a run must last 10 min to comply' in note for note in notes)
+
+
+def test_live_needs_a_configuration(capfd):
+    assert main(['live']) == 2
+    assert '--config F is required' in capfd.readouterr().err
+
+
+def test_a_bag_that_is_not_there_cannot_be_replayed(capfd):
+    assert main(['replay', 'nowhere']) == 2
+    error = capfd.readouterr().err
+    assert 'nowhere' in error and error.count('\n') == 1

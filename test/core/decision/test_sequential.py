@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Doubling looks: when they fall due, what risk each has, independence of chunks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+import math
+
+import numpy as np
+import pytest
+
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.guarded import decide, evidence_of
+from heading_intercompare.core.decision.sequential import Looks, LookVerdict, standing
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.settings import Norms, Risk, SettingsError
+from heading_intercompare.core.statistics.cells import Cells
+
+ANY = Risk(min_duration_s=0.0)
+"""Risks where a run may be as short as it likes."""
+
+
+def test_seven_looks_at_ten_hours_by_hand():
+    """36000 s / 64 = 562.5 s is the first."""
+    looks = Looks(36_000.0, 7, Risk(min_duration_s=500.0))
+    assert [look.span_ns / 1e9 for look in looks.plan] == \
+        [562.5, 1125.0, 2250.0, 4500.0, 9000.0, 18_000.0, 36_000.0]
+
+
+def test_no_look_comes_before_the_least_duration_of_a_run():
+    """600 s unless stated: of seven looks at ten hours the first falls away, its share too."""
+    plan = Looks(36_000.0, 7, Risk()).plan
+    assert [look.span_ns / 1e9 for look in plan] == [1125.0 * 2 ** k for k in range(6)]
+    assert [look.risk.alpha_consumer for look in plan] == pytest.approx([0.005] * 5 + [0.025])
+    slow = Looks(36_000.0, 7, Risk(slowest_error_s=900.0)).plan
+    assert [look.span_ns / 1e9 for look in slow] == [18_000.0, 36_000.0]
+    (only,) = Looks(3600.0, 7, Risk(sensor_class='gyrocompass')).plan
+    assert only.risk.alpha_consumer == 0.05 and only.span_ns == 3600 * 10 ** 9
+
+
+@pytest.mark.parametrize('looks', [2, 3, 7, 20])
+def test_the_shares_add_up_to_the_risk(looks):
+    risk = Risk(alpha_consumer=0.04, alpha_producer=0.1, count_share=0.2, min_duration_s=0.0)
+    plan = Looks(1000.0, looks, risk).plan
+    assert sum(look.risk.alpha_consumer for look in plan) == pytest.approx(0.04, rel=1e-14)
+    assert sum(look.risk.alpha_producer for look in plan) == pytest.approx(0.1, rel=1e-14)
+    assert plan[-1].risk.alpha_consumer == 0.02
+    assert {look.risk.count_share for look in plan} == {0.2}
+
+
+def test_each_look_is_taken_once_and_at_its_time():
+    looks = Looks(80.0, 4, ANY)
+    taken = [[look.index for look in looks.due(span)]
+             for span in (0.0, 9.999999999, 10.0, 10.0, 45.0, 79.0, 80.0, 500.0)]
+    assert taken == [[], [], [0], [], [1, 2], [], [3], []]
+    assert looks.taken == 4
+
+
+@pytest.mark.parametrize('size', [1, 7, 100, 5000])
+def test_a_look_sees_the_same_samples_in_whatever_chunks(size, rng):
+    start = 1_400_000_000 * 10 ** 9
+    stamps = start + np.cumsum(np.append(0, rng.integers(10 ** 8, 10 ** 9, 4999)))
+    looks, seen = Looks(2000.0, 5, ANY), []
+    for lo in range(0, stamps.size, size):
+        seen += [(lo + stop, look.index) for stop, look in
+                 looks.cuts(start, stamps[lo:lo + size])]
+    expected = [(int(np.argmax(stamps - start >= 2000 * 10 ** 9 // 2 ** (4 - k))) + 1, k)
+                for k in range(5)]
+    assert seen == expected
+
+
+def test_an_empty_chunk_reaches_no_look():
+    assert Looks(10.0, 2, Risk()).cuts(0, np.empty(0, np.int64)) == []
+
+
+@pytest.mark.parametrize('plan_s, looks, words', [
+    (0.0, 7, 'sequential.plan_s = 0.0'), (math.nan, 7, 'sequential.plan_s = nan'),
+    (10.0, 1, 'sequential.looks = 1')])
+def test_a_plan_that_is_none_is_refused(plan_s, looks, words):
+    with pytest.raises(SettingsError, match=words):
+        Looks(plan_s, looks, Risk())
+
+
+def test_a_risk_too_small_to_be_shared_is_refused():
+    with pytest.raises(SettingsError, match='risk.alpha_producer = 5e-06: .* at least 12e-06'):
+        Looks(10.0, 7, replace(ANY, alpha_producer=5e-6))
+
+
+def test_looking_often_keeps_the_risk_of_white_errors(rng):
+    """
+    A TS at its limit is certified by any of five looks in at most 5 % of runs.
+
+    400 runs; the bound is six standard errors of a rate of 0.05 above it.
+    """
+    limits = Limits.of(Norms(sigma_max_deg=1.0, sigma_ref_max_deg=0.0))
+    accepted = 0
+    for _ in range(400):
+        x = rng.standard_normal(3200)
+        for look in Looks(3200.0, 5, ANY).due(3200.0):
+            n = look.span_ns // 10 ** 9
+            evidence = evidence_of(Cells.of(x[:n]), n_plus=0, n_plus_plus=0, span_s=float(n),
+                                   mean_deg=0.0)
+            if decide(evidence, limits, look.risk).outcome is Outcome.COMPLIANT:
+                accepted += 1
+                break
+    assert accepted / 400 < 0.05 + 6.0 * math.sqrt(0.05 * 0.95 / 400)
+
+
+def said(*outcomes):
+    """Return looks that said this, one after the other."""
+    return [LookVerdict(k + 1, 7, 100.0 * (k + 1), outcome, 'data_limited')
+            for k, outcome in enumerate(outcomes)]
+
+
+GOOD, BAD, OPEN = Outcome.COMPLIANT, Outcome.NON_COMPLIANT, Outcome.INDETERMINATE
+
+
+@pytest.mark.parametrize('outcomes, look, outcome, reason', [
+    ((GOOD,), 1, GOOD, 'data_limited'), ((OPEN, GOOD), 2, GOOD, 'data_limited'),
+    ((GOOD, GOOD), 2, GOOD, 'data_limited'), ((GOOD, OPEN), 2, OPEN, 'not_confirmed'),
+    ((GOOD, OPEN, GOOD), 3, GOOD, 'data_limited'), ((BAD,), 1, BAD, 'data_limited'),
+    ((OPEN, BAD, GOOD, OPEN), 2, BAD, 'data_limited'),
+    ((GOOD, BAD), 2, BAD, 'data_limited')])
+def test_a_rejection_stays_and_an_acceptance_waits_to_be_confirmed(outcomes, look, outcome,
+                                                                   reason):
+    found = standing(said(*outcomes))
+    assert (found.look, found.outcome, found.reason) == (look, outcome, reason)
+
+
+@pytest.mark.parametrize('outcomes', [(), (OPEN,), (OPEN, OPEN)])
+def test_nothing_stands_while_no_look_has_decided(outcomes):
+    assert standing(said(*outcomes)) is None

@@ -1,0 +1,328 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Pairing: by hand, against a slow independent pairing, and by properties of the streams."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from hypothesis import given, settings as hypothesis_settings, strategies as st
+import numpy as np
+import pytest
+
+from heading_intercompare.core.angles import wrap180
+from heading_intercompare.core.pairing.difference import difference
+from heading_intercompare.core.pairing.ledger import Ledger
+from heading_intercompare.core.pairing.pairer import pair, Pairer
+from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.settings import Settings
+
+S = 1_000_000_000
+METHODS = ['auto', 'interpolate', 'interpolate_ts', 'nearest']
+
+
+def rules(method='interpolate', **more):
+    names = {'gap_s': 'runs.gap_s', 'skew_s': 'alignment.skew_s'}
+    mapping = {names.get(k, f'pairing.{k}'): v for k, v in more.items()}
+    return Settings.from_mapping({'pairing.method': method, **mapping})
+
+
+def headings(*rows):
+    return Headings.of([s for s, _ in rows] or np.empty(0, int), [h for _, h in rows])
+
+
+# Stamps on a coarse grid make ties, duplicates and steps backwards common.
+stamps = st.integers(-2, 60).map(lambda k: k * S // 4)
+values = st.one_of(st.floats(0.0, 360.0), st.sampled_from([np.nan, np.inf, -1.0, 400.0, 360.0]))
+streams = st.lists(st.tuples(stamps, values), max_size=40).map(lambda rows: headings(*rows))
+sorted_streams = st.lists(st.tuples(st.integers(1, 4000), st.floats(0.0, 359.9)), max_size=60) \
+    .map(lambda rows: headings(*sorted((t * S // 50, h) for t, h in rows)))
+
+
+def slow_accepted(stream):
+    """Return the accepted readings and the reasons of the others, one by one."""
+    kept, reasons, last = [], Counter(), None
+    for stamp, heading in zip(stream.stamp_ns.tolist(), stream.heading_deg.tolist()):
+        if stamp <= 0:
+            reasons['no_stamp'] += 1
+        elif not np.isfinite(heading):
+            reasons['invalid'] += 1
+        elif not 0.0 <= heading <= 360.0:
+            reasons['out_of_range'] += 1
+        elif last is not None and stamp <= last:
+            reasons['stamp_not_increasing'] += 1
+        else:
+            kept.append((stamp, heading % 360.0))
+            last = stamp
+    return kept, reasons
+
+
+def slow_interpolate(ts, rs, max_gap_ns):
+    result = []
+    for t, h in ts:
+        at = [r for r in rs if r[0] == t]
+        before = [r for r in rs if r[0] < t]
+        after = [r for r in rs if r[0] > t]
+        if at:
+            result.append((t, h, at[0][1]))
+        elif before and after and after[0][0] - before[-1][0] <= max_gap_ns:
+            (a, ha), (b, hb) = before[-1], after[0]
+            result.append((t, h, ha + (t - a) / (b - a) * float(wrap180(hb - ha))))
+    return result
+
+
+def slow_nearest(ts, rs, tolerance_ns):
+    result = []
+    for t, h in ts:
+        if not rs:
+            continue
+        r = min(rs, key=lambda r: (abs(r[0] - t), r[0]))
+        back = min(ts, key=lambda q: (abs(q[0] - r[0]), q[0]))
+        if back[0] == t and abs(r[0] - t) <= tolerance_ns:
+            result.append((t, h, r[1]))
+    return result
+
+
+@given(streams, streams)
+def test_interpolated_pairs_are_those_of_the_slow_way(ts, rs):
+    pairs, _ = pair(ts, rs, rules(max_gap_s=1.5))
+    slow = slow_interpolate(slow_accepted(ts)[0], slow_accepted(rs)[0], round(1.5 * S))
+    assert pairs.stamp_ns.tolist() == [t for t, _, _ in slow]
+    assert np.abs(wrap180(pairs.rs_deg - [r for _, _, r in slow])).max(initial=0.0) < 1e-9
+    assert pairs.ts_deg.tolist() == [h for _, h, _ in slow]
+
+
+@given(streams, streams)
+def test_a_ts_put_onto_the_rs_is_the_rs_put_onto_the_ts_with_names_exchanged(ts, rs):
+    pairs, ledger = pair(ts, rs, rules('interpolate_ts', max_gap_s=1.5))
+    other, exchanged = pair(rs, ts, rules('interpolate', max_gap_s=1.5))
+    assert pairs == Pairs(other.stamp_ns, other.rs_deg, other.ts_deg, other.lag_ns,
+                          other.ts_variance_factor, other.rs_variance_factor)
+    counts, others = ledger.total.counts, exchanged.total.counts
+    assert counts.get('rs_used', 0) == others.get('ts_paired', 0) == len(pairs)
+    assert counts.get('ts_paired', 0) + counts.get('ts_used', 0) == others.get('rs_used', 0)
+
+
+@given(streams, streams, st.sampled_from([0.0, 0.25, 1.0, 5.0]))
+def test_nearest_pairs_are_those_of_the_slow_way(ts, rs, tolerance_s):
+    pairs, _ = pair(ts, rs, rules('nearest', tolerance_s=tolerance_s))
+    slow = slow_nearest(slow_accepted(ts)[0], slow_accepted(rs)[0], round(tolerance_s * S))
+    got = list(zip(pairs.stamp_ns.tolist(), pairs.ts_deg.tolist(), pairs.rs_deg.tolist()))
+    assert got == slow
+
+
+@pytest.mark.parametrize('method', METHODS)
+@given(ts=streams, rs=streams)
+def test_the_ledger_accounts_for_every_reading(method, ts, rs):
+    pairs, ledger = pair(ts, rs, rules(method, tolerance_s=0.5))
+    assert ledger.balance() == {'ts': 0, 'rs': 0}
+    counts = ledger.total.counts
+    assert counts.get('paired', 0) == len(pairs)
+    assert 'ts_pending' not in counts and 'rs_pending' not in counts
+    for name, stream in (('ts', ts), ('rs', rs)):
+        kept, reasons = slow_accepted(stream)
+        for reason, n in reasons.items():
+            assert counts[f'{name}_rejected.{reason}'] == n
+        booked = sum(n for key, n in counts.items()
+                     if key.startswith(f'{name}_') and 'rejected' not in key)
+        assert booked == len(kept)
+
+
+@pytest.mark.parametrize('method', METHODS)
+@hypothesis_settings(max_examples=60)
+@given(ts=sorted_streams, rs=sorted_streams, data=st.data())
+def test_chunks_and_order_of_arrival_do_not_matter(method, ts, rs, data):
+    # Streams of up to 80 s: several stretches, each watched for 4 s.
+    some = rules(method, tolerance_s=0.3, gap_s=5.0, auto_s=4.0)
+    whole, ledger = pair(ts, rs, some)
+    pairer = Pairer(some)
+    chunks, at = [], {'ts': 0, 'rs': 0}
+    streams_ = {'ts': ts, 'rs': rs}
+    while at['ts'] < len(ts) or at['rs'] < len(rs):
+        name = data.draw(st.sampled_from([s for s in at if at[s] < len(streams_[s])]))
+        n = data.draw(st.integers(1, 15))
+        chunk = streams_[name][at[name]:at[name] + n]
+        at[name] += n
+        chunks.append(pairer.update(**{name: chunk}))
+        assert pairer.ledger.balance() == {'ts': 0, 'rs': 0}
+    chunks.append(pairer.flush())
+    assert Pairs.concatenate(chunks) == whole
+    assert pairer.ledger.segments == ledger.segments
+
+
+@pytest.mark.parametrize('method', METHODS)
+@given(ts=sorted_streams, rs=sorted_streams, turn=st.integers(0, 359))
+def test_a_constant_added_to_both_headings_leaves_the_differences(method, ts, rs, turn):
+    # Headings on a binary grid, so that the addition itself is exact.
+    ts, rs = (Headings.of(s.stamp_ns, np.round(s.heading_deg * 1024) / 1024 % 360)
+              for s in (ts, rs))
+    plain = difference(pair(ts, rs, rules(method, tolerance_s=0.3))[0])
+    turned = [Headings.of(s.stamp_ns, (s.heading_deg + turn) % 360) for s in (ts, rs)]
+    x = difference(pair(*turned, rules(method, tolerance_s=0.3))[0])
+    assert np.array_equal(x.stamp_ns, plain.stamp_ns)
+    assert np.abs(wrap180(x.x_deg - plain.x_deg)).max(initial=0.0) < 1e-12
+
+
+def test_interpolation_across_north_by_hand():
+    """RS 350° at 1 s and 20° at 2 s: a third of the way is 350 + 30/3 = 360 = 0°."""
+    pairs, _ = pair(headings((S + S // 3, 1.0)), headings((S, 350.0), (2 * S, 20.0)))
+    assert wrap180(pairs.rs_deg) == pytest.approx([0.0], abs=1e-6)
+    assert pairs.rs_variance_factor == pytest.approx([5 / 9], rel=1e-6)
+    assert pairs.lag_ns.tolist() == [0]
+
+
+def test_a_gap_is_not_interpolated_over_but_its_ends_pair():
+    rs = headings((1 * S, 10.0), (5 * S, 10.0))
+    pairs, ledger = pair(headings((1 * S, 1.0), (3 * S, 1.0), (5 * S, 1.0)), rs)
+    assert pairs.stamp_ns.tolist() == [1 * S, 5 * S]
+    assert pairs.rs_variance_factor.tolist() == [1.0, 1.0]
+    assert ledger.total.counts['ts_unpaired'] == 1
+
+
+@pytest.mark.parametrize('method', ['interpolate', 'interpolate_ts'])
+def test_a_bracket_of_just_the_longest_gap_is_used_and_a_longer_one_is_not(method):
+    for gap_ns, n in ((3 * S, 1), (3 * S + 1, 0)):
+        bracket, inside = headings((S, 10.0), (S + gap_ns, 10.0)), headings((2 * S, 10.0))
+        ts, rs = (inside, bracket) if method == 'interpolate' else (bracket, inside)
+        assert len(pair(ts, rs, rules(method, max_gap_s=3.0))[0]) == n
+
+
+@pytest.mark.parametrize('lag_ns', [S // 2, -S // 2])
+def test_a_lag_counts_without_its_sign(lag_ns):
+    ts, rs = headings((10 * S, 1.0)), headings((10 * S + lag_ns, 2.0))
+    (lag,) = pair(ts, rs, rules('nearest', tolerance_s=0.5))[0].lag_ns.tolist()
+    assert lag == lag_ns
+    assert len(pair(ts, rs, rules('nearest', tolerance_s=0.499))[0]) == 0
+
+
+def test_a_ts_put_onto_the_rs_by_hand():
+    """TS 350 and 20 degrees at 1 and 2 s: at 4/3 s 360 = 0 degrees; at 2 s the reading itself."""
+    ts = headings((S, 350.0), (2 * S, 20.0), (3 * S, 30.0), (5 * S, 50.0))
+    rs = headings((S // 2, 5.0), (S + S // 3, 5.0), (2 * S, 6.0), (6 * S, 7.0))
+    pairs, ledger = pair(ts, rs, rules('interpolate_ts'))
+    assert pairs.stamp_ns.tolist() == rs.stamp_ns[1:3].tolist()
+    assert wrap180(pairs.ts_deg) == pytest.approx([0.0, 20.0], abs=1e-6)
+    assert pairs.rs_deg.tolist() == [5.0, 6.0]
+    assert pairs.ts_variance_factor == pytest.approx([5 / 9, 1.0], rel=1e-6)
+    assert pairs.rs_variance_factor.tolist() == [1.0, 1.0] and pairs.lag_ns.tolist() == [0, 0]
+    assert ledger.total.counts == {'paired': 2, 'ts_used': 1, 'ts_paired': 1, 'ts_unpaired': 2,
+                                   'rs_used': 2, 'rs_unused': 2}
+
+
+def test_nothing_is_extrapolated():
+    pairs, ledger = pair(headings((S, 1.0), (4 * S, 1.0)), headings((2 * S, 1.0), (3 * S, 1.0)))
+    assert len(pairs) == 0
+    assert ledger.total.counts == {'ts_unpaired': 2, 'rs_unused': 2}
+
+
+def test_ties_go_to_the_earlier_and_the_tolerance_is_inclusive():
+    ts = headings((10 * S, 1.0))
+    rs = headings((9 * S, 2.0), (11 * S, 3.0))
+    pairs, _ = pair(ts, rs, rules('nearest', tolerance_s=1.0))
+    assert pairs.rs_deg.tolist() == [2.0] and pairs.lag_ns.tolist() == [-S]
+    assert len(pair(ts, rs, rules('nearest', tolerance_s=0.999))[0]) == 0
+
+
+def test_known_skew_is_taken_from_the_ts_stamps():
+    ts, rs = headings((3 * S, 1.0)), headings((S, 10.0), (2 * S, 20.0))
+    pairs, _ = pair(ts, rs, Settings.from_mapping({'alignment.skew_s': 1.5}))
+    assert pairs.stamp_ns.tolist() == [3 * S // 2] and pairs.rs_deg.tolist() == [15.0]
+
+
+def test_live_a_reading_waits_no_longer_than_allowed():
+    pairer = Pairer(rules(max_wait_s=5.0))
+    pairer.update(ts=headings((2 * S, 1.0)), rs=headings((S, 1.0)), now_s=100.0)
+    assert pairer.ledger.total.counts['ts_pending'] == 1
+    pairer.update(ts=headings((7 * S, 1.0)), now_s=104.9)
+    assert pairer.ledger.total.counts['ts_pending'] == 2
+    pairer.update(now_s=105.1)
+    assert pairer.ledger.total.counts['ts_unpaired'] == 1
+    assert len(pairer.update(rs=headings((3 * S, 1.0)), now_s=105.2)) == 0
+    assert pairer.ledger.balance() == {'ts': 0, 'rs': 0}
+
+
+@pytest.mark.parametrize('chunk', [1, 3])
+@pytest.mark.parametrize('pause_s', [0.0, 0.3, 30.0])
+def test_a_pause_of_both_sensors_costs_no_pair(chunk, pause_s):
+    ts = headings(*((k * S // 10, 1.0) for k in range(10, 300)))
+    rs = headings(*((k * S, 2.0) for k in range(1, 30)))
+    whole, _ = pair(ts, rs, rules(max_wait_s=5.0))
+    pairer, found, now_s = Pairer(rules(max_wait_s=5.0)), [], 0.0
+    for lo in range(0, 290, 10 * chunk):
+        # A paused replay, or one so slow that the RS is silent for longer than the wait.
+        now_s += pause_s
+        found.append(pairer.update(ts=ts[lo:lo + 10 * chunk], now_s=now_s))
+        now_s += pause_s
+        found.append(pairer.update(rs=rs[lo // 10:lo // 10 + chunk], now_s=now_s))
+    found.append(pairer.flush())
+    assert Pairs.concatenate(found) == whole
+    assert len(whole) == 281
+
+
+def test_live_no_bracket_reaches_over_a_dropped_reading():
+    pairer = Pairer(rules(max_wait_s=1.0, max_gap_s=100.0))
+    pairer.update(ts=headings((S, 0.0)), rs=headings((S, 0.0)), now_s=0.0)
+    pairer.update(rs=headings((2 * S, 90.0)), now_s=0.0)
+    pairer.update(rs=headings((3 * S, 0.0)), now_s=2.0)
+    pairs = pairer.update(ts=headings((3 * S // 2, 0.0), (3 * S, 0.0)), now_s=2.0)
+    assert pairs.stamp_ns.tolist() == [3 * S]
+
+
+def test_memory_is_bounded_when_one_sensor_is_silent():
+    pairer = Pairer(rules(max_wait_s=5.0))
+    stamps_ = np.arange(1, 2001, dtype=np.int64) * S
+    for k in range(0, 2000, 10):
+        chunk = Headings.of(stamps_[k:k + 10], np.zeros(10))
+        pairer.update(rs=chunk, now_s=float(k))
+    assert pairer.ledger.total.counts['rs_pending'] <= 20
+    assert pairer.ledger.total.counts['rs_unused'] >= 1980
+
+
+def test_a_silence_of_the_pairs_divides_the_ledger():
+    ts = headings(*((k * S, 1.0) for k in (1, 2, 50, 100, 101)))
+    rs = headings(*((k * S, 1.0) for k in (1, 2, 3, 99, 100, 101)))
+    _, ledger = pair(ts, rs, rules(gap_s=60.0))
+    before, first, between, second, behind = ledger.segments
+    assert [s.start_ns for s in ledger.segments] == [None, S, 2 * S + 1, 100 * S, 101 * S + 1]
+    assert (before.counts, behind.counts) == ({}, {})
+    assert first.counts == {'paired': 2, 'ts_paired': 2, 'rs_used': 2}
+    assert between.counts == {'ts_unpaired': 1, 'rs_unused': 2}
+    assert second.counts == {'paired': 2, 'ts_paired': 2, 'rs_used': 2}
+    # What lies between two runs belongs to the one before, but not to what it lost.
+    assert ledger.shares([S, 100 * S])[0].counts['ts_unpaired'] == 1
+    assert ledger.between(S, 2 * S).counts == first.counts
+
+
+def test_what_is_lost_within_a_run_is_told_from_what_came_before_and_after():
+    """RS from 10 to 40 s, silent from 20 to 30 s: 9 TS readings in a bracket that is too long."""
+    ts = headings(*((k * S, 1.0) for k in range(1, 61)))
+    rs = headings(*((k * S, 1.0) for k in range(10, 41) if not 20 < k < 30))
+    for size in (1, 7, 60):
+        pairer = Pairer(rules(max_gap_s=3.0))
+        for lo in range(0, 60, size):
+            pairer.update(ts[lo:lo + size], rs[lo:lo + size])
+        pairer.flush()
+        inside = pairer.ledger.between(10 * S, 40 * S).counts
+        assert (inside['ts_unpaired'], inside['ts_paired']) == (9, 22)
+        assert pairer.ledger.total.counts['ts_unpaired'] == 60 - 22
+
+
+def test_a_ledger_survives_its_segments():
+    _, ledger = pair(headings((S, 1.0), (100 * S, 1.0)), headings((S, 1.0), (100 * S, 2.0)),
+                     rules(gap_s=60.0))
+    again = Ledger.from_segments(ledger.segments, ledger.newest_ns)
+    assert again.segments == ledger.segments
+    assert again.shares([S, 100 * S]) == ledger.shares([S, 100 * S])
+    assert again.balance() == {'ts': 0, 'rs': 0}
+
+
+def test_a_mark_divides_readings_that_were_counted_before_it_came():
+    pairer = Pairer(rules())
+    stream = headings(*((k * S, 1.0) for k in range(1, 31)))
+    pairer.update(stream, stream)
+    pairer.ledger.cut(21 * S)
+    assert [s.counts.get('paired', 0) for s in pairer.ledger.segments] == [0, 20, 10]
+
+
+def test_an_empty_stream_gives_no_pairs():
+    assert len(pair(Headings.empty(), Headings.empty())[0]) == 0

@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Columns in pages, in memory or elsewhere, hold what was appended; counts of them are exact."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heading_intercompare.core.runs.growing_columns import Column, Tails
+from heading_intercompare.core.statistics.moments import count_outside
+
+PAGE = 65536
+
+
+def elsewhere(page: np.ndarray):
+    """Keep a page as bytes."""
+    data = page.tobytes()
+    return lambda: np.frombuffer(data, page.dtype)
+
+
+@pytest.mark.parametrize('keep', [None, elsewhere])
+@pytest.mark.parametrize('chunks', [(0, 1, 1000, 5000, 3), (PAGE,), (PAGE - 1, 1, 1),
+                                    (3 * PAGE + 17,), (70_000, 1, 200_000)])
+def test_a_column_grows_without_changing(rng, chunks, keep):
+    column, parts = Column(np.float64, keep), []
+    for n in chunks:
+        parts.append(rng.standard_normal(n))
+        column.append(parts[-1])
+        expected = np.concatenate(parts)
+        assert len(column) == len(expected)
+        assert np.array_equal(column.values, expected)
+    assert (column.first, column.last) == (expected[0], expected[-1])
+    for number in range(0 if keep is None else len(expected) // PAGE):
+        assert np.array_equal(column.page(number), expected[number * PAGE:(number + 1) * PAGE])
+    with pytest.raises(ValueError):
+        column.values[0] = 1.0
+
+
+def test_an_empty_column_has_no_values():
+    column = Column(np.int64)
+    assert (len(column), column.first, column.last, column.values.tolist()) == (0, None, None, [])
+
+
+@pytest.mark.parametrize('keep', [None, elsewhere])
+@pytest.mark.parametrize('values', ['normal', 'steps', 'constant', 'drift'])
+def test_counts_of_pages_are_those_of_all_values(rng, values, keep):
+    n = 2 * PAGE + 11
+    x = {'normal': rng.standard_normal(n), 'steps': np.round(rng.standard_normal(n), 1),
+         'constant': np.full(n, 0.7), 'drift': np.linspace(-5.0, 5.0, n)}[values]
+    tails = Tails()
+    column = Column(np.float64, keep, tails.take)
+    column.append(x)
+    for center in (0.0, 0.1, float(x.mean()), -40.0):
+        for limit in (0.0, 0.3, 0.6, 2.0, 3.0, 4.9, 100.0):
+            found = tails.count_outside(column, center, limit) + count_outside(
+                column.newest, center, limit)
+            assert found == count_outside(x, center, limit)
+
+
+def test_limits_beyond_the_tails_need_no_page(rng):
+    tails = Tails()
+    column = Column(np.float64, elsewhere, tails.take)
+    column.append(rng.standard_normal(PAGE))
+    column.page = None
+    assert 0 < tails.count_outside(column, 0.0, 3.0) < PAGE // 100

@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Cutting into runs: silences, marks, tables, and any chunks."""
+
+from __future__ import annotations
+
+from hypothesis import given, strategies as st
+import numpy as np
+import pytest
+
+from heading_intercompare.core.runs.run_cutter import RunCutter
+from heading_intercompare.core.settings import RunCutting
+
+S = 1_000_000_000
+
+
+def seconds(*values):
+    return np.array([round(v * S) for v in values], np.int64)
+
+
+def runs_of(cutter, stamp_ns, chunks=None):
+    """Return the stamps of each run, in seconds, feeding chunks of the given lengths."""
+    runs = {}
+    at = 0
+    for n in chunks or [len(stamp_ns)]:
+        chunk = stamp_ns[at:at + n]
+        at += n
+        for piece in cutter.update(chunk):
+            runs.setdefault(piece.key, []).extend((chunk[piece.lo:piece.hi] / S).tolist())
+    return list(runs.values())
+
+
+def test_a_run_opens_at_the_first_pair_and_a_silence_cuts():
+    cutter = RunCutter(RunCutting(gap_s=10.0))
+    assert runs_of(cutter, seconds(1, 2, 12, 22.1, 23)) == [[1, 2, 12], [22.1, 23]]
+
+
+def test_a_silence_just_as_long_as_allowed_does_not_cut():
+    assert len(runs_of(RunCutter(RunCutting(gap_s=10.0)), seconds(1, 11))) == 1
+
+
+def test_marks_bound_the_runs():
+    cutter = RunCutter(RunCutting())
+    cutter.mark('start', 2 * S)
+    cutter.mark('stop', 4 * S)
+    assert runs_of(cutter, seconds(1, 2, 3, 4, 5, 6)) == [[3, 4]]
+    assert cutter.current is None
+
+
+def test_a_live_mark_acts_behind_the_newest_pair():
+    cutter = RunCutter(RunCutting())
+    assert runs_of(cutter, seconds(1, 2)) == [[1, 2]]
+    assert cutter.mark('start', 2 * S), 'the run opened without a mark is withdrawn'
+    assert cutter.current is None
+    assert runs_of(cutter, seconds(3, 4)) == [[3, 4]]
+    assert not cutter.mark('stop', 4 * S)
+    assert cutter.current is None
+    assert runs_of(cutter, seconds(5, 6)) == []
+
+
+def test_a_mark_that_comes_late_acts_behind_the_newest_pair():
+    cutter = RunCutter(RunCutting())
+    runs_of(cutter, seconds(1, 2, 3))
+    cutter.mark('stop', 1 * S)
+    assert cutter.current is None
+    assert runs_of(cutter, seconds(4)) == []
+
+
+def test_a_second_start_ends_the_run_before_it():
+    cutter = RunCutter(RunCutting())
+    for stamp in (0, 2 * S):
+        cutter.mark('start', stamp)
+    assert runs_of(cutter, seconds(1, 2, 3)) == [[1, 2], [3]]
+
+
+def test_the_same_mark_twice_is_one_mark():
+    cutter = RunCutter(RunCutting())
+    for _ in range(2):
+        cutter.mark('start', 1 * S)
+    assert runs_of(cutter, seconds(1, 2, 3)) == [[2, 3]]
+
+
+def test_a_table_is_half_open_and_marks_do_not_count():
+    cutter = RunCutter(RunCutting(), [(2 * S, 4 * S), (4 * S, 5 * S)])
+    assert not cutter.mark('start', 1 * S)
+    assert runs_of(cutter, seconds(1, 2, 3, 4, 5)) == [[2, 3], [4]]
+
+
+@pytest.mark.parametrize('table, problem', [
+    ([(2, 2)], 'not after'), ([(1, 5), (4, 6)], 'before the end')])
+def test_a_table_that_makes_no_sense_is_refused(table, problem):
+    with pytest.raises(ValueError, match=problem):
+        RunCutter(RunCutting(), table)
+
+
+def test_an_unknown_mark_is_refused():
+    with pytest.raises(ValueError, match="'start' or 'stop'"):
+        RunCutter(RunCutting()).mark('pause', 0)
+
+
+@given(st.lists(st.integers(1, 300), unique=True, max_size=40), st.data())
+def test_chunks_do_not_matter(stamps, data):
+    stamp_ns = np.sort(np.array(stamps, np.int64)) * S
+    marks = data.draw(st.lists(st.tuples(st.sampled_from(['start', 'stop']),
+                                         st.integers(1, 300)), max_size=4))
+    chunks, left = [], len(stamp_ns)
+    while left:
+        chunks.append(data.draw(st.integers(1, left)))
+        left -= chunks[-1]
+    results = []
+    for lengths in (None, chunks):
+        cutter = RunCutter(RunCutting(gap_s=20.0))
+        for kind, stamp in marks:
+            cutter.mark(kind, stamp * S)
+        results.append(runs_of(cutter, stamp_ns, lengths))
+    assert results[0] == results[1]

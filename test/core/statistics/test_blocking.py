@@ -1,0 +1,62 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Block means: by hand, against simulated correlated sums, and at the smallest sizes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from heading_intercompare.core.statistics.blocking import (
+    block_means,
+    block_size,
+    student_95,
+    sum_covariance,
+)
+
+
+@pytest.mark.parametrize('n, least, size', [(0, 16, 0), (15, 16, 0), (16, 16, 1), (31, 16, 1),
+                                            (32, 16, 2), (1000, 64, 8), (1 << 20, 16, 1 << 16)])
+def test_block_size_by_hand(n, least, size):
+    assert block_size(n, least) == size
+
+
+def test_there_are_at_least_as_many_blocks_as_asked_for_and_less_than_twice_as_many():
+    for n in range(16, 2000):
+        assert 16 <= n // block_size(n, 16) < 32
+
+
+def test_block_means_drop_the_incomplete_block():
+    assert block_means([1.0, 3.0, 5.0, 7.0, 100.0], 2).tolist() == [2.0, 6.0]
+    assert block_means([[1.0, 0.0], [3.0, 4.0]], 2).tolist() == [[2.0, 2.0]]
+    assert block_means([], 4).size == 0
+
+
+def test_the_covariance_of_a_sum_by_hand():
+    """Sixteen blocks of one, half 1 and half -1: variance 16/15, times n = 16."""
+    covariance, dof = sum_covariance([1.0, -1.0] * 8)
+    assert (float(covariance), dof) == (pytest.approx(16.0 * 16.0 / 15.0), 15)
+
+
+def test_the_covariance_of_a_sum_allows_for_correlation(ar1):
+    """
+    The ratio to the truth has relative standard error sqrt(2 / (400 dof)): six of them.
+
+    The truth for AR(1) is n (1 + phi)/(1 - phi), the end of the record neglected.
+    """
+    phi, n = math.exp(-1.0 / 3.0), 4000
+    ratio = np.mean([float(sum_covariance(ar1(n, 3.0))[0]) for _ in range(400)])
+    ratio /= n * (1.0 + phi) / (1.0 - phi)
+    assert ratio == pytest.approx(1.0, abs=6.0 * math.sqrt(2.0 / (400 * 30)) + 6.0 / 128)
+
+
+def test_fewer_terms_than_blocks_are_refused():
+    with pytest.raises(ValueError, match='15 terms'):
+        sum_covariance(np.zeros(15))
+
+
+def test_student_factors_of_the_table():
+    assert [round(student_95(f), 3) for f in (1, 10, 30)] == [12.706, 2.228, 2.042]
+    assert student_95(0) == math.inf

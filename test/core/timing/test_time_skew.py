@@ -1,0 +1,242 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The skew from pairs: by hand, on real logs, by simulation with known truth, by symmetries."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.timing.heading_track import Track
+from heading_intercompare.core.timing.time_skew import skew, skew_regression
+
+PAIRS = ['gyr1-s330', 'gyr1-seap', 's330-gyr1', 'seap-gyr1', 's330-seap', 'adcp-gyr1',
+         'adcp-s330', 'lgyr-lsep', 'lsep-lgyr']
+
+
+def stamps(n, rate_hz=10.0):
+    return 10 ** 18 + np.arange(n) * round(1e9 / rate_hz)
+
+
+def seconds(n, rate_hz=10.0):
+    return np.arange(n) / rate_hz
+
+
+# --- a heading in time ---
+
+def test_a_track_interpolates_over_north():
+    track = Track(Headings.of([0, 2_000_000_000], [359.0, 3.0]))
+    assert track.at(np.array([0.0, 0.5, 2.0])).tolist() == [359.0, 360.0, 363.0]
+    assert track.rate(np.array([1.0]), 0.5).tolist() == [2.0]
+
+
+def test_a_track_leaves_out_what_has_no_place_on_it():
+    track = Track(Headings.of([10, 10, 5, 20, 30], [1.0, 2.0, 3.0, math.nan, 4.0]), 10)
+    assert track.t_s.tolist() == [0.0, 2e-8]
+    assert track.heading_deg.tolist() == [1.0, 4.0]
+
+
+@pytest.mark.parametrize('lo, hi, good', [(0.0, 1.0, True), (0.5, 1.5, False), (1.5, 2.5, False),
+                                          (2.0, 9.0, False), (9.0, 10.0, True),
+                                          (-0.1, 0.5, False), (9.5, 10.1, False),
+                                          (1.0, 1.0, True), (9.0, 9.0, True)])
+def test_a_track_covers_no_span_over_a_gap_or_beyond_its_ends(lo, hi, good):
+    track = Track(Headings.of(np.array([0, 1, 9, 10]) * 10 ** 9, [0.0] * 4))
+    assert track.covers(np.array([lo]), np.array([hi]), 3.0).tolist() == [good]
+
+
+def test_an_empty_track_covers_nothing():
+    assert not Track(Headings.empty()).covers(np.zeros(2), np.zeros(2)).any()
+
+
+# --- regression ---
+
+def test_regression_by_hand():
+    """RS turns at 1, 2, 3 deg/s about 0.5, 1.5, 2.5 s; x = 0.5 - 0.2 w exactly."""
+    rs = Headings.of(np.arange(4) * 10 ** 9, [0.0, 1.0, 3.0, 6.0])
+    found = skew_regression(np.array([5, 15, 25]) * 10 ** 8, [0.3, 0.1, -0.1], rs)
+    assert found.n == 3
+    assert found.skew_s == pytest.approx(0.2)
+    assert found.intercept_deg == pytest.approx(0.5)
+    assert found.correlation == pytest.approx(-1.0)
+    assert (found.rate_std_deg_s, found.rate_max_deg_s) == pytest.approx((1.0, 3.0))
+
+
+@pytest.mark.parametrize('name', PAIRS)
+def test_regressions_of_real_logs_agree_with_independent_programs(name, real, golden, logs):
+    pairs, x = real(name)
+    found = skew_regression(pairs.stamp_ns, x, logs[name.split('-')[1]])
+    expected = golden['pairs'][name]['skew_reg']
+    got = {'n': found.n, 'lag': found.skew_s, 'se_naive': found.u_naive_s,
+           'intercept': found.intercept_deg, 'sd_resid': found.residual_std_deg,
+           'corr': found.correlation, 'rate_sd': found.rate_std_deg_s,
+           'rate_maxabs': found.rate_max_deg_s}
+    assert got == pytest.approx({key: expected[key] for key in got}, rel=1e-9)
+
+
+def test_no_regression_without_turning_or_samples():
+    rs = Headings.of(np.arange(10) * 10 ** 9, np.full(10, 5.0))
+    assert skew_regression(np.arange(10) * 10 ** 9, np.arange(10.0), rs) is None
+    assert skew_regression([], [], rs) is None
+    assert skew_regression([1], [1.0], Headings.empty()) is None
+
+
+# --- instrument ---
+
+def test_a_skew_without_noise_is_found_to_a_millisecond(yaw):
+    """Linear interpolation of a yaw of five seconds, read ten times a second, is left."""
+    t = seconds(6000)
+    rs = yaw(t)
+    found = skew(stamps(6000), yaw(t - 0.4) - rs, rs)
+    assert found.skew_s == pytest.approx(0.4, abs=1e-3)
+    assert found.well_determined
+    assert found.significant
+    assert found.std_aligned_deg < 0.01 * found.std_deg
+
+
+def test_noise_attenuates_least_squares_but_not_the_instrument(yaw, rng):
+    """Truth 0.25 s, noise of 0.1 and 0.05 deg: six standard uncertainties."""
+    n, t = 20_000, seconds(20_000)
+    rs = yaw(t) + 0.05 * rng.standard_normal(n)
+    found = skew(stamps(n), yaw(t - 0.25) + 0.1 * rng.standard_normal(n) - rs, rs,
+                 half_span_s=0.1)
+    assert abs(found.skew_s - 0.25) < 6.0 * found.u_s
+    assert found.u_s < 0.002
+    assert found.ols_s < 0.25 - 6.0 * found.ols_u_s
+
+
+@pytest.mark.parametrize('tau', [1.0, 40.0])
+def test_the_uncertainty_of_the_skew_survives_correlation(tau, ar1, yaw, rng):
+    """Errors over their uncertainty, 60 times: spread 1 within six standard errors."""
+    n, t = 4000, seconds(4000)
+    truth = yaw(t)
+    late = yaw(t - 0.25)
+    z = []
+    for _ in range(60):
+        rs = truth + 0.05 * rng.standard_normal(n)
+        found = skew(stamps(n), late + 0.1 * ar1(n, tau) - rs, rs)
+        z.append((found.skew_s - 0.25) / found.u_s)
+    assert np.std(z) == pytest.approx(1.0, abs=6.0 / math.sqrt(120.0))
+    assert abs(np.mean(z)) < 6.0 / math.sqrt(60.0)
+
+
+@pytest.mark.parametrize('name', PAIRS)
+def test_the_skew_of_real_logs_is_that_of_the_scan(name, real, golden):
+    """
+    Two estimates of one skew: within four of their joint uncertainty, and 0.02 s.
+
+    Interpolating an RS that comes once a second shifts either by up to a hundredth.
+    """
+    pairs, x = real(name)
+    found = skew(pairs.stamp_ns, x, pairs.rs_deg)
+    expected = golden['pairs'][name]['skew_scan']['L_star']
+    assert found.well_determined
+    assert abs(found.skew_s - expected) < 4.0 * found.u_s + 0.02
+
+
+def test_the_skew_turns_sign_with_the_sensors(yaw, rng):
+    n, t = 5000, seconds(5000)
+    ts, rs = yaw(t - 0.3), yaw(t) + 0.05 * rng.standard_normal(n)
+    there, back = skew(stamps(n), ts - rs, rs), skew(stamps(n), rs - ts, ts)
+    assert back.skew_s == pytest.approx(-there.skew_s, abs=6.0 * there.u_s)
+
+
+def test_turning_all_headings_or_mounting_the_ts_askew_changes_nothing(yaw, rng):
+    n, t = 3000, seconds(3000)
+    rs = yaw(t)
+    x = yaw(t - 0.2) - rs + 0.05 * rng.standard_normal(n)
+    a = skew(stamps(n), x, rs)
+    b = skew(stamps(n), (x + 178.0 + 180.0) % 360.0 - 180.0, (rs + 263.0) % 360.0)
+    assert b.skew_s == pytest.approx(a.skew_s, abs=1e-6)
+    assert b.u_s == pytest.approx(a.u_s, rel=1e-6)
+
+
+def test_frequent_pairs_are_averaged_to_the_same_skew(yaw, rng):
+    """A hundred a second in averages of eight."""
+    n, t = 60_000, seconds(60_000, 100.0)
+    rs = yaw(t) + 0.05 * rng.standard_normal(n)
+    found = skew(stamps(n, 100.0), yaw(t - 0.25) + 0.1 * rng.standard_normal(n) - rs, rs)
+    assert n // 8 - 20 < found.n <= n // 8
+    assert abs(found.skew_s - 0.25) < 6.0 * found.u_s
+
+
+def test_a_ship_that_does_not_turn_shows_no_skew(rng):
+    n = 5000
+    rs = 90.0 + 0.05 * rng.standard_normal(n)
+    found = skew(stamps(n), 90.0 + 0.1 * rng.standard_normal(n) - rs, rs)
+    assert found.well_determined is False
+    assert found.skew_s is None
+    assert found.strength < 10.0
+    assert found.largest_variance_deg2(2.0) == pytest.approx((2.0 * found.rs_rate_std_deg_s) ** 2)
+
+
+def test_a_skew_beyond_the_range_is_not_reported(yaw):
+    t = seconds(3000)
+    found = skew(stamps(3000), yaw(t - 1.0) - yaw(t), yaw(t), range_s=0.5)
+    assert found.skew_s is None
+    assert found.well_determined is False
+
+
+def test_no_rate_is_taken_over_a_silence(yaw, rng):
+    """An hour of silence in which the ship turns by 90 degrees leaves the skew as it was."""
+    n, t = 4000, seconds(4000)
+    rs = yaw(t)
+    x = yaw(t - 0.25) - rs + 0.05 * rng.standard_normal(n)
+    late = np.arange(n) >= n // 2
+    turned = np.where(late, rs + 90.0, rs)
+    a = skew(stamps(n), x, rs)
+    b = skew(stamps(n) + late * 3_600_000_000_000, x, turned)
+    assert abs(b.skew_s - a.skew_s) < a.u_s
+    assert a.n - 15 < b.n < a.n
+
+
+@pytest.mark.parametrize('n', [0, 1, 63, 66])
+def test_too_few_pairs_give_no_skew(n, rng):
+    found = skew(stamps(n), rng.standard_normal(n), np.full(n, 3.0))
+    assert (found.n, found.skew_s, found.largest_variance_deg2(2.0)) == (0, None, None)
+
+
+@pytest.mark.parametrize('x', [0.0, 0.3])
+def test_a_frozen_pair_gives_no_skew(x):
+    found = skew(stamps(200), np.full(200, x), np.full(200, 3.0))
+    assert found.skew_s is None
+    assert found.well_determined is False
+
+
+@pytest.mark.parametrize('late_s', [-1.9, -1.3, 1.3, 1.9])
+@pytest.mark.parametrize('period_s', [5.0, 6.0, 9.0])
+def test_a_skew_of_any_part_of_the_yaw_period_is_found(late_s, period_s, rng):
+    """Within six standard uncertainties and 5 ms of interpolation, once a turn tells periods."""
+    n, t = 12_000, seconds(12_000)
+
+    def heading(at_s):
+        return 5.0 * np.sin(at_s / 60.0) + np.sin(2.0 * np.pi * at_s / period_s)
+    rs = heading(t) + 0.05 * rng.standard_normal(n)
+    found = skew(stamps(n), heading(t - late_s) + 0.1 * rng.standard_normal(n) - rs, rs)
+    assert found.kind == 'found' and found.well_determined
+    assert abs(found.skew_s - late_s) < 6.0 * found.u_s + 5e-3
+
+
+@pytest.mark.parametrize('late_s', [-40.0, 2.2, 17.0])
+def test_a_skew_beyond_the_range_has_its_size(late_s, rng):
+    n, t = 12_000, seconds(12_000)
+
+    def heading(at_s):
+        return 20.0 * np.sin(at_s / 60.0) + np.sin(2.0 * np.pi * at_s / 7.0)
+    rs = heading(t) + 0.05 * rng.standard_normal(n)
+    found = skew(stamps(n), heading(t - late_s) + 0.1 * rng.standard_normal(n) - rs, rs)
+    assert (found.kind, found.skew_s) == ('beyond', None)
+    assert found.beyond_s == pytest.approx(late_s, abs=0.05)
+
+
+def test_a_ship_that_moves_is_told_from_one_that_does_not(yaw, rng):
+    """The TS stays at one heading: no skew fits."""
+    n, t = 6000, seconds(6000)
+    noise = 0.05 * rng.standard_normal((2, n))
+    moved = skew(stamps(n), 90.0 + noise[0] - yaw(t) - noise[1], yaw(t) + noise[1])
+    still = skew(stamps(n), noise[0] - noise[1], 90.0 + noise[1])
+    assert (moved.kind, still.kind) == ('no_fit', 'not_turned')
+    assert 'the ship moved' in moved.why_not(2.0) and 'did not turn' in still.why_not(2.0)

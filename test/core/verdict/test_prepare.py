@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What of a run is analysed: GK (4) with and without a drift taken out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.runs.run_series import RunSeries
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.prepare import analysed
+
+S = 1_000_000_000
+
+
+def taken(x, **names):
+    settings = Settings.from_mapping({
+        'norms.sigma_max_deg': 0.2, 'norms.sigma_ref_max_deg': 0.1,
+        **{k.replace('__', '.'): v for k, v in names.items()}})
+    run = RunSeries(S, settings)
+    n = len(x)
+    run.update(Pairs.of(S * np.arange(1, n + 1), 100.0 + np.asarray(x), np.full(n, 100.0)))
+    return analysed(run, Limits.of(settings.norms), settings)
+
+
+def test_the_variance_by_hand():
+    """1, 2, 6: (4 + 1 + 9) / 2 = 7."""
+    found = taken([1.0, 2.0, 6.0])
+    assert found.variance_deg2 == pytest.approx(7.0) and found.coefficients_deg == ()
+    assert found.deviations('B') == pytest.approx([2.0, 1.0, 3.0])
+    assert found.deviations('A') == pytest.approx([1.0, 2.0, 6.0])
+
+
+def test_a_line_costs_a_degree_of_freedom():
+    """0, 1, 2, 3 and 1, -1, -1, 1 on top: squares 4, over 4 - 1 - 1 = 2."""
+    found = taken([1.0, 0.0, 1.0, 4.0], drift_order=1)
+    assert found.variance_deg2 == pytest.approx(2.0)
+    assert found.residual_deg == pytest.approx([1.0, -1.0, -1.0, 1.0])
+    assert found.coefficients_deg == pytest.approx((1.5, 1.5))
+
+
+def test_the_variance_is_that_of_an_independent_fit(rng):
+    x = 0.1 * rng.standard_normal(500) + np.linspace(0, 1, 500) ** 3
+    for order in (0, 1, 2, 3):
+        residual = x - np.polyval(np.polyfit(np.arange(500), x, order), np.arange(500))
+        found = taken(x, drift_order=order)
+        assert found.variance_deg2 == pytest.approx(residual @ residual / (499 - order), rel=1e-9)
+
+
+@pytest.mark.parametrize('order, n', [(0, 1), (1, 2), (3, 4)])
+def test_too_few_differences_have_no_variance(order, n):
+    assert taken(np.arange(n, dtype=float), drift_order=order).variance_deg2 is None
+
+
+def test_nothing_at_all_is_nothing():
+    found = taken([])
+    assert found.moments.n == 0 and found.variance_deg2 is None and found.span_s == 0.0

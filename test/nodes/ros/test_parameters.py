@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Settings as parameters of a node."""
+
+from __future__ import annotations
+
+import pytest
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from heading_intercompare.bags.settings import BagSettings
+from heading_intercompare.core.settings import declared, Settings, SettingsError, to_mapping
+from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, overrides
+
+
+def node_with(ros, values):
+    """Return a node that was given values."""
+    return ros.add(Node, 'settings_node', **OVERRIDES, parameter_overrides=overrides(values))
+
+
+def test_without_values_all_take_their_defaults(ros):
+    assert declare(node_with(ros, {}), Settings, BagSettings) == (Settings(), BagSettings())
+
+
+def test_every_setting_becomes_a_described_read_only_parameter(ros):
+    node = node_with(ros, {'norms.sigma_max_deg': 0.2})
+    settings, = declare(node, Settings)
+    for rule in declared(Settings):
+        descriptor = node.describe_parameter(rule.name)
+        assert descriptor.read_only and descriptor.description == rule.help
+        value = to_mapping(settings)[rule.name]
+        assert node.get_parameter(rule.name).value == ('none' if value is None else value)
+
+
+def test_an_integer_is_taken_for_a_real(ros):
+    node = node_with(ros, {'norms.sigma_max_deg': 1})
+    settings, = declare(node, Settings)
+    assert type(settings.norms.sigma_max_deg) is float
+    assert node.get_parameter('norms.sigma_max_deg').type_ is Parameter.Type.DOUBLE
+
+
+@pytest.mark.parametrize('value', ['auto', 30.0, 30])
+def test_a_setting_may_be_of_two_types(ros, value):
+    settings, = declare(node_with(ros, {'runs.stabilization_s': value}), Settings)
+    assert settings.runs.stabilization_s == value
+
+
+def test_none_may_be_given_as_a_word(ros):
+    settings, = declare(node_with(ros, {'sequential.plan_s': 'none'}), Settings)
+    assert settings.sequential.plan_s is None
+
+
+@pytest.mark.parametrize('values, message', [
+    ({'norms.sigma_max': 0.2}, "unknown parameter 'norms.sigma_max'; did you mean "
+                               "'norms.sigma_max_deg'?"),
+    ({'chunk_byte': 4096}, "unknown parameter 'chunk_byte'; did you mean 'chunk_bytes'?"),
+    ({'variant': 'D'}, "variant = 'D': must be 'A' or 'B' or 'C'"),
+    ({'window_s': 'long'}, "window_s = 'long': must be a number"),
+    ({'window_s': [1.0, 2.0]}, 'window_s = '),
+    ({'norms.probability': float('nan')}, 'norms.probability = nan'),
+    ({'risk.method': 'dyadic'}, "parameter 'risk.method' is gone: there is one rule"),
+    ({'risk.nu_min': 15.0}, "parameter 'risk.nu_min' is gone: the decision has no gate"),
+    ({'risk.r1_max': 0.4}, "parameter 'risk.r1_max' is gone: the decision has no gate"),
+    ({'risk.share_max': 0.05}, "parameter 'risk.share_max' is gone: the decision has no gate"),
+])
+def test_a_mistake_is_refused_in_one_line(ros, values, message):
+    with pytest.raises(SettingsError) as error:
+        declare(node_with(ros, values), Settings, BagSettings)
+    assert message in str(error.value) and '\n' not in str(error.value)
+
+
+def test_a_parameter_cannot_be_changed_while_the_node_runs(ros):
+    node = node_with(ros, {})
+    declare(node, Settings)
+    result, = node.set_parameters([Parameter('window_s', value=60.0)])
+    assert not result.successful
+    assert node.get_parameter('window_s').value == 600.0
+
+
+def test_parameters_of_ros_itself_are_not_unknown(ros):
+    settings, = declare(node_with(ros, {'use_sim_time': True}), Settings)
+    assert settings == Settings()
+
+
+def test_none_is_left_out_of_overrides():
+    assert [p.name for p in overrides({'a': None, 'b': 1})] == ['b']

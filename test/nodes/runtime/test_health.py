@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a node says of itself on /diagnostics."""
+
+from __future__ import annotations
+
+import time
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from std_msgs.msg import String
+
+from heading_intercompare.nodes.ros.qos import STATUS
+from heading_intercompare.nodes.ros.status_messages import ERROR, OK, WARN
+from heading_intercompare.nodes.runtime.health import Health
+
+
+def health_of(ros):
+    """Return the health of a new node and the messages it publishes."""
+    heard = ros.listen(DiagnosticArray, '/diagnostics', STATUS)
+    health = Health(ros.add(Node, 'ill_node'))
+    health.publish()
+    ros.spin_until(lambda: heard)
+    heard.clear()
+    return health, heard
+
+
+def states(message):
+    """Return level and message by name."""
+    return {s.name: (s.level, s.message) for s in message.status}
+
+
+def test_a_node_is_heard_once_a_second(ros):
+    _, heard = health_of(ros)
+    began_s = time.monotonic()
+    ros.spin_until(lambda: len(heard) >= 2)
+    assert 1.0 < time.monotonic() - began_s < 4.0
+    assert states(heard[0]) == {'ill_node: node': (OK, 'running')}
+
+
+def test_a_worse_state_is_published_at_once_and_a_better_one_with_the_next_beat(ros):
+    health, heard = health_of(ros)
+    health.note('input', WARN, 'silent', age_s=3.5)
+    began_s = time.monotonic()
+    ros.spin_until(lambda: heard)
+    assert time.monotonic() - began_s < 0.5
+    assert states(heard[0])['ill_node: input'] == (WARN, 'silent')
+    assert [(v.key, v.value) for v in heard[0].status[1].values] == [('age_s', '3.5')]
+    heard.clear()
+    health.note('input', ERROR, 'wrong type')
+    ros.spin_until(lambda: heard)
+    assert states(heard[0])['ill_node: input'] == (ERROR, 'wrong type')
+    health.note('input', OK, 'receiving')
+    ros.spin_until(lambda: states(heard[-1])['ill_node: input'] == (OK, 'receiving'))
+
+
+def test_a_latched_state_stays_until_it_is_acknowledged(ros):
+    health, heard = health_of(ros)
+    health.note('verdict', ERROR, 'non_compliant', latch=True)
+    health.note('verdict', OK, 'compliant', latch=True)
+    health.publish()
+    ros.spin_until(lambda: len(heard) >= 2)
+    assert states(heard[-1])['ill_node: verdict'] == (ERROR, 'non_compliant')
+    assert health.acknowledge() == 1
+    ros.spin_until(lambda: states(heard[-1])['ill_node: verdict'] == (OK, 'compliant'))
+    assert health.acknowledge() == 0
+
+
+def test_a_latched_state_gives_way_to_a_graver_one_only(ros):
+    health, heard = health_of(ros)
+    for level, message in ((WARN, 'indeterminate'), (ERROR, 'non_compliant'),
+                           (WARN, 'indeterminate again')):
+        health.note('verdict', level, message, latch=True)
+    health.publish()
+    ros.spin_until(lambda: heard)
+    ros.spin_until(lambda: states(heard[-1])['ill_node: verdict'] == (ERROR, 'non_compliant'))
+    assert health.acknowledge() == 1
+    ros.spin_until(
+        lambda: states(heard[-1])['ill_node: verdict'] == (WARN, 'indeterminate again'))
+
+
+def test_parts_are_refreshed_before_each_beat(ros):
+    health, heard = health_of(ros)
+    count = iter(range(100))
+    health.before_beat(lambda: health.note('count', OK, str(next(count))))
+    ros.spin_until(lambda: heard and 'ill_node: count' in states(heard[-1]))
+
+
+def test_a_qos_mismatch_of_a_reliable_subscription_is_an_error(ros):
+    health, heard = health_of(ros)
+    node = ros.nodes[-1]
+    node.create_subscription(String, 'words', lambda message: None, STATUS,
+                             event_callbacks=health.of_subscription('words'))
+    ros.plain.create_publisher(String, 'words', QoSProfile(
+        depth=1, reliability=ReliabilityPolicy.BEST_EFFORT))
+    ros.spin_until(lambda: any('ill_node: words' in states(m) for m in heard))
+    level, words = states(heard[-1])['ill_node: words']
+    assert level == ERROR and 'QoS mismatch' in words and 'RELIABILITY' in words

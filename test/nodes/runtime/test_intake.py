@@ -1,0 +1,193 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Messages taken in batches, losses counted, publishers watched."""
+
+from __future__ import annotations
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import QuaternionStamped
+import pytest
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import Imu
+from std_msgs.msg import String
+
+from heading_intercompare.core.records import Headings
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.messages import heading_messages, HEADING_TYPES
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.intake import Intake
+
+
+def intake_of(ros, profile=qos.HEADINGS_IN, types=HEADING_TYPES, **kwargs):
+    """Return the intake of the topic `h`, and the states it shows."""
+    heard = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    node = ros.add(Node, 'taker')
+    return Intake(node, 'h', types, profile, Health(node), **kwargs), heard
+
+
+def publisher_to(ros, intake, kind=Imu, profile=qos.HEADINGS_OUT):
+    """Return a publisher of `h` that the intake has subscribed to."""
+    publisher = ros.plain.create_publisher(kind, 'h', profile)
+    ros.spin_until(lambda: intake.take() == [] and publisher.get_subscription_count() == 1)
+    return publisher
+
+
+def take(ros, intake, n):
+    """Return the next n messages."""
+    taken = []
+    ros.spin_until(lambda: taken.extend(m for m, _ in intake.take()) or len(taken) >= n)
+    return taken
+
+
+def headings(lo, hi):
+    """Return messages stamped lo to hi - 1 seconds."""
+    return heading_messages(Headings.of([i * 10 ** 9 for i in range(lo, hi)],
+                                        [1.0] * (hi - lo)), 'h')
+
+
+def state(heard, words):
+    """Return the last level and message that contain words, None without."""
+    found = [(s.level, s.message) for m in heard for s in m.status if words in s.message]
+    return found[-1] if found else None
+
+
+def test_a_batch_is_taken_in_order_and_nothing_is_lost(ros):
+    intake, _ = intake_of(ros)
+    publisher = publisher_to(ros, intake)
+    for message in headings(0, 500):
+        publisher.publish(message)
+    taken = take(ros, intake, 500)
+    assert [m.header.stamp.sec for m in taken] == list(range(500))
+    assert (intake.received, intake.lost, intake.last_sequence) == (500, 0, 500)
+
+
+def test_the_first_message_of_a_publisher_that_waits_is_not_lost_by_best_effort(ros):
+    intake, _ = intake_of(ros)
+    publisher = publisher_to(ros, intake)
+    publisher.publish(headings(7, 8)[0])
+    assert take(ros, intake, 1)[0].header.stamp.sec == 7
+    assert intake.last_sequence == 1
+
+
+def test_messages_that_were_overwritten_are_counted_as_lost(ros):
+    intake, heard = intake_of(ros, QoSProfile(
+        depth=10, reliability=ReliabilityPolicy.BEST_EFFORT))
+    publisher = publisher_to(ros, intake)
+    publisher.publish(headings(0, 1)[0])
+    take(ros, intake, 1)
+    for message in headings(1, 101):
+        publisher.publish(message)
+    taken = take(ros, intake, 10)
+    assert [m.header.stamp.sec for m in taken] == list(range(91, 101))
+    assert intake.lost == 90
+    ros.spin_until(lambda: state(heard, '90 messages lost on the way'))
+
+
+def test_the_executor_does_not_wake_for_a_message(ros):
+    intake, _ = intake_of(ros)
+    publisher = publisher_to(ros, intake)
+    before = intake.received
+    for message in headings(0, 20):
+        publisher.publish(message)
+    for _ in range(30):
+        ros.executor.spin_once(0.005)
+    assert intake.received == before
+    assert len(take(ros, intake, 20)) == 20
+
+
+def test_the_type_of_the_publisher_decides(ros):
+    intake, _ = intake_of(ros)
+    publisher = publisher_to(ros, intake, QuaternionStamped)
+    publisher.publish(QuaternionStamped())
+    assert isinstance(take(ros, intake, 1)[0], QuaternionStamped)
+    assert intake.type_name == 'geometry_msgs/msg/QuaternionStamped'
+
+
+def test_a_type_that_is_no_heading_is_named_with_those_that_are(ros):
+    intake, heard = intake_of(ros)
+    ros.plain.create_publisher(String, 'h', 10)
+    ros.spin_until(lambda: state(heard, 'has the type'))
+    _, words = state(heard, 'has the type')
+    assert words.startswith('h has the type std_msgs/msg/String; taken is sensor_msgs/msg/Imu or')
+    assert intake.take() == []
+
+
+def test_a_second_publisher_is_an_error(ros):
+    intake, heard = intake_of(ros)
+    publisher_to(ros, intake)
+    ros.add(Node, 'rival').create_publisher(Imu, 'h', qos.HEADINGS_OUT)
+    ros.spin_until(lambda: state(heard, '2 publishers'))
+    assert state(heard, '2 publishers')[1] == (
+        '2 publishers on h instead of one: rival, test_node')
+
+
+def test_several_publishers_may_be_allowed(ros):
+    intake, _ = intake_of(ros, sole=False)
+    publisher_to(ros, intake)
+    ros.add(Node, 'rival').create_publisher(Imu, 'h', qos.HEADINGS_OUT)
+    ros.spin_until(lambda: intake.look() == '' and intake.publishers == 2)
+    assert intake.lost == 0
+
+
+def test_publishers_that_count_by_themselves_have_lost_nothing(ros):
+    intake, _ = intake_of(ros, sole=False)
+    one, other = publisher_to(ros, intake), publisher_to(ros, intake)
+    for _ in range(20):
+        one.publish(Imu())
+    for _ in range(20):
+        other.publish(Imu())
+        one.publish(Imu())
+    ros.spin_until(lambda: intake.take() is not None and intake.received == 60)
+    assert intake.lost == 0
+
+
+def test_a_qos_mismatch_is_an_error(ros):
+    intake, heard = intake_of(ros, qos.PAIRS)
+    ros.plain.create_publisher(Imu, 'h', qos.HEADINGS_IN)
+    ros.spin_until(lambda: state(heard, 'QoS mismatch'))
+    assert 'test_node' in state(heard, 'QoS mismatch')[1]
+    assert intake.received == 0
+
+
+def test_silence_is_a_warning(ros):
+    intake, heard = intake_of(ros, stale_s=0.2)
+    publisher_to(ros, intake)
+    ros.spin_until(lambda: state(heard, 'silent for more than 0.2 s'))
+
+
+def test_a_missing_publisher_is_a_warning(ros):
+    _, heard = intake_of(ros)
+    ros.spin_until(lambda: state(heard, 'no publisher on h'))
+
+
+def test_a_publisher_that_begins_anew_has_lost_nothing(ros):
+    intake, _ = intake_of(ros)
+    publisher = publisher_to(ros, intake)
+    for message in headings(0, 5):
+        publisher.publish(message)
+    take(ros, intake, 5)
+    ros.plain.destroy_publisher(publisher)
+    publisher = publisher_to(ros, intake)
+    for message in headings(5, 8):
+        publisher.publish(message)
+    take(ros, intake, 3)
+    assert (intake.received, intake.lost, intake.last_sequence) == (8, 0, 3)
+
+
+def test_an_intake_that_is_not_open_takes_nothing(ros):
+    intake, _ = intake_of(ros)
+    intake.open = False
+    publisher = ros.plain.create_publisher(Imu, 'h', qos.HEADINGS_OUT)
+    ros.spin_until(lambda: intake.look() == '' and intake.publishers == 1)
+    assert publisher.get_subscription_count() == 0
+    intake.open = True
+    ros.spin_until(lambda: intake.take() == [] and publisher.get_subscription_count() == 1)
+
+
+@pytest.mark.parametrize('raw', [False, True])
+def test_messages_come_as_objects_or_as_bytes(ros, raw):
+    intake, _ = intake_of(ros, raw=raw)
+    publisher = publisher_to(ros, intake)
+    publisher.publish(headings(0, 1)[0])
+    assert isinstance(take(ros, intake, 1)[0], bytes if raw else Imu)

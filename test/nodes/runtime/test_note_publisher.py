@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A note of the operator, from one process into the bag that another one records."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.provenance import notes_in
+from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.nodes.runtime.note_publisher import publish_note
+
+# A domain of its own for each process that tests, so that their graphs do not see each other.
+DOMAIN = 1 + os.getpid() % 100
+
+
+def test_a_note_that_nobody_hears_is_an_error():
+    began_s = time.monotonic()
+    with pytest.raises(SettingsError, match='nobody listens to operator/note'):
+        publish_note('course change', patience_s=0.2)
+    assert time.monotonic() - began_s < 3.0
+
+
+@pytest.mark.slow
+def test_a_note_reaches_the_bag_that_is_recorded(tmp_path):
+    (tmp_path / 'mine.yaml').write_text('/**: {ros__parameters: {variant: C}}\n')
+    environment = {**os.environ, 'ROS_DOMAIN_ID': str(DOMAIN),
+                   'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+    command = [sys.executable, '-m', 'heading_intercompare']
+    recorder = subprocess.Popen(
+        [*command, 'record', '-o', 'bag', '--config', 'mine.yaml', '--note', 'MV Example'],
+        env=environment, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    try:
+        done = subprocess.run([*command, 'note', 'course', 'change'], env=environment,
+                              cwd=tmp_path, capture_output=True, text=True, timeout=30)
+        assert (done.returncode, done.stdout) == (0, 'noted: course change\n'), done.stderr
+        recorder.send_signal(signal.SIGINT)
+        said = recorder.communicate(timeout=15)[1]
+    finally:
+        recorder.kill()
+        recorder.wait()
+    assert recorder.returncode == 0 and 'note: course change' in said
+    bag = BagReader(tmp_path / 'bag')
+    assert bag.incomplete is None
+    assert [note.text for note in notes_in(bag)] == ['MV Example', 'course change']
+    assert [(a.name, a.data) for a in bag.attachments()] == [
+        ('mine.yaml', (tmp_path / 'mine.yaml').read_bytes())]
+    stated = bag.metadata()['heading_intercompare']
+    assert stated['settings.variant'] == 'C' and stated['settings.norms.sigma_max_deg'] == 'none'
