@@ -196,12 +196,21 @@ def tables() -> str:
 
 def _module_rows() -> Iterator[str]:
     package = ROOT / 'heading_intercompare'
-    order = ('core', 'drivers', 'ahrs', 'bags', 'report', 'nodes', 'cli')
-    known = {p for p in package.rglob('*.py') if p.stem != '__init__'}
-    for path in sorted(known, key=lambda p: (p.parent != package and (
-            order.index(p.parent.name) if p.parent.name in order else len(order)) + 1, p.stem)):
+    order = ('core', 'drivers', 'ahrs', 'bags', 'report', 'nodes', 'app', 'cli')
+
+    def place(path: Path) -> tuple[int, tuple[str, ...]]:
+        *folders, name = path.relative_to(package).parts
+        at = order.index(folders[0]) if folders and folders[0] in order else len(order)
+        return at + 1 if folders else 0, (*folders, '' if name == '__init__.py' else name)
+
+    for path in sorted(package.rglob('*.py'), key=place):
         tree = ast.parse(path.read_text('utf-8'))
         summary = (ast.get_docstring(tree) or '').partition('\n\n')[0].replace('\n', ' ')
+        if path.stem == '__init__':
+            if path.parent != package:
+                room = path.parent.relative_to(package).as_posix()
+                yield f'| **`{room}`** | {_cell(summary)} | |'
+            continue
         public = [name for node in tree.body if isinstance(node, ast.Assign)
                   and getattr(node.targets[0], 'id', '') == '__all__'
                   for name in ast.literal_eval(node.value)]

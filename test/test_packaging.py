@@ -90,7 +90,7 @@ def test_the_maintainer_has_an_address_that_colcon_accepts():
 
 def test_every_message_package_that_nodes_import_is_a_dependency():
     imported = set()
-    for path in [*(ROOT / NAME / 'nodes').glob('*.py'), *(ROOT / NAME / 'cli').glob('*.py')]:
+    for path in [*(ROOT / NAME / 'nodes').rglob('*.py'), *(ROOT / NAME / 'cli').rglob('*.py')]:
         for node in ast.walk(ast.parse(path.read_text('utf-8'))):
             if isinstance(node, ast.ImportFrom) and node.module and not node.level:
                 imported.add(node.module.partition('.')[0])
