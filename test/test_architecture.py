@@ -51,7 +51,7 @@ ALLOWED = {
 # imports only what stands before it.
 ORDER = {
     'core': ('records', 'angles', 'settings', 'outcome', 'version', 'statistics', 'pairing',
-             'timing', 'decision', 'runs', 'diagnostics', 'verdict', 'pipeline', 'offline'),
+             'timing', 'decision', 'runs', 'conditions', 'diagnostics', 'verdict', 'pipeline', 'offline'),
     'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'gimballed',
              'sensors', 'simulator'),
     'bags': ('errors', 'checked_text', 'settings', 'mcap', 'codec', 'parallel', 'rosbag2',
