@@ -9,9 +9,9 @@ import math
 
 from .settings import Errors, Sensor
 
-__all__ = ['ERRORS', 'errors_of', 'SENSORS', 'terms_of']
+__all__ = ['ERRORS', 'errors_of', 'terms_of']
 
-SENSORS = {
+_SENSORS = {
     'ideal': {},
     'gnss_compass': {'white_deg': 0.05, 'markov_deg': 0.08, 'markov_tau_s': 200.0},
     'dtg_precision': {},
@@ -68,7 +68,7 @@ def errors_of(model: str, own: Errors) -> Errors:
 def terms_of(sensor: Sensor) -> Sensor:
     """Return the settings with the error terms of the named model joined to those given."""
     terms = {}
-    for name, value in SENSORS[sensor.model].items():
+    for name, value in _SENSORS[sensor.model].items():
         if name == 'markov_tau_s':
             terms[name] = sensor.markov_tau_s if sensor.markov_deg else value
         else:

@@ -14,7 +14,7 @@ from heading_intercompare.core.settings import declared, flattened, Settings, Se
 
 from .yaml_file import load_yaml, parse_yaml
 
-__all__ = ['Config', 'load_config', 'parse_assignments', 'settings_for']
+__all__ = ['Config', 'load_config', 'settings_for']
 
 SHARED = '/**'
 """The section whose names every node and every command knows."""
@@ -74,7 +74,7 @@ def load_config(path: str | None) -> Config:
     return Config(path, sections.pop(SHARED, {}), sections)
 
 
-def parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
+def _parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
     """
     Return the names and values of ``--set name=value`` options.
 
@@ -122,6 +122,6 @@ def settings_for(config: Config, assignments: Sequence[str] = (),
         from_file = Settings.from_mapping(config.shared).to_mapping() if config.shared else {}
     except SettingsError as error:
         raise SettingsError(f'{config.path}: {error}') from error
-    given = {**from_file, **parse_assignments(assignments),
+    given = {**from_file, **_parse_assignments(assignments),
              **{k: v for k, v in overrides.items() if v is not None}}
     return Settings.from_mapping(given)

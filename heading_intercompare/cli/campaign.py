@@ -24,7 +24,7 @@ from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 
-__all__ = ['cores', 'judge_inputs', 'MOST_READERS', 'positive', 'Workers']
+__all__ = ['cores', 'judge_inputs', 'MOST_READERS', 'positive']
 
 #: Together smaller inputs are judged here: to start processes would take longer.
 _WORTH_BYTES = 100_000_000
@@ -37,7 +37,7 @@ _ONE_THREAD = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
 _DIED = 'the process that judged it died (out of memory?)'
 
 
-class Workers(Protocol):
+class _Workers(Protocol):
     """Who judges several inputs at once: processes of this machine, or a cluster."""
 
     def open(self) -> ContextManager[Executor]:
@@ -161,7 +161,7 @@ def _once(judged: Sequence[Judged]) -> list[Judged]:
     return found
 
 
-def _cluster(address: str) -> Workers:
+def _cluster(address: str) -> _Workers:
     """Return the workers of a Dask cluster, whose library need not be installed."""
     try:
         from heading_intercompare.app.cluster import Cluster
@@ -206,7 +206,7 @@ def _begin(ended: Connection) -> None:
     Thread(target=watch, daemon=True).start()
 
 
-def _parallel(job: Job, paths: Sequence[str], workers: Workers,
+def _parallel(job: Job, paths: Sequence[str], workers: _Workers,
               progress: Progress) -> list[Judged]:
     """Judge in other processes, the largest inputs first, so that none is left to the end."""
     order = sorted(range(len(paths)), key=lambda at: -_size(paths[at]))

@@ -14,10 +14,10 @@ from heading_intercompare.core.records import Headings
 from .framing import Frame, Framer, KEPT_PREFIX
 from .log_stamps import day_time_ns, log_stamp_ns, nearest_day_ns, zda_ns
 from .sentence_choice import accepts, best, heard_in
-from .sentences import heading_of, identify, may_lack_checksum, Name, PARSERS, Rejected
+from .sentences import heading_of, identify, may_lack_checksum, Name, Rejected
 from .settings import DriverSettings
 
-__all__ = ['NmeaDecoder', 'PARSERS']
+__all__ = ['NmeaDecoder']
 
 
 class _Column:

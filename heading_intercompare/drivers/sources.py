@@ -19,8 +19,7 @@ from typing import Any, Callable, Protocol
 from .playback import FileSource
 from .settings import Address, DriverError, DriverSettings
 
-__all__ = ['FileSource', 'LineSource', 'open_source', 'SerialLine', 'Source', 'SOURCES',
-           'TcpLine', 'UdpSource']
+__all__ = ['FileSource', 'LineSource', 'open_source', 'Source', 'TcpLine', 'UdpSource']
 
 _MAX_READ = 1000
 _LINE_END = b'\r\n'
@@ -142,7 +141,7 @@ class TcpLine:
             self._socket = None
 
 
-class SerialLine:
+class _SerialLine:
     """
     Serial device, 8N1.
 
@@ -189,7 +188,7 @@ class LineSource:
     continue it.
     """
 
-    def __init__(self, settings: DriverSettings, line: TcpLine | SerialLine,
+    def __init__(self, settings: DriverSettings, line: TcpLine | _SerialLine,
                  now_ns: Callable[[], int] = time.time_ns, *,
                  clock: Callable[[], float] = time.monotonic,
                  wait: Callable[[float], Any] = time.sleep) -> None:
@@ -240,13 +239,13 @@ def _open_tcp(settings: DriverSettings, now_ns: Callable[[], int]) -> LineSource
 
 def _open_serial(settings: DriverSettings, now_ns: Callable[[], int]) -> LineSource:
     """Open the device at once, for a wrong name is the user's mistake."""
-    source = LineSource(settings, SerialLine(settings.address), now_ns)
+    source = LineSource(settings, _SerialLine(settings.address), now_ns)
     source.connect(0.0)
     return source
 
 
 #: Scheme of a source URL -> what opens it.
-SOURCES: dict[str, Callable[[DriverSettings, Callable[[], int]], Source]] = {
+_SOURCES: dict[str, Callable[[DriverSettings, Callable[[], int]], Source]] = {
     'file': FileSource, 'udp': UdpSource, 'tcp': _open_tcp, 'serial': _open_serial}
 
 
@@ -272,4 +271,4 @@ def open_source(settings: DriverSettings, now_ns: Callable[[], int] = time.time_
         If a log is empty or a csv, or pyserial is missing.
 
     """
-    return SOURCES[settings.address.scheme](settings, now_ns)
+    return _SOURCES[settings.address.scheme](settings, now_ns)

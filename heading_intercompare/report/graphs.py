@@ -14,7 +14,7 @@ from .markup import Markup
 from .series_sketch import HEADING_BINS, SeriesSketch
 from .svg import Plot
 
-__all__ = ['graphs', 'runs_of']
+__all__ = ['graphs']
 
 _LIMIT, _TIGHTENED, _SIGMA, _NORM = '9 4', '2 3', '9 3 2 3', '14 4'
 _HISTOGRAM_BARS = 120
@@ -23,7 +23,7 @@ _LOST_AT_MOST = 0.02
 Run = Mapping[str, Any]
 
 
-def runs_of(sketch: SeriesSketch, runs: Sequence[Run]) -> list[Run]:
+def _runs_of(sketch: SeriesSketch, runs: Sequence[Run]) -> list[Run]:
     """Return the runs that lie in a sketch: of its source, else of any, by their time."""
     if sketch.time.start_ns is None:
         return []
@@ -45,7 +45,7 @@ def graphs(sketch: SeriesSketch, verdict: Mapping[str, Any]) -> Iterator[Markup]
     """
     if not sketch.n:
         return
-    runs = runs_of(sketch, verdict['runs'])
+    runs = _runs_of(sketch, verdict['runs'])
     name = _name(runs)
     bands = [_Band(run, verdict['settings']['variant']) for run in runs]
     norm = verdict['settings']['norms.total_error_max_deg']

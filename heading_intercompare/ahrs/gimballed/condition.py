@@ -14,8 +14,7 @@ from .alignment import COARSE_S, METER_TURN_RAD_S, POST_S
 from .instruments import Thermostat
 from .modes import AhrsStatus, Mode, Validity
 
-__all__ = ['Condition', 'condition', 'FAILED', 'PASSED', 'PENDING', 'progress', 'SELF_TESTS',
-           'self_tests']
+__all__ = ['Condition', 'condition', 'progress', 'SELF_TESTS', 'self_tests']
 
 SELF_TESTS = {
     'post': Mode.POST,
@@ -28,7 +27,7 @@ SELF_TESTS = {
 }
 """The built-in tests, and the mode behind which each has been passed."""
 
-PENDING, PASSED, FAILED = 'pending', 'passed', 'failed'
+_PENDING, _PASSED, _FAILED = 'pending', 'passed', 'failed'
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +114,7 @@ def self_tests(reached: Mode, faults: Collection[str]) -> dict[str, str]:
     'pending'
 
     """
-    return {name: FAILED if name in faults else PASSED if reached > last else PENDING
+    return {name: _FAILED if name in faults else _PASSED if reached > last else _PENDING
             for name, last in SELF_TESTS.items()}
 
 

@@ -14,13 +14,13 @@ from heading_intercompare.ahrs.settings import Ahrs, Errors
 from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, RAD_PER_DEG_SQRT_H, UG_M_S2
 from heading_intercompare.ahrs.ship.seaway import GRID_S
 
-__all__ = ['ACCELEROMETERS', 'GYROS', 'Instruments', 'Thermostat']
+__all__ = ['Instruments', 'Thermostat']
 
-GYROS = ('drift_x', 'drift_y', 'drift_z', 'meter_x', 'meter_y')
+_GYROS = ('drift_x', 'drift_y', 'drift_z', 'meter_x', 'meter_y')
 """Gyro channels: the gyro vertical about x and y, the course gyro about z, its two axes as a
 meter."""
 
-ACCELEROMETERS = ('bias_x', 'bias_y')
+_ACCELEROMETERS = ('bias_x', 'bias_y')
 
 
 class Thermostat:
@@ -95,15 +95,15 @@ class Instruments:
         self.log_scale = errors.log_scale * draw[13]
         bias = (self._stream('bias').standard_normal(4) * self._noise).tolist()
         self.bias = [UG_M_S2 * self._fixed.get(name, errors.accelerometer_bias_ug * n)
-                     for name, n in zip(ACCELEROMETERS, bias)]
+                     for name, n in zip(_ACCELEROMETERS, bias)]
         self.bias_heat = [UG_M_S2 * errors.accelerometer_temperature_ug_k * n for n in bias[2:4]]
         self.spin_axis = (math.radians(errors.spin_axis_arcsec / 3600.0) * self._noise)
         gyro = errors.markov_deg_h * RAD_PER_DEG_H
         force = errors.accelerometer_markov_ug * UG_M_S2
         self._coloured = {
-            **{name: self._markov(name, gyro, errors.markov_tau_s) for name in GYROS},
+            **{name: self._markov(name, gyro, errors.markov_tau_s) for name in _GYROS},
             **{name: self._markov(name, force, errors.accelerometer_markov_tau_s)
-               for name in ACCELEROMETERS},
+               for name in _ACCELEROMETERS},
             'log': self._markov('log', errors.log_markov_m_s, errors.log_markov_tau_s),
             'gps': self._markov('gps', math.radians(errors.gps_deg), errors.gps_tau_s),
             'flexure': self._markov('flexure', math.radians(errors.flexure_deg),
@@ -112,9 +112,9 @@ class Instruments:
         walk = errors.random_walk_deg_sqrt_h * RAD_PER_DEG_SQRT_H / root
         shake = errors.accelerometer_white_ug * UG_M_S2 / root
         self._white = {name: (walk * self._noise, self._stream(f'{name}.white'))
-                       for name in GYROS}
+                       for name in _GYROS}
         self._white.update({name: (shake * self._noise, self._stream(f'{name}.white'))
-                            for name in ACCELEROMETERS})
+                            for name in _ACCELEROMETERS})
         self.gyro_bias = [0.0] * 5
         self.power_on()
 
@@ -125,7 +125,7 @@ class Instruments:
                  + [errors.turn_on_deg_h] * 2) if self._aligned else [errors.turn_on_deg_h] * 5
         drawn = (self._turn_ons.standard_normal(5) * self._noise).tolist()
         self.gyro_bias = [RAD_PER_DEG_H * self._fixed.get(name, size * n)
-                          for name, size, n in zip(GYROS, sizes, drawn)]
+                          for name, size, n in zip(_GYROS, sizes, drawn)]
         self._aligned = False
 
     def step(self) -> None:

@@ -17,9 +17,9 @@ from .claims import alignment_sigma, azimuth_sigma, gyrocompass_sigma, output_si
 from .control_laws import settled_rate
 from .modes import Mode, Validity
 
-__all__ = ['POLE_RAD', 'PROCEDURES']
+__all__ = ['PROCEDURES']
 
-POLE_RAD = math.radians(85.0)
+_POLE_RAD = math.radians(85.0)
 FIX_EVERY_S, FIX_S = 1800.0, 600.0
 SECOND = steps(1.0)
 
@@ -38,7 +38,7 @@ def gyrocompass(ahrs: Machine) -> Procedure:
         for _ in range(SECOND):
             yield computer.gyrocompass()
         latitude_rad = computer.latitude_rad
-        if abs(latitude_rad) > POLE_RAD:
+        if abs(latitude_rad) > _POLE_RAD:
             ahrs.say('too near the pole for a gyrocompass')
             return Mode.GYRO_AZIMUTH
         recent.append(computer.correction_rad_s**2)

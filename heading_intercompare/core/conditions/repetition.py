@@ -10,7 +10,7 @@ import numpy as np
 
 from heading_intercompare.core.angles import unwrap_deg
 
-__all__ = ['part_means', 'range_deg', 'Windows']
+__all__ = ['Windows']
 
 _PART_S = 1.0
 _MOST_PARTS = 1024
@@ -29,7 +29,7 @@ _SWING_S = 32.0
 _NORMS, _RANGE_NORMS = 1.5, 8.0
 
 
-def part_means(stamps: np.ndarray, values: np.ndarray) -> np.ndarray:
+def _part_means(stamps: np.ndarray, values: np.ndarray) -> np.ndarray:
     """
     Return the means of a heading over about a second each; the readings, if they are fewer.
 
@@ -63,9 +63,9 @@ def part_means(stamps: np.ndarray, values: np.ndarray) -> np.ndarray:
     return unwrap_deg(values[taken].ravel()).reshape(taken.shape).mean(axis=1)
 
 
-def range_deg(stamps: np.ndarray, values: np.ndarray) -> float:
-    """Return the range of the `part_means`; 0 for n = 0."""
-    return float(np.ptp(part_means(stamps, values))) if values.size else 0.0
+def _range_deg(stamps: np.ndarray, values: np.ndarray) -> float:
+    """Return the range of the `_part_means`; 0 for n = 0."""
+    return float(np.ptp(_part_means(stamps, values))) if values.size else 0.0
 
 
 class Windows:
@@ -112,7 +112,7 @@ class Windows:
             Degrees; None if it moves no further.
 
         """
-        moved = range_deg(self._stamps[lo:hi], self._other[lo:hi])
+        moved = _range_deg(self._stamps[lo:hi], self._other[lo:hi])
         if moved <= grain_deg:
             return None
         span = max((int(self._stamps[hi - 1]) - int(self._stamps[lo])) / 1e9, self._least_s,
@@ -129,7 +129,7 @@ class Windows:
             rows, apart = self._ranges(length)
             if apart < _LEAST_WINDOWS or length > span:
                 continue
-            most = max((range_deg(self._stamps[a:b], self._other[a:b])
+            most = max((_range_deg(self._stamps[a:b], self._other[a:b])
                         for a, b in self._within(lo, hi, length, 2)), default=0.0)
             allowed = _allowed_deg(rows, length, most, rounded)
             if most > allowed:
@@ -150,7 +150,7 @@ class Windows:
         allowed = grain_deg + _RANGE_NORMS * sigma
         if moved > allowed:
             return moved, allowed
-        swings = [float(np.var(part_means(self._stamps[a:b], self._other[a:b]), ddof=1))
+        swings = [float(np.var(_part_means(self._stamps[a:b], self._other[a:b]), ddof=1))
                   for a, b in self._within(lo, hi, _SWING_S, 1)]
         if len(swings) < _LEAST_WINDOWS:
             return None
@@ -192,7 +192,7 @@ class Windows:
         rows, apart, end = [], 0, int(stamps[0])
         for a, b, begin in zip(lo.tolist(), hi.tolist(), begins.tolist()):
             own, other = self._heading[a:b], self._other[a:b]
-            rows.append([range_deg(stamps[a:b], h) for h in (own, other, own - other)])
+            rows.append([_range_deg(stamps[a:b], h) for h in (own, other, own - other)])
             if begin >= end:
                 apart, end = apart + 1, begin + length
         return np.array(rows).reshape(-1, 3).T, apart

@@ -10,13 +10,12 @@ from typing import Mapping
 from heading_intercompare.core.settings import Risk
 
 __all__ = ['Coverage', 'coverage_of', 'least_apart_s', 'least_duration_s', 'least_duration_words',
-           'least_together_s', 'LEAST_TIMES', 'SENSOR_CLASSES', 'SensorClass', 'slowest_error_s',
-           'span_words', 'UNSTATED_LEAST_S']
+           'least_together_s', 'SENSOR_CLASSES', 'SensorClass', 'slowest_error_s', 'span_words']
 
-LEAST_TIMES = 20.0
+_LEAST_TIMES = 20.0
 """Correlation times that a record must hold for the risks to be kept."""
 
-UNSTATED_LEAST_S = 600.0
+_UNSTATED_LEAST_S = 600.0
 """Least duration of a run where nobody states the slowest error, seconds."""
 
 
@@ -47,7 +46,7 @@ class SensorClass:
     @property
     def least_s(self) -> float:
         """Length of the run that follows, seconds."""
-        return LEAST_TIMES * self.slowest_s
+        return _LEAST_TIMES * self.slowest_s
 
 
 SENSOR_CLASSES: Mapping[str, SensorClass] = {
@@ -156,20 +155,20 @@ def least_duration_s(risk: Risk) -> float:
 
     """
     slowest = slowest_error_s(risk)
-    stated = [s for s in (None if slowest is None else LEAST_TIMES * slowest,
+    stated = [s for s in (None if slowest is None else _LEAST_TIMES * slowest,
                           risk.min_duration_s) if s is not None]
-    return max(stated, default=UNSTATED_LEAST_S)
+    return max(stated, default=_UNSTATED_LEAST_S)
 
 
 def least_apart_s(risk: Risk) -> float:
     """Return how far apart runs must be for their means to count as independent, seconds."""
     slowest = slowest_error_s(risk)
-    return UNSTATED_LEAST_S if slowest is None else slowest
+    return _UNSTATED_LEAST_S if slowest is None else slowest
 
 
 def least_together_s(risk: Risk) -> float:
     """Return how long runs must be together to comply by their means, seconds."""
-    return UNSTATED_LEAST_S if risk.min_duration_s is None else risk.min_duration_s
+    return _UNSTATED_LEAST_S if risk.min_duration_s is None else risk.min_duration_s
 
 
 def least_duration_words(risk: Risk) -> str:
@@ -186,9 +185,9 @@ def least_duration_words(risk: Risk) -> str:
     slowest = slowest_error_s(risk)
     if slowest is None:
         return f'{text}; its slowest error is not stated (risk.slowest_error_s)'
-    if risk.min_duration_s is not None and risk.min_duration_s > LEAST_TIMES * slowest:
+    if risk.min_duration_s is not None and risk.min_duration_s > _LEAST_TIMES * slowest:
         return f'{text} (risk.min_duration_s)'
-    return f'{text}: {LEAST_TIMES:g} times its slowest error, {span_words(slowest)}'
+    return f'{text}: {_LEAST_TIMES:g} times its slowest error, {span_words(slowest)}'
 
 
 def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None) -> Coverage:
@@ -204,7 +203,7 @@ def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None) -> C
         Shortest time between runs whose means stand in for slower errors, seconds.
 
     """
-    longest = span_s / LEAST_TIMES
+    longest = span_s / _LEAST_TIMES
     if apart_s is None:
         return Coverage(span_s, longest, slowest_error_s(risk), least_duration_s(risk))
     return Coverage(span_s, max(longest, apart_s), slowest_error_s(risk), least_together_s(risk),

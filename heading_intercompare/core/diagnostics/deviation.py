@@ -16,9 +16,9 @@ from heading_intercompare.core.angles import unwrap_deg, wrap360
 from heading_intercompare.core.statistics.autocorrelation import sokal_times
 from heading_intercompare.core.statistics.blocking import block_means, block_size
 
-__all__ = ['deviation', 'HeadingDependence', 'largest_empty_arc', 'WORST_CONDITION']
+__all__ = ['deviation', 'HeadingDependence', 'largest_empty_arc']
 
-WORST_CONDITION = 1e4
+_WORST_CONDITION = 1e4
 """Largest condition number at which coefficients are given: headings all round give 2."""
 
 _TERMS = 5
@@ -163,7 +163,7 @@ def deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
         gram += basis @ basis.T
         right += basis @ (x[part] - first)
     condition = float(np.linalg.cond(gram / n))
-    if not condition <= WORST_CONDITION:
+    if not condition <= _WORST_CONDITION:
         return HeadingDependence(n, 'headings_too_narrow', arc,
                                  condition if math.isfinite(condition) else None)
     beta = np.linalg.solve(gram, right)

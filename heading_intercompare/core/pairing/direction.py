@@ -16,9 +16,9 @@ import numpy as np
 
 from heading_intercompare.core.settings import Pairing
 
-__all__ = ['Direction', 'is_slower', 'RATIO', 'typical_step_ns']
+__all__ = ['Direction', 'is_slower', 'typical_step_ns']
 
-RATIO = (3, 2)
+_RATIO = (3, 2)
 """So many times longer than that of the TS must the step of a slower RS be."""
 
 
@@ -78,7 +78,7 @@ def is_slower(ts_step_ns: int | None, rs_step_ns: int | None, slow_ns: int) -> b
     """
     if ts_step_ns is None or rs_step_ns is None:
         return None
-    more, than = RATIO
+    more, than = _RATIO
     return rs_step_ns > slow_ns and than * rs_step_ns > more * ts_step_ns
 
 

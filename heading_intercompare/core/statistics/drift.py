@@ -17,10 +17,10 @@ from .blocking import block_means, block_size, student_95
 from .cells import Cells
 from .variance_uncertainty import MEAN_DOF, Spread, spread
 
-__all__ = ['bic_of', 'blocked', 'drift_left_deg2', 'HIGHEST_ORDER', 'Order', 'Polynomial',
-           'remove_polynomial', 'rounding_floor', 'select_order', 'Slope', 'slope']
+__all__ = ['bic_of', 'blocked', 'drift_left_deg2', 'Order', 'Polynomial', 'remove_polynomial',
+           'rounding_floor', 'select_order', 'Slope', 'slope']
 
-HIGHEST_ORDER = 3
+_HIGHEST_ORDER = 3
 """Largest order of a polynomial that may be removed."""
 
 #: Products of so many stay in one thread, as in `deviation`.
@@ -106,8 +106,8 @@ def remove_polynomial(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> Poly
     [2.5, 1.5]
 
     """
-    if not 0 <= order <= HIGHEST_ORDER:
-        raise ValueError(f'order = {order!r}: must be from 0 to {HIGHEST_ORDER}')
+    if not 0 <= order <= _HIGHEST_ORDER:
+        raise ValueError(f'order = {order!r}: must be from 0 to {_HIGHEST_ORDER}')
     stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
     if not x.size:
         return Polynomial(0, (), x.copy())
@@ -200,14 +200,14 @@ def select_order(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Order | None:
     t, z, _ = blocked(stamps, x)
     z = z - z.mean()
     u = 2.0 * (t - t[0]) / (t[-1] - t[0]) - 1.0
-    basis = legvander(u, HIGHEST_ORDER + 1)
+    basis = legvander(u, _HIGHEST_ORDER + 1)
     floor = rounding_floor(x)
     values = []
-    for p in range(HIGHEST_ORDER + 2):
+    for p in range(_HIGHEST_ORDER + 2):
         part = basis[:, :p + 1]
         left = z - part @ np.linalg.lstsq(part, z, rcond=None)[0]
         values.append(bic_of(float(left @ left), z.size, p + 2, floor))
-    order = int(np.argmin(values[:HIGHEST_ORDER + 1]))
+    order = int(np.argmin(values[:_HIGHEST_ORDER + 1]))
     return Order(order, tuple(v if math.isfinite(v) else None for v in values), z.size,
                  values[-1] < values[order])
 

@@ -15,9 +15,9 @@ from heading_intercompare.core.statistics.blocking import block_means, block_siz
 
 from .heading_track import Track
 
-__all__ = ['BLOCK_S', 'common_tracks', 'Fit', 'HALF_SPAN_S', 'Instrument', 'LEAST_STRENGTH']
+__all__ = ['common_tracks', 'Fit', 'HALF_SPAN_S', 'Instrument', 'LEAST_STRENGTH']
 
-BLOCK_S = 0.1
+_BLOCK_S = 0.1
 """Longest block that pairs are averaged over, seconds."""
 
 HALF_SPAN_S = 0.5
@@ -28,7 +28,7 @@ LEAST_STRENGTH = 10.0
 
 
 def common_tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray,
-                  block_s: float = BLOCK_S) -> tuple[Track, Track]:
+                  block_s: float = _BLOCK_S) -> tuple[Track, Track]:
     """
     Return TS and RS on common times, averaged over short blocks.
 

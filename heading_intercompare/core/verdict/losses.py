@@ -12,7 +12,7 @@ from heading_intercompare.core.settings import Settings
 from .validity import DOUBTFUL, Finding, HOLDS, NOT_TESTABLE, VOID
 from .verdict_document import RunVerdict
 
-__all__ = ['find_losses', 'judge_losses', 'lost_shares']
+__all__ = ['find_losses', 'judge_losses']
 
 
 def find_losses(run: RunVerdict, share: LedgerSegment | None, inside: LedgerSegment | None,
@@ -32,13 +32,13 @@ def find_losses(run: RunVerdict, share: LedgerSegment | None, inside: LedgerSegm
         `detectors.lost_doubtful` and `detectors.lost_void`.
 
     """
-    shares = list(lost_shares(run))
+    shares = list(_lost_shares(run))
     if share is not None and inside is not None:
         shares += _ledger_shares(run, share, inside, settings)
     return judge_losses(shares, settings)
 
 
-def lost_shares(run: RunVerdict) -> Iterator[tuple[str, float]]:
+def _lost_shares(run: RunVerdict) -> Iterator[tuple[str, float]]:
     """Yield the share of the pairs that gaps between them leave out, if it can be told."""
     lost = run.correlation.stamps.lost_share
     if lost is not None:

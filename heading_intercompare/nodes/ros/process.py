@@ -26,9 +26,9 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.drivers.settings import DriverError
 
-__all__ = ['end', 'Ending', 'MISTAKES', 'run', 'spinning', 'Stop', 'words']
+__all__ = ['end', 'run', 'spinning', 'Stop', 'words']
 
-MISTAKES = (SettingsError, DriverError, BagError, OSError)
+_MISTAKES = (SettingsError, DriverError, BagError, OSError)
 """What a user can cause; the text of each is one line that says what is wrong."""
 
 # Longest time that a node may take to end; `ros2 launch` kills after 10 s.
@@ -38,7 +38,7 @@ _END_S = 9.0
 _LINGER_S = 0.5
 
 
-class Ending(Protocol):
+class _Ending(Protocol):
     """
     What every node here has beside being a Node.
 
@@ -146,7 +146,7 @@ def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None)
                 while not (stop.requested or nodes[0].done):
                     executor.spin_once(0.2)
                 end(executor, nodes, _LINGER_S)
-    except MISTAKES as error:
+    except _MISTAKES as error:
         sys.stderr.write(f'{name}: error: {words(error)}\n')
         return 2
     finally:
