@@ -53,7 +53,7 @@ from heading_intercompare.bags.codec.schemas import shipped_schema
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.cli.campaign import cores, MOST_READERS
+from heading_intercompare.cli.campaign import count_cores, MOST_READERS
 from heading_intercompare.core.angles import quaternion_from_heading
 from heading_intercompare.core.records import Headings, Pairs
 
@@ -63,7 +63,7 @@ QUATERNION = 'geometry_msgs/msg/QuaternionStamped'
 RATE_HZ = 100
 LIGHTEST = QUATERNION, 'none'
 MCAP_LEAST, ROSBAGS_LEAST, CHUNKS_MOST = 40.0, 20.0, 3.0
-HELPERS = min(cores(), MOST_READERS) - 1
+HELPERS = min(count_cores(), MOST_READERS) - 1
 #: Chunks of rosbag2 have so many bytes unless it is told otherwise.
 ROS2_CHUNK_BYTES = 786432
 

@@ -19,9 +19,9 @@ from heading_intercompare.core.settings import Risk
 from heading_intercompare.core.statistics.cells import Cells
 from heading_intercompare.core.statistics.variance_uncertainty import (
     between_runs,
+    estimate_spread,
     lower_bound,
     pool,
-    spread,
     upper_bound,
 )
 
@@ -47,7 +47,7 @@ def _campaigns(lengths: tuple[int, ...], errors: Errors, count: int, rng: np.ran
     runs = [(x for many in batches(errors, n, count, child) for x in many)
             for n, child in zip(lengths, rng.spawn(m))]
     for together in zip(*runs):
-        figures = [spread(Cells.of(x)) for x in together]
+        figures = [estimate_spread(Cells.of(x)) for x in together]
         pooled = pool(figures)
         rows.append((max(upper_bound(f, alpha) for f in figures),
                      max(lower_bound(f, alpha / m) for f in figures),
@@ -123,7 +123,7 @@ def _looks(name: str, samples: int, errors: Errors, count_of_looks: int,
         for many in batches(errors, n + 1, runs_for(n, wanted), rng):
             for x in many:
                 for size, look in looks:
-                    f = spread(Cells.of(x[:size]))
+                    f = estimate_spread(Cells.of(x[:size]))
                     rows.append((lower_bound(f, look.risk.alpha_producer),
                                  upper_bound(f, look.risk.alpha_consumer),
                                  lower_bound(f, alpha), upper_bound(f, alpha)))
@@ -175,7 +175,7 @@ def _power(name: str, samples: int, errors: Errors) -> Campaign:
             n = times * samples
             for many in batches(errors, n, runs_for(n, wanted), rng):
                 for x in many:
-                    f = spread(Cells.of(x))
+                    f = estimate_spread(Cells.of(x))
                     now.append((lower_bound(f, alpha), upper_bound(f, alpha)))
                     j = former_rule(x, alpha)
                     before.append((j.lower_deg2, j.upper_deg2) if j.is_open else (0.0, math.inf))

@@ -16,8 +16,8 @@ from risk_rows import AUTO, Row
 from heading_intercompare.core.statistics.cells import Cells
 from heading_intercompare.core.statistics.drift import remove_polynomial, select_order
 from heading_intercompare.core.statistics.variance_uncertainty import (
+    estimate_spread,
     lower_bound,
-    spread,
     upper_bound,
 )
 
@@ -141,7 +141,7 @@ def runs_of(row: Row, count: int, rng: np.random.Generator,
 def bounds_of(x: np.ndarray, stamps: np.ndarray | None, order: int,
               alpha: float) -> tuple[float, float]:
     """Return L and U of one run; 0 and infinity where the rule makes no statement."""
-    figures = spread(Cells.of(x) if stamps is None else Cells.of(x, stamps), order)
+    figures = estimate_spread(Cells.of(x) if stamps is None else Cells.of(x, stamps), order)
     if figures is None:
         return 0.0, math.inf
     return lower_bound(figures, alpha), upper_bound(figures, alpha)

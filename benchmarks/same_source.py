@@ -27,7 +27,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
-from heading_intercompare.core.conditions.one_source import one_source, OneSource
+from heading_intercompare.core.conditions.one_source import find_one_source, OneSource
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.runs.run_series import RunSeries
@@ -162,9 +162,9 @@ def judged(run: Run, ts_t: np.ndarray, ts: np.ndarray) -> OneSource:
                     Headings.of(stamps(run.t + run.jitter), run.rs % 360.0), run.settings)
     taken = RunSeries(0, run.settings)
     taken.update(pairs)
-    return one_source(taken.stamp_ns.values, taken.x_deg.values, taken.rs_deg.values,
-                      factor=taken.factor.values, interpolates_ts=taken.interpolates_ts,
-                      share=run.settings.detectors.same_source_share)
+    return find_one_source(taken.stamp_ns.values, taken.x_deg.values, taken.rs_deg.values,
+                           factor=taken.factor.values, interpolates_ts=taken.interpolates_ts,
+                           share=run.settings.detectors.same_source_share)
 
 
 def exact(run: Run) -> OneSource:

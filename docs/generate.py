@@ -16,7 +16,7 @@ from typing import Any, Iterator, Mapping, NamedTuple
 
 from heading_intercompare.ahrs.settings import Scenario, Sensor
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.core.settings import declared, Setting, Settings
+from heading_intercompare.core.settings import list_settings, Setting, Settings
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.nodes.settings import (
     ComplianceNode,
@@ -107,7 +107,7 @@ CHAPTERS = (
 def rules(section: Section) -> Iterator[Setting]:
     """Yield the settings of a section."""
     for settings in section.classes:
-        yield from declared(settings)
+        yield from list_settings(settings)
 
 
 def _scalar(value: Any) -> str:
@@ -186,7 +186,7 @@ def tables() -> str:
         lines += ['', f'## {title}', '', f'{comment} Class `{settings.__module__}.'
                   f'{settings.__qualname__}`.', '',
                   '| name | default | meaning | allowed |', '|---|---|---|---|']
-        for rule in declared(settings):
+        for rule in list_settings(settings):
             if settings is Scenario and '.' in rule.name:
                 continue
             lines.append(f'| `{rule.name}` | {_default(rule.default)} '

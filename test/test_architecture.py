@@ -51,7 +51,8 @@ ALLOWED = {
 # imports only what stands before it.
 ORDER = {
     'core': ('records', 'angles', 'settings', 'outcome', 'version', 'statistics', 'pairing',
-             'timing', 'decision', 'runs', 'conditions', 'diagnostics', 'verdict', 'pipeline', 'offline'),
+             'timing', 'decision', 'runs', 'conditions', 'diagnostics', 'verdict', 'pipeline',
+             'offline'),
     'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'gimballed',
              'sensors', 'simulator'),
     'bags': ('errors', 'checked_text', 'settings', 'mcap', 'codec', 'parallel', 'rosbag2',
@@ -227,7 +228,7 @@ def test_a_module_imports_only_rooms_that_stand_before_its_own(path):
 
 
 @pytest.mark.parametrize('module, statement', [
-    ('core.pairing.pairer', 'from heading_intercompare.core.verdict.judge import judge'),
+    ('core.pairing.pairer', 'from heading_intercompare.core.verdict.judge import judge_run'),
     ('core.settings', 'from .offline import analyze'),
     ('core.statistics.cells', 'from ..runs import run_series'),
     ('core.helpers.sums', 'import math'),

@@ -13,9 +13,9 @@ import pytest
 from heading_intercompare.core.statistics.cells import Cells
 from heading_intercompare.core.statistics.variance_uncertainty import (
     between_runs,
+    estimate_spread,
     lower_bound,
     pool,
-    spread,
     upper_bound,
 )
 
@@ -93,7 +93,7 @@ def test_the_rule_is_that_of_the_plain_loop(errors, sampling, rng):
         if sampling:
             at = getattr(processes, sampling)(rng, n)
             x, stamps = x[at], at * 100_000_000
-        found = spread(Cells.of(x, stamps), order)
+        found = estimate_spread(Cells.of(x, stamps), order)
         plain = plain_rule.spread(x, order, stamps)
         if plain is None:
             assert found is None
@@ -112,7 +112,8 @@ def test_the_rule_is_that_of_the_plain_loop(errors, sampling, rng):
 def test_several_runs_are_judged_as_by_the_plain_loop(rng):
     runs = [ERRORS['slow'](rng, 1, n)[0] for n in (600, 1500, 3000, 600)]
     means = np.array([x.mean() for x in runs])
-    found, plain = [spread(Cells.of(x)) for x in runs], [plain_rule.spread(x) for x in runs]
+    found, plain = [estimate_spread(Cells.of(x)) for x in runs], [plain_rule.spread(x)
+                                                                  for x in runs]
     for bound in ('upper_bound', 'lower_bound'):
         assert globals()[bound](pool(found), 0.05) == pytest.approx(
             getattr(plain_rule, bound)(plain_rule.pool(plain), 0.05), rel=1e-10)

@@ -12,8 +12,8 @@ import pytest
 import yaml
 
 from heading_intercompare.core.settings import (
-    declared,
     from_mapping,
+    list_settings,
     Settings,
     SettingsError,
     to_mapping,
@@ -64,7 +64,7 @@ def test_a_section_of_the_parameter_file_is_accepted_and_changes_no_other_defaul
     given, section = read(node), SECTIONS[node]
     assert set(given) <= {rule.name for rule in GENERATED['rules'](section)}
     for settings in section.classes:
-        names = {rule.name for rule in declared(settings)}
+        names = {rule.name for rule in list_settings(settings)}
         expected = {**to_mapping(settings()),
                     **{n: value for n, value in section.given.items() if n in names}}
         made = from_mapping(settings, {n: value for n, value in given.items() if n in names})
@@ -107,7 +107,7 @@ def test_every_default_keeps_to_its_own_rule(settings):
 
 @pytest.mark.parametrize('settings', CLASSES)
 def test_every_setting_says_what_it_means_and_in_which_unit(settings):
-    for rule in declared(settings):
+    for rule in list_settings(settings):
         assert rule.help and not rule.help.endswith('.'), rule.name
         unit = rule.name.rpartition('_')[2]
         if unit in ('s', 'ns', 'deg', 'hz') and {float, int} & set(rule.kinds):

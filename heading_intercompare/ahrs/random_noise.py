@@ -10,10 +10,10 @@ import zlib
 import numpy as np
 from scipy.signal import lfilter
 
-__all__ = ['Markov', 'stream']
+__all__ = ['Markov', 'open_stream']
 
 
-def stream(seed: int, name: str) -> np.random.Generator:
+def open_stream(seed: int, name: str) -> np.random.Generator:
     """
     Return the generator of one named purpose.
 

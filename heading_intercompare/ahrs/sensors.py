@@ -15,7 +15,7 @@ from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings
 
-from .random_noise import Markov, stream
+from .random_noise import Markov, open_stream
 from .sensor_presets import terms_of
 from .settings import AHRS_MODELS, Sensor
 
@@ -87,11 +87,11 @@ class SimulatedSensor:
         self._terms = terms_of(settings)
         self._truth = truth
         self._start_ns = start_ns
-        self._rng = {name: stream(seed, f'{role}.{name}')
+        self._rng = {name: open_stream(seed, f'{role}.{name}')
                      for name in ('white', 'jitter', 'dropout')}
-        self._tone_phase_rad = 2.0 * math.pi * stream(seed, f'{role}.tone').random()
+        self._tone_phase_rad = 2.0 * math.pi * open_stream(seed, f'{role}.tone').random()
         self._markov = Markov(self._terms.markov_deg, self._terms.markov_tau_s,
-                              1.0 / settings.rate_hz, stream(seed, f'{role}.markov'))
+                              1.0 / settings.rate_hz, open_stream(seed, f'{role}.markov'))
         self._ahrs = (AhrsOutput(settings, truth, seed, role)
                       if settings.model in AHRS_MODELS else None)
         self._next = 0

@@ -6,10 +6,10 @@ from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'cluster': ('Cluster',),
-    'compare_verdicts': ('differences',),
+    'compare_verdicts': ('find_differences',),
     'config': ('load_config', 'settings_for'),
     'inputs': ('analyze_input', 'sha256'),
     'job': ('Job', 'Judged'),
-    'run_table': ('assigned', 'read_run_table', 'RunTable'),
+    'run_table': ('assign_runs', 'read_run_table', 'RunTable'),
     'scenarios': ('read_scenario', 'ScenarioFile'),
 })

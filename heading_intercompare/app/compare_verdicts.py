@@ -7,14 +7,14 @@ from __future__ import annotations
 import math
 from typing import Any, Iterator, Mapping
 
-__all__ = ['differences']
+__all__ = ['find_differences']
 
 _REL = 1e-12
 # Where the data came from, not what they say.
 _APART = ('inputs', 'source')
 
 
-def differences(a: Any, b: Any, path: str = '') -> Iterator[str]:
+def find_differences(a: Any, b: Any, path: str = '') -> Iterator[str]:
     """
     Yield where two verdicts, as mappings, differ.
 
@@ -32,17 +32,17 @@ def differences(a: Any, b: Any, path: str = '') -> Iterator[str]:
 
     Examples
     --------
-    >>> list(differences({'n': 3, 'source': 'x'}, {'n': 4, 'source': 'y'}))
+    >>> list(find_differences({'n': 3, 'source': 'x'}, {'n': 4, 'source': 'y'}))
     ['n: 3 and 4']
 
     """
     if isinstance(a, Mapping) and isinstance(b, Mapping):
         for key in [*a, *(k for k in b if k not in a)]:
             if key not in _APART:
-                yield from differences(a.get(key), b.get(key), f'{path}.{key}'.lstrip('.'))
+                yield from find_differences(a.get(key), b.get(key), f'{path}.{key}'.lstrip('.'))
     elif isinstance(a, list) and isinstance(b, list) and len(a) == len(b):
         for at, (x, y) in enumerate(zip(a, b)):
-            yield from differences(x, y, f'{path}[{at}]')
+            yield from find_differences(x, y, f'{path}[{at}]')
     elif isinstance(a, float) and isinstance(b, float):
         if not math.isclose(a, b, rel_tol=_REL, abs_tol=1e-15):
             yield f'{path}: {a!r} and {b!r}'

@@ -10,7 +10,7 @@ from typing import Any, Mapping, Sequence
 
 import yaml
 
-from heading_intercompare.core.settings import declared, flattened, Settings, SettingsError
+from heading_intercompare.core.settings import flatten, list_settings, Settings, SettingsError
 
 from .yaml_file import load_yaml, parse_yaml
 
@@ -70,7 +70,7 @@ def load_config(path: str | None) -> Config:
         if not isinstance(parameters, dict):
             raise SettingsError(f'{path}: section {name!r}: ros__parameters must be a mapping')
         sections[str(name).lstrip('/') if name != SHARED else SHARED] = dict(
-            flattened(parameters))
+            flatten(parameters))
     return Config(path, sections.pop(SHARED, {}), sections)
 
 
@@ -84,7 +84,7 @@ def _parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
         If one is not of this form.
 
     """
-    words = {s.name for s in declared(Settings) if s.kinds == (str,)}
+    words = {s.name for s in list_settings(Settings) if s.kinds == (str,)}
     values = {}
     for assignment in assignments:
         name, equals, text = assignment.partition('=')

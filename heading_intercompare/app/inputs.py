@@ -14,12 +14,12 @@ from heading_intercompare.bags.codec.cdr import decode
 from heading_intercompare.bags.csv.pairs_csv import read_pairs_csv
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import mcap_files
-from heading_intercompare.bags.recording.recorder_losses import missing, RECORDING
+from heading_intercompare.bags.recording.recorder_losses import RECORDING, tell_missing
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
-from heading_intercompare.bags.rosbag2.provenance import notes_in
-from heading_intercompare.core.offline import aligned
+from heading_intercompare.bags.rosbag2.provenance import read_notes
+from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.pending_readings import rising
+from heading_intercompare.core.pairing.pending_readings import is_rising
 from heading_intercompare.core.pipeline import Compliance, Intercomparison
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
@@ -91,9 +91,9 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
             bag = BagReader(path)
             results, notes, ledger = _analyze_bag(bag, name, settings, runs, takers, progress,
                                                   all_read, helpers)
-        described = _described(bag, name, settings, digest[0].result())
+        described = _describe(bag, name, settings, digest[0].result())
     if not results:
-        described['no_run'] = _no_run(ledger, settings, runs)
+        described['no_run'] = _say_why_no_run(ledger, settings, runs)
         notes.append(f'{name}: no run: {described["no_run"]}')
     return results, notes, described
 
@@ -109,7 +109,7 @@ def _analyze_csv(path: str, name: str, settings: Settings,
         n += len(pairs)
         ledger.receive('ts', pairs.stamp_ns)
         ledger.receive('rs', pairs.stamp_ns)
-        rises = rising(pairs.stamp_ns, newest_ns)
+        rises = is_rising(pairs.stamp_ns, newest_ns)
         for stream in ('ts', 'rs'):
             ledger.add(f'{stream}_rejected.stamp_not_increasing', pairs.stamp_ns[~rises])
         pairs = pairs[rises]
@@ -153,16 +153,18 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
     pairs = comparison.finish()
     for take in takers:
         take(pairs)
-    lost = missing(reader.metadata().get(RECORDING, {}))
+    lost = tell_missing(reader.metadata().get(RECORDING, {}))
     notes = [f'{name}: {why}' for why in (reader.incomplete, reader.recovered, lost) if why]
     results = comparison.results()
     if kept:
-        results = aligned(*(Headings.concatenate(kept[topic]) for topic in (ts, rs)), results,
-                          settings, source=name)
+        results = judge_aligned(*(Headings.concatenate(kept[topic]) for topic in (ts, rs)),
+                                results,
+                                settings, source=name)
     return results, notes, comparison.pairer.ledger
 
 
-def _no_run(ledger: Ledger, settings: Settings, runs: Sequence[tuple[int, int]] | None) -> str:
+def _say_why_no_run(ledger: Ledger, settings: Settings,
+                    runs: Sequence[tuple[int, int]] | None) -> str:
     """Say why no run came of an input, and what became of its readings."""
     counts = Counter()
     for segment in ledger.segments:
@@ -196,9 +198,9 @@ def _set_marks(comparison: Intercomparison, reader: BagReader) -> None:
                            reader.path) from error
 
 
-def _described(bag: BagReader | None, name: str, settings: Settings,
-               digest: str) -> dict[str, Any]:
-    notes = [] if bag is None else notes_in(bag)
+def _describe(bag: BagReader | None, name: str, settings: Settings,
+              digest: str) -> dict[str, Any]:
+    notes = [] if bag is None else read_notes(bag)
     return {'path': name, 'sha256': digest,
             'ts_topic': None if bag is None else settings.ts_topic,
             'rs_topic': None if bag is None else settings.rs_topic,

@@ -10,7 +10,7 @@ import os
 from pathlib import Path
 from typing import Mapping, Sequence
 
-__all__ = ['assigned', 'read_run_table', 'RunTable']
+__all__ = ['assign_runs', 'read_run_table', 'RunTable']
 
 #: Start and stop, nanoseconds, and the source.
 Run = tuple[int, int, str]
@@ -50,7 +50,7 @@ def _run(row: Mapping[str, str | None]) -> Run:
     return start_ns, stop_ns, (row.get('source') or '').strip()
 
 
-def assigned(table: RunTable, paths: Sequence[str]) -> tuple[list[Run], list[str]]:
+def assign_runs(table: RunTable, paths: Sequence[str]) -> tuple[list[Run], list[str]]:
     """
     Return a table whose sources are the paths of the inputs they mean, and those of no input.
 

@@ -13,7 +13,7 @@ from heading_intercompare.core.settings import SettingsError
 
 from .yaml_file import parse_yaml
 
-__all__ = ['ScenarioFile', 'read_scenario']
+__all__ = ['read_scenario', 'ScenarioFile']
 
 
 class ScenarioFile(NamedTuple):
@@ -42,7 +42,7 @@ def _folders() -> list[Path]:
             for below in ('config', 'share/heading_intercompare/config')]
 
 
-def _found(given: str) -> Path:
+def _find(given: str) -> Path:
     """Return the file that is meant, which may be absent."""
     path = Path(given)
     if path.exists() or path.name != given or path.suffix:
@@ -75,7 +75,7 @@ def read_scenario(given: str, seed: int | None = None) -> ScenarioFile:
         One line with the file, what is wrong and what is allowed.
 
     """
-    path = _found(given)
+    path = _find(given)
     data = path.read_bytes()
     mapping = parse_yaml(data, path)
     if not isinstance(mapping, dict):

@@ -24,7 +24,7 @@ from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 
-__all__ = ['cores', 'judge_inputs', 'MOST_READERS', 'positive']
+__all__ = ['count_cores', 'judge_inputs', 'MOST_READERS', 'positive']
 
 #: Together smaller inputs are judged here: to start processes would take longer.
 _WORTH_BYTES = 100_000_000
@@ -79,7 +79,7 @@ def positive(text: str) -> int:
     return int(text)
 
 
-def cores() -> int:
+def count_cores() -> int:
     """Return how many processors this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else (
         os.cpu_count() or 1)
@@ -129,13 +129,13 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     job = Job(settings, table, sketched)
     if len(paths) == 1 and dask is None:
         with Progress(paths[0], quiet) as progress:
-            helpers = min(jobs or cores(), MOST_READERS) - 1
+            helpers = min(jobs or count_cores(), MOST_READERS) - 1
             return [job.judge(paths[0], takers, progress.show, helpers=helpers)]
     with Progress(f'{len(paths)} inputs', quiet) as progress:
         if dask is not None:
             judged = _parallel(job, paths, _cluster(dask), progress)
         elif (jobs or 0) > 1 or jobs is None and sum(map(_size, paths)) >= _WORTH_BYTES:
-            workers = _Processes(min(len(paths), jobs or cores()))
+            workers = _Processes(min(len(paths), jobs or count_cores()))
             judged = _parallel(job, paths, workers, progress)
         else:
             judged = _serial(job, paths, progress)

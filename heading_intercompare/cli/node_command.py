@@ -45,14 +45,14 @@ def program_node(module: str, node: str, config: str | None, *,
         If the file cannot be read, or is no ROS parameter file.
 
     """
-    from heading_intercompare.nodes.ros.parameters import overrides
+    from heading_intercompare.nodes.ros.parameters import make_overrides
     from heading_intercompare.nodes.ros.process import run
     from heading_intercompare.nodes.ros.steady_timer import every
 
     # What rcl says of a file that it cannot read is long and unclear; other text it ignores.
     load_config(config)
     kind = getattr(import_module(f'heading_intercompare.nodes.{module}'), node)
-    given: dict[str, Any] = {'parameter_overrides': overrides(parameters)}
+    given: dict[str, Any] = {'parameter_overrides': make_overrides(parameters)}
     if remap:
         given['remapped'] = list(remap)
 

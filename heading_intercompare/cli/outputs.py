@@ -16,7 +16,7 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 
-__all__ = ['check_outputs', 'naming', 'tables']
+__all__ = ['check_outputs', 'name_file', 'open_tables']
 
 
 def check_outputs(arguments: argparse.Namespace) -> None:
@@ -42,7 +42,7 @@ def check_outputs(arguments: argparse.Namespace) -> None:
 
 
 @contextmanager
-def naming(path: str) -> Iterator[None]:
+def name_file(path: str) -> Iterator[None]:
     """Have an error of writing name the file."""
     try:
         yield
@@ -65,7 +65,7 @@ class _Table:
         return self
 
     def __exit__(self, kind: type | None, *exception: object) -> None:
-        with naming(self._path):
+        with name_file(self._path):
             if self._file is None and kind is None:
                 self._file = self._opened()
             if self._file is not None:
@@ -73,13 +73,13 @@ class _Table:
 
     def write(self, pairs: Pairs) -> None:
         """Append the rows of some pairs."""
-        with naming(self._path):
+        with name_file(self._path):
             if self._file is None:
                 self._file = self._opened()
             self._file.write(pairs)
 
 
-def tables(arguments: argparse.Namespace, settings: Settings) -> Iterator[_Table]:
+def open_tables(arguments: argparse.Namespace, settings: Settings) -> Iterator[_Table]:
     """Yield the tables asked for, each of which takes the pairs."""
     center_deg = settings.wrap_center_deg
     if arguments.csv:

@@ -54,7 +54,7 @@ class UsageError(ValueError):
     """The command line is wrong."""
 
 
-def _parser(argv: Sequence[str]) -> argparse.ArgumentParser:
+def _build_parser(argv: Sequence[str]) -> argparse.ArgumentParser:
     """Return a parser; of the commands those that are not meant have no arguments."""
     parser = _Parser(prog=PROGRAM, description='Decide whether a heading sensor meets its '
                      'accuracy norm, by comparison with a reference sensor.')
@@ -101,7 +101,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(argv: Sequence[str]) -> int:
-    parser = _parser(argv)
+    parser = _build_parser(argv)
     arguments = parser.parse_args(argv)
     if arguments.command is None:
         parser.print_help()

@@ -12,12 +12,12 @@ from heading_intercompare._doors import door
 __getattr__, __dir__, __all__ = door(__name__, {
     'angles': ('circular_mean', 'heading_from_quaternion', 'quaternion_from_heading',
                'unwrap_deg', 'wrap180', 'wrap360'),
-    'offline': ('aligned', 'analyze'),
+    'offline': ('analyze', 'judge_aligned'),
     'outcome': ('Outcome', 'worst'),
     'pipeline': ('Compliance', 'Intercomparison', 'join'),
     'records': ('Differences', 'Headings', 'Pairs'),
-    'settings': ('Checked', 'declared', 'Detectors', 'flattened', 'from_mapping', 'Norms',
-                 'Pairing', 'Risk', 'RunCutting', 'setting', 'Settings', 'SettingsError',
-                 'to_mapping', 'unknown'),
+    'settings': ('Checked', 'Detectors', 'explain_unknown', 'flatten', 'from_mapping',
+                 'list_settings', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'setting', 'Settings',
+                 'SettingsError', 'to_mapping'),
     'version': ('VERSION',),
 })

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Sequence
 
-from heading_intercompare.core.timing.skew_scan import Scan, scan
+from heading_intercompare.core.timing.skew_scan import Scan, scan_skew
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
@@ -15,11 +15,11 @@ from .pipeline import Intercomparison, join
 from .records import Headings
 from .settings import Pairing, Settings
 
-__all__ = ['aligned', 'analyze']
+__all__ = ['analyze', 'judge_aligned']
 
 
-def aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], settings: Settings, *,
-            source: str = '') -> list[RunResult]:
+def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], settings: Settings, *,
+                  source: str = '') -> list[RunResult]:
     """
     Pair each run again with its skew taken out, and judge it again.
 
@@ -57,10 +57,11 @@ def _again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
            source: str) -> RunResult:
     estimate = result.verdict.skew.estimate
     ts, rs = _readings_of(ts, rs, result, settings)
-    found = scan(ts, rs, settings.alignment.skew_range_s)
+    found = scan_skew(ts, rs, settings.alignment.skew_range_s)
     if not estimate.well_determined:
         why = estimate.why_not(settings.alignment.skew_range_s)
-        return _said(result, found, f'not_aligned: {why}; the run is judged as its stamps say')
+        return _note_alignment(result, found,
+                               f'not_aligned: {why}; the run is judged as its stamps say')
     shift_ns = round(estimate.skew_s * 1e9)
     skew_s = settings.alignment.skew_s + shift_ns / 1e9
     table = [(result.verdict.start_ns - shift_ns, result.verdict.end_ns - shift_ns + 1)]
@@ -71,10 +72,11 @@ def _again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
     comparison.finish()
     now = comparison.results()
     if len(now) != 1:
-        return _said(result, found, 'not_aligned: at the skew found the run falls apart; it is '
-                     'judged as its stamps say')
-    return _said(now[0], found, f'aligned: {skew_s:.3f} s are taken from the stamps of '
-                 f'the TS; unaligned the outcome was {result.verdict.outcome}')
+        return _note_alignment(result, found,
+                               'not_aligned: at the skew found the run falls apart; it is '
+                               'judged as its stamps say')
+    return _note_alignment(now[0], found, f'aligned: {skew_s:.3f} s are taken from the stamps of '
+                           f'the TS; unaligned the outcome was {result.verdict.outcome}')
 
 
 def _as_paired(result: RunResult, rule: Pairing) -> Pairing:
@@ -96,7 +98,7 @@ def _readings_of(ts: Headings, rs: Headings, result: RunResult,
     return ts[inside], rs[near]
 
 
-def _said(result: RunResult, found: Scan | None, words: str) -> RunResult:
+def _note_alignment(result: RunResult, found: Scan | None, words: str) -> RunResult:
     verdict = result.verdict
     return replace(result, verdict=replace(
         verdict, skew=replace(verdict.skew, scan=found), warnings=(*verdict.warnings, words)))
@@ -142,7 +144,7 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
         comparison.finish()
         found = comparison.results()
         if settings.alignment.skew == 'apply':
-            found = aligned(ts_part, rs_part, found, settings)
+            found = judge_aligned(ts_part, rs_part, found, settings)
         incomplete = incomplete or not found
         results += found
     return join(results, settings, incomplete=incomplete)

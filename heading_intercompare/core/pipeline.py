@@ -8,19 +8,19 @@ from dataclasses import replace
 from typing import Any, Callable, Iterable, Mapping, Sequence
 
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.decision.sequential import Look, LookVerdict, standing
-from heading_intercompare.core.pairing.difference import difference
+from heading_intercompare.core.decision.sequential import find_standing, Look, LookVerdict
+from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.runs.growing_columns import Keep
-from heading_intercompare.core.runs.live_figures import figures
+from heading_intercompare.core.runs.live_figures import compute_figures
 from heading_intercompare.core.runs.rolling_window import Rolling
 from heading_intercompare.core.runs.run_cutter import RunCutter
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.verdict.judge import (
     compare_runs,
     conclude_campaign,
-    judge,
+    judge_run,
     look_at,
     RunResult,
 )
@@ -89,8 +89,8 @@ class Compliance:
                                       self._keeper())
                 self._run_key = piece.key
             self._run.update(pairs[piece.lo:piece.hi])
-        self._rolling.update(difference(pairs, self.settings.installation_offset_deg,
-                                        self.settings.wrap_center_deg))
+        self._rolling.update(subtract(pairs, self.settings.installation_offset_deg,
+                                      self.settings.wrap_center_deg))
         self.newest_ns = int(pairs.stamp_ns[-1])
         self._end_run_if_cut()
 
@@ -114,7 +114,7 @@ class Compliance:
     @property
     def early(self) -> LookVerdict | None:
         """What the looks at the run in progress leave standing; None before one decides."""
-        return standing(self._looks)
+        return find_standing(self._looks)
 
     def _end_run_if_cut(self) -> None:
         if self._run is not None and self._cutter.current != self._run_key:
@@ -129,8 +129,8 @@ class Compliance:
         if run.end_ns - run.start_ns < round(self.settings.runs.min_duration_s * 1e9):
             self._n_short += 1
             return
-        result = judge(run, self.settings, len(self._finished) + 1, self._source,
-                       looks=looks)
+        result = judge_run(run, self.settings, len(self._finished) + 1, self._source,
+                           looks=looks)
         self._limits = result.limits
         self._finished.append((result, run.cut_ns))
 
@@ -155,7 +155,7 @@ class Compliance:
         if not len(run):
             return {**result, 'n': 0}
         limits = run.limits(self.settings.norms, self.settings.model)
-        return result | figures(run, limits, self.settings)
+        return result | compute_figures(run, limits, self.settings)
 
     def rolling_figures(self) -> dict[str, Any]:
         """Return the figures of the rolling window; ``n`` is 0 before the first pair."""
@@ -164,7 +164,7 @@ class Compliance:
         if self._run is not None and len(self._run):
             self._limits = self._run.limits(self.settings.norms, self.settings.model)
         return {'start_ns': self._rolling.start_ns, 'newest_ns': self.newest_ns,
-                **figures(self._rolling, self._limits, self.settings)}
+                **compute_figures(self._rolling, self._limits, self.settings)}
 
     def results(self, ledger: Ledger | None = None) -> list[RunResult]:
         """

@@ -15,9 +15,9 @@ import math
 import types
 from typing import Any, get_args, get_origin, get_type_hints, Iterable, Iterator, Mapping, Union
 
-__all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'Norms', 'Pairing', 'Risk',
-           'RunCutting', 'Sequential', 'Setting', 'Settings', 'SettingsError', 'declared',
-           'flattened', 'from_mapping', 'setting', 'to_mapping', 'unknown']
+__all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown', 'flatten',
+           'from_mapping', 'list_settings', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential',
+           'Setting', 'setting', 'Settings', 'SettingsError', 'to_mapping']
 
 
 _NO_GATE = ('is gone: the decision has no gate any more, its bounds grow where the record says '
@@ -89,13 +89,13 @@ def setting(default: Any, help: str, lo: float | None = None, hi: float | None =
                  metadata={'help': help, 'lo': lo, 'hi': hi, 'choices': tuple(choices)})
 
 
-def declared(settings_class: type, prefix: str = '') -> Iterator[Setting]:
+def list_settings(settings_class: type, prefix: str = '') -> Iterator[Setting]:
     """Yield the settings of a class and of the classes nested in it, with dotted names."""
     hints = get_type_hints(settings_class)
     for f in fields(settings_class):
         hint = hints[f.name]
         if is_dataclass(hint):
-            yield from declared(hint, f'{prefix}{f.name}.')
+            yield from list_settings(hint, f'{prefix}{f.name}.')
             continue
         union = get_origin(hint) in (Union, types.UnionType)
         default = f.default if f.default is not MISSING else None
@@ -104,7 +104,7 @@ def declared(settings_class: type, prefix: str = '') -> Iterator[Setting]:
                       f.metadata['lo'], f.metadata['hi'], f.metadata['choices'])
 
 
-def _checked(rule: Setting, value: Any) -> Any:
+def _check_value(rule: Setting, value: Any) -> Any:
     """Return the value as the declared type, or raise."""
     kinds = rule.kinds
     if type(None) in kinds and (value is None or value == 'none'):
@@ -127,16 +127,16 @@ def _checked(rule: Setting, value: Any) -> Any:
     return value
 
 
-def flattened(mapping: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
+def flatten(mapping: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
     """Yield dotted names and values of a nested mapping."""
     for name, value in mapping.items():
         if isinstance(value, Mapping):
-            yield from flattened(value, f'{prefix}{name}.')
+            yield from flatten(value, f'{prefix}{name}.')
         else:
             yield f'{prefix}{name}', value
 
 
-def unknown(kind: str, name: str, known: Iterable[str]) -> SettingsError:
+def explain_unknown(kind: str, name: str, known: Iterable[str]) -> SettingsError:
     """Return the error of a name that is no setting: what it meant, or may have meant."""
     if name in _GONE:
         return SettingsError(f'{kind} {name!r} {_GONE[name]}')
@@ -163,12 +163,12 @@ def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
         allowed.
 
     """
-    rules = {rule.name: rule for rule in declared(settings_class)}
+    rules = {rule.name: rule for rule in list_settings(settings_class)}
     values = {}
-    for name, value in flattened(mapping):
+    for name, value in flatten(mapping):
         if name not in rules:
-            raise unknown('setting', name, rules)
-        values[name] = _checked(rules[name], value)
+            raise explain_unknown('setting', name, rules)
+        values[name] = _check_value(rules[name], value)
     return _build(settings_class, values, '')
 
 
@@ -187,7 +187,7 @@ def _build(settings_class: type, values: Mapping[str, Any], prefix: str) -> Any:
 def to_mapping(settings: Any) -> dict[str, Any]:
     """Return dotted names and values of all settings, in the order of their declaration."""
     result = {}
-    for rule in declared(type(settings)):
+    for rule in list_settings(type(settings)):
         value = settings
         for part in rule.name.split('.'):
             value = getattr(value, part)
@@ -202,9 +202,9 @@ class Checked:
 
     def __post_init__(self) -> None:
         """Check every plain field and normalise its type."""
-        for rule in declared(type(self)):
+        for rule in list_settings(type(self)):
             if '.' not in rule.name:
-                object.__setattr__(self, rule.name, _checked(rule, getattr(self, rule.name)))
+                object.__setattr__(self, rule.name, _check_value(rule, getattr(self, rule.name)))
 
 
 @dataclass(frozen=True, slots=True)

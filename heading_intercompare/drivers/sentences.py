@@ -56,7 +56,7 @@ def identify(text: bytes) -> Name | None:
 
     """
     if text[:1] != b'P':
-        return _talked(text[:6])
+        return _parse_name(text[:6])
     if _is_pashr(text):
         return Name('PASHR', '')
     for start, name in _PROPRIETARY.items():
@@ -66,7 +66,7 @@ def identify(text: bytes) -> Name | None:
 
 
 @lru_cache(maxsize=256)
-def _talked(start: bytes) -> Name | None:
+def _parse_name(start: bytes) -> Name | None:
     kind = start[2:5].decode('latin-1')
     if kind in _TALKED and start[5:] == b',' and start[:2].isalnum():
         return Name(kind, start[:2].decode('latin-1'))

@@ -22,8 +22,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from heading_intercompare.nodes.ros.parameters import overrides
-from heading_intercompare.nodes.ros.process import end, spinning, Stop
+from heading_intercompare.nodes.ros.parameters import make_overrides
+from heading_intercompare.nodes.ros.process import end, spin_nodes, Stop
 
 from .compliance import Compliance
 from .recorder import Recorder
@@ -140,10 +140,10 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     plan.append((Synchronizer, 'synchronizer', {**own.get('synchronizer', {}), **heard}))
     plan += [(s.make, s.name, {**heard, **s.settings}) for s in sources]
     with (_context(private) as context, Stop() as stop,
-          spinning(context) as (judging, _), spinning(context) as (executor, nodes)):
+          spin_nodes(context) as (judging, _), spin_nodes(context) as (executor, nodes)):
         for make, name, parameters in plan:
             nodes.append(make(context=context, cli_args=['--ros-args', '-r', f'__node:={name}'],
-                              parameter_overrides=overrides({**settings, **parameters})))
+                              parameter_overrides=make_overrides({**settings, **parameters})))
             (judging if make is Compliance else executor).add_node(nodes[-1])
         if output is not None:
             nodes[1].state_sources({source.name: source.settings for source in sources})

@@ -17,7 +17,7 @@ from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.messages import heading_messages
-from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolved
+from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolve_topic
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.status_messages import OK, WARN
 from heading_intercompare.nodes.ros.steady_timer import every
@@ -42,7 +42,7 @@ class NmeaDriver(Node):
             self, Settings, DriverSettings, Sending, Taking, DriverNode)
         self.done = self.ended = False
         self._frame_id = own.frame_id or settings.topic.strip('/').replace('/', '_')
-        resolved(self, settings.topic)
+        resolve_topic(self, settings.topic)
         self._decoder = NmeaDecoder(settings)
         wake = self.create_guard_condition(self._pass_on)
         self._reading = Reading(settings, sending.max_rate_hz, wake.trigger)

@@ -12,18 +12,18 @@ from typing import Any, Mapping, Sequence
 from rclpy.node import Node
 
 from heading_intercompare.bags.recording.recorder_losses import (
-    counted,
+    count_words,
     Counts,
     loss_record,
     loss_words,
-    missing,
     RECORDING,
+    tell_missing,
 )
 from heading_intercompare.bags.recording.resilient_recording import Recording
 from heading_intercompare.bags.rosbag2.provenance import (
+    describe_origin,
     NOTE_TOPIC,
     Notes,
-    origin,
     RECORD,
     REPORT_TOPIC,
 )
@@ -34,7 +34,7 @@ from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.recorded_topics import intakes, report_files, text_of
+from heading_intercompare.nodes.runtime.recorded_topics import make_intakes, report_files, text_of
 
 from .settings import RecorderNode, Taking
 
@@ -57,7 +57,7 @@ class Recorder(Node):
         self.path = self._own.output or f'heading_{datetime.now(timezone.utc):%Y%m%dT%H%M%SZ}'
         file = self._own.parameter_file
         copy = None if file is None else Path(file).read_bytes()
-        self._topics = intakes(self, self._settings, self._health)
+        self._topics = make_intakes(self, self._settings, self._health)
         self._bag = Recording(self.path, bag_settings)
         self.state_sources({})
         if copy is not None:
@@ -78,7 +78,7 @@ class Recorder(Node):
 
     def state_sources(self, sources: Mapping[str, Mapping[str, Any]]) -> None:
         """Write where the headings come from: settings by the name of their node."""
-        self._bag.metadata(RECORD, origin(self._settings.to_mapping(), sources))
+        self._bag.metadata(RECORD, describe_origin(self._settings.to_mapping(), sources))
 
     def _drain(self) -> None:
         if self.ended:
@@ -108,9 +108,9 @@ class Recorder(Node):
 
     def _note(self) -> None:
         bag, lost = self._bag, sum(self._bag.lost.values())
-        gone = missing({'not_written': lost, 'absent': bag.absent})
+        gone = tell_missing({'not_written': lost, 'absent': bag.absent})
         state = (bag.remark if bag.remark else f'recording to {self.path}' if not bag.faults else
-                 f'recording again after {counted(bag.faults, "fault")}')
+                 f'recording again after {count_words(bag.faults, "fault")}')
         level = ERROR if bag.fault else WARN if bag.remark or bag.faults or gone else OK
         self._health.note('bag', level, bag.fault or (f'{state}; {gone}' if gone else state),
                           messages=bag.written, waiting=bag.waiting, lost=lost,

@@ -14,7 +14,7 @@ from sensor_msgs.msg import Imu
 from std_srvs.srv import SetBool, Trigger
 
 from heading_intercompare.ahrs.faults import FAULTS
-from heading_intercompare.ahrs.gimballed.condition import condition
+from heading_intercompare.ahrs.gimballed.condition import describe_condition
 from heading_intercompare.ahrs.gimballed.modes import AhrsStatus
 from heading_intercompare.ahrs.plans import EVENTS
 from heading_intercompare.ahrs.settings import Scenario
@@ -23,7 +23,7 @@ from heading_intercompare.bags.rosbag2.provenance import TRUTH_TOPIC
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.messages import heading_messages
-from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolved
+from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolve_topic
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.steady_timer import every
@@ -51,7 +51,7 @@ class SensorSimulator(Node):
         self._health = Health(self)
         topics = {'truth': TRUTH_TOPIC, 'ts': settings.ts_topic, 'rs': settings.rs_topic}
         for topic in topics.values():
-            resolved(self, topic)
+            resolve_topic(self, topic)
         self._frames = {role: topic.strip('/').replace('/', '_') for role, topic in topics.items()}
         self._publishers_of = {
             role: self.create_publisher(Imu, topic, qos.HEADINGS_OUT,
@@ -111,7 +111,7 @@ class SensorSimulator(Node):
 
     def _report(self, role: str, status: AhrsStatus) -> None:
         """State mode, progress and built-in tests of an AHRS; log what has happened."""
-        said = condition(status)
+        said = describe_condition(status)
         self._health.note(role, _LEVELS[said.level], said.words, log=False, **said.figures)
         if status.message:
             self.get_logger().info(f'{role}: {status.message}, {status.t_s:.1f} s of the trial')

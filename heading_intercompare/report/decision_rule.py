@@ -10,10 +10,10 @@ from heading_intercompare.core.decision.norm_presets import PRESETS, sigma_max_d
 from heading_intercompare.core.settings import from_mapping, Norms
 
 from .formatting import interval, number, outcome, value
-from .markup import element, joined, Markup
+from .markup import element, join, Markup
 from .tables import facts
 
-__all__ = ['rule', 'uncertainty']
+__all__ = ['describe_rule', 'describe_uncertainty']
 
 _MET = {'compliant': 'met', 'non_compliant': 'not met',
         'indeterminate': 'not decided, neither met nor not met can be stated at the risks'}
@@ -30,14 +30,14 @@ def _sigma_max(settings: Mapped) -> float | None:
     return sigma_max_deg(from_mapping(Norms, norms), settings['model'])
 
 
-def rule(verdict: Mapped) -> Markup:
+def describe_rule(verdict: Mapped) -> Markup:
     """
     Return norms, method and decision rule.
 
     The statement follows ISO/IEC 17025:2017, 7.8.6: the rule, the results covered, the
     specification met or not.
     """
-    return joined((_norms(verdict), _statement(verdict)))
+    return join((_norms(verdict), _statement(verdict)))
 
 
 def _norms(verdict: Mapped) -> Markup:
@@ -111,8 +111,8 @@ def _statement(verdict: Mapped) -> Markup:
         ('in one line', verdict['headline']),
         ('the same by GK as printed',
          f'{outcome(verdict["paper_outcome"])} (no allowance for the sampling error)')]
-    return joined((element('p', 'Statement of conformity after ISO/IEC 17025, 7.8.6:'),
-                   facts(rows)))
+    return join((element('p', 'Statement of conformity after ISO/IEC 17025, 7.8.6:'),
+                 facts(rows)))
 
 
 def _several(settings: Mapped, m: int) -> str:
@@ -138,7 +138,7 @@ def _covered(runs: list[Mapped]) -> str:
     return f'{which}, {sum(run["n"] for run in runs)} differences'
 
 
-def uncertainty(verdict: Mapped) -> Markup:
+def describe_uncertainty(verdict: Mapped) -> Markup:
     """Return remarks on what makes the result uncertain, with figures where there are."""
     settings = verdict['settings']
     ref = settings['norms.sigma_ref_max_deg']

@@ -10,8 +10,8 @@ from typing import Any, Iterator, Mapping
 
 from .vocabulary import OUTCOME_WORDS
 
-__all__ = ['ABSENT', 'exact', 'flat', 'interval', 'NO_RUN', 'number', 'outcome', 'unjudged', 'utc',
-           'value']
+__all__ = ['ABSENT', 'exact', 'explain_no_run', 'flat', 'interval', 'NO_RUN', 'number', 'outcome',
+           'utc', 'value']
 
 ABSENT = '-'
 NO_RUN = 'No run: no pair was made, or none in a run long enough.'
@@ -46,7 +46,7 @@ def outcome(word: str | None) -> str:
     return ABSENT if word is None else OUTCOME_WORDS.get(word, word)
 
 
-def unjudged(given: Mapping[str, Any]) -> str | None:
+def explain_no_run(given: Mapping[str, Any]) -> str | None:
     """Return why no run came of an input, which is described as in the JSON; None if some did."""
     if 'same_as' in given:
         return f'it has the data of {given["same_as"]}'

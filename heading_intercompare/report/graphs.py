@@ -14,7 +14,7 @@ from .markup import Markup
 from .series_sketch import HEADING_BINS, SeriesSketch
 from .svg import Plot
 
-__all__ = ['graphs']
+__all__ = ['draw_graphs']
 
 _LIMIT, _TIGHTENED, _SIGMA, _NORM = '9 4', '2 3', '9 3 2 3', '14 4'
 _HISTOGRAM_BARS = 120
@@ -32,7 +32,7 @@ def _runs_of(sketch: SeriesSketch, runs: Sequence[Run]) -> list[Run]:
     return [r for r in inside if r['source'] == sketch.source] or inside
 
 
-def graphs(sketch: SeriesSketch, verdict: Mapping[str, Any]) -> Iterator[Markup]:
+def draw_graphs(sketch: SeriesSketch, verdict: Mapping[str, Any]) -> Iterator[Markup]:
     """
     Yield the graphs of a sketch; none without a difference.
 
@@ -50,7 +50,7 @@ def graphs(sketch: SeriesSketch, verdict: Mapping[str, Any]) -> Iterator[Markup]
     bands = [_Band(run, verdict['settings']['variant']) for run in runs]
     norm = verdict['settings']['norms.total_error_max_deg']
     yield _time(sketch, name, bands, verdict['settings']['runs.gap_s'])
-    yield _histogram(sketch, name, bands)
+    yield _draw_histogram(sketch, name, bands)
     yield _heading(sketch, name, bands, norm)
 
 
@@ -84,7 +84,7 @@ class _Band:
                 for sign in (1.0, -1.0)]
 
 
-def _padded(low: float, up: float) -> tuple[float, float]:
+def _pad(low: float, up: float) -> tuple[float, float]:
     pad = 0.06 * (up - low) or max(abs(low), 1.0) * 1e-3
     return low - pad, up + pad
 
@@ -104,7 +104,7 @@ def _time(sketch: SeriesSketch, name: str, bands: Sequence[_Band], gap_s: float)
     unit_s, unit = next((s, u) for least, s, u in
                         ((10800.0, 3600.0, 'h'), (600.0, 60.0, 'min'), (0.0, 1.0, 's'))
                         if span_s >= least)
-    plot = Plot((0.0, span_s / unit_s), _padded(min(levels), max(levels)),
+    plot = Plot((0.0, span_s / unit_s), _pad(min(levels), max(levels)),
                 title=f'{name}: difference against time, n = {sketch.n}',
                 x_label=f'time since {utc(envelope.start_ns)} UTC [{unit}]',
                 y_label='difference TS - RS [deg]')
@@ -132,7 +132,7 @@ def _time(sketch: SeriesSketch, name: str, bands: Sequence[_Band], gap_s: float)
     return plot.svg()
 
 
-def _shown(sketch: SeriesSketch, bands: Sequence[_Band]) -> tuple[float, float, int]:
+def _choose_axis(sketch: SeriesSketch, bands: Sequence[_Band]) -> tuple[float, float, int]:
     """Return the ends of the histogram's axis, and how many differences lie beyond."""
     low, up = _extremes(sketch)
     limits = [level for band in bands for level, _, _ in band.lines()]
@@ -145,13 +145,13 @@ def _shown(sketch: SeriesSketch, bands: Sequence[_Band]) -> tuple[float, float, 
             if lost <= _LOST_AT_MOST * sketch.n:
                 return near, far, lost
         low, up = min(low, least), max(up, most)
-    return (*_padded(low, up), 0)
+    return (*_pad(low, up), 0)
 
 
-def _histogram(sketch: SeriesSketch, name: str, bands: Sequence[_Band]) -> Markup:
+def _draw_histogram(sketch: SeriesSketch, name: str, bands: Sequence[_Band]) -> Markup:
     """Draw how many differences have which size."""
     histogram = sketch.histogram
-    low, up, lost = _shown(sketch, bands)
+    low, up, lost = _choose_axis(sketch, bands)
     joint = 1
     while (up - low) / (joint * histogram.width_deg) > _HISTOGRAM_BARS:
         joint *= 2
@@ -190,7 +190,7 @@ def _heading(sketch: SeriesSketch, name: str, bands: Sequence[_Band],
         words = 'mean +/- root of the limit of GK (5)'
         lines += [(up, _SIGMA, words), (low, _SIGMA, '')]
     levels = [*(mean - std).tolist(), *(mean + std).tolist(), *(level for level, _, _ in lines)]
-    plot = Plot((0.0, 360.0), _padded(min(levels), max(levels)), x_step=45.0,
+    plot = Plot((0.0, 360.0), _pad(min(levels), max(levels)), x_step=45.0,
                 title=f'{name}: difference against heading, n = {sketch.n}',
                 x_label='RS heading [deg]', y_label='difference TS - RS [deg]')
     for k, (place, m, s) in enumerate(zip(x.tolist(), mean.tolist(), std.tolist())):

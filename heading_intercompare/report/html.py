@@ -11,10 +11,10 @@ from typing import Any, Mapping, Sequence
 
 from heading_intercompare.core.verdict.verdict_document import SCHEMA
 
-from .decision_rule import rule, uncertainty
-from .formatting import exact, flat, NO_RUN, outcome, unjudged, utc, value
-from .graphs import graphs
-from .markup import element, joined, Markup
+from .decision_rule import describe_rule, describe_uncertainty
+from .formatting import exact, explain_no_run, flat, NO_RUN, outcome, utc, value
+from .graphs import draw_graphs
+from .markup import element, join, Markup
 from .series_sketch import SeriesSketch
 from .tables import facts, GUARDED, LEDGER, RESULTS, rows_by_run, SENSOR, table, WORST
 from .vocabulary import CAMPAIGN_WORDS, CONDITION_WORDS, EFFECT_WORDS, REASON_WORDS, STATE_WORDS
@@ -89,12 +89,12 @@ def render(verdict: Mapped, sketches: Sequence[SeriesSketch] = ()) -> str:
     """
     if verdict.get('schema') != SCHEMA:
         raise ValueError(f'schema = {verdict.get("schema")!r}: must be {SCHEMA!r}')
-    sections = (('Identification', _identification), ('Norms and decision rule', rule),
+    sections = (('Identification', _identification), ('Norms and decision rule', describe_rule),
                 ('Pairing ledger', _ledger), ('Results', _results),
                 ('The runs together', _campaign), ('Guarded decision', _guarded),
                 ('Validity of the comparison', _validity), ('Assumptions', _assumptions),
                 ('Warnings', _warnings),
-                ('Uncertainty', uncertainty))
+                ('Uncertainty', describe_uncertainty))
     parts = [(title, make(verdict)) for title, make in sections]
     parts = [(title, body) for title, body in parts if body]
     findings = _findings(verdict)
@@ -102,8 +102,8 @@ def render(verdict: Mapped, sketches: Sequence[SeriesSketch] = ()) -> str:
               *([('Further findings', findings)] if findings else []),
               ('Events, exclusions and reasons', _events(verdict)),
               ('Settings', _settings(verdict['settings'])), ('Signatures', _signatures())]
-    numbered = joined(element('section', element('h2', f'{k}. {title}'), body)
-                      for k, (title, body) in enumerate(parts, 1))
+    numbered = join(element('section', element('h2', f'{k}. {title}'), body)
+                    for k, (title, body) in enumerate(parts, 1))
     title = 'Intercomparison of heading sensors: protocol'
     return '<!DOCTYPE html>\n' + element(
         'html', element('head', element('meta', charset='utf-8'), element('title', title),
@@ -115,7 +115,7 @@ def _paragraph(*words: object) -> Markup:
     return element('p', *words)
 
 
-def _listed(items: Sequence[object]) -> Markup:
+def _make_list(items: Sequence[object]) -> Markup:
     return element('ul', *(element('li', item) for item in items))
 
 
@@ -159,28 +159,28 @@ def _identification(verdict: Mapped) -> Markup:
             [[value(given.get(key)) for key in ('path', 'sha256', 'ts_topic', 'rs_topic')]
              for given in verdict['inputs']]))
         parts += [_paragraph(f'{given["path"]} was not judged: {why}')
-                  for given in verdict['inputs'] if (why := unjudged(given))]
+                  for given in verdict['inputs'] if (why := explain_no_run(given))]
     else:
         parts.append(_paragraph('Inputs: none recorded; the readings were given live or by a '
                                 'program.'))
-    return joined(parts)
+    return join(parts)
 
 
 def _ledger(verdict: Mapped) -> Markup:
     if not verdict['runs']:
         return _paragraph(NO_RUN)
-    return joined((_paragraph('Every reading received stands in exactly one row of its sensor: '
-                              'paired, interpolated between, without partner (not used) or '
-                              'rejected.'),
-                   rows_by_run(LEDGER, verdict['runs'])))
+    return join((_paragraph('Every reading received stands in exactly one row of its sensor: '
+                            'paired, interpolated between, without partner (not used) or '
+                            'rejected.'),
+                 rows_by_run(LEDGER, verdict['runs'])))
 
 
 def _results(verdict: Mapped) -> Markup:
     if not verdict['runs']:
         return _paragraph(NO_RUN)
-    return joined((_paragraph('Differences are TS - RS. GK is Granovskii and Kudryavtsev, '
-                              'ALLSENSORS 2016; the numbers are those of its formulas.'),
-                   rows_by_run(RESULTS, verdict['runs'])))
+    return join((_paragraph('Differences are TS - RS. GK is Granovskii and Kudryavtsev, '
+                            'ALLSENSORS 2016; the numbers are those of its formulas.'),
+                 rows_by_run(RESULTS, verdict['runs'])))
 
 
 def _campaign(verdict: Mapped) -> Markup:
@@ -192,15 +192,15 @@ def _campaign(verdict: Mapped) -> Markup:
     if campaign['sensor'] is not None:
         shared = [[name, unit, text(campaign['sensor'])] for name, unit, text in SENSOR]
         parts.append(table(['', 'unit', 'the variance that the runs share'], shared))
-    return joined(parts)
+    return join(parts)
 
 
 def _guarded(verdict: Mapped) -> Markup:
     if not verdict['runs']:
         return _paragraph(NO_RUN)
-    return joined((_paragraph('The bounds hold for errors that change within a twentieth of the '
-                              'run; of slower ones they allow for what shows in it.'),
-                   rows_by_run(GUARDED, verdict['runs'])))
+    return join((_paragraph('The bounds hold for errors that change within a twentieth of the '
+                            'run; of slower ones they allow for what shows in it.'),
+                 rows_by_run(GUARDED, verdict['runs'])))
 
 
 def _validity(verdict: Mapped) -> Markup:
@@ -214,7 +214,7 @@ def _validity(verdict: Mapped) -> Markup:
             [[CONDITION_WORDS[f['condition']], element('span', EFFECT_WORDS[f['effect']],
                                                        class_='state'), value(f['evidence'])]
              for f in run['validity']], class_='plain'))
-    return joined(parts) if verdict['runs'] else _paragraph(NO_RUN)
+    return join(parts) if verdict['runs'] else _paragraph(NO_RUN)
 
 
 def _assumptions(verdict: Mapped) -> Markup:
@@ -226,7 +226,7 @@ def _assumptions(verdict: Mapped) -> Markup:
                 ['', 'statement', 'state', 'evidence'],
                 [[a['id'], a['statement'], _state(a['state']), value(a['evidence'])]
                  for a in run['assumptions']], class_='plain'))
-    return joined(parts)
+    return join(parts)
 
 
 def _state(word: str) -> Markup:
@@ -240,16 +240,16 @@ def _findings(verdict: Mapped) -> Markup:
     rows = [(name, '', lambda run, name=name: value(run.get(name)))
             for name in dict.fromkeys(name for run in found for name in run)]
     if not rows:
-        return joined(())
+        return join(())
     runs = [{**names, 'run': run['run']} for names, run in zip(found, verdict['runs'])]
-    return joined((_paragraph('Names are those of the JSON and end in their unit.'),
-                   rows_by_run(rows, runs, units=False)))
+    return join((_paragraph('Names are those of the JSON and end in their unit.'),
+                 rows_by_run(rows, runs, units=False)))
 
 
 def _warnings(verdict: Mapped) -> Markup:
     items = [f'run {run["run"]}: {warning}' for run in verdict['runs']
              for warning in run['warnings']]
-    return _listed(items) if items else _paragraph('None.')
+    return _make_list(items) if items else _paragraph('None.')
 
 
 def _figures(verdict: Mapped, sketches: Sequence[SeriesSketch]) -> Markup:
@@ -258,10 +258,10 @@ def _figures(verdict: Mapped, sketches: Sequence[SeriesSketch]) -> Markup:
         source = f'Source: {sketch.source}. ' if sketch.source else ''
         said = (f'{source}All pairs of the input, those of a stabilisation period too; '
                 f'{sketch.n_invalid} not finite left out.')
-        drawn = [element('figure', graph) for graph in graphs(sketch, verdict)]
+        drawn = [element('figure', graph) for graph in draw_graphs(sketch, verdict)]
         parts += [_paragraph(said), *drawn] if drawn else [
             _paragraph(f'{source}No difference to draw.')]
-    return joined(parts) or _paragraph('None: the protocol was made from the verdict alone.')
+    return join(parts) or _paragraph('None: the protocol was made from the verdict alone.')
 
 
 def _events(verdict: Mapped) -> Markup:
@@ -269,7 +269,7 @@ def _events(verdict: Mapped) -> Markup:
     notes = [[f'{utc(note["stamp_ns"])} UTC', note['text'], given['path']]
              for given in verdict['inputs'] for note in given.get('notes', ())]
     room = facts([('events during the trial', ''), ('data left out, and why', '')])
-    return joined([table(['time', "operator's note", 'input'], notes), room] if notes else [room])
+    return join([table(['time', "operator's note", 'input'], notes), room] if notes else [room])
 
 
 def _settings(settings: Mapped) -> Markup:

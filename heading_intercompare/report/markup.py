@@ -8,7 +8,7 @@ from html import escape
 import re
 from typing import Iterable
 
-__all__ = ['element', 'joined', 'Markup', 'text']
+__all__ = ['element', 'join', 'Markup', 'text']
 
 _UNPRINTABLE = re.compile('[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]')
 
@@ -31,7 +31,7 @@ def text(words: object) -> Markup:
     return Markup(escape(_UNPRINTABLE.sub('\ufffd', str(words)), quote=True))
 
 
-def joined(parts: Iterable[object], between: str = '') -> Markup:
+def join(parts: Iterable[object], between: str = '') -> Markup:
     """Return parts, each as markup, one after the other."""
     return Markup(between.join(text(part) for part in parts))
 
@@ -62,4 +62,4 @@ def element(name: str, *children: object, **attributes: object) -> Markup:
                     for key, value in attributes.items() if value is not None)
     if not children:
         return Markup(f'<{name}{given}/>')
-    return Markup(f'<{name}{given}>{joined(children)}</{name}>')
+    return Markup(f'<{name}{given}>{join(children)}</{name}>')

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from heading_intercompare.core.angles import wrap360
-from heading_intercompare.core.pairing.difference import difference
+from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 
@@ -211,7 +211,7 @@ class SeriesSketch:
         if int(pairs.stamp_ns[0]) < newest or np.any(np.diff(pairs.stamp_ns) < 0):
             raise ValueError(f'stamp_ns goes back behind {newest}: pairs come in stamp order')
         self.newest_ns = int(pairs.stamp_ns[-1])
-        x = difference(pairs, settings.installation_offset_deg, settings.wrap_center_deg).x_deg
+        x = subtract(pairs, settings.installation_offset_deg, settings.wrap_center_deg).x_deg
         good = np.isfinite(x)
         x, n = x[good], int(np.count_nonzero(good))
         self.n += n

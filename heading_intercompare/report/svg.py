@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import Iterable, Sequence
 
-from .markup import element, joined, Markup, text
+from .markup import element, join, Markup, text
 
 __all__ = ['nice_step', 'Plot', 'ticks']
 
@@ -186,7 +186,7 @@ class Plot:
         return element(
             'svg', element('title', self._title),
             element('rect', width=width, height=total, fill='white'),
-            joined(self._axes()), inner,
-            element('rect', **frame, fill='none', stroke='black'), joined(keys),
+            join(self._axes()), inner,
+            element('rect', **frame, fill='none', stroke='black'), join(keys),
             xmlns='http://www.w3.org/2000/svg', role='img', width=width, height=total,
             viewBox=f'0 0 {width} {total}', font_family=_FONT, font_size=12, fill='black')

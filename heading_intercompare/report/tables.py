@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Any, Callable, Iterable, Mapping, Sequence
 
 from .formatting import ABSENT, interval, number, outcome, utc, value
-from .markup import element, joined, Markup
+from .markup import element, join, Markup
 
 __all__ = ['facts', 'GUARDED', 'LEDGER', 'RESULTS', 'Row', 'rows_by_run', 'SENSOR', 'table',
            'WORST']
@@ -189,7 +189,7 @@ def rows_by_run(rows: Sequence[Row], runs: Sequence[Mapped], *, units: bool = Tr
                             *(f'run {run["run"]}' for run in some)],
                            [[name, *([unit] if units else []), *(text(run) for run in some)]
                             for name, unit, text in rows]))
-    return joined(parts)
+    return join(parts)
 
 
 def facts(rows: Iterable[tuple[str, object]]) -> Markup:

@@ -7,12 +7,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.ahrs.random_noise import Markov, stream
+from heading_intercompare.ahrs.random_noise import Markov, open_stream
 
 
 def test_a_stream_is_known_by_its_name():
-    one, same = stream(5, 'ts.white'), stream(5, 'ts.white')
-    other, seeded = stream(5, 'rs.white'), stream(6, 'ts.white')
+    one, same = open_stream(5, 'ts.white'), open_stream(5, 'ts.white')
+    other, seeded = open_stream(5, 'rs.white'), open_stream(6, 'ts.white')
     drawn = one.random(4)
     assert np.array_equal(drawn, same.random(4))
     assert not np.array_equal(drawn, other.random(4))
@@ -21,8 +21,8 @@ def test_a_stream_is_known_by_its_name():
 
 @pytest.mark.parametrize('cuts', [[10, 0, 1, 489, 500], [1] * 1000])
 def test_markov_noise_does_not_depend_on_the_chunks(cuts):
-    whole = Markov(2.0, 30.0, 0.1, stream(1, 'm')).take(1000)
-    parts = Markov(2.0, 30.0, 0.1, stream(1, 'm'))
+    whole = Markov(2.0, 30.0, 0.1, open_stream(1, 'm')).take(1000)
+    parts = Markov(2.0, 30.0, 0.1, open_stream(1, 'm'))
     assert np.array_equal(np.concatenate([parts.take(n) for n in cuts]), whole)
 
 
@@ -32,11 +32,11 @@ def test_markov_noise_has_its_variance_and_correlation():
 
     Six standard errors: 4 sqrt(2/2000) 6 = 0.76 and 6 / sqrt(2000) = 0.13; false alarm 1e-8.
     """
-    first, last = np.array([Markov(2.0, 3.0, 0.1, stream(seed, 'm')).take(31)[[0, 30]]
+    first, last = np.array([Markov(2.0, 3.0, 0.1, open_stream(seed, 'm')).take(31)[[0, 30]]
                             for seed in range(2000)]).T
     assert np.var(last) == pytest.approx(4.0, abs=0.76)
     assert np.mean(first * last) / 4.0 == pytest.approx(np.exp(-1.0), abs=0.13)
 
 
 def test_noise_of_size_zero_is_zero():
-    assert not Markov(0.0, 1.0, 1.0, stream(1, 'm')).take(5).any()
+    assert not Markov(0.0, 1.0, 1.0, open_stream(1, 'm')).take(5).any()

@@ -23,7 +23,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare import Headings, Settings
-from heading_intercompare.app.compare_verdicts import differences
+from heading_intercompare.app.compare_verdicts import find_differences
 from heading_intercompare.app.job import Job
 from heading_intercompare.bags.codec.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
@@ -277,7 +277,7 @@ def test_a_scheduler_by_its_file_and_told_in_one_line_when_it_goes_away(
     alone, _ = analyze(capsys, inputs[0])
     shared, said = analyze(capsys, inputs[0], '--dask', file)
     # Alone it is judged in this process, where linear algebra may take several threads.
-    assert list(differences(json.loads(alone), json.loads(shared))) == [] and said == ''
+    assert list(find_differences(json.loads(alone), json.loads(shared))) == [] and said == ''
 
     def kill() -> None:
         with held(gate):

@@ -84,7 +84,7 @@ def test_one_large_bag_is_decoded_by_several_processes_with_the_same_verdict(
     monkeypatch.setattr('heading_intercompare.bags.mcap.mcap_file._BLOCK_BYTES', 10_000)
     monkeypatch.setattr(decode_workers, '_FEWEST', 6)
     monkeypatch.setattr(decode_workers, 'active_count', lambda: 1)
-    monkeypatch.setattr(campaign, 'cores', lambda: 8)
+    monkeypatch.setattr(campaign, 'count_cores', lambda: 8)
     begun = []
     monkeypatch.setattr(decode_workers, '_Helper', lambda *args, begin=decode_workers._Helper: (
         begun.append(args), begin(*args))[1])

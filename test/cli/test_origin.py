@@ -10,7 +10,7 @@ import time
 import pytest
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
-from heading_intercompare.bags.rosbag2.provenance import notes_in
+from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.cli import main
 from heading_intercompare.core.version import VERSION
 
@@ -21,7 +21,7 @@ NOTES = ['--note', 'MV Example', '--note', '2014-08-01T00:00:02Z course change']
 
 def assert_noted(bag, before_ns):
     """Both notes are there: one of its own time, one of the time at which the bag was made."""
-    event, ship = notes_in(BagReader(bag))
+    event, ship = read_notes(BagReader(bag))
     assert event == (1406851202 * S, 'course change')
     assert ship.text == 'MV Example' and before_ns <= ship.stamp_ns <= time.time_ns()
 

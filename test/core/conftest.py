@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from heading_intercompare.core.pairing.difference import difference
+from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.logs import read_log
@@ -46,7 +46,7 @@ def real(logs):
     def of(name):
         ts, rs = (logs[part] for part in name.split('-'))
         pairs, _ = pair(ts, rs, Settings.from_mapping({'pairing.method': 'interpolate'}))
-        return pairs, difference(pairs).x_deg
+        return pairs, subtract(pairs).x_deg
     return of
 
 

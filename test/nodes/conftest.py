@@ -45,9 +45,9 @@ class Ros:
 
     def ours(self, make, name=None, **values):
         """Make a node of the package with settings, those of the norms among them."""
-        from heading_intercompare.nodes.ros.parameters import overrides
+        from heading_intercompare.nodes.ros.parameters import make_overrides
         named = {key.replace('__', '.'): value for key, value in values.items()}
-        return self.add(make, name=name, parameter_overrides=overrides({**NORMS, **named}))
+        return self.add(make, name=name, parameter_overrides=make_overrides({**NORMS, **named}))
 
     def spin_until(self, condition, timeout_s=10.0):
         """Spin until a condition holds, else fail."""

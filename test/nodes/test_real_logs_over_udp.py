@@ -20,7 +20,7 @@ import time
 
 import pytest
 
-from heading_intercompare.app.compare_verdicts import differences
+from heading_intercompare.app.compare_verdicts import find_differences
 from heading_intercompare.cli import main
 
 pytest.importorskip('rclpy')
@@ -141,7 +141,7 @@ def test_logs_over_udp_give_the_verdict_of_their_import(ship, shared_data, tmp_p
         assert main(['analyze', str(bag), *norms, '--json', '-']) == 0
         offline = json.loads(capsys.readouterr().out)
         assert sum(run['n'] for run in offline['runs']) == n
-        assert list(differences(live, offline)) == []
+        assert list(find_differences(live, offline)) == []
 
 
 def heard(graph: Graph) -> bool:

@@ -19,7 +19,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
-from heading_intercompare.bags.rosbag2.provenance import notes_in
+from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.nodes.recorder import Recorder
@@ -127,7 +127,7 @@ def test_notes_given_at_the_start_and_while_recording_are_in_the_bag(ros, tmp_pa
     began_s = time.monotonic()
     bag = finish(ros, node)
     assert time.monotonic() - began_s < 3.0
-    early, ship, turn = notes_in(bag)
+    early, ship, turn = read_notes(bag)
     assert early == (1406851500 * 10 ** 9, 'left port')
     assert ship.text == 'MV Example' and ship.stamp_ns < before_ns
     message, = bag.messages(['operator/note'])
@@ -141,7 +141,7 @@ def test_a_note_that_is_no_text_is_recorded_and_does_no_harm(ros, tmp_path):
     data = serialize_message(String(data='wind XX'))
     notes.publish(data.replace(b'XX', b'\xff\xfe'))
     ros.spin_until(lambda: node.written == 1)
-    note, = notes_in(finish(ros, node, notes))
+    note, = read_notes(finish(ros, node, notes))
     assert note.text == 'wind \ufffd\ufffd'
 
 

@@ -30,7 +30,7 @@ from heading_intercompare.nodes.replayer import Replayer
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_stamps import stamp_ns
 from heading_intercompare.nodes.ros.messages import headings_from
-from heading_intercompare.nodes.ros.parameters import overrides
+from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.ros.status_messages import ledger_from, marker_message, marks_from
 from heading_intercompare.nodes.synchronizer import Synchronizer
 
@@ -170,7 +170,7 @@ class SteadyClock:
 def paced(ros, path, **values):
     """Return a replayer on a clock that stands, the clock, and what is heard of both topics."""
     clock = SteadyClock()
-    node = ros.add(Replayer, clock_ns=clock, parameter_overrides=overrides({
+    node = ros.add(Replayer, clock_ns=clock, parameter_overrides=make_overrides({
         **NORMS, 'bag': bag_of(path), 'max_rate_hz': 100000.0, **values}))
     ts, rs = listeners(ros)
     ros.spin_until(lambda: node.published == 2 or 'paused at' in node.state)
@@ -328,7 +328,7 @@ def test_remapping_changes_what_is_published_and_not_what_is_read(
     heard = ros.listen(Imu, 'gyro/heading', qos.PAIRS)
     old, _ = (ros.listen(DiagnosticArray, 'old/marks', qos.MARKER) for _ in range(2))
     listeners(ros)
-    node = ros.add(Replayer, cli_args=rules, **options, parameter_overrides=overrides({
+    node = ros.add(Replayer, cli_args=rules, **options, parameter_overrides=make_overrides({
         **NORMS, 'bag': bag_of(tmp_path / 'bag', marks), 'rate': 0.0}))
     ros.spin_until(lambda: node.done and len(heard) == 300 and old)
     assert headings_from(heard, 'enu').stamp_ns.tolist() == HEADINGS.stamp_ns.tolist()
@@ -342,12 +342,12 @@ def test_a_bag_with_a_topic_of_its_own_name_can_go_out_under_the_usual_one(ros, 
     ts, _ = listeners(ros)
     bag = bag_of(tmp_path / 'bag', ts_topic='/bridge/gyro_1')
     node = ros.add(Replayer, cli_args=['--ros-args', '-r', 'bridge/gyro_1:=ts/heading'],
-                   remapped=['bridge/gyro_1'], parameter_overrides=overrides({
+                   remapped=['bridge/gyro_1'], parameter_overrides=make_overrides({
                        **NORMS, 'bag': bag, 'rate': 0.0, 'ts_topic': 'bridge/gyro_1'}))
     ros.spin_until(lambda: node.done and len(ts) == 300)
     with pytest.raises(BagError, match="has no topic 'ts/heading'"):
         ros.add(Replayer, cli_args=['--ros-args', '-r', 'ts/heading:=bridge/gyro_1'],
-                parameter_overrides=overrides({**NORMS, 'bag': bag}))
+                parameter_overrides=make_overrides({**NORMS, 'bag': bag}))
 
 
 @pytest.mark.parametrize('rules, remapped, words', [
@@ -364,7 +364,7 @@ def test_a_remapping_that_cannot_be_is_refused(ros, tmp_path, rules, remapped, w
     args = [part for rule in rules for part in ('-r', rule)]
     with pytest.raises(SettingsError) as raised:
         ros.add(Replayer, remapped=remapped, cli_args=['--ros-args', *args] if args else [],
-                parameter_overrides=overrides({**NORMS, 'bag': bag_of(tmp_path / 'bag')}))
+                parameter_overrides=make_overrides({**NORMS, 'bag': bag_of(tmp_path / 'bag')}))
     assert str(raised.value).startswith(words)
 
 
@@ -373,7 +373,7 @@ def test_two_sensors_cannot_be_swapped_into_one_but_with_each_other(ros, tmp_pat
     bag = bag_of(tmp_path / 'bag', noise_deg=np.full(300, 90.0))
     node = ros.add(Replayer, cli_args=['--ros-args', '-r', 'ts/heading:=rs/heading', '-r',
                                        'rs/heading:=ts/heading'],
-                   parameter_overrides=overrides({**NORMS, 'bag': bag, 'rate': 0.0}))
+                   parameter_overrides=make_overrides({**NORMS, 'bag': bag, 'rate': 0.0}))
     ros.spin_until(lambda: node.done and len(ts) == len(rs) == 300)
     assert headings_from(ts, 'enu').heading_deg[7] == pytest.approx(7.0)
     assert headings_from(rs, 'enu').heading_deg[7] == pytest.approx(97.0)
@@ -393,9 +393,9 @@ def test_paused_and_remapped_and_faster_the_verdict_is_that_of_analyze(
     bag = bag_of(tmp_path / 'bag', marks, noise_deg=0.15 * rng.standard_normal(300))
     compliance = ros.ours(Compliance)
     synchronizer = ros.add(Synchronizer, cli_args=[
-        '--ros-args', '-r', 'ts/heading:=gyro/heading'], parameter_overrides=overrides(NORMS))
+        '--ros-args', '-r', 'ts/heading:=gyro/heading'], parameter_overrides=make_overrides(NORMS))
     node = ros.add(Replayer, cli_args=['--ros-args', '-r', 'ts/heading:=gyro/heading'],
-                   remapped=['ts/heading'], parameter_overrides=overrides({
+                   remapped=['ts/heading'], parameter_overrides=make_overrides({
                        **NORMS, 'bag': bag, 'rate': 20.0, 'clock': True, 'start_paused': True}))
     ros.spin_until(lambda: 'paused at 0.000 s' in node.state)
     assert node.published == 0

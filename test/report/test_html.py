@@ -16,7 +16,7 @@ import pytest
 
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.report import html, SeriesSketch, write
-from heading_intercompare.report.decision_rule import rule
+from heading_intercompare.report.decision_rule import describe_rule
 
 VOID = {'meta', 'br', 'hr', 'img', 'input', 'link'}
 SVG = '{http://www.w3.org/2000/svg}'
@@ -228,13 +228,13 @@ def test_the_outcome_and_its_reason_stand_in_words(made):
 
 
 def test_the_producers_risk_is_shared_among_the_runs(made):
-    assert '0.05 / 3 = 0.0167' in rule(made(3)[0])
-    assert '0.05 / 1 = 0.05' in rule(made(1)[0])
+    assert '0.05 / 3 = 0.0167' in describe_rule(made(3)[0])
+    assert '0.05 / 1 = 0.05' in describe_rule(made(1)[0])
 
 
 def test_a_published_norm_is_named_with_its_status_and_figure(made):
-    words = rule(made(1, norms__preset='imo_a424', norms__latitude_deg=60.0,
-                      norms__sigma_max_deg=None)[0])
+    words = describe_rule(made(1, norms__preset='imo_a424', norms__latitude_deg=60.0,
+                               norms__sigma_max_deg=None)[0])
     assert 'imo_a424: gyro-compass' in words
     assert '<td>unverified</td>' in words
     assert 'sigma_max [deg]</th><td>0.5</td>' in words

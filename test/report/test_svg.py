@@ -10,7 +10,7 @@ from hypothesis import given, strategies as st
 import pytest
 
 from heading_intercompare.report.formatting import exact, interval, number, utc, value
-from heading_intercompare.report.markup import element, joined, text
+from heading_intercompare.report.markup import element, join, text
 from heading_intercompare.report.svg import nice_step, Plot, ticks
 
 
@@ -45,7 +45,7 @@ def test_any_words_come_back_from_the_markup(words):
 
 
 def test_markup_is_not_escaped_again():
-    assert element('b', element('i', '&'), joined(['<', element('u', '')])) == \
+    assert element('b', element('i', '&'), join(['<', element('u', '')])) == \
         '<b><i>&amp;</i>&lt;<u></u></b>'
 
 

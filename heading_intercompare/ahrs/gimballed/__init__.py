@@ -5,6 +5,7 @@
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
+    'condition': ('describe_condition',),
     'modes': ('AhrsStatus',),
     'output': ('AhrsOutput',),
 })

@@ -22,8 +22,8 @@ from .calibration import (
     accelerometer_bias,
     azimuth_from_rates,
     course_drift,
+    fit_rotation,
     hann,
-    rotation_fit,
     WindowedMean,
 )
 from .claims import alignment_sigma
@@ -182,7 +182,7 @@ def _revolution(ahrs: Machine, sense: float):
                 sums[i] += value
         for column, total in zip(columns, sums):
             column.append(total / SECTOR_STEPS)
-    return rotation_fit(*columns, weights=hann(SECTORS))
+    return fit_rotation(*columns, weights=hann(SECTORS))
 
 
 def azimuth_alignment(ahrs: Machine) -> Procedure:

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-__all__ = ['RotationFit', 'WindowedMean', 'accelerometer_bias', 'azimuth_from_rates',
-           'course_drift', 'drift_correction', 'gps_drift', 'hann', 'rotation_fit']
+__all__ = ['accelerometer_bias', 'azimuth_from_rates', 'course_drift', 'drift_correction',
+           'fit_rotation', 'gps_drift', 'hann', 'RotationFit', 'WindowedMean']
 
 
 class RotationFit(NamedTuple):
@@ -61,7 +61,7 @@ class WindowedMean:
         return [total / self._weight for total in self._sums]
 
 
-def rotation_fit(cosine: ArrayLike, sine: ArrayLike, rate_x: ArrayLike, rate_y: ArrayLike,
+def fit_rotation(cosine: ArrayLike, sine: ArrayLike, rate_x: ArrayLike, rate_y: ArrayLike,
                  weights: ArrayLike | None = None) -> RotationFit:
     """
     Separate the biases of a two-axis rate meter from the rates it measures.
@@ -95,7 +95,7 @@ def rotation_fit(cosine: ArrayLike, sine: ArrayLike, rate_x: ArrayLike, rate_y: 
     --------
     >>> angle = np.radians([0.0, 90.0, 180.0, 270.0])
     >>> c, s = np.cos(angle), np.sin(angle)
-    >>> fit = rotation_fit(c, s, 10.0 * c + 0.5, -10.0 * s - 0.2)
+    >>> fit = fit_rotation(c, s, 10.0 * c + 0.5, -10.0 * s - 0.2)
     >>> round(fit.bias_x, 9), round(fit.bias_y, 9), round(fit.rate_x, 9)
     (0.5, -0.2, 10.0)
 

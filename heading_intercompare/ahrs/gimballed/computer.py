@@ -10,7 +10,7 @@ from heading_intercompare.ahrs.settings import Ahrs
 from heading_intercompare.ahrs.ship.earth import EARTH_RATE_RAD_S, gravity, KNOT_M_S, radii
 from heading_intercompare.ahrs.ship.seaway import GRID_S
 
-from .control_laws import coarse_rate, gyrocompass_gains, hold_gains
+from .control_laws import coarse_rate, compute_gyrocompass_gains, compute_hold_gains
 from .platform import Platform
 
 __all__ = ['Computer']
@@ -152,7 +152,7 @@ class Computer:
 
     def enter_hold(self) -> None:
         """Set the gains of levelling with integral action for this place."""
-        self._hold = hold_gains(HOLD_1_S, HOLD_ZETA, self.gravity)
+        self._hold = compute_hold_gains(HOLD_1_S, HOLD_ZETA, self.gravity)
 
     def hold(self) -> Rates:
         """Level without knowing the azimuth: S (7)."""
@@ -195,7 +195,7 @@ class Computer:
 
     def enter_gyrocompass(self) -> None:
         """Set the gains of the gyrocompass and empty the integral corrections."""
-        self._seek = gyrocompass_gains(self.settings.sigma_1_s, self.gravity)
+        self._seek = compute_gyrocompass_gains(self.settings.sigma_1_s, self.gravity)
         self.ix = self.iy = 0.0
 
     def gyrocompass(self) -> Rates:

@@ -14,7 +14,7 @@ from .alignment import COARSE_S, METER_TURN_RAD_S, POST_S
 from .instruments import Thermostat
 from .modes import AhrsStatus, Mode, Validity
 
-__all__ = ['Condition', 'condition', 'progress', 'SELF_TESTS', 'self_tests']
+__all__ = ['Condition', 'describe_condition', 'progress', 'SELF_TESTS', 'self_tests']
 
 SELF_TESTS = {
     'post': Mode.POST,
@@ -124,7 +124,7 @@ def _level(status: AhrsStatus) -> str:
     return 'ok' if status.validity == Validity.VALID.name and not status.flags else 'warn'
 
 
-def condition(status: AhrsStatus) -> Condition:
+def describe_condition(status: AhrsStatus) -> Condition:
     """Return a status in words and figures."""
     words = status.mode.lower().replace('_', ' ')
     if status.faults:

@@ -9,8 +9,8 @@ import math
 
 from heading_intercompare.ahrs.ship.earth import earth_rate, gravity, radii
 
-__all__ = ['GyrocompassGains', 'HoldGains', 'coarse_rate', 'gyrocompass_azimuth',
-           'gyrocompass_gains', 'hold_gains', 'settled_rate', 'speed_error', 'torque']
+__all__ = ['coarse_rate', 'compute_gyrocompass_gains', 'compute_hold_gains', 'gyrocompass_azimuth',
+           'GyrocompassGains', 'HoldGains', 'settled_rate', 'speed_error', 'torque']
 
 GYRO_MOMENTUM_N_M_S = 0.04
 TORQUE_MOTOR_N_M_A = 0.02
@@ -96,7 +96,7 @@ def coarse_rate(force_m_s2: float, gravity_m_s2: float, tau_s: float, friction: 
     return force_m_s2 / (gravity_m_s2 * tau_s) + friction * gimbal_rate_rad_s
 
 
-def hold_gains(omega_1_s: float, zeta: float, gravity_m_s2: float) -> HoldGains:
+def compute_hold_gains(omega_1_s: float, zeta: float, gravity_m_s2: float) -> HoldGains:
     """
     Return the gains that put the poles of the levelling loop.
 
@@ -115,7 +115,7 @@ def hold_gains(omega_1_s: float, zeta: float, gravity_m_s2: float) -> HoldGains:
 
     Examples
     --------
-    >>> gains = hold_gains(0.02, 0.5, 10.0)
+    >>> gains = compute_hold_gains(0.02, 0.5, 10.0)
     >>> round(gains.k1_1_s, 9), round(gains.k_rad_m, 9), round(gains.ki_rad_m_s, 12)
     (0.04, 8e-05, 8e-07)
 
@@ -125,7 +125,7 @@ def hold_gains(omega_1_s: float, zeta: float, gravity_m_s2: float) -> HoldGains:
                      omega_1_s**3 / gravity_m_s2)
 
 
-def gyrocompass_gains(sigma_1_s: float, gravity_m_s2: float) -> GyrocompassGains:
+def compute_gyrocompass_gains(sigma_1_s: float, gravity_m_s2: float) -> GyrocompassGains:
     """
     Return the gains of the gyrocompass from its one tuning parameter.
 
@@ -142,7 +142,7 @@ def gyrocompass_gains(sigma_1_s: float, gravity_m_s2: float) -> GyrocompassGains
 
     Examples
     --------
-    >>> gains = gyrocompass_gains(0.5, 10.0)
+    >>> gains = compute_gyrocompass_gains(0.5, 10.0)
     >>> gains.k1_1_s, gains.k_rad_m, gains.k4_1_s, gains.k3_rad_m_s2
     (1.0, 0.1, 1.0, 0.025)
 

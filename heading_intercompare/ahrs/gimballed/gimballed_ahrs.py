@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from heading_intercompare.ahrs.plans import Event, parse_events
-from heading_intercompare.ahrs.random_noise import stream
+from heading_intercompare.ahrs.random_noise import open_stream
 from heading_intercompare.ahrs.settings import Ahrs, Errors
 from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, UG_M_S2
 from heading_intercompare.ahrs.ship.seaway import BLOCK_STEPS, GRID_S
@@ -21,7 +21,7 @@ from .alignment import Procedure
 from .claims import alignment_sigma
 from .computer import Computer
 from .condition import progress, self_tests
-from .control_laws import gyrocompass_azimuth, gyrocompass_gains, torque
+from .control_laws import compute_gyrocompass_gains, gyrocompass_azimuth, torque
 from .instruments import Instruments
 from .modes import AhrsStatus, Mode, Validity
 from .operation import PROCEDURES
@@ -106,7 +106,7 @@ class GimballedAhrs:
         self._faults: list[str] = []
         self._messages: list[str] = []
         self._events = list(parse_events(settings.events))
-        self._place = stream(seed, f'{role}.ahrs.start')
+        self._place = open_stream(seed, f'{role}.ahrs.start')
         self._step = self._entered = 0
         self._rates = (0.0, 0.0, 0.0)
         self._failed_at: int | None = None
@@ -131,7 +131,7 @@ class GimballedAhrs:
         tilt = math.radians(self.settings.tilt_deg)
         self.platform.alpha_rad = tilt * math.cos(direction)
         self.platform.beta_rad = tilt * math.sin(direction)
-        self.platform.azimuth_rad = (_wrapped(azimuth) if azimuth_deg is None
+        self.platform.azimuth_rad = (_wrap(azimuth) if azimuth_deg is None
                                      else math.radians(azimuth_deg))
 
     def _align(self) -> None:
@@ -141,7 +141,7 @@ class GimballedAhrs:
             parts.gyro_bias[:3], parts.gyro_soak[:3]))
         sigma_1_s = self.settings.sigma_1_s
         if self.settings.azimuth_deg is None:
-            gains = gyrocompass_gains(sigma_1_s, computer.gravity)
+            gains = compute_gyrocompass_gains(sigma_1_s, computer.gravity)
             platform.azimuth_rad = gyrocompass_azimuth(
                 drift_x, drift_y, drift_z, parts.bias[1], sigma_1_s, computer.latitude_rad)
             computer.p = drift_z * computer.earth_north / gains.k3_rad_m_s2
@@ -329,5 +329,5 @@ class GimballedAhrs:
             currents_a=tuple(torque(rate)[1] for rate in self._rates))
 
 
-def _wrapped(angle_rad: float) -> float:
+def _wrap(angle_rad: float) -> float:
     return math.atan2(math.sin(angle_rad), math.cos(angle_rad))

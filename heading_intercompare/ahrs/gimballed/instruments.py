@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from heading_intercompare.ahrs.plans import parse_fixed
-from heading_intercompare.ahrs.random_noise import Markov, stream
+from heading_intercompare.ahrs.random_noise import Markov, open_stream
 from heading_intercompare.ahrs.settings import Ahrs, Errors
 from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, RAD_PER_DEG_SQRT_H, UG_M_S2
 from heading_intercompare.ahrs.ship.seaway import GRID_S
@@ -150,7 +150,7 @@ class Instruments:
         return taken
 
     def _stream(self, name: str) -> np.random.Generator:
-        return stream(self._seed, f'{self._role}.ahrs.{name}')
+        return open_stream(self._seed, f'{self._role}.ahrs.{name}')
 
     def _markov(self, name: str, sigma: float, tau_s: float) -> Markov:
         return Markov(sigma * self._noise, tau_s, GRID_S, self._stream(f'{name}.markov'))

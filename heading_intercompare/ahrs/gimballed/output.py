@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from heading_intercompare.ahrs.random_noise import stream
+from heading_intercompare.ahrs.random_noise import open_stream
 from heading_intercompare.ahrs.sensor_presets import errors_of
 from heading_intercompare.ahrs.settings import Sensor
 from heading_intercompare.ahrs.ship.seaway import GRID_S
@@ -53,7 +53,7 @@ class AhrsOutput:
         self._ship = ship
         self._least = Validity[sensor.ahrs.publish.upper()]
         self._ahrs = GimballedAhrs(sensor.ahrs, self._errors, ship, seed, role)
-        self._white = stream(seed, f'{role}.ahrs.output')
+        self._white = open_stream(seed, f'{role}.ahrs.output')
         self._noise_deg = self._errors.output_deg if sensor.ahrs.noise else 0.0
         self._phases = (2.0 * math.pi * self._white.random(2)).tolist()
         self._track: Track | None = None

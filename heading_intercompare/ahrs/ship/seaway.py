@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from heading_intercompare.ahrs.random_noise import stream
+from heading_intercompare.ahrs.random_noise import open_stream
 
 __all__ = ['BLOCK_S', 'CHANNELS', 'GRID_S', 'Seaway', 'SEAWAYS', 'SeawayPreset']
 
@@ -69,7 +69,7 @@ class Seaway:
         rms = [math.radians(a) for a in SEAWAYS[preset].angles_deg] + list(
             SEAWAYS[preset].shifts_m)
         self.calm = not any(rms)
-        rng = stream(seed, 'seaway')
+        rng = open_stream(seed, 'seaway')
         steps_s = GRID_S * np.arange(BLOCK_STEPS + 1)
         self._omega, self._complex, self._table = [], [], []
         for value, period_s in zip(rms, MODAL_PERIODS_S):

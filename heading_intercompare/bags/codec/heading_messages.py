@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.mcap.message_blocks import gathered
+from heading_intercompare.bags.mcap.message_blocks import gather
 from heading_intercompare.core import angles
 from heading_intercompare.core.records import Headings, Pairs
 
 from .cdr import encode
 
-__all__ = ['HEADING_TYPES', 'IMU', 'PAIRS_TYPE', 'decode_headings', 'encode_imu', 'encode_pairs']
+__all__ = ['decode_headings', 'encode_imu', 'encode_pairs', 'HEADING_TYPES', 'IMU', 'PAIRS_TYPE']
 
 IMU = 'sensor_msgs/msg/Imu'
 PAIRS_TYPE = 'geometry_msgs/msg/TwistStamped'
@@ -49,7 +49,7 @@ def _rows(type_name: str, stamp_ns: np.ndarray, frame_id: str) -> tuple[np.ndarr
                        'in January 2038')
     _put(rows, 4, sec.astype('<i4'))
     _put(rows, 8, nanosec.astype('<u4'))
-    return rows, 4 + _aligned(12 + len(frame_id.encode()) + 1, 8)
+    return rows, 4 + _align(12 + len(frame_id.encode()) + 1, 8)
 
 
 def _put(rows: np.ndarray, at: int, column: np.ndarray) -> None:
@@ -60,7 +60,7 @@ def _put_reals(rows: np.ndarray, at: int, values: ArrayLike) -> None:
     _put(rows, at, np.broadcast_to(values, len(rows)).astype('<f8'))
 
 
-def _aligned(position, size: int):
+def _align(position, size: int):
     """Return the next place that a power of two divides."""
     return (position + (size - 1)) & -size
 
@@ -190,24 +190,25 @@ def decode_headings(type_name: str, convention: str, data: bytes, start: np.ndar
     """
     size = stop - start
     _check_size(type_name, start, size, _HEADER.itemsize)
-    header = gathered(data, _HEADER, start)
+    header = gather(data, _HEADER, start)
     little = header['order'] == _LITTLE
     if little.all():
-        return _decoded(type_name, convention, data, start, size, header)
+        return _decode_one_order(type_name, convention, data, start, size, header)
     strange = ~little & (header['order'] != _BIG)
     if strange.any():
         raise BagError(f'{type_name} message does not start as CDR',
                        offset=int(start[np.argmax(strange)]))
     whole = Headings(np.empty(len(start), np.int64), np.empty(len(start)))
     for which, sign in ((little, '<'), (~little, '>')):
-        part = _decoded(type_name, convention, data, start[which], size[which],
-                        header[which].view(_HEADER.newbyteorder(sign)))
+        part = _decode_one_order(type_name, convention, data, start[which], size[which],
+                                 header[which].view(_HEADER.newbyteorder(sign)))
         whole.stamp_ns[which], whole.heading_deg[which] = part.stamp_ns, part.heading_deg
     return whole
 
 
-def _decoded(type_name: str, convention: str, data: bytes, start: np.ndarray, size: np.ndarray,
-             header: np.ndarray) -> Headings:
+def _decode_one_order(type_name: str, convention: str, data: bytes, start: np.ndarray,
+                      size: np.ndarray,
+                      header: np.ndarray) -> Headings:
     """Return the same of messages of one byte order, that of their headers."""
     sign = '>' if header.dtype['length'].byteorder == '>' else '<'
     length = header['length'].astype(np.int64)
@@ -215,13 +216,13 @@ def _decoded(type_name: str, convention: str, data: bytes, start: np.ndarray, si
         length = length[0]
     end = length + (_HEADER.itemsize - 4)
     if type_name == _ODOMETRY:
-        end = _aligned(end, 4) + 4
+        end = _align(end, 4) + 4
         _check_size(type_name, start, size, end + 4)
-        end = end + gathered(data, f'{sign}u4', start + end)
-    at = _aligned(end, 8) + 4 + HEADING_TYPES[type_name]
+        end = end + gather(data, f'{sign}u4', start + end)
+    at = _align(end, 8) + 4 + HEADING_TYPES[type_name]
     kind = (_IMU_ORIENTATION if type_name == IMU else _QUATERNION).newbyteorder(sign)
     _check_size(type_name, start, size, at + kind.itemsize)
-    x, y, z, w, *covariance = gathered(data, kind, start + at).T
+    x, y, z, w, *covariance = gather(data, kind, start + at).T
     heading_deg = angles.heading_from_quaternion(x, y, z, w, convention)
     if covariance:
         heading_deg[covariance[0] == _UNKNOWN] = np.nan

@@ -21,8 +21,8 @@ from heading_intercompare.bags.errors import BagError
 
 from .fields import CODES, Definitions, definitions_in, leaves, short_name
 
-__all__ = ['DEFINITIONS', 'Schema', 'TYPE_HASHES', 'definitions_of', 'layout_problem',
-           'schema_of', 'shipped_schema']
+__all__ = ['DEFINITIONS', 'definitions_of', 'layout_problem', 'Schema', 'schema_of',
+           'shipped_schema', 'TYPE_HASHES']
 
 #: Field definitions by package/Type.
 DEFINITIONS = {
@@ -101,7 +101,7 @@ class Schema:
     encoding: str = 'ros2msg'
 
 
-def _installed(name: str, suffix: str) -> Path | None:
+def _find_installed(name: str, suffix: str) -> Path | None:
     """Return the installed file of package/Type, or None."""
     package, _, kind = name.partition('/')
     prefixes = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep) + [sys.prefix]
@@ -113,13 +113,13 @@ def _installed(name: str, suffix: str) -> Path | None:
 
 
 def _installed_text(name: str) -> str:
-    path = _installed(name, '.msg')
+    path = _find_installed(name, '.msg')
     if path is None:
         raise LookupError(name)
     return path.read_bytes().decode()
 
 
-def _assembled(name: str, text_of: Callable[[str], str]) -> str:
+def _assemble(name: str, text_of: Callable[[str], str]) -> str:
     """Return the text of a type, then of its dependencies: depth first, sorted, each once."""
     seen = {name}
 
@@ -139,7 +139,7 @@ def _assembled(name: str, text_of: Callable[[str], str]) -> str:
 def _hash_of(type_name: str) -> str:
     if type_name in TYPE_HASHES:
         return TYPE_HASHES[type_name]
-    path = _installed(short_name(type_name), '.json')
+    path = _find_installed(short_name(type_name), '.json')
     if path is not None:
         for row in json.loads(path.read_text())['type_hashes']:
             if row['type_name'] == type_name:
@@ -150,7 +150,7 @@ def _hash_of(type_name: str) -> str:
 @lru_cache(maxsize=None)
 def shipped_schema(type_name: str) -> Schema:
     """Return the schema made of `DEFINITIONS`; LookupError if the type is not among them."""
-    text = _assembled(short_name(type_name), DEFINITIONS.__getitem__)
+    text = _assemble(short_name(type_name), DEFINITIONS.__getitem__)
     return Schema(type_name, text, TYPE_HASHES.get(type_name, ''))
 
 
@@ -170,7 +170,7 @@ def schema_of(type_name: str) -> Schema:
 
     """
     try:
-        text = _assembled(short_name(type_name), _installed_text)
+        text = _assemble(short_name(type_name), _installed_text)
         return Schema(type_name, text, _hash_of(type_name))
     except LookupError:
         pass

@@ -12,14 +12,14 @@ from mcap.opcode import Opcode
 
 from heading_intercompare.bags.errors import BagError
 
-from .record_stream import parsed, RecordStream
+from .record_stream import parse_record, RecordStream
 
-__all__ = ['attachment', 'places']
+__all__ = ['find_records', 'parse_attachment']
 
 
-def attachment(content: bytes) -> mcap.Attachment:
+def parse_attachment(content: bytes) -> mcap.Attachment:
     """Return an attachment from the bytes behind its head; BagError if it is damaged."""
-    found = parsed(mcap.Attachment, content)
+    found = parse_record(mcap.Attachment, content)
     crc = int.from_bytes(content[-4:], 'little')
     # Its checksum is of all its fields; pybag 0.13 takes that of the data.
     if crc not in (0, zlib.crc32(content[:-4])) and crc != zlib.crc32(found.data):
@@ -27,8 +27,8 @@ def attachment(content: bytes) -> mcap.Attachment:
     return found
 
 
-def places(stream: RecordStream, opcode: int, indexed: Sequence[int], begin: int,
-           end: int) -> list[int]:
+def find_records(stream: RecordStream, opcode: int, indexed: Sequence[int], begin: int,
+                 end: int) -> list[int]:
     """
     Return where the records of a kind are, in file order.
 

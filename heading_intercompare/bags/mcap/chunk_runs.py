@@ -19,8 +19,8 @@ import zstandard
 from heading_intercompare.bags.errors import BagError
 
 from .checksum import crc32
-from .chunks import CHUNK_HEAD, unpacked
-from .fragments import begun, CHUNK_BYTES, chunk_head, ChunkHead, HEAD_BYTES
+from .chunks import CHUNK_HEAD, unpack
+from .fragments import CHUNK_BYTES, ChunkHead, decompress_begun, find_chunk_head, HEAD_BYTES
 from .message_blocks import (
     Block,
     block_of,
@@ -31,7 +31,7 @@ from .message_blocks import (
     MESSAGE_HEAD,
 )
 
-__all__ = ['Chunk', 'ChunkRun', 'ChunkRuns', 'counted', 'Counts', 'records_of']
+__all__ = ['Chunk', 'ChunkRun', 'ChunkRuns', 'count_messages', 'Counts', 'read_records']
 
 #: Small chunks are looked at together until their records are so long, or they are so many.
 _RUN_BYTES, _RUN_CHUNKS = 2**20, 256
@@ -128,12 +128,12 @@ class _Part(NamedTuple):
     index: list[tuple[int, bytes]]
 
 
-def records_of(content: bytes, size: int,
-               zstd: zstandard.ZstdDecompressor) -> bytes | bytearray | memoryview:
+def read_records(content: bytes, size: int,
+                 zstd: zstandard.ZstdDecompressor) -> bytes | bytearray | memoryview:
     """Return the records in the content of a chunk, checked; BagError if it is damaged."""
     if size <= _LARGE:
-        return unpacked(content, zstd)
-    data = begun(content)
+        return unpack(content, zstd)
+    data = decompress_begun(content)
     if len(data) != size:
         raise BagError('chunk damaged: it decompresses to another size than its head says')
     crc = CHUNK_HEAD.unpack_from(content)[3]
@@ -142,7 +142,7 @@ def records_of(content: bytes, size: int,
     return data
 
 
-def counted(channels: np.ndarray) -> Counts:
+def count_messages(channels: np.ndarray) -> Counts:
     """Return how many messages each channel has."""
     numbers, counts = np.unique(channels, return_counts=True)
     return tuple(zip(numbers.tolist(), counts.tolist()))
@@ -184,12 +184,12 @@ class ChunkRuns:
 
     def _part(self, at: int, most: int) -> _Part | None:
         """Return the chunk at a byte if it is sound, and no larger."""
-        head = chunk_head(self._read(at, HEAD_BYTES))
+        head = find_chunk_head(self._read(at, HEAD_BYTES))
         if head is None or head.size > most or at + HEAD.size + head.length > self._size:
             return None
         content = self._read(at + HEAD.size, head.length)
         try:
-            data = records_of(content, head.size, self._zstd)
+            data = read_records(content, head.size, self._zstd)
         except BagError:
             return None
         index, behind = self._index(at + HEAD.size + head.length, head.size)
@@ -271,7 +271,7 @@ class ChunkRuns:
                 counts = tuple([(n, len(content) // ENTRY_BYTES) for n, content in part.index])
             else:
                 timed = log[lo:hi] >= 0
-                counts = counted(block.heads['channel'][lo:hi][timed])
+                counts = count_messages(block.heads['channel'][lo:hi][timed])
                 untimed += int((~timed).sum())
             chunks.append(Chunk(
                 part.start, part.start + HEAD.size + head.length, part.behind, begin_ns, end_ns,

@@ -24,11 +24,11 @@ import zstandard
 
 from .checksum import crc32
 from .chunk_runs import Chunk
-from .index_records import built, chunk_index, ending, message_index
+from .index_records import build_ending, build_record, chunk_index, message_index
 from .message_batch import Records
 from .message_blocks import ENTRY_BYTES, HEAD, MESSAGE_HEAD, Record, walk
-from .record_stream import MAGIC, parsed
-from .record_validity import attached
+from .record_stream import MAGIC, parse_record
+from .record_validity import find_attached
 
 __all__ = ['ChunkWriter', 'COMPRESSIONS']
 
@@ -95,7 +95,7 @@ class ChunkWriter:
         self.start_ns: int | None = None
         self.end_ns: int | None = None
         self._begin_chunk()
-        self._append(MAGIC + built(mcap.Header('ros2', library)))
+        self._append(MAGIC + build_record(mcap.Header('ros2', library)))
 
     @property
     def pending(self) -> bool:
@@ -128,7 +128,7 @@ class ChunkWriter:
         self._size += len(piece)
 
     def _define(self, record: mcap.Schema | mcap.Channel) -> None:
-        definition = built(record)
+        definition = build_record(record)
         self._defined[definition] = None
         self._hold(definition)
 
@@ -294,9 +294,11 @@ class ChunkWriter:
             return
         data = b''.join(self._pieces)
         packed = self._compress(data)
-        chunk = built(mcap.Chunk(compression=self._compression, data=packed,
-                                 message_start_time=self._first, message_end_time=self._last,
-                                 uncompressed_crc=zlib.crc32(data), uncompressed_size=len(data)))
+        chunk = build_record(mcap.Chunk(compression=self._compression, data=packed,
+                                        message_start_time=self._first,
+                                        message_end_time=self._last,
+                                        uncompressed_crc=zlib.crc32(data),
+                                        uncompressed_size=len(data)))
         start = self._end
         self._append(b''.join((chunk, *(message_index(channel, entries)
                                         for channel, entries in self._index.items()))))
@@ -320,26 +322,27 @@ class ChunkWriter:
 
     def add_metadata(self, name: str, mapping: Mapping[str, str]) -> None:
         """Write a metadata record."""
-        record = built(mcap.Metadata(name=name, metadata=dict(mapping)))
+        record = build_record(mcap.Metadata(name=name, metadata=dict(mapping)))
         index = mcap.MetadataIndex(offset=self._end, length=len(record), name=name)
         self._append(record)
         self._extra_indexes.append(index)
 
     def add_attachment(self, name: str, media_type: str, data: bytes, time_ns: int) -> None:
         """Write an attachment."""
-        self.append_attachment(bytearray(built(mcap.Attachment(
+        self.append_attachment(bytearray(build_record(mcap.Attachment(
             create_time=time_ns, log_time=time_ns, name=name, media_type=media_type, data=data))))
 
     def append_attachment(self, record: bytearray) -> None:
         """Write an attachment, a whole record whose lengths agree, with the right checksum."""
-        data_at = attached(lambda at, size: record[at:at + size],
-                           Record(Opcode.ATTACHMENT, HEAD.size, len(record) - HEAD.size))
+        data_at = find_attached(lambda at, size: record[at:at + size],
+                                Record(Opcode.ATTACHMENT, HEAD.size, len(record) - HEAD.size))
         crc_at = len(record) - _CRC.size
         with memoryview(record) as view:
             crc = crc32(view[HEAD.size:crc_at])
         _CRC.pack_into(record, crc_at, crc)
         # The fields before the data, and no data.
-        head = parsed(mcap.Attachment, bytes(record[HEAD.size:data_at - 8]) + bytes(8 + _CRC.size))
+        head = parse_record(mcap.Attachment,
+                            bytes(record[HEAD.size:data_at - 8]) + bytes(8 + _CRC.size))
         index = mcap.AttachmentIndex(offset=self._end, length=len(record),
                                      create_time=head.create_time, log_time=head.log_time,
                                      data_size=crc_at - data_at, name=head.name,
@@ -354,7 +357,7 @@ class ChunkWriter:
     def finish(self) -> None:
         """Write the summary and the end of the file."""
         self.end_chunk()
-        self._append(ending(self._end, tuple(self._schemas.values()),
-                            tuple(self._channels.values()), self._chunk_indexes,
-                            self._extra_indexes, self.counts,
-                            (self.start_ns or 0, self.end_ns or 0)))
+        self._append(build_ending(self._end, tuple(self._schemas.values()),
+                                  tuple(self._channels.values()), self._chunk_indexes,
+                                  self._extra_indexes, self.counts,
+                                  (self.start_ns or 0, self.end_ns or 0)))

@@ -16,7 +16,7 @@ from heading_intercompare.bags.errors import BagError
 from .checksum import crc32
 from .message_blocks import Block, block_of, HEAD
 
-__all__ = ['CHUNK_HEAD', 'Gathering', 'unpacked']
+__all__ = ['CHUNK_HEAD', 'Gathering', 'unpack']
 
 #: First and last log time, size and checksum of the decompressed records, length of a name.
 CHUNK_HEAD = struct.Struct('<QQQII')
@@ -39,7 +39,7 @@ class _Head(NamedTuple):
     length: int
 
 
-def _head(begun: bytes | memoryview, length: int) -> tuple[_Head, int]:
+def _read_head(begun: bytes | memoryview, length: int) -> tuple[_Head, int]:
     """Return the head of a chunk of some length, and its size; BagError if it is damaged."""
     try:
         first, last, size, crc, letters = CHUNK_HEAD.unpack_from(begun)
@@ -59,7 +59,7 @@ def _head(begun: bytes | memoryview, length: int) -> tuple[_Head, int]:
     return _Head(first, last, size, crc, compression, inner), start
 
 
-def _decompressed(head: _Head, data: memoryview, zstd: zstandard.ZstdDecompressor) -> bytes:
+def _decompress(head: _Head, data: memoryview, zstd: zstandard.ZstdDecompressor) -> bytes:
     """Return what decompresses to the size in the head; BagError if it does not."""
     try:
         if head.compression == 'zstd':
@@ -88,7 +88,7 @@ def _check(head: _Head, data: bytes | memoryview) -> None:
         raise BagError('chunk damaged: its checksum does not match')
 
 
-def unpacked(content: bytes, zstd: zstandard.ZstdDecompressor) -> bytes | memoryview:
+def unpack(content: bytes, zstd: zstandard.ZstdDecompressor) -> bytes | memoryview:
     """
     Return the records in the content of a chunk, decompressed and checked.
 
@@ -98,9 +98,9 @@ def unpacked(content: bytes, zstd: zstandard.ZstdDecompressor) -> bytes | memory
         If it is damaged: sizes that do not agree, a wrong checksum.
 
     """
-    head, start = _head(content, len(content))
+    head, start = _read_head(content, len(content))
     data = memoryview(content)[start:start + head.length]
-    found = _decompressed(head, data, zstd) if head.compression else data
+    found = _decompress(head, data, zstd) if head.compression else data
     _check(head, found)
     return found
 
@@ -154,12 +154,12 @@ class Gathering:
         """
         at = file.tell()
         begun = file.read(min(CHUNK_HEAD.size + _LENGTH.size + 4, length))
-        head, start = _head(begun, length)
+        head, start = _read_head(begun, length)
         if head.first_ns >= stop_ns or head.last_ns < start_ns:
             return False
         file.seek(at + start)
         if head.compression:
-            records = _decompressed(head, self._read(file, head.length), self._zstd)
+            records = _decompress(head, self._read(file, head.length), self._zstd)
             into = self._behind(head.size)
             into[:] = records
         else:

@@ -16,8 +16,8 @@ from .chunks import CHUNK_HEAD
 from .message_blocks import HEAD, MESSAGE_HEAD
 from .record_stream import MAGIC
 
-__all__ = ['BARE', 'begun', 'candidates', 'CHUNK_BYTES', 'ChunkHead', 'chunk_head',
-           'HEAD_BYTES', 'leading', 'MESSAGE_LEAST']
+__all__ = ['BARE', 'CHUNK_BYTES', 'ChunkHead', 'decompress_begun', 'find_candidates',
+           'find_chunk_head', 'HEAD_BYTES', 'measure_leading', 'MESSAGE_LEAST']
 
 #: Records that may be in a chunk or outside.
 BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
@@ -45,7 +45,7 @@ class ChunkHead(NamedTuple):
     packed: int
 
 
-def chunk_head(data: bytes) -> ChunkHead | None:
+def find_chunk_head(data: bytes) -> ChunkHead | None:
     """
     Return the head of a chunk whose record these bytes begin; None if it contradicts itself.
 
@@ -74,7 +74,7 @@ def _plausible(begun: bytearray, size: int) -> bool:
     return opcode in BARE and HEAD.size + length <= size
 
 
-def begun(content: bytes) -> bytearray:
+def decompress_begun(content: bytes) -> bytearray:
     """
     Return what can be decompressed of a chunk that may be cut; its lengths agree.
 
@@ -108,7 +108,7 @@ def begun(content: bytes) -> bytearray:
     return found
 
 
-def leading(data: bytes | bytearray | memoryview, first_ns: int, last_ns: int) -> int:
+def measure_leading(data: bytes | bytearray | memoryview, first_ns: int, last_ns: int) -> int:
     """Return the size of the records with which a chunk of these log times begins soundly."""
     at = 0
     while at + HEAD.size <= len(data):
@@ -125,7 +125,7 @@ def leading(data: bytes | bytearray | memoryview, first_ns: int, last_ns: int) -
     return at
 
 
-def candidates(window: bytes, room: int, opcodes: tuple[int, ...]) -> np.ndarray:
+def find_candidates(window: bytes, room: int, opcodes: tuple[int, ...]) -> np.ndarray:
     """Return where in a window such a record may begin that ends within `room` bytes."""
     count = len(window) - HEAD.size + 1
     if count <= 0:

@@ -15,7 +15,7 @@ from mcap.opcode import Opcode
 from .message_blocks import ENTRY_BYTES, HEAD, INDEX_HEAD
 from .record_stream import MAGIC
 
-__all__ = ['built', 'chunk_index', 'ending', 'message_index']
+__all__ = ['build_ending', 'build_record', 'chunk_index', 'message_index']
 
 _CHUNK_INDEX = struct.Struct('<BQQQQQI')
 _OFFSET = struct.Struct('<HQ')
@@ -23,7 +23,7 @@ _TAIL = struct.Struct('<QI')
 _SIZES = struct.Struct('<QQ')
 
 
-def built(record: mcap.McapRecord) -> bytes:
+def build_record(record: mcap.McapRecord) -> bytes:
     """Return a record as it is written."""
     builder = RecordBuilder()
     record.write(builder)
@@ -67,10 +67,10 @@ def chunk_index(start: int, end: int, counts: Iterable[tuple[int, int]], first_n
         places, _TAIL.pack(at - end, len(name)), name, _SIZES.pack(packed, size)))
 
 
-def ending(start: int, schemas: Sequence[mcap.Schema], channels: Sequence[mcap.Channel],
-           chunk_indexes: Sequence[bytes],
-           extra_indexes: Sequence[mcap.AttachmentIndex | mcap.MetadataIndex],
-           counts: dict[int, int], span_ns: tuple[int, int]) -> bytes:
+def build_ending(start: int, schemas: Sequence[mcap.Schema], channels: Sequence[mcap.Channel],
+                 chunk_indexes: Sequence[bytes],
+                 extra_indexes: Sequence[mcap.AttachmentIndex | mcap.MetadataIndex],
+                 counts: dict[int, int], span_ns: tuple[int, int]) -> bytes:
     """
     Return the end of a file: end of the data, summary, footer.
 
@@ -93,21 +93,23 @@ def ending(start: int, schemas: Sequence[mcap.Schema], channels: Sequence[mcap.C
         channel_message_counts=counts, chunk_count=len(chunk_indexes),
         message_count=sum(counts.values()), message_end_time=span_ns[1],
         message_start_time=span_ns[0], metadata_count=len(metadata), schema_count=len(schemas))
-    end = built(mcap.DataEnd(0))
+    end = build_record(mcap.DataEnd(0))
     start += len(end)
-    groups = {Opcode.SCHEMA: map(built, schemas), Opcode.CHANNEL: map(built, channels),
-              Opcode.STATISTICS: [built(statistics)], Opcode.CHUNK_INDEX: chunk_indexes,
-              Opcode.ATTACHMENT_INDEX: map(built, attachments),
-              Opcode.METADATA_INDEX: map(built, metadata)}
+    groups = {Opcode.SCHEMA: map(build_record, schemas),
+              Opcode.CHANNEL: map(build_record, channels),
+              Opcode.STATISTICS: [build_record(statistics)], Opcode.CHUNK_INDEX: chunk_indexes,
+              Opcode.ATTACHMENT_INDEX: map(build_record, attachments),
+              Opcode.METADATA_INDEX: map(build_record, metadata)}
     summary, offsets = bytearray(), bytearray()
     for opcode, records in groups.items():
         group = b''.join(records)
         if group:
-            offsets += built(mcap.SummaryOffset(group_opcode=opcode, group_length=len(group),
-                                                group_start=start + len(summary)))
+            offsets += build_record(mcap.SummaryOffset(group_opcode=opcode,
+                                                       group_length=len(group),
+                                                       group_start=start + len(summary)))
             summary += group
     offset_start = start + len(summary)
     summary += offsets
-    footer = built(mcap.Footer(start, offset_start, 0))
+    footer = build_record(mcap.Footer(start, offset_start, 0))
     crc = zlib.crc32(summary + footer[:-4])
     return b''.join((end, summary, footer[:-4], crc.to_bytes(4, 'little'), MAGIC))

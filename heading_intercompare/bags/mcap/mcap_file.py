@@ -23,9 +23,9 @@ import numpy as np
 
 from heading_intercompare.bags.errors import BagError
 
-from .attachments import attachment, places
+from .attachments import find_records, parse_attachment
 from .message_blocks import Block, HEAD, Record, walk
-from .record_stream import MAGIC, parsed, RecordStream
+from .record_stream import MAGIC, parse_record, RecordStream
 
 __all__ = ['mcap_files', 'NeverBegun', 'Part', 'Stretch']
 
@@ -153,7 +153,7 @@ class Part:
         if at < len(MAGIC) or tail[:HEAD.size] != HEAD.pack(Opcode.FOOTER, 20) or (
                 tail[_FOOTER:] != MAGIC):
             return False
-        footer = parsed(mcap.Footer, tail[HEAD.size:])
+        footer = parse_record(mcap.Footer, tail[HEAD.size:])
         length = at - footer.summary_start
         ahead = Record(0, max(footer.summary_start - len(_DATA_END) - 4, 0), len(_DATA_END))
         if length <= 0 or stream.content(ahead) != _DATA_END:
@@ -175,12 +175,12 @@ class Part:
         for record in walk(summary, 0, len(summary))[1]:
             content = summary[record.start:record.start + record.length]
             if record.opcode == Opcode.STATISTICS:
-                statistics = parsed(mcap.Statistics, content)
+                statistics = parse_record(mcap.Statistics, content)
             elif record.opcode == Opcode.METADATA_INDEX:
-                at = parsed(mcap.MetadataIndex, content).offset
+                at = parse_record(mcap.MetadataIndex, content).offset
                 self._extras[Opcode.METADATA].append(at)
             elif record.opcode == Opcode.ATTACHMENT_INDEX:
-                at = parsed(mcap.AttachmentIndex, content).offset
+                at = parse_record(mcap.AttachmentIndex, content).offset
                 self._extras[Opcode.ATTACHMENT].append(at)
             elif record.opcode == Opcode.CHUNK_INDEX:
                 self._chunks.append((int.from_bytes(content[16:24], 'little'),
@@ -202,10 +202,10 @@ class Part:
 
     def _take_definition(self, opcode: int, content: bytes) -> None:
         if opcode == Opcode.SCHEMA:
-            schema = parsed(mcap.Schema, content)
+            schema = parse_record(mcap.Schema, content)
             self.schemas[schema.id] = schema
         elif opcode == Opcode.CHANNEL:
-            channel = parsed(mcap.Channel, content)
+            channel = parse_record(mcap.Channel, content)
             self.channels[channel.id] = channel
 
     def _take_header(self, stream: RecordStream) -> None:
@@ -213,7 +213,7 @@ class Part:
         record = stream.record(len(MAGIC))
         if record.opcode != Opcode.HEADER:
             raise BagError('it has no header', offset=len(MAGIC))
-        self.profile = parsed(mcap.Header, stream.content(record)).profile
+        self.profile = parse_record(mcap.Header, stream.content(record)).profile
         self._begin = self.end = record.start + record.length
 
     def _scan(self, stream: RecordStream) -> None:
@@ -253,7 +253,7 @@ class Part:
                 if opcode in _DATA:
                     return goes_on.format(at, stream.size)
                 if opcode == Opcode.STATISTICS:
-                    expected = parsed(mcap.Statistics, stream.content(record)).message_count
+                    expected = parse_record(mcap.Statistics, stream.content(record)).message_count
                 at = start + length
             if at + len(MAGIC) < stream.size:
                 problem = goes_on.format(at + len(MAGIC), stream.size)
@@ -348,17 +348,18 @@ class Part:
 
     def metadata(self) -> Iterator[mcap.Metadata]:
         """Yield the metadata records in file order; BagError if one is damaged."""
-        yield from self._read_extras(Opcode.METADATA, partial(parsed, mcap.Metadata))
+        yield from self._read_extras(Opcode.METADATA, partial(parse_record, mcap.Metadata))
 
     def attachments(self) -> Iterator[mcap.Attachment]:
         """Yield the attachments in file order; BagError if one is damaged."""
-        yield from self._read_extras(Opcode.ATTACHMENT, attachment)
+        yield from self._read_extras(Opcode.ATTACHMENT, parse_attachment)
 
     def _read_extras(self, opcode: int, read: Callable[[bytes], _Extra]) -> Iterator[_Extra]:
         with self.opened() as stream:
             at = None
             try:
-                for at in places(stream, opcode, self._extras[opcode], self._begin, self.end):
+                for at in find_records(stream, opcode, self._extras[opcode], self._begin,
+                                       self.end):
                     yield read(stream.content(stream.record(at)))
             except BagError as error:
                 raise error.at(self.path, error.offset if at is None else at) from None

@@ -20,8 +20,8 @@ from numpy.typing import DTypeLike
 
 from heading_intercompare.bags.errors import BagError
 
-__all__ = ['Block', 'ENTRY_BYTES', 'HEAD', 'INDEX_HEAD', 'INDEX_LEAST', 'MESSAGE_HEAD',
-           'MESSAGE_HEADS', 'Record', 'block_of', 'gathered', 'walk', 'whole']
+__all__ = ['Block', 'block_of', 'ENTRY_BYTES', 'gather', 'HEAD', 'INDEX_HEAD', 'INDEX_LEAST',
+           'measure_whole', 'MESSAGE_HEAD', 'MESSAGE_HEADS', 'Record', 'walk']
 
 #: Opcode and length of a record.
 HEAD = struct.Struct('<BQ')
@@ -54,7 +54,7 @@ def _plain(dtype: np.dtype) -> np.dtype:
     return np.dtype(f'V{dtype.itemsize}') if dtype.names or dtype.shape else dtype
 
 
-def gathered(data: bytes, kind: DTypeLike, at: np.ndarray) -> np.ndarray:
+def gather(data: bytes, kind: DTypeLike, at: np.ndarray) -> np.ndarray:
     """
     Return the values at byte offsets of some data, aligned or not.
 
@@ -124,7 +124,7 @@ def walk(data: bytes, begin: int, end: int) -> tuple[list[int], list[Record]]:
     return messages, others
 
 
-def whole(data: bytes, opcodes: tuple[int, ...]) -> int:
+def measure_whole(data: bytes, opcodes: tuple[int, ...]) -> int:
     """Return the size of the whole records of these opcodes with which the data starts."""
     at = 0
     while at + HEAD.size <= len(data):
@@ -163,12 +163,12 @@ def _regular(data: bytes) -> _Found | None:
     return first, heads, first + stride, others
 
 
-def _indexed(data: bytes, at: np.ndarray) -> _Found | None:
+def _follow_index(data: bytes, at: np.ndarray) -> _Found | None:
     """Return what the index names; None if something is missing."""
     at = np.sort(at, kind='stable')
     if not at.size or at[0] < 0 or at[-1] > len(data) - MESSAGE_HEAD.size:
         return None
-    heads = gathered(data, MESSAGE_HEADS, at)
+    heads = gather(data, MESSAGE_HEADS, at)
     length = heads['length'].copy()
     behind = at + length + HEAD.size
     ahead = np.append(at[1:], len(data))
@@ -211,11 +211,11 @@ def block_of(data: bytes, offset: int,
     try:
         found = _regular(data)
         if found is None and (offsets := index()) is not None:
-            found = _indexed(data, offsets)
+            found = _follow_index(data, offsets)
         if found is None:
             messages, others = walk(data, 0, len(data))
             at = np.array(messages, np.int64)
-            heads = gathered(data, MESSAGE_HEADS, at)
+            heads = gather(data, MESSAGE_HEADS, at)
             found = at, heads, at + HEAD.size + heads['length'], others
     except BagError as error:
         raise BagError(f'chunk damaged: {error.problem}', offset=offset) from None

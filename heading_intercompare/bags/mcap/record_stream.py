@@ -17,9 +17,9 @@ from mcap.opcode import Opcode
 from heading_intercompare.bags.errors import BagError
 
 from .chunks import Gathering
-from .message_blocks import Block, block_of, ENTRY_BYTES, HEAD, INDEX_LEAST, Record, whole
+from .message_blocks import Block, block_of, ENTRY_BYTES, HEAD, INDEX_LEAST, measure_whole, Record
 
-__all__ = ['MAGIC', 'parsed', 'RecordStream']
+__all__ = ['MAGIC', 'parse_record', 'RecordStream']
 
 MAGIC = b'\x89MCAP0\r\n'
 
@@ -32,7 +32,7 @@ _RECORD_LIMIT = 2**31
 _AnyRecord = TypeVar('_AnyRecord', bound=mcap.McapRecord)
 
 
-def parsed(kind: type[_AnyRecord], content: bytes) -> _AnyRecord:
+def parse_record(kind: type[_AnyRecord], content: bytes) -> _AnyRecord:
     """Return a record of MCAP from the bytes behind its head; BagError if it is damaged."""
     try:
         return kind.read(ReadDataStream(BytesIO(content)))
@@ -88,7 +88,7 @@ class RecordStream:
         """Return the messages outside chunks from a record on, and where they end."""
         at = record.start - HEAD.size
         data = self._read(at, min(max(_BARE_BYTES, HEAD.size + record.length), end - at))
-        size = whole(data, _BARE)
+        size = measure_whole(data, _BARE)
         return block_of(data[:size], at), at + size
 
     def _check_index(self, record: Record, behind_chunk: bool) -> None:

@@ -12,9 +12,9 @@ from mcap.opcode import Opcode
 from heading_intercompare.bags.errors import BagError
 
 from .message_blocks import INDEX_LEAST, Record
-from .record_stream import parsed
+from .record_stream import parse_record
 
-__all__ = ['attached', 'disguised', 'formed', 'SMALL']
+__all__ = ['find_attached', 'is_disguised', 'is_formed', 'SMALL']
 
 #: Records of a few fields.
 SMALL = {Opcode.HEADER: mcap.Header, Opcode.SCHEMA: mcap.Schema, Opcode.CHANNEL: mcap.Channel,
@@ -31,7 +31,7 @@ _LIKE_MESSAGES = (Opcode.HEADER, Opcode.CHANNEL, Opcode.MESSAGE_INDEX, Opcode.ME
 _Read = Callable[[int, int], bytes]
 
 
-def formed(read: _Read, record: Record) -> bool:
+def is_formed(read: _Read, record: Record) -> bool:
     """Tell whether a record of the kinds that are known here agrees with itself."""
     opcode, start, length = record
     if opcode in _FIXED:
@@ -42,7 +42,7 @@ def formed(read: _Read, record: Record) -> bool:
     if length > _SMALL_BYTES:
         return False
     try:
-        found = parsed(SMALL[opcode], read(start, length))
+        found = parse_record(SMALL[opcode], read(start, length))
     except BagError:
         return False
     # Without counts by channel nothing shows that statistics are right.
@@ -51,12 +51,12 @@ def formed(read: _Read, record: Record) -> bool:
         or sum(found.channel_message_counts.values()) == found.message_count)
 
 
-def disguised(read: _Read, record: Record) -> bool:
+def is_disguised(read: _Read, record: Record) -> bool:
     """Tell whether a message is a record of another kind whose opcode is wrong."""
-    return any(formed(read, record._replace(opcode=opcode)) for opcode in _LIKE_MESSAGES)
+    return any(is_formed(read, record._replace(opcode=opcode)) for opcode in _LIKE_MESSAGES)
 
 
-def attached(read: _Read, record: Record) -> int | None:
+def find_attached(read: _Read, record: Record) -> int | None:
     """Return where the data of an attachment begin; None if its lengths do not agree."""
     at, end = record.start + 16, record.start + record.length - 4
     for width in (4, 4, 8):

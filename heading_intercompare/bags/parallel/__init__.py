@@ -6,7 +6,7 @@ from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'by_minute': ('Window',),
-    'decode_workers': ('decoded', 'possible', 'Task'),
+    'decode_workers': ('can_fork', 'decode_stretches', 'Task'),
     'decoding': ('Decoded', 'Decoder', 'Kind'),
-    'prefetch': ('ahead',),
+    'prefetch': ('run_ahead',),
 })

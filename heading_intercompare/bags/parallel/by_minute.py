@@ -17,7 +17,7 @@ __all__ = ['Window']
 _MINUTE_NS = 60_000_000_000
 
 
-def _rising(found: Found) -> tuple[np.ndarray, np.ndarray | None]:
+def _take_rising(found: Found) -> tuple[np.ndarray, np.ndarray | None]:
     """
     Return log times that do not go back, and of which rows they are, None if all as they come.
 
@@ -37,7 +37,7 @@ def _rising(found: Found) -> tuple[np.ndarray, np.ndarray | None]:
 
 def _minutes(found: Sequence[Found], first_ns: int) -> Iterator[list[slice | np.ndarray]]:
     """Yield the rows of each kind in each minute, counted from the first time, that has any."""
-    times_ns, rows = zip(*map(_rising, found))
+    times_ns, rows = zip(*map(_take_rising, found))
     done = [0] * len(found)
     while left := [int(of[lo]) for of, lo in zip(times_ns, done) if lo < len(of)]:
         end = min(left) + _MINUTE_NS - (min(left) - first_ns) % _MINUTE_NS

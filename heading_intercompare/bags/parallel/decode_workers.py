@@ -27,7 +27,7 @@ from heading_intercompare.core.records import Headings
 
 from .decoding import Decoded, Decoder, Found
 
-__all__ = ['decoded', 'possible', 'Task']
+__all__ = ['can_fork', 'decode_stretches', 'Task']
 
 #: Stretches that a helper has or has done and not handed over, and the memory for each.
 _SLOTS = 4
@@ -81,7 +81,7 @@ def _put(blocks: Sequence[Decoded], memory: memoryview) -> _Layout | None:
     return layout
 
 
-def _taken(layout: _Layout, memory: bytes) -> list[Decoded]:
+def _take(layout: _Layout, memory: bytes) -> list[Decoded]:
     """Return what was written."""
     columns = _places(layout)
     blocks = []
@@ -157,7 +157,7 @@ class _Helper:
         blocks = layout
         if layout:
             begin = slot * _SLOT_BYTES
-            blocks = _taken(layout, self._memory[begin:begin + _size(layout)])
+            blocks = _take(layout, self._memory[begin:begin + _size(layout)])
         self._free.append(slot)
         return self._asked.pop(slot), blocks
 
@@ -228,13 +228,13 @@ class _Crew:
                 self.done[turn] = blocks
 
 
-def possible() -> bool:
+def can_fork() -> bool:
     """Tell whether this process may be copied: on Linux, if no other thread runs, in no pool."""
     return sys.platform == 'linux' and active_count() == 1 and parent_process() is None
 
 
-def decoded(decoder: Decoder, tasks: Sequence[Task], helpers: int = 0,
-            unwanted: Container[int] = ()) -> Iterator[list[Decoded] | None]:
+def decode_stretches(decoder: Decoder, tasks: Sequence[Task], helpers: int = 0,
+                     unwanted: Container[int] = ()) -> Iterator[list[Decoded] | None]:
     """
     Yield stretches in their order, each as `Decoder.stretch` returns it.
 
@@ -246,7 +246,7 @@ def decoded(decoder: Decoder, tasks: Sequence[Task], helpers: int = 0,
         The stretches.
     helpers : int
         Processes that decode beside this one, if there is enough to do and not too much at once;
-        0 if not `possible`. They end with the iteration.
+        0 if not `can_fork`. They end with the iteration.
     unwanted : container of int
         Numbers of files of which no more is wanted, None instead; it may grow meanwhile.
 

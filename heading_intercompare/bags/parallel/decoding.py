@@ -46,7 +46,7 @@ class Decoded(NamedTuple):
     found: list[Found]
 
 
-def _found(block: Block, kind: Kind, place_of: np.ndarray) -> Found:
+def _find_headings(block: Block, kind: Kind, place_of: np.ndarray) -> Found:
     """Return the headings in a block of the channels that have a place."""
     place = place_of[block.heads['channel']]
     which = slice(None)
@@ -109,7 +109,7 @@ class Decoder:
         part = self.parts[number]
         for block in part.blocks_of(self._opened(number), begin, end):
             try:
-                found = [_found(block, *each) for each in zip(self._kinds, self._places)]
+                found = [_find_headings(block, *each) for each in zip(self._kinds, self._places)]
             except BagError as error:
                 raise error.at(part.path, block.offset) from None
             yield Decoded(len(block.start), found)

@@ -8,7 +8,7 @@ from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 from typing import Iterator, TypeVar
 
-__all__ = ['ahead']
+__all__ = ['run_ahead']
 
 #: Items that are ready, or in the making, while one is used.
 _AHEAD = 2
@@ -16,7 +16,7 @@ _AHEAD = 2
 _Item = TypeVar('_Item')
 
 
-def ahead(items: Iterator[_Item]) -> Iterator[_Item]:
+def run_ahead(items: Iterator[_Item]) -> Iterator[_Item]:
     """
     Yield the items of an iterator, which is run in a second thread.
 

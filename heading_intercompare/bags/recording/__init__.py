@@ -7,7 +7,8 @@ from heading_intercompare._doors import door
 __getattr__, __dir__, __all__ = door(__name__, {
     'bag_writer': ('BagWriter', 'Rows'),
     'disk_sync': ('replace_file',),
-    'recorder_losses': ('counted', 'Counts', 'loss_record', 'loss_words', 'missing', 'RECORDING'),
+    'recorder_losses': ('count_words', 'Counts', 'loss_record', 'loss_words', 'RECORDING',
+                        'tell_missing'),
     'resilient_recording': ('Recording',),
     'spool': ('Spool',),
 })

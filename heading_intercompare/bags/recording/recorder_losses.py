@@ -8,7 +8,7 @@ from typing import Mapping, NamedTuple
 
 from heading_intercompare.bags.checked_text import decimal
 
-__all__ = ['Counts', 'counted', 'loss_record', 'loss_words', 'missing', 'RECORDING']
+__all__ = ['count_words', 'Counts', 'loss_record', 'loss_words', 'RECORDING', 'tell_missing']
 
 RECORDING = 'recording'
 """The metadata record, written at the end of a recording."""
@@ -41,7 +41,7 @@ def loss_record(faults: int, absent: int, topics: Mapping[str, Counts]) -> dict[
                for kind, count in counts._asdict().items()}}
 
 
-def counted(count: int, noun: str) -> str:
+def count_words(count: int, noun: str) -> str:
     """Return a number with its noun."""
     return f'{count} {noun}{"" if count == 1 else "s"}'
 
@@ -52,15 +52,15 @@ def _total(record: Mapping[str, object], kind: str) -> int:
                if key.partition('.')[0] == kind)
 
 
-def missing(record: Mapping[str, object]) -> str:
+def tell_missing(record: Mapping[str, object]) -> str:
     """Say which messages a recorder received that are not in the bag; '' if none."""
     parts = ((_total(record, 'not_written'), 'received but not written'),
              (_total(record, 'absent'), 'in files that were taken away'))
-    return ', '.join(f'{counted(count, "message")} {what}' for count, what in parts if count)
+    return ', '.join(f'{count_words(count, "message")} {what}' for count, what in parts if count)
 
 
 def loss_words(record: Mapping[str, object]) -> str:
     """Say which messages are not in the bag, those lost before they came among them."""
     on_the_way = _total(record, 'lost_on_the_way')
-    said = f'{counted(on_the_way, "message")} lost on the way' if on_the_way else ''
-    return ', '.join(filter(None, (missing(record), said)))
+    said = f'{count_words(on_the_way, "message")} lost on the way' if on_the_way else ''
+    return ', '.join(filter(None, (tell_missing(record), said)))

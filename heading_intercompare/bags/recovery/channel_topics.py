@@ -16,7 +16,7 @@ from mcap import records as mcap
 from mcap.opcode import Opcode
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.mcap.record_stream import parsed
+from heading_intercompare.bags.mcap.record_stream import parse_record
 
 __all__ = ['Definitions']
 
@@ -92,7 +92,7 @@ class Definitions:
         kind = mcap.Schema if opcode == Opcode.SCHEMA else mcap.Channel
         histories = self._schemas if opcode == Opcode.SCHEMA else self._channels
         try:
-            definition = parsed(kind, content)
+            definition = parse_record(kind, content)
         except BagError:
             return
         if not checked:

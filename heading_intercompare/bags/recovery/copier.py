@@ -25,13 +25,13 @@ from heading_intercompare.bags.mcap.chunks import CHUNK_HEAD
 from heading_intercompare.bags.mcap.index_records import message_index
 from heading_intercompare.bags.mcap.message_batch import Records
 from heading_intercompare.bags.mcap.message_blocks import Block, block_of, HEAD, MESSAGE_HEAD
-from heading_intercompare.bags.mcap.record_stream import parsed
+from heading_intercompare.bags.mcap.record_stream import parse_record
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 
-from .inventory import Kind, Piece, segments, Survey
+from .inventory import Inventory, Kind, Piece, split_epochs
 from .scanner import Salvage
-from .unreadable_sectors import opened
+from .unreadable_sectors import open_with_holes
 
 __all__ = ['Transfer']
 
@@ -66,7 +66,7 @@ class Transfer:
     """
 
     def __init__(self, bag: BagWriter, compression: str | None, singly: bool,
-                 note: Callable[[Survey, str], None]) -> None:
+                 note: Callable[[Inventory, str], None]) -> None:
         self._bag = bag
         self._compression = compression
         self._singly = singly
@@ -74,7 +74,7 @@ class Transfer:
         self._types: dict[str, tuple[str, bytes]] = {}
         self.counts: dict[str, int] = {}
 
-    def copy(self, found: Survey, progress: Callable[[str], None]) -> None:
+    def copy(self, found: Inventory, progress: Callable[[str], None]) -> None:
         """
         Copy what is sound in a file.
 
@@ -87,7 +87,7 @@ class Transfer:
 
         """
         numbers = {key: self._added(found, *key) for key in sorted(found.counts)}
-        with opened(found.path, found.holes) as file:
+        with open_with_holes(found.path, found.holes) as file:
             copying = _Copying(file, found, self._bag, numbers)
             for piece in found.pieces:
                 if piece.kind == Kind.EXTRA:
@@ -99,7 +99,7 @@ class Transfer:
                 progress(f'{piece.chunk.end / found.size:.0%} copied')
             copying.flush()
 
-    def _added(self, found: Survey, epoch: int, number: int) -> int:
+    def _added(self, found: Inventory, epoch: int, number: int) -> int:
         """Return the number in the new bag of a channel that it now knows; -1 without topic."""
         definition = found.definitions.topic(epoch, number)
         if definition is None:
@@ -121,7 +121,7 @@ class Transfer:
                           channel.metadata.get('topic_type_hash', ''), schema.encoding),
             numbers=(channel.id, schema.id))
 
-    def _copy_extra(self, found: Survey, file: BinaryIO, place: Chunk) -> None:
+    def _copy_extra(self, found: Inventory, file: BinaryIO, place: Chunk) -> None:
         try:
             data = bytearray(place.end - place.start)
         except MemoryError:
@@ -129,22 +129,22 @@ class Transfer:
             return
         file.seek(place.start)
         if file.readinto(data) < len(data):
-            raise _changed(found)
+            raise _blame_change(found)
         if data[0] == Opcode.ATTACHMENT:
             self._bag.chunks.append_attachment(data)
         else:
-            metadata = parsed(mcap.Metadata, data[HEAD.size:])
+            metadata = parse_record(mcap.Metadata, data[HEAD.size:])
             self._bag.metadata(metadata.name, metadata.metadata)
 
 
-def _changed(found: Survey) -> BagError:
+def _blame_change(found: Inventory) -> BagError:
     return BagError('has changed while it was read', found.path)
 
 
 class _Copying:
     """The copying of one file."""
 
-    def __init__(self, file: BinaryIO, found: Survey, bag: BagWriter,
+    def __init__(self, file: BinaryIO, found: Inventory, bag: BagWriter,
                  numbers: dict[tuple[int, int], int]) -> None:
         self._file = file
         self._found = found
@@ -219,7 +219,7 @@ class _Copying:
         while gathered and at < gathered[-1].behind:
             run = self._runs.run(at, gathered[-1].behind)
             if run is None:
-                raise _changed(self._found)
+                raise _blame_change(self._found)
             self._write(run.block, self._epoch, at)
             at = run.chunks[-1].behind
 
@@ -233,7 +233,7 @@ class _Copying:
         data = memoryview(self._memory)[:end - start]
         self._file.seek(start)
         if self._file.readinto(data) < len(data):
-            raise _changed(self._found)
+            raise _blame_change(self._found)
         for chunk in chunks:
             data[chunk.start - start] = Opcode.CHUNK
             CHUNK_HEAD.pack_into(data, chunk.start - start + HEAD.size, chunk.first_ns,
@@ -241,7 +241,7 @@ class _Copying:
         if not chunks[0].indexed:
             run = self._runs.run(start, chunks[0].end)
             if run is None:
-                raise _changed(self._found)
+                raise _blame_change(self._found)
             data = b''.join((data, _indexes(run, chunks[0])))
         self._bag.chunks.append(data, chunks)
         self._bag.split_if_due()
@@ -257,7 +257,7 @@ class _Copying:
             data = self._read(at, end - at)
             block = block_of(data, at) if len(data) == end - at else None
         if block is None:
-            raise _changed(self._found)
+            raise _blame_change(self._found)
         self._write(block, piece.epoch, at)
 
     def _table(self, epoch: int) -> np.ndarray:
@@ -276,7 +276,7 @@ class _Copying:
         channel = block.heads['channel'].astype(np.int64)
         log, publish = block.heads['log_time'].copy(), block.heads['publish_time'].copy()
         new = np.empty_like(channel)
-        for each, part in segments(self._found.definitions, start, epoch, at):
+        for each, part in split_epochs(self._found.definitions, start, epoch, at):
             new[part] = self._table(each)[channel[part]]
         wanted = (new >= 0) & (log >= 0)
         data = block.data

@@ -14,7 +14,7 @@ from mcap import records as mcap
 from mcap.opcode import Opcode
 import numpy as np
 
-from heading_intercompare.bags.mcap.chunk_runs import Chunk, ChunkRun, counted, Counts
+from heading_intercompare.bags.mcap.chunk_runs import Chunk, ChunkRun, count_messages, Counts
 from heading_intercompare.bags.mcap.message_blocks import (
     Block,
     ENTRY_BYTES,
@@ -22,13 +22,14 @@ from heading_intercompare.bags.mcap.message_blocks import (
     INDEX_LEAST,
     MESSAGE_HEAD,
 )
-from heading_intercompare.bags.mcap.record_stream import parsed
+from heading_intercompare.bags.mcap.record_stream import parse_record
 
 from .channel_topics import Definitions
 from .scanner import Gap, Salvage, Sound
-from .unreadable_sectors import opened
+from .unreadable_sectors import open_with_holes
 
-__all__ = ['Damage', 'Kind', 'Piece', 'Pieces', 'Section', 'Survey', 'segments', 'survey']
+__all__ = ['Damage', 'Inventory', 'Kind', 'Piece', 'Pieces', 'Section', 'split_epochs',
+           'take_inventory']
 
 _ROWS = 4096
 
@@ -135,7 +136,7 @@ class Section:
 
 
 @dataclass(slots=True)
-class Survey:
+class Inventory:
     """
     What is in a file.
 
@@ -215,8 +216,8 @@ class Survey:
         self.damage.sort()
 
 
-def segments(definitions: Definitions, start: int, epoch: int,
-             at: np.ndarray) -> Iterator[tuple[int, slice]]:
+def split_epochs(definitions: Definitions, start: int, epoch: int,
+                 at: np.ndarray) -> Iterator[tuple[int, slice]]:
     """
     Yield the epochs within a chunk, and the messages of each.
 
@@ -240,7 +241,7 @@ def segments(definitions: Definitions, start: int, epoch: int,
     yield epoch, slice(lo, len(at))
 
 
-def survey(path: Path, progress: Callable[[str], None]) -> Survey:
+def take_inventory(path: Path, progress: Callable[[str], None]) -> Inventory:
     """
     Read a file through.
 
@@ -257,12 +258,12 @@ def survey(path: Path, progress: Callable[[str], None]) -> Survey:
         If it cannot be read.
 
     """
-    found = Survey(path)
+    found = Inventory(path)
     #: Behind a damaged chunk: messages that its indexes name, and those of it that can be read.
     named, kept = 0, 0
     #: Whether message indexes would be of a damaged chunk; None: there is no chunk before them.
     indexing: bool | None = None
-    with opened(path, found.holes) as file:
+    with open_with_holes(path, found.holes) as file:
         salvage = Salvage(file)
         found.size = salvage.size
         for item in salvage.scan():
@@ -295,7 +296,7 @@ def survey(path: Path, progress: Callable[[str], None]) -> Survey:
     return found
 
 
-def _take(found: Survey, item: Sound, salvage: Salvage) -> None:
+def _take(found: Inventory, item: Sound, salvage: Salvage) -> None:
     opcode = item.record.opcode
     if item.begins:
         # Where a file does not begin with its header it was torn apart, not written to another.
@@ -312,7 +313,7 @@ def _take(found: Survey, item: Sound, salvage: Salvage) -> None:
         found.chunks += kind == Kind.FRAGMENT
         _define(found.definitions, item.block, slice(None), False, 0)
         log = item.block.heads['log_time'].copy()
-        counts = counted(item.block.heads['channel'][log >= 0])
+        counts = count_messages(item.block.heads['channel'][log >= 0])
         found.sections[-1].untimed += int((log < 0).sum())
         found.count(found.definitions.epoch, counts)
         if counts:
@@ -321,14 +322,14 @@ def _take(found: Survey, item: Sound, salvage: Salvage) -> None:
                 found.doubtful.append((len(found.pieces), found.definitions.epoch, row))
             found.pieces.add(kind, found.definitions.epoch, row)
     elif opcode == Opcode.STATISTICS:
-        said = parsed(mcap.Statistics, salvage.content(item.record))
+        said = parse_record(mcap.Statistics, salvage.content(item.record))
         if said.channel_message_counts or not said.message_count:
             found.sections[-1].said.append(said.message_count)
     elif opcode == Opcode.FOOTER:
         found.sections[-1].closed = True
     elif opcode in (Opcode.METADATA, Opcode.ATTACHMENT):
         if opcode == Opcode.METADATA:
-            metadata = parsed(mcap.Metadata, salvage.content(item.record))
+            metadata = parse_record(mcap.Metadata, salvage.content(item.record))
             if metadata.name == 'recovery':
                 found.earlier.append(metadata.metadata)
             if metadata.name in ('recovery', 'rosbag2'):
@@ -352,7 +353,7 @@ def _define(definitions: Definitions, block: Block, which: slice, checked: bool,
             definitions.take(record.opcode, content, checked, (start, record.start - base))
 
 
-def _take_run(found: Survey, run: ChunkRun) -> None:
+def _take_run(found: Inventory, run: ChunkRun) -> None:
     """Take whole chunks."""
     definitions, block = found.definitions, run.block
     found.chunks += len(run.chunks)
@@ -368,8 +369,8 @@ def _take_run(found: Survey, run: ChunkRun) -> None:
             at = block.start[mine] - MESSAGE_HEAD.size - run.bases[i]
             timed = block.heads['log_time'][mine] >= 0
             channels = block.heads['channel'][mine]
-            for each, part in segments(definitions, chunk.start, epoch, at):
-                found.count(each, counted(channels[part][timed[part]]))
+            for each, part in split_epochs(definitions, chunk.start, epoch, at):
+                found.count(each, count_messages(channels[part][timed[part]]))
         else:
             found.count(epoch, chunk.counts)
         if chunk.counts:

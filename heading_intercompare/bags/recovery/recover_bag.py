@@ -22,11 +22,11 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.chunk_writer import COMPRESSIONS
 from heading_intercompare.bags.mcap.mcap_file import mcap_files
 from heading_intercompare.bags.recording.bag_writer import BagWriter
-from heading_intercompare.bags.rosbag2.bag_yaml import absent_parts
+from heading_intercompare.bags.rosbag2.bag_yaml import find_absent_parts
 from heading_intercompare.bags.settings import BagSettings
 
 from .copier import Transfer
-from .inventory import Survey, survey
+from .inventory import Inventory, take_inventory
 
 __all__ = ['recover', 'Recovered']
 
@@ -86,13 +86,13 @@ class Recovered:
             self.notes.append(f'{path.name}: {text}')
 
 
-def _surveyed(paths: list[Path], progress: Callable[[str], None]
-              ) -> tuple[list[Survey], list[tuple[Path, str]]]:
+def _take_inventories(paths: list[Path], progress: Callable[[str], None]
+                      ) -> tuple[list[Inventory], list[tuple[Path, str]]]:
     """Return what is in files, and why others cannot be read; OSError if none can."""
     files, others = [], []
     for path in paths:
         try:
-            files.append(survey(path, progress))
+            files.append(take_inventory(path, progress))
         except OSError as error:
             if len(others) + 1 == len(paths):
                 raise
@@ -100,7 +100,7 @@ def _surveyed(paths: list[Path], progress: Callable[[str], None]
     return files, others
 
 
-def _judged(files: list[Survey]) -> Recovered:
+def _sum_up(files: list[Inventory]) -> Recovered:
     """Return the counts of all files."""
     total = Recovered(files=len(files))
     for found in files:
@@ -120,7 +120,7 @@ def _judged(files: list[Survey]) -> Recovered:
     return total
 
 
-def _count(total: Recovered, found: Survey) -> None:
+def _count(total: Recovered, found: Inventory) -> None:
     """Count the messages of a file, and of each that was appended to it by itself."""
     begins = [section.epoch for section in found.sections]
     kept, strange = [0] * len(begins), [0] * len(begins)
@@ -174,7 +174,7 @@ def _record(source: Path, total: Recovered,
             **{f'note.{n}': note for n, note in enumerate(notes, 1)}}
 
 
-def _settings(given: BagSettings | None, files: list[Survey]) -> BagSettings:
+def _settings(given: BagSettings | None, files: list[Inventory]) -> BagSettings:
     """Return the settings of the new bag; it is compressed as most of the source unless given."""
     if given is not None:
         return given
@@ -230,12 +230,12 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
     paths = mcap_files(source)
     if source.resolve() in target.resolve().parents:
         raise BagError(f'lies in the bag that is recovered; write it beside {source}', target)
-    files, others = _surveyed(paths, progress)
-    total = _judged(files)
+    files, others = _take_inventories(paths, progress)
+    total = _sum_up(files)
     for path, problem in others:
         total.note(path, problem)
         total.messages_known = False
-    for name in absent_parts(source):
+    for name in find_absent_parts(source):
         total.note(source / name, 'is missing')
         total.messages_known = False
     if not total.messages and (total.messages_lost or not any(

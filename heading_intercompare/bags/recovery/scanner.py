@@ -18,16 +18,16 @@ import zstandard
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.checksum import crc32
-from heading_intercompare.bags.mcap.chunk_runs import ChunkRun, ChunkRuns, records_of
+from heading_intercompare.bags.mcap.chunk_runs import ChunkRun, ChunkRuns, read_records
 from heading_intercompare.bags.mcap.fragments import (
     BARE,
-    begun,
-    candidates,
     CHUNK_BYTES,
-    chunk_head,
     ChunkHead,
+    decompress_begun,
+    find_candidates,
+    find_chunk_head,
     HEAD_BYTES,
-    leading,
+    measure_leading,
     MESSAGE_LEAST,
 )
 from heading_intercompare.bags.mcap.message_blocks import (
@@ -38,7 +38,12 @@ from heading_intercompare.bags.mcap.message_blocks import (
     Record,
 )
 from heading_intercompare.bags.mcap.record_stream import MAGIC, RecordStream
-from heading_intercompare.bags.mcap.record_validity import attached, disguised, formed, SMALL
+from heading_intercompare.bags.mcap.record_validity import (
+    find_attached,
+    is_disguised,
+    is_formed,
+    SMALL,
+)
 
 from .unreadable_sectors import HOLE_BYTES
 
@@ -191,7 +196,7 @@ class Salvage:
 
     def _may_be_chunk(self, at: int) -> bool:
         data = self._read(at, HEAD_BYTES)
-        return data[:1] == bytes([Opcode.CHUNK]) or chunk_head(data) is not None
+        return data[:1] == bytes([Opcode.CHUNK]) or find_chunk_head(data) is not None
 
     def _head(self, at: int) -> Record | None:
         """Return the record at a byte if its head is possible and it ends within the file."""
@@ -214,7 +219,7 @@ class Salvage:
         """Tell whether something that can follow a record is at a byte."""
         return (end == self.size or self._head(end) is not None
                 or self._read(end, len(MAGIC)) == MAGIC
-                or chunk_head(self._read(end, HEAD_BYTES)) is not None)
+                or find_chunk_head(self._read(end, HEAD_BYTES)) is not None)
 
     def _cut_record(self, at: int) -> bool:
         """Tell whether a record of usual length may begin at a byte, in which the file ends."""
@@ -233,7 +238,7 @@ class Salvage:
             return None
 
     def _proved(self, at: int) -> Sound | None:
-        head = chunk_head(self._read(at, HEAD_BYTES))
+        head = find_chunk_head(self._read(at, HEAD_BYTES))
         if head is not None:
             return self._chunks(at, head)
         record = self._head(at)
@@ -249,7 +254,7 @@ class Salvage:
         if opcode == Opcode.ATTACHMENT:
             return self._attachment(record)
         if opcode in _FORMED:
-            good = formed(self._read, record)
+            good = is_formed(self._read, record)
         else:
             good = self._followed(end)
         if not good:
@@ -276,7 +281,7 @@ class Salvage:
             return None
         alone = (count == 1 and self._chunked and self._previous != Opcode.MESSAGE
                  and self._read(at + size, 1) != bytes([Opcode.MESSAGE]))
-        if alone and (at != self._next or disguised(self._read, record)):
+        if alone and (at != self._next or is_disguised(self._read, record)):
             return None
         if not (self._followed(at + size) or self._cut_record(at + size)):
             size = last
@@ -286,7 +291,7 @@ class Salvage:
 
     def _attachment(self, record: Record) -> Sound | None:
         """Return an attachment if its lengths and checksum agree."""
-        data_at, end = attached(self._read, record), record.start + record.length
+        data_at, end = find_attached(self._read, record), record.start + record.length
         if data_at is None:
             return None
         crc = int.from_bytes(self._read(end - 4, 4), 'little')
@@ -324,7 +329,7 @@ class Salvage:
 
     def fragment(self, at: int, end: int) -> Sound | None:
         """Return the beginning of a chunk that ends early, or of one with wrong records."""
-        head = chunk_head(self._read(at, HEAD_BYTES))
+        head = find_chunk_head(self._read(at, HEAD_BYTES))
         if head is None:
             return None
         content = self._read(at + HEAD.size, end - at - HEAD.size)
@@ -332,25 +337,25 @@ class Salvage:
             if head.first_ns > head.last_ns:
                 self._fault = 'chunk damaged: its head does not agree with itself'
                 return None
-            data = begun(content)
+            data = decompress_begun(content)
             fault = ('the disk cannot read all of a chunk' if len(content) < end - at - HEAD.size
                      else 'the file ends within a chunk' if end == self.size
                      else 'a chunk ends early')
         else:
             try:
-                data = records_of(content, head.size, self._zstd)
+                data = read_records(content, head.size, self._zstd)
             except BagError as error:
                 self._fault = error.problem
                 return None
             fault = 'chunk damaged: a record in it has a wrong length'
-        kept = leading(data, head.first_ns, head.last_ns)
+        kept = measure_leading(data, head.first_ns, head.last_ns)
         lost = end - at - (HEAD.size + len(content) * kept // len(data) if data else 0)
         return Sound(Record(Opcode.CHUNK, at + HEAD.size, len(content)), end,
                      block_of(data[:kept], at), fault, sure=end, lost=lost)
 
     def _behind(self, at: int) -> int:
         """Return where, behind damage that begins at a byte, a sound record begins."""
-        head = chunk_head(self._read(at, HEAD_BYTES))
+        head = find_chunk_head(self._read(at, HEAD_BYTES))
         if head is not None:
             end = at + HEAD.size + head.length
             if end <= self.size and self._followed(end):
@@ -359,7 +364,7 @@ class Salvage:
         # What is in a file that is attached is not of this file.
         if record is not None and (
                 record.opcode == Opcode.STATISTICS or record.opcode == Opcode.ATTACHMENT
-                and attached(self._read, record) is not None):
+                and find_attached(self._read, record) is not None):
             end = record.start + record.length
             known = self._read(end, 1) <= bytes([_HIGHEST])
             if end == self.size or known and self._sound(end) is not None:
@@ -381,7 +386,7 @@ class Salvage:
             window_bytes = min(4 * window_bytes, _WINDOW_BYTES)
             self._file.seek(at)
             window = self._file.read(step + HEAD.size - 1)
-            for place in candidates(window, self.size - at, opcodes).tolist():
+            for place in find_candidates(window, self.size - at, opcodes).tolist():
                 if self._read(at + place, len(MAGIC)) == MAGIC:
                     return at + place
                 if at + place < barred:

@@ -10,7 +10,7 @@ from io import BufferedReader, RawIOBase
 import os
 from pathlib import Path
 
-__all__ = ['HOLE_BYTES', 'opened']
+__all__ = ['HOLE_BYTES', 'open_with_holes']
 
 #: What the disk cannot read is taken as lost by this many bytes.
 HOLE_BYTES = 4096
@@ -69,7 +69,7 @@ class _RoughFile(RawIOBase):
         super().close()
 
 
-def opened(path: Path, holes: list[int]) -> BufferedReader:
+def open_with_holes(path: Path, holes: list[int]) -> BufferedReader:
     """
     Return a file, open for reading; what the disk cannot read are holes.
 

@@ -5,11 +5,12 @@
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
-    'bag_check': ('BagCheck', 'check'),
+    'bag_check': ('BagCheck', 'check_bag'),
     'bag_reader': ('Attachment', 'BagReader'),
-    'bag_yaml': ('absent_parts', 'bag_metadata', 'metadata_file', 'PartInfo', 'Qos', 'TopicRow'),
+    'bag_yaml': ('bag_metadata', 'find_absent_parts', 'metadata_file', 'PartInfo', 'Qos',
+                 'TopicRow'),
     'paced_replay': ('Replay',),
-    'provenance': ('is_note', 'note_lines', 'NOTE_TOPIC', 'NOTE_TYPE', 'Notes', 'notes_in',
-                   'origin', 'RECORD', 'REPORT_TOPIC', 'texts', 'TRUTH_TOPIC'),
+    'provenance': ('describe_origin', 'is_note', 'note_lines', 'NOTE_TOPIC', 'NOTE_TYPE', 'Notes',
+                   'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC', 'TRUTH_TOPIC'),
     'sequence_gaps': ('Numbering',),
 })

@@ -19,12 +19,12 @@ from heading_intercompare.bags.mcap.checksum import crc32
 from heading_intercompare.bags.mcap.chunks import CHUNK_HEAD
 from heading_intercompare.bags.mcap.mcap_file import mcap_files, Part
 from heading_intercompare.bags.mcap.message_blocks import Block, HEAD, Record
-from heading_intercompare.bags.mcap.record_stream import MAGIC, parsed, RecordStream
+from heading_intercompare.bags.mcap.record_stream import MAGIC, parse_record, RecordStream
 
-from .bag_yaml import absent_parts
+from .bag_yaml import find_absent_parts
 from .sequence_gaps import Numbering
 
-__all__ = ['BagCheck', 'check']
+__all__ = ['BagCheck', 'check_bag']
 
 _FOOTER = HEAD.size + 20
 _READ_BYTES = 1 << 20
@@ -57,8 +57,8 @@ class BagCheck:
     topics: dict[str, Numbering] = field(default_factory=dict)
 
 
-def check(path: str | os.PathLike[str],
-          progress: Callable[[str], None] = lambda text: None) -> BagCheck:
+def check_bag(path: str | os.PathLike[str],
+              progress: Callable[[str], None] = lambda text: None) -> BagCheck:
     """
     Read a bag through.
 
@@ -80,7 +80,7 @@ def check(path: str | os.PathLike[str],
     found = BagCheck()
     place = Path(path)
     files = mcap_files(place)
-    found.faults += [f'{name} is missing' for name in absent_parts(place)]
+    found.faults += [f'{name} is missing' for name in find_absent_parts(place)]
     for file in files:
         found.files += 1
         found.faults += _faults(file, found, progress)
@@ -133,14 +133,14 @@ def _unread(stream: RecordStream, part: Part, found: BagCheck) -> Iterator[str]:
             found.chunks += 1
             found.unprotected += not CHUNK_HEAD.unpack(head)[3]
         elif record.opcode == Opcode.DATA_END:
-            expected = parsed(mcap.DataEnd, stream.content(record)).data_section_crc
+            expected = parse_record(mcap.DataEnd, stream.content(record)).data_section_crc
             if expected and _crc(stream, 0, at) != expected:
                 yield f'{part.path.name}: the checksum of all its data does not match'
             break
         at = record.start + record.length
     if part.incomplete is None:
         at = stream.size - len(MAGIC) - _FOOTER
-        footer = parsed(mcap.Footer, stream.content(stream.record(at)))
+        footer = parse_record(mcap.Footer, stream.content(stream.record(at)))
         if footer.summary_crc and footer.summary_start and footer.summary_crc != _crc(
                 stream, footer.summary_start, at + _FOOTER - 4):
             yield (f'{part.path.name}: the checksum of its index does not match; its messages '

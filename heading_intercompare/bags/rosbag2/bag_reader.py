@@ -17,12 +17,12 @@ from heading_intercompare.bags.codec.schemas import layout_problem
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import mcap_files, NeverBegun, Part
 from heading_intercompare.bags.parallel.by_minute import Window
-from heading_intercompare.bags.parallel.decode_workers import decoded, possible, Task
+from heading_intercompare.bags.parallel.decode_workers import can_fork, decode_stretches, Task
 from heading_intercompare.bags.parallel.decoding import Decoded, Decoder, Kind
-from heading_intercompare.bags.parallel.prefetch import ahead
+from heading_intercompare.bags.parallel.prefetch import run_ahead
 from heading_intercompare.core.records import Headings
 
-from .bag_yaml import absent_parts, Qos
+from .bag_yaml import find_absent_parts, Qos
 
 __all__ = ['Attachment', 'BagMessage', 'BagReader', 'TopicInfo']
 
@@ -69,12 +69,12 @@ class Attachment:
     data: bytes
 
 
-def _opened(path: Path) -> tuple[list[Part], list[str]]:
+def _open_files(path: Path) -> tuple[list[Part], list[str]]:
     """Return the files of a bag in order, and why some are missing."""
     if not path.is_dir():
         return [Part(path)], []
     paths = mcap_files(path)
-    absent = [f'{name} is missing' for name in absent_parts(path)]
+    absent = [f'{name} is missing' for name in find_absent_parts(path)]
     parts, refused = [], []
     for each in paths:
         try:
@@ -120,7 +120,7 @@ class BagReader:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
-        self._parts, absent = _opened(self.path)
+        self._parts, absent = _open_files(self.path)
         reasons = absent + [part.incomplete for part in self._parts if part.incomplete]
         self.incomplete = '; '.join(reasons) or None
         self._metadata: dict[str, dict[str, str]] | None = None
@@ -218,10 +218,10 @@ class BagReader:
         wanted = {asked: (self.resolve(asked), convention)
                   for asked, convention in conventions.items()}
         once = list(dict.fromkeys(wanted.values()))
-        helpers = helpers if possible() else 0
+        helpers = helpers if can_fork() else 0
         minutes = self._minutes(once, helpers)
         # A thread that is ahead serves those who have no helper.
-        for minute in minutes if helpers else ahead(minutes):
+        for minute in minutes if helpers else run_ahead(minutes):
             found = dict(zip(once, minute))
             yield {asked: found[each] for asked, each in wanted.items()}
 
@@ -242,7 +242,7 @@ class BagReader:
                  for stretch in part.stretches()]
         by_blocks: set[int] = set()
         with Decoder(self._parts, kinds) as decoder, closing(
-                decoded(decoder, tasks, helpers, by_blocks)) as results:
+                decode_stretches(decoder, tasks, helpers, by_blocks)) as results:
             of_parts = groupby(zip(tasks, results), lambda found: found[0].number)
             for number, stretches in of_parts:
                 yield from self._whole(decoder, number, stretches, by_blocks)

@@ -12,7 +12,7 @@ from typing import Any, Iterator, Mapping, Sequence
 
 from heading_intercompare.bags.checked_text import decimal
 
-__all__ = ['absent_parts', 'bag_metadata', 'listed_parts', 'metadata_file', 'PartInfo', 'Qos',
+__all__ = ['bag_metadata', 'find_absent_parts', 'list_parts', 'metadata_file', 'PartInfo', 'Qos',
            'TopicRow']
 
 _VERSION = 9
@@ -221,7 +221,7 @@ def _file_name(entry: str) -> str:
         return ''
 
 
-def listed_parts(path: Path) -> list[str]:
+def list_parts(path: Path) -> list[str]:
     """
     Return the file names that a metadata.yaml lists; none if there is no such file.
 
@@ -236,7 +236,7 @@ def listed_parts(path: Path) -> list[str]:
                                                           _entries(text[begin.end():]))))
 
 
-def absent_parts(folder: Path) -> list[str]:
+def find_absent_parts(folder: Path) -> list[str]:
     """Return the names of files that the metadata.yaml of a bag lists and that are not there."""
-    return [name for name in listed_parts(folder / 'metadata.yaml')
+    return [name for name in list_parts(folder / 'metadata.yaml')
             if not (folder / name).is_file()]

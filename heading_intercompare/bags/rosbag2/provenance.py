@@ -18,8 +18,8 @@ from heading_intercompare.core.version import VERSION
 
 from .bag_reader import BagReader
 
-__all__ = ['is_note', 'Note', 'note_lines', 'NOTE_TOPIC', 'NOTE_TYPE', 'Notes', 'notes_in',
-           'origin', 'RECORD', 'REPORT_TOPIC', 'texts', 'TRUTH_TOPIC']
+__all__ = ['describe_origin', 'is_note', 'Note', 'note_lines', 'NOTE_TOPIC', 'NOTE_TYPE', 'Notes',
+           'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC', 'TRUTH_TOPIC']
 
 RECORD = 'heading_intercompare'
 """The metadata record with version, settings and sources."""
@@ -36,8 +36,9 @@ _SECOND_NS = 1_000_000_000
 _TIMED = re.compile(r'(\d{4}-\d\d-\d\dT\d\d:\d\d(?::\d\d)?)(?:\.(\d{1,9}))?Z\s+(.+)')
 
 
-def origin(settings: Mapping[str, object],
-           sources: Mapping[str, Mapping[str, object]] | None = None) -> dict[str, object]:
+def describe_origin(settings: Mapping[str, object],
+                    sources: Mapping[str,
+                                     Mapping[str, object]] | None = None) -> dict[str, object]:
     """
     Return the record `RECORD`.
 
@@ -63,7 +64,7 @@ class Note(NamedTuple):
     text: str
 
 
-def _timed(line: str, now_ns: int) -> Note:
+def _parse_note(line: str, now_ns: int) -> Note:
     """Return a note that may begin with its time, 2026-03-01T09:00:00Z."""
     found = _TIMED.fullmatch(line)
     if found is None:
@@ -129,7 +130,7 @@ class Notes:
             if self._count == _MOST:
                 break
             self._count += 1
-            note = _timed(line, now_ns)
+            note = _parse_note(line, now_ns)
             if self._count == _MOST:
                 note = Note(now_ns, f'too many notes: further ones stand only in {NOTE_TOPIC}')
             self._metadata(f'{_NOTE}{self._count}', {'time': _time(note.stamp_ns),
@@ -143,7 +144,7 @@ def is_note(name: str) -> bool:
     return name.startswith(_NOTE) and name[len(_NOTE):].isdigit()
 
 
-def texts(bag: BagReader, topic: str) -> list[tuple[int, str]]:
+def read_texts(bag: BagReader, topic: str) -> list[tuple[int, str]]:
     """Return the messages of a topic of `NOTE_TYPE`, each with its time of receipt; [] if none."""
     found = next((name for name, info in bag.topics.items() if name.lstrip('/') == topic
                   and info.type_name == NOTE_TYPE and info.count), None)
@@ -152,7 +153,7 @@ def texts(bag: BagReader, topic: str) -> list[tuple[int, str]]:
         for message in bag.messages([found])]
 
 
-def notes_in(bag: BagReader) -> list[Note]:
+def read_notes(bag: BagReader) -> list[Note]:
     """
     Return the operator's notes in a bag, in the order of their times.
 
@@ -170,8 +171,9 @@ def notes_in(bag: BagReader) -> list[Note]:
         found = is_note(name) and _TIMED.fullmatch(
             f'{entries.get("time", "")} {entries.get("text", "")}')
         if found:
-            notes.append(_timed(found.group(), 0))
+            notes.append(_parse_note(found.group(), 0))
     if not notes:
         written = Notes(lambda name, mapping: None)
-        notes = [note for ns, text in texts(bag, NOTE_TOPIC) for note in written.add(text, ns)]
+        notes = [note for ns, text in read_texts(bag, NOTE_TOPIC)
+                 for note in written.add(text, ns)]
     return sorted(notes, key=lambda note: note.stamp_ns)

@@ -11,9 +11,9 @@ import sys
 from typing import Any, Mapping
 
 from heading_intercompare.app.config import load_config, settings_for
-from heading_intercompare.app.run_table import assigned, read_run_table
+from heading_intercompare.app.run_table import assign_runs, read_run_table
 from heading_intercompare.cli.campaign import judge_inputs, positive
-from heading_intercompare.cli.outputs import check_outputs, naming, tables
+from heading_intercompare.cli.outputs import check_outputs, name_file, open_tables
 from heading_intercompare.cli.terminal.verdict_table import verdict_text
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.pipeline import join
@@ -73,9 +73,9 @@ def run(arguments: argparse.Namespace) -> int:
     check_outputs(arguments)
     table, elsewhere = None, []
     if arguments.runs:
-        table, elsewhere = assigned(read_run_table(arguments.runs), arguments.inputs)
+        table, elsewhere = assign_runs(read_run_table(arguments.runs), arguments.inputs)
     with ExitStack() as files:
-        takers = [files.enter_context(file).write for file in tables(arguments, settings)]
+        takers = [files.enter_context(file).write for file in open_tables(arguments, settings)]
         judged = judge_inputs(arguments.inputs, settings, table, takers=takers,
                               sketched=bool(arguments.report), jobs=arguments.jobs,
                               dask=arguments.dask, quiet=arguments.quiet)
@@ -88,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(f'note: {note}', file=sys.stderr)
     code = conclude(verdict, arguments)
     if arguments.report:
-        with naming(arguments.report):
+        with name_file(arguments.report):
             write(verdict, arguments.report, [each.sketch for each in judged if each.sketch])
     return code
 
@@ -126,7 +126,7 @@ def conclude(verdict: Mapping[str, Any], arguments: argparse.Namespace) -> int:
     else:
         print(verdict_text(verdict))
         if arguments.json:
-            with naming(arguments.json):
+            with name_file(arguments.json):
                 json.write(verdict, arguments.json)
     if not arguments.check:
         return 0

@@ -12,7 +12,7 @@ from pathlib import Path
 import shutil
 from typing import Any
 
-from heading_intercompare.app.compare_verdicts import differences
+from heading_intercompare.app.compare_verdicts import find_differences
 from heading_intercompare.app.inputs import analyze_input
 from heading_intercompare.app.scenarios import read_scenario
 from heading_intercompare.cli.terminal.progress import Progress
@@ -87,7 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _compare(verdicts: dict[str, dict[str, Any]]) -> int:
     """Say whether the verdicts agree; 0 if they do."""
     found = [f'{name} and offline differ in {difference}' for name in ('live', 'replayed')
-             for difference in differences(verdicts[name], verdicts['offline'])]
+             for difference in find_differences(verdicts[name], verdicts['offline'])]
     if found:
         print('\n'.join([*found[:20], 'live, replayed and offline verdicts DO NOT AGREE']))
         return 1

@@ -13,7 +13,7 @@ from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.inputs import sha256
 from heading_intercompare.bags.codec.heading_messages import encode_imu
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
-from heading_intercompare.bags.rosbag2.provenance import Notes, origin, RECORD
+from heading_intercompare.bags.rosbag2.provenance import describe_origin, Notes, RECORD
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import from_mapping
@@ -21,7 +21,7 @@ from heading_intercompare.drivers.logs import LogReader
 from heading_intercompare.drivers.settings import DriverSettings, SENTENCES
 
 from .analyze import add_settings_arguments
-from .note import add_note_argument, noted
+from .note import add_note_argument, read_notes
 
 __all__ = ['add_arguments', 'run']
 
@@ -49,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Read both logs, write the bag, print what was taken and what was not."""
     settings = settings_for(load_config(arguments.config), arguments.set)
-    notes = noted(arguments)
+    notes = read_notes(arguments)
     topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic}
     read, counts, sources = {}, {}, {}
     for role in topics:
@@ -72,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not any(len(h) for h in read.values()):
         raise ValueError(f'{arguments.ts}, {arguments.rs}: no heading in either log '
                          f'({_counts_text(counts["ts"])}; {_counts_text(counts["rs"])})')
-    _write(arguments.output, read, topics, origin(settings.to_mapping(), sources), notes)
+    _write(arguments.output, read, topics, describe_origin(settings.to_mapping(), sources), notes)
     for role in topics:
         print(f'{role.upper()} {getattr(arguments, role)}: {len(read[role])} headings on '
               f'{topics[role]}; not taken: {_counts_text(counts[role])}')

@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import Iterator, Mapping, Sequence
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.recording.recorder_losses import missing, RECORDING
-from heading_intercompare.bags.rosbag2.bag_check import BagCheck, check
+from heading_intercompare.bags.recording.recorder_losses import RECORDING, tell_missing
+from heading_intercompare.bags.rosbag2.bag_check import BagCheck, check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import Attachment, BagReader
 from heading_intercompare.bags.rosbag2.provenance import (
     is_note,
-    notes_in,
+    read_notes,
+    read_texts,
     RECORD,
     REPORT_TOPIC,
-    texts,
 )
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.cli.terminal.progress import Progress
@@ -50,16 +50,16 @@ def run(arguments: argparse.Namespace) -> int:
     checked = None
     if arguments.check:
         with Progress(arguments.bag, arguments.quiet) as progress:
-            checked = check(arguments.bag, progress.show)
+            checked = check_bag(arguments.bag, progress.show)
     reader = BagReader(arguments.bag)
     attachments = reader.attachments()
     lines = [*_whole(reader), *_topics(reader, checked), *_notes(reader),
              *_records(reader.metadata()), *_files(attachments),
-             *_reported(reader, attachments)]
+             *_report_verdict(reader, attachments)]
     if arguments.extract is not None:
-        lines += ['', *_extracted(attachments, Path(arguments.extract))]
+        lines += ['', *_extract(attachments, Path(arguments.extract))]
     if checked is not None:
-        lines += ['', *_checked(checked)]
+        lines += ['', *_report_check(checked)]
     print('\n'.join(lines))
     if checked is not None and checked.faults:
         raise BagError('; '.join(checked.faults), arguments.bag)
@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _whole(reader: BagReader) -> Iterator[str]:
     yield f'bag: {reader.path}'
     why = '; '.join(filter(None, (reader.incomplete, reader.recovered,
-                                  missing(reader.metadata().get(RECORDING, {})))))
+                                  tell_missing(reader.metadata().get(RECORDING, {})))))
     yield f'complete: {f"no: {why}" if why else "yes"}'
     span_s = _span_s(reader)
     if span_s is None:
@@ -164,7 +164,7 @@ def _losses(entries: Mapping[str, str]) -> Iterator[str]:
 
 
 def _notes(reader: BagReader) -> Iterator[str]:
-    notes = notes_in(reader)
+    notes = read_notes(reader)
     if notes:
         yield ''
         yield "operator's notes:"
@@ -184,10 +184,10 @@ def _files(attachments: Sequence[Attachment]) -> Iterator[str]:
             yield from _verdict(text)
 
 
-def _reported(reader: BagReader, attachments: Sequence[Attachment]) -> Iterator[str]:
+def _report_verdict(reader: BagReader, attachments: Sequence[Attachment]) -> Iterator[str]:
     """Yield the last verdict that was published, where a recorder did not come to attach it."""
     if all(attachment.name != _REPORT for attachment in attachments):
-        reports = texts(reader, REPORT_TOPIC)
+        reports = read_texts(reader, REPORT_TOPIC)
         if reports:
             yield ''
             yield f'last report on {REPORT_TOPIC}, {utc(reports[-1][0])} UTC'
@@ -201,7 +201,7 @@ def _verdict(text: str) -> Iterator[str]:
         yield '  not a verdict that this version reads'
 
 
-def _extracted(attachments: Sequence[Attachment], folder: Path) -> Iterator[str]:
+def _extract(attachments: Sequence[Attachment], folder: Path) -> Iterator[str]:
     """Write the attachments, none over a file that is there; yield their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     for number, attachment in enumerate(attachments, 1):
@@ -214,7 +214,7 @@ def _extracted(attachments: Sequence[Attachment], folder: Path) -> Iterator[str]
         yield 'written: nothing, there is no attachment'
 
 
-def _checked(checked: BagCheck) -> Iterator[str]:
+def _report_check(checked: BagCheck) -> Iterator[str]:
     yield (f'check: {checked.messages:,} messages in {checked.chunks:,} chunks of {checked.files} '
            f'file{"s" if checked.files > 1 else ""} read')
     if checked.unprotected:

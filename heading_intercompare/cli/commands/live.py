@@ -15,7 +15,7 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.settings import SettingsError
 
 from .analyze import add_settings_arguments, add_verdict_arguments, conclude
-from .note import add_note_argument, noted
+from .note import add_note_argument, read_notes
 
 __all__ = ['add_arguments', 'run']
 
@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
     drivers['ts_driver'].setdefault('topic', settings.ts_topic)
     drivers['rs_driver'].setdefault('topic', settings.rs_topic)
     recorder = {**config.sections.get('recorder', {}), 'parameter_file': arguments.config}
-    if notes := noted(arguments):
+    if notes := read_notes(arguments):
         recorder['note'] = notes
     output = (arguments.output or recorder.get('output')
               or f'heading_{datetime.now(timezone.utc):%Y%m%dT%H%M%SZ}')

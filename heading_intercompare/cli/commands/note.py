@@ -9,7 +9,7 @@ import argparse
 from heading_intercompare.bags.checked_text import utf8
 from heading_intercompare.bags.rosbag2.provenance import note_lines
 
-__all__ = ['add_arguments', 'add_note_argument', 'noted', 'run']
+__all__ = ['add_arguments', 'add_note_argument', 'read_notes', 'run']
 
 _TIMED = 'one that begins with a time such as 2026-03-01T09:00:00Z is of that time'
 
@@ -21,7 +21,7 @@ def add_note_argument(parser: argparse.ArgumentParser) -> None:
         help=f'a note kept in the bag: ship, sensors, an event; may be repeated; {_TIMED}')
 
 
-def noted(arguments: argparse.Namespace) -> str:
+def read_notes(arguments: argparse.Namespace) -> str:
     """
     Return the notes given with ``--note``, one a line.
 
@@ -31,10 +31,10 @@ def noted(arguments: argparse.Namespace) -> str:
         If one is empty, or not UTF-8.
 
     """
-    return '\n'.join(_checked('--note', note) for note in arguments.note)
+    return '\n'.join(_check('--note', note) for note in arguments.note)
 
 
-def _checked(option: str, text: str) -> str:
+def _check(option: str, text: str) -> str:
     if not note_lines(utf8(text, option)):
         raise ValueError(f'{option} {text!r}: must not be empty')
     return text
@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Publish a note; say so once it has been taken."""
-    text = _checked('TEXT', ' '.join(arguments.text).strip())
+    text = _check('TEXT', ' '.join(arguments.text).strip())
     from heading_intercompare.nodes.runtime.note_publisher import publish_note
 
     publish_note(text)

@@ -8,7 +8,7 @@ import argparse
 
 from heading_intercompare.cli.node_command import program_node
 
-from .note import add_note_argument, noted
+from .note import add_note_argument, read_notes
 
 __all__ = ['add_arguments', 'run']
 
@@ -24,4 +24,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Record until Ctrl-C."""
     return program_node('recorder', 'Recorder', arguments.config, output=arguments.output,
-                        note=noted(arguments) or None, parameter_file=arguments.config)
+                        note=read_notes(arguments) or None, parameter_file=arguments.config)

@@ -12,7 +12,7 @@ from typing import Iterator, Sequence
 
 import numpy as np
 
-from heading_intercompare.ahrs.gimballed.condition import condition
+from heading_intercompare.ahrs.gimballed.condition import describe_condition
 from heading_intercompare.ahrs.gimballed.modes import AhrsStatus
 from heading_intercompare.ahrs.sensors import Readings
 from heading_intercompare.ahrs.settings import Scenario
@@ -23,13 +23,18 @@ from heading_intercompare.bags.codec.cdr import encode
 from heading_intercompare.bags.codec.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
-from heading_intercompare.bags.rosbag2.provenance import Notes, origin, RECORD, TRUTH_TOPIC
+from heading_intercompare.bags.rosbag2.provenance import (
+    describe_origin,
+    Notes,
+    RECORD,
+    TRUTH_TOPIC,
+)
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import SettingsError
 
 from .analyze import add_settings_arguments
-from .note import add_note_argument, noted
+from .note import add_note_argument, read_notes
 
 __all__ = ['add_arguments', 'run']
 
@@ -61,8 +66,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise SettingsError(f'ts_topic = {settings.ts_topic!r}, rs_topic = '
                             f'{settings.rs_topic!r}: must differ, also from {TRUTH_TOPIC!r}')
     counts: Counter[str] = Counter()
-    with Progress(arguments.output, arguments.quiet) as progress, _begun(
-            arguments.output, source, topics, settings.to_mapping(), noted(arguments)) as bag:
+    with Progress(arguments.output, arguments.quiet) as progress, _begin(
+            arguments.output, source, topics, settings.to_mapping(), read_notes(arguments)) as bag:
         simulation = Simulation(scenario)
         for chunk in simulation.chunks():
             _write(bag, chunk, topics, scenario, simulation.start_ns, counts)
@@ -79,14 +84,14 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _begun(path: str, source: ScenarioFile, topics: dict[str, str],
+def _begin(path: str, source: ScenarioFile, topics: dict[str, str],
            settings: dict[str, object], notes: str) -> BagWriter:
     """Return a bag with its topics, and with all that the trial can be made again from."""
     bag = BagWriter(path)
     for topic in topics.values():
         bag.add_topic(topic, IMU)
     bag.add_topic(DIAGNOSTICS, DIAGNOSTIC_ARRAY, Qos(depth=10))
-    bag.metadata(RECORD, origin(settings))
+    bag.metadata(RECORD, describe_origin(settings))
     Notes(bag.metadata).add(notes, time.time_ns())
     bag.metadata('scenario', {
         'file': source.name, **source.scenario.to_mapping()})
@@ -130,7 +135,7 @@ def _status_rows(role: str, statuses: Sequence[AhrsStatus], latency_s: float, st
                  first: int) -> Iterator[Rows]:
     """Yield statuses as messages, each stamped with its instant."""
     for number, status in enumerate(statuses, first):
-        said = condition(status)
+        said = describe_condition(status)
         ns = start_ns + round(status.t_s * 1e9)
         sec, nanosec = divmod(ns, 10**9)
         message = encode(DIAGNOSTIC_ARRAY, {

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any, Callable, Mapping, Sequence
 
-from heading_intercompare.report.formatting import NO_RUN, unjudged, utc
+from heading_intercompare.report.formatting import explain_no_run, NO_RUN, utc
 from heading_intercompare.report.vocabulary import (
     CAMPAIGN_WORDS,
     EFFECT_WORDS,
@@ -124,7 +124,7 @@ def verdict_text(verdict: Mapping[str, Any]) -> str:
                   f'{look["headline"]}' for look in run['looks']]
         lines += [f'  warning: {warning}' for warning in run['warnings']]
     reasons = [f'not judged: {given["path"]}: {why}' for given in verdict['inputs']
-               if (why := unjudged(given))]
+               if (why := explain_no_run(given))]
     lines += reasons if reasons or runs else [NO_RUN]
     return '\n'.join(lines)
 

@@ -5,8 +5,8 @@
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
-    'conventions': ('Convention', 'convention', 'mean_difference', 'MeanDifference'),
-    'one_source': ('OneSource',),
-    'outliers': ('Outliers',),
-    'standstill': ('Frozen', 'frozen', 'Standstill'),
+    'conventions': ('Convention', 'estimate_mean_difference', 'find_convention', 'MeanDifference'),
+    'one_source': ('find_one_source', 'OneSource'),
+    'outliers': ('find_outliers', 'Outliers'),
+    'standstill': ('find_frozen', 'find_standstill', 'Frozen', 'Standstill'),
 })

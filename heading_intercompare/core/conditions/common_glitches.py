@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 from scipy.ndimage import median_filter
 
 from heading_intercompare.core.angles import unwrap_deg
-from heading_intercompare.core.statistics.resolution import resolution
+from heading_intercompare.core.statistics.resolution import find_resolution
 
-__all__ = ['common_glitches', 'CommonGlitches']
+__all__ = ['CommonGlitches', 'find_common_glitches']
 
 _LEAST = 200
 _LOOKED_AT = 200_000
@@ -65,7 +65,8 @@ class CommonGlitches:
     chance: float | None = None
 
 
-def common_glitches(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike) -> CommonGlitches:
+def find_common_glitches(stamp_ns: ArrayLike, x_deg: ArrayLike,
+                         rs_deg: ArrayLike) -> CommonGlitches:
     """
     Look for the glitches of the RS in the TS.
 
@@ -162,7 +163,7 @@ def _glitches(stamps: np.ndarray, rs: np.ndarray,
     size = np.abs(off)
     outer = float(np.quantile(size[::max(1, size.size // _LOOKED_AT)], _QUANTILE))
     beyond = outer / math.log(10.0) * (math.log(0.1 * size.size) + _SURPLUS)
-    least = max(outer + beyond, _GRAIN * (resolution(rs).step_deg or 0.0),
+    least = max(outer + beyond, _GRAIN * (find_resolution(rs).step_deg or 0.0),
                 0.5 * _SHIP_DEG_S2 * step_s ** 2)
     far = np.flatnonzero(size > 0.5 * least)
     if not far.size:

@@ -17,7 +17,7 @@ from heading_intercompare.core.timing.bracketing_readings import (
     readings_per_pair,
 )
 
-__all__ = ['common_noise', 'CommonNoise']
+__all__ = ['CommonNoise', 'find_common_noise']
 
 _SEGMENT_S = 128.0
 _MOST_SEGMENTS = 160
@@ -81,9 +81,9 @@ class CommonNoise:
     coherence: float | None = None
 
 
-def common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
-                 rs_factor: ArrayLike | None = None, rs_step_deg: float | None = None,
-                 ts_step_deg: float | None = None) -> CommonNoise:
+def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
+                      rs_factor: ArrayLike | None = None, rs_step_deg: float | None = None,
+                      ts_step_deg: float | None = None) -> CommonNoise:
     """
     Look for the noise of the RS in the TS.
 
@@ -165,7 +165,7 @@ def common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
         noise = math.sqrt(float(level[flat].mean()))
         where = np.flatnonzero(flat)
         band = (float(frequency[edges[where[0]]]), float(frequency[edges[where[-1] + 1] - 1]))
-        fine = _Groups(_growing(frequency.size))
+        fine = _Groups(_make_growing_groups(frequency.size))
         spectrum = fine(power) * fine(np.sin(0.5 * np.pi * frequency / frequency[-1])) ** exponent
         # An RS faster than the pairs has a flat response, and its pairs do not tell it.
         unshaped = float(np.median((grouped(power) * sine ** exponent)[flat])) / spectrum
@@ -211,7 +211,7 @@ class _Groups:
         return np.add.reduceat(values, self._first) / self.width
 
 
-def _growing(n: int) -> np.ndarray:
+def _make_growing_groups(n: int) -> np.ndarray:
     """Return edges of groups of six frequencies and more, an eighth wider from one to the next."""
     edges = [1]
     while edges[-1] < n:

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 from heading_intercompare.core.angles import circular_mean, wrap180
 from heading_intercompare.core.statistics.blocking import block_size, student_95, sum_covariance
 
-from .turn_direction import turn_direction
+from .turn_direction import find_turn_direction
 
-__all__ = ['Convention', 'convention', 'mean_difference', 'MeanDifference']
+__all__ = ['Convention', 'estimate_mean_difference', 'find_convention', 'MeanDifference']
 
 _CONCENTRATED = 0.9
 _ON_SEAM_SIGMAS = 5.0
@@ -56,8 +56,8 @@ class Convention:
     balance: float | None = None
 
 
-def convention(x_deg: ArrayLike, rs_deg: ArrayLike, tolerance_deg: float = 10.0, *,
-               stamp_ns: ArrayLike | None = None, range_s: float = 2.0) -> Convention:
+def find_convention(x_deg: ArrayLike, rs_deg: ArrayLike, tolerance_deg: float = 10.0, *,
+                    stamp_ns: ArrayLike | None = None, range_s: float = 2.0) -> Convention:
     """
     Look for a difference of conventions between the sensors.
 
@@ -78,7 +78,7 @@ def convention(x_deg: ArrayLike, rs_deg: ArrayLike, tolerance_deg: float = 10.0,
 
     Notes
     -----
-    The direction is told by `turn_direction`. A yaw taken for a heading, TS = 90 - heading, gives
+    The direction is told by `find_turn_direction`. A yaw taken for a heading, TS = 90 - heading, gives
     'mirrored' with 90. The means are circular: nothing happens at the seam of the wrap; of more
     than 131072 samples they are taken over so many, spread evenly.
 
@@ -92,7 +92,7 @@ def convention(x_deg: ArrayLike, rs_deg: ArrayLike, tolerance_deg: float = 10.0,
         return Convention('not_testable', None, None)
     if stamp_ns is None:
         stamp_ns, range_s = np.arange(x.size) * _STEP_NS, 0.0
-    direction, turned, balance = turn_direction(np.asarray(stamp_ns), x, rs, range_s)
+    direction, turned, balance = find_turn_direction(np.asarray(stamp_ns), x, rs, range_s)
     every = max(1, -(-x.size // _LOOKED_AT))
     x, rs = x[::every], rs[::every]
     mirrored = direction == 'against'
@@ -156,7 +156,7 @@ class MeanDifference:
         return low > limit_deg or high < -limit_deg
 
 
-def mean_difference(x_deg: ArrayLike) -> MeanDifference:
+def estimate_mean_difference(x_deg: ArrayLike) -> MeanDifference:
     """
     Return the mean difference on the circle.
 
@@ -180,7 +180,7 @@ def mean_difference(x_deg: ArrayLike) -> MeanDifference:
 
     Examples
     --------
-    >>> found = mean_difference([179.0, -179.0] * 8)
+    >>> found = estimate_mean_difference([179.0, -179.0] * 8)
     >>> round(abs(found.mean_deg), 6), found.resultant > 0.999
     (180.0, True)
 

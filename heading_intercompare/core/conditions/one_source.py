@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import wrap360
-from heading_intercompare.core.statistics.resolution import resolution
+from heading_intercompare.core.statistics.resolution import find_resolution
 
-from .common_glitches import common_glitches, CommonGlitches
-from .common_noise import common_noise, CommonNoise
-from .same_readings import same_source, SameSource
+from .common_glitches import CommonGlitches, find_common_glitches
+from .common_noise import CommonNoise, find_common_noise
+from .same_readings import find_same_source, SameSource
 
-__all__ = ['one_source', 'OneSource']
+__all__ = ['find_one_source', 'OneSource']
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,9 +56,9 @@ class OneSource:
         return 'suspected' if self.readings.suspected else 'not_testable'
 
 
-def one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
-               factor: ArrayLike | None = None, interpolates_ts: bool = False,
-               share: float = 0.001) -> OneSource:
+def find_one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
+                    factor: ArrayLike | None = None, interpolates_ts: bool = False,
+                    share: float = 0.001) -> OneSource:
     """
     Look for signs of one source in the pairs of a run.
 
@@ -89,9 +89,9 @@ def one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
 
     """
     x, rs = (np.asarray(v, dtype=np.float64) for v in (x_deg, rs_deg))
-    steps = resolution(wrap360(x + rs)), resolution(rs)
+    steps = find_resolution(wrap360(x + rs)), find_resolution(rs)
     return OneSource(
-        same_source(x, rs, *steps, share),
-        common_noise(stamp_ns, x, rs, rs_factor=None if interpolates_ts else factor,
-                     ts_step_deg=steps[0].step_deg, rs_step_deg=steps[1].step_deg),
-        common_glitches(stamp_ns, x, rs))
+        find_same_source(x, rs, *steps, share),
+        find_common_noise(stamp_ns, x, rs, rs_factor=None if interpolates_ts else factor,
+                          ts_step_deg=steps[0].step_deg, rs_step_deg=steps[1].step_deg),
+        find_common_glitches(stamp_ns, x, rs))

@@ -10,9 +10,9 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from heading_intercompare.core.statistics.resolution import resolution
+from heading_intercompare.core.statistics.resolution import find_resolution
 
-__all__ = ['Outlier', 'outliers', 'Outliers']
+__all__ = ['find_outliers', 'Outlier', 'Outliers']
 
 _LOOKED_AT = 200_000
 _LEAST = 30
@@ -84,8 +84,8 @@ class Outliers:
     excursions: int = 0
 
 
-def outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3.0,
-             step_deg: float | None = None) -> Outliers:
+def find_outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3.0,
+                  step_deg: float | None = None) -> Outliers:
     """
     Find isolated differences far outside of all others.
 
@@ -123,7 +123,7 @@ def outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3.0,
     --------
     >>> x = [0.1 * (k % 5) for k in range(100)]
     >>> x[40] = 40.0
-    >>> found = outliers(range(100), x)
+    >>> found = find_outliers(range(100), x)
     >>> found.index.tolist(), round(found.largest[0].size_deg, 6)
     ([40], 39.8)
 
@@ -136,11 +136,11 @@ def outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3.0,
     slope = outer / -math.log(1.0 - _QUANTILE)
     beyond = slope * (math.log((1.0 - _QUANTILE) * x.size) + _SURPLUS)
     if step_deg is None:
-        step_deg = resolution(x).step_deg or 0.0
+        step_deg = find_resolution(x).step_deg or 0.0
     threshold = max(outer + beyond, _GRAIN * step_deg)
     variance = float(np.var(x, ddof=1))
     far = np.flatnonzero(np.abs(x - centre) > max(outer + 0.5 * beyond, 0.5 * threshold))
-    found, which, excursions = _isolated(stamps, x, centre, far, threshold, longest_s)
+    found, which, excursions = _find_isolated(stamps, x, centre, far, threshold, longest_s)
     if not found:
         return Outliers('none', none, 0, (), threshold, variance, variance, 0.0, excursions)
     rest = np.delete(x, which)
@@ -158,8 +158,8 @@ def _quantile(x: np.ndarray) -> tuple[float, float]:
     return centre, float(np.quantile(np.abs(some - centre), _QUANTILE))
 
 
-def _isolated(stamps: np.ndarray, x: np.ndarray, centre: float, far: np.ndarray,
-              threshold: float, longest_s: float) -> tuple[list[Outlier], np.ndarray, int]:
+def _find_isolated(stamps: np.ndarray, x: np.ndarray, centre: float, far: np.ndarray,
+                   threshold: float, longest_s: float) -> tuple[list[Outlier], np.ndarray, int]:
     """Return the isolated excursions among far differences, their indices, and other ones."""
     if not far.size:
         return [], far, 0

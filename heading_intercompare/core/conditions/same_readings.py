@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.statistics.resolution import Resolution
 
-__all__ = ['same_source', 'SameSource']
+__all__ = ['find_same_source', 'SameSource']
 
 _EQUAL_DEG = 1e-7
 _LEAST_CHANGES = 300
@@ -39,8 +39,8 @@ class SameSource:
     rounding_deg: float
 
 
-def same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution, rs: Resolution,
-                share: float = 0.001) -> SameSource:
+def find_same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution, rs: Resolution,
+                     share: float = 0.001) -> SameSource:
     """
     Tell whether one stream repeats the other, reading by reading.
 

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.core.statistics.resolution import resolution
+from heading_intercompare.core.statistics.resolution import find_resolution
 
 from .repetition import Windows
 
-__all__ = ['Frozen', 'frozen', 'resolution_of', 'standstill', 'Standstill']
+__all__ = ['find_coarse_resolution', 'find_frozen', 'find_standstill', 'Frozen', 'Standstill']
 
 _EQUAL_DEG = 1e-7
 _DECIMAL_DEG = 1e-6
@@ -78,7 +78,7 @@ class Frozen:
     allowed_deg: float | None = None
 
 
-def resolution_of(heading_deg: ArrayLike) -> float | None:
+def find_coarse_resolution(heading_deg: ArrayLike) -> float | None:
     """
     Return the step in which a heading is reported, also of one that hardly changes.
 
@@ -98,12 +98,12 @@ def resolution_of(heading_deg: ArrayLike) -> float | None:
 
     Examples
     --------
-    >>> resolution_of([123.4] * 50), resolution_of([123.0])
+    >>> find_coarse_resolution([123.4] * 50), find_coarse_resolution([123.0])
     (0.1, 1.0)
 
     """
     heading = np.asarray(heading_deg, dtype=np.float64)
-    found = resolution(heading)
+    found = find_resolution(heading)
     if found.step_deg is not None and found.repeated_share < _REPEATED:
         return found.step_deg
     some, often = np.unique(np.round(heading[::max(1, heading.size // 1000)], 7),
@@ -126,9 +126,9 @@ def _coarsest(heading: np.ndarray, values: np.ndarray, unit_deg: float) -> float
     return 5.0 * unit_deg if unit_deg < 1.0 and halves.all() else unit_deg
 
 
-def frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
-           least_s: float = 5.0, moved_deg: float = 0.5,
-           sigma_deg: float | None = None) -> Frozen:
+def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
+                least_s: float = 5.0, moved_deg: float = 0.5,
+                sigma_deg: float | None = None) -> Frozen:
     """
     Look for times when a sensor repeats its value while the other one turns.
 
@@ -181,7 +181,7 @@ def frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
     first, last, hold = _stretches(stamps, heading)
     lasted = (stamps[last] - stamps[first]) / 1e9
     longest = float(lasted.max(initial=0.0))
-    step = resolution_of(heading)
+    step = find_coarse_resolution(heading)
     kind = _kind(stamps, longest, step, other, least_s)
     margin = _MARGIN_S + (hold or 0.0)
     long = np.flatnonzero(lasted >= max(least_s, 2.0 * margin + _PART_S))
@@ -192,7 +192,8 @@ def frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
     busy = np.zeros(stamps.size, bool)
     for lo, hi in zip(first[long], last[long]):
         busy[lo:hi + 1] = True
-    windows = Windows(stamps, heading, other, busy, resolution_of(other) or 0.0, sigma_deg)
+    windows = Windows(stamps, heading, other, busy, find_coarse_resolution(other) or 0.0,
+                      sigma_deg)
     grain = max(moved_deg, _STEPS * (step or 0.0))
     found = []
     for at in long:
@@ -245,7 +246,7 @@ def _within(stamps: np.ndarray, lo: int, hi: int, margin_s: float) -> tuple[int,
 
 def _is_still(heading: np.ndarray) -> bool:
     """Tell whether a heading stays within two of its steps."""
-    still = _still_deg(resolution_of(heading))
+    still = _still_deg(find_coarse_resolution(heading))
     return _range_of(heading, still) <= still
 
 
@@ -275,7 +276,7 @@ class Standstill:
     ts_range_deg, rs_range_deg : float
         Largest less smallest heading, degrees; of 16384 of them, where that is enough to tell.
     ts_step_deg, rs_step_deg : float or None
-        Steps in which they report, `resolution_of`.
+        Steps in which they report, `find_coarse_resolution`.
 
     """
 
@@ -286,7 +287,7 @@ class Standstill:
     rs_step_deg: float | None
 
 
-def standstill(ts_deg: ArrayLike, rs_deg: ArrayLike) -> Standstill:
+def find_standstill(ts_deg: ArrayLike, rs_deg: ArrayLike) -> Standstill:
     """
     Tell whether the motion is too small to show that the sensors work.
 
@@ -305,14 +306,14 @@ def standstill(ts_deg: ArrayLike, rs_deg: ArrayLike) -> Standstill:
 
     Examples
     --------
-    >>> standstill([10.1, 10.1, 10.2], [10.0, 10.0, 10.0]).kind
+    >>> find_standstill([10.1, 10.1, 10.2], [10.0, 10.0, 10.0]).kind
     'still'
 
     """
     ts, rs = (np.asarray(h, dtype=np.float64) for h in (ts_deg, rs_deg))
     if ts.size < 2:
         return Standstill('not_testable', 0.0, 0.0, None, None)
-    steps = resolution_of(ts), resolution_of(rs)
+    steps = find_coarse_resolution(ts), find_coarse_resolution(rs)
     limits = tuple(_still_deg(step) for step in steps)
     ranges = _range_of(ts, limits[0]), _range_of(rs, limits[1])
     still = all(r <= limit for r, limit in zip(ranges, limits))

@@ -13,7 +13,7 @@ from heading_intercompare.core.statistics.blocking import sum_covariance
 from heading_intercompare.core.timing.skew_instrument import common_tracks
 from heading_intercompare.core.timing.skew_search import coarser
 
-__all__ = ['Direction', 'turn_direction']
+__all__ = ['Direction', 'find_turn_direction']
 
 _GRID_S = 0.25
 _COARSEST_S = 1.0
@@ -48,8 +48,8 @@ class Direction(NamedTuple):
     balance: float | None = None
 
 
-def turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
-                   range_s: float = 2.0) -> Direction:
+def find_turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
+                        range_s: float = 2.0) -> Direction:
     """
     Tell how the TS turns from the pairs of a run.
 

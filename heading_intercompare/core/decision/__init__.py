@@ -5,14 +5,15 @@
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
-    'campaign': ('CAMPAIGN_REASONS', 'conclude_every_run', 'conclude_sensor', 'Together',
-                 'together'),
+    'campaign': ('CAMPAIGN_REASONS', 'conclude_every_run', 'conclude_sensor', 'judge_together',
+                 'Together'),
     'coverage': ('Coverage', 'coverage_of', 'least_duration_words', 'SENSOR_CLASSES',
                  'span_words'),
-    'criteria': ('CountCriterion', 'Limits', 'TotalError', 'variance_criterion',
+    'criteria': ('apply_variance_criterion', 'CountCriterion', 'Limits', 'TotalError',
                  'VarianceCriterion'),
-    'gk': ('as_printed', 'Printed'),
-    'guarded': ('decide', 'Evidence', 'evidence_of', 'Guarded', 'REASONS'),
+    'gk': ('apply_gk', 'Printed'),
+    'guarded': ('decide', 'Evidence', 'gather_evidence', 'Guarded', 'REASONS'),
     'norm_presets': ('PRESETS', 'sigma_max_deg'),
-    'sequential': ('Look', 'Looks', 'LookVerdict', 'rejecting', 'risk_at_the_end', 'standing'),
+    'sequential': ('find_standing', 'Look', 'Looks', 'LookVerdict', 'rejecting',
+                   'risk_at_the_end'),
 })

@@ -22,8 +22,8 @@ from .coverage import least_apart_s, least_duration_s, least_together_s
 from .criteria import Limits
 from .guarded import count_risk, Evidence, variance_risk
 
-__all__ = ['CAMPAIGN_REASONS', 'conclude_every_run', 'conclude_sensor', 'LEAST_RUNS',
-           'Together', 'together']
+__all__ = ['CAMPAIGN_REASONS', 'conclude_every_run', 'conclude_sensor', 'judge_together',
+           'LEAST_RUNS', 'Together']
 
 LEAST_RUNS = 5
 """Fewest runs whose means say anything of errors slower than a run."""
@@ -107,8 +107,8 @@ class Together:
     rate_plus_lower: float
 
 
-def together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk, variant: str,
-             apart_s: float = math.inf) -> Together | None:
+def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk, variant: str,
+                   apart_s: float = math.inf) -> Together | None:
     """
     Return what the runs say of one variance that they share.
 

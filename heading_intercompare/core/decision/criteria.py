@@ -14,8 +14,8 @@ from heading_intercompare.core.settings import Norms, SettingsError
 from .error_models import coverage_factor, ts_factor
 from .norm_presets import sigma_max_deg
 
-__all__ = ['CountCriterion', 'count_criterion', 'Limits', 'TotalError', 'total_error',
-           'VarianceCriterion', 'variance_criterion', 'variance_limits']
+__all__ = ['apply_count_criterion', 'apply_variance_criterion', 'CountCriterion',
+           'estimate_total_error', 'Limits', 'TotalError', 'variance_limits', 'VarianceCriterion']
 
 
 def variance_limits(sigma_max_deg: float, sigma_ref_max_deg: float,
@@ -196,7 +196,7 @@ class VarianceCriterion:
     outcome: Outcome
 
 
-def variance_criterion(variance_deg2: float | None, limits: Limits) -> VarianceCriterion:
+def apply_variance_criterion(variance_deg2: float | None, limits: Limits) -> VarianceCriterion:
     """
     Compare the variance of the differences with its limits.
 
@@ -260,7 +260,7 @@ class CountCriterion:
     outcome: Outcome
 
 
-def count_criterion(n: int, n_plus: int, n_plus_plus: int, limits: Limits) -> CountCriterion:
+def apply_count_criterion(n: int, n_plus: int, n_plus_plus: int, limits: Limits) -> CountCriterion:
     """
     Compare the counts of extreme deviations with the number allowed.
 
@@ -331,8 +331,8 @@ class TotalError:
     outcome: Outcome | None
 
 
-def total_error(mean_deg: float | None, variance_deg2: float | None, limits: Limits,
-                norms: Norms, model: str = 'NN') -> TotalError:
+def estimate_total_error(mean_deg: float | None, variance_deg2: float | None, limits: Limits,
+                         norms: Norms, model: str = 'NN') -> TotalError:
     """
     Return the confidence limits of the total TS error.
 

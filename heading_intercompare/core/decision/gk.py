@@ -11,16 +11,16 @@ from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.settings import Settings
 
 from .criteria import (
-    count_criterion,
+    apply_count_criterion,
+    apply_variance_criterion,
     CountCriterion,
+    estimate_total_error,
     Limits,
-    total_error,
     TotalError,
-    variance_criterion,
     VarianceCriterion,
 )
 
-__all__ = ['as_printed', 'Printed']
+__all__ = ['apply_gk', 'Printed']
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +44,8 @@ class Printed:
     outcome: Outcome
 
 
-def as_printed(n: int, mean_deg: float | None, variance_deg2: float | None,
-               count: Callable[[float], int], limits: Limits, settings: Settings) -> Printed:
+def apply_gk(n: int, mean_deg: float | None, variance_deg2: float | None,
+             count: Callable[[float], int], limits: Limits, settings: Settings) -> Printed:
     """
     Apply the criteria of GK.
 
@@ -66,10 +66,10 @@ def as_printed(n: int, mean_deg: float | None, variance_deg2: float | None,
     GK (5), (6), (7).
 
     """
-    variance = variance_criterion(variance_deg2, limits)
-    counts = count_criterion(n, count(limits.count_limit_deg),
-                             count(limits.tightened_count_limit_deg), limits)
-    total = total_error(mean_deg, variance_deg2, limits, settings.norms, settings.model)
+    variance = apply_variance_criterion(variance_deg2, limits)
+    counts = apply_count_criterion(n, count(limits.count_limit_deg),
+                                   count(limits.tightened_count_limit_deg), limits)
+    total = estimate_total_error(mean_deg, variance_deg2, limits, settings.norms, settings.model)
     outcomes = [variance.outcome, counts.outcome]
     if total.outcome is not None:
         outcomes.append(total.outcome)

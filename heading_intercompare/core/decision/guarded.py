@@ -20,17 +20,17 @@ from heading_intercompare.core.statistics.confidence_bounds import (
     rate_upper,
 )
 from heading_intercompare.core.statistics.variance_uncertainty import (
+    estimate_spread,
     lower_bound,
     MEAN_DOF,
     Spread,
-    spread,
     upper_bound,
 )
 
 from .coverage import least_duration_s
 from .criteria import Limits
 
-__all__ = ['count_risk', 'decide', 'Evidence', 'evidence_of', 'Guarded', 'REASONS',
+__all__ = ['count_risk', 'decide', 'Evidence', 'gather_evidence', 'Guarded', 'REASONS',
            'variance_risk']
 
 REASONS = {
@@ -160,9 +160,9 @@ class Guarded:
     reason: str
 
 
-def evidence_of(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: float,
-                mean_deg: float | None, offset_u_deg: float = 0.0, order: int = 0,
-                drift_left_deg2: float = 0.0) -> Evidence:
+def gather_evidence(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: float,
+                    mean_deg: float | None, offset_u_deg: float = 0.0, order: int = 0,
+                    drift_left_deg2: float = 0.0) -> Evidence:
     """
     Return what a run says.
 
@@ -179,12 +179,12 @@ def evidence_of(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: float,
     offset_u_deg : float
         Standard uncertainty of the installation offset, degrees.
     order : int
-        Order of the polynomial to allow for; see `spread`.
+        Order of the polynomial to allow for; see `estimate_spread`.
     drift_left_deg2 : float
         Upper 95 % bound of the variance of the drift left in, square degrees.
 
     """
-    return Evidence(cells.n, spread(cells, order), mean_deg, offset_u_deg, span_s, n_plus,
+    return Evidence(cells.n, estimate_spread(cells, order), mean_deg, offset_u_deg, span_s, n_plus,
                     n_plus_plus, drift_left_deg2)
 
 

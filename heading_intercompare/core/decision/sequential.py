@@ -14,7 +14,7 @@ from heading_intercompare.core.settings import Risk, Settings, SettingsError
 
 from .coverage import least_duration_s
 
-__all__ = ['Look', 'Looks', 'LookVerdict', 'rejecting', 'risk_at_the_end', 'standing']
+__all__ = ['find_standing', 'Look', 'Looks', 'LookVerdict', 'rejecting', 'risk_at_the_end']
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ def rejecting(looks: Sequence[LookVerdict]) -> LookVerdict | None:
     return next((look for look in looks if look.outcome is Outcome.NON_COMPLIANT), None)
 
 
-def standing(looks: Sequence[LookVerdict]) -> LookVerdict | None:
+def find_standing(looks: Sequence[LookVerdict]) -> LookVerdict | None:
     """
     Return what the looks taken so far leave standing of a run in progress.
 
@@ -158,7 +158,7 @@ class Looks:
         least_ns = round(least_duration_s(risk) * 1e9)
         spans = [plan_ns >> (looks - 1 - k) for k in range(looks)]
         spans = [span for span in spans[:-1] if span >= least_ns] + spans[-1:]
-        early, last = (_shared(risk, 2 * (len(spans) - 1)), _shared(risk, 2)) \
+        early, last = (_share(risk, 2 * (len(spans) - 1)), _share(risk, 2)) \
             if len(spans) > 1 else (risk, risk)
         self.plan = tuple(Look(k, span, last if k == len(spans) - 1 else early)
                           for k, span in enumerate(spans))
@@ -220,7 +220,7 @@ def risk_at_the_end(settings: Settings) -> Risk:
     return Looks(plan.plan_s, plan.looks, risk).plan[-1].risk
 
 
-def _shared(risk: Risk, parts: int) -> Risk:
+def _share(risk: Risk, parts: int) -> Risk:
     for name in ('alpha_consumer', 'alpha_producer'):
         if getattr(risk, name) / parts < 1e-6:
             raise SettingsError(f'risk.{name} = {getattr(risk, name)!r}: too small to be shared '

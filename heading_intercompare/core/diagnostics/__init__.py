@@ -8,5 +8,5 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'assumptions': ('Assumption',),
     'deviation': ('HeadingDependence',),
     'run_diagnostics': ('diagnose', 'Diagnostics', 'SETTLED_SHARE', 'with_runs'),
-    'run_findings': ('Allan', 'Correlation', 'Drift', 'drift_of', 'left_in_deg2', 'RunSkew'),
+    'run_findings': ('Allan', 'Correlation', 'describe_drift', 'Drift', 'left_in_deg2', 'RunSkew'),
 })

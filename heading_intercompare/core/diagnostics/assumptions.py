@@ -22,9 +22,10 @@ from heading_intercompare.core.timing.time_skew import Skew
 
 from .deviation import HeadingDependence
 
-__all__ = ['Assumption', 'constant_moments', 'correlated_errors', 'drift_and_stationary',
-           'ergodic', 'installation', 'large_n', 'laws', 'MET', 'model_kurtosis', 'NOT_TESTABLE',
-           'reference_norm', 'resolved', 'stabilized', 'STATEMENTS', 'synchronous', 'VIOLATED']
+__all__ = ['Assumption', 'is_resolved', 'judge_constant_moments', 'judge_correlated_errors',
+           'judge_drift_and_stationary', 'judge_ergodic', 'judge_installation', 'judge_large_n',
+           'judge_laws', 'judge_reference_norm', 'judge_stabilized', 'judge_synchronous', 'MET',
+           'model_kurtosis', 'NOT_TESTABLE', 'STATEMENTS', 'VIOLATED']
 
 MET, VIOLATED, NOT_TESTABLE = 'met', 'violated', 'not_testable'
 
@@ -93,13 +94,13 @@ def _of(key: str, state: str, evidence: str) -> Assumption:
     return Assumption(key, STATEMENTS[key], state, evidence)
 
 
-def resolved(found: Spread | None) -> bool:
+def is_resolved(found: Spread | None) -> bool:
     """Tell whether a record is long enough to tell its slow errors from a change."""
     return found is not None and not (found.r_slow > SLOW_RATIO and
                                       found.slow_variance_deg2 > SLOW_SHARE * found.d_deg2)
 
 
-def large_n(n: int, nu: float | None, resolved: bool) -> Assumption:
+def judge_large_n(n: int, nu: float | None, resolved: bool) -> Assumption:
     """Judge (a) by the number of differences and what they are worth for the variance."""
     if n == 0:
         return _of('a', NOT_TESTABLE, 'there are no differences')
@@ -113,7 +114,7 @@ def large_n(n: int, nu: float | None, resolved: bool) -> Assumption:
                f'{n} differences are worth {nu:.4g} independent ones; {ENOUGH:.4g} are needed')
 
 
-def synchronous(skew: Skew, range_s: float) -> Assumption:
+def judge_synchronous(skew: Skew, range_s: float) -> Assumption:
     """Judge (b) by the time skew and the variance it adds."""
     largest = skew.largest_variance_deg2(range_s)
     if largest is None or not skew.std_deg:
@@ -133,7 +134,7 @@ def synchronous(skew: Skew, range_s: float) -> Assumption:
     return _of('b', VIOLATED if skew.significant else NOT_TESTABLE, figures)
 
 
-def stabilized(warm_up: WarmUp | None) -> Assumption:
+def judge_stabilized(warm_up: WarmUp | None) -> Assumption:
     """Judge (c) by an exponential warm-up in what is analysed."""
     if warm_up is None:
         return _of('c', NOT_TESTABLE, 'there is too little data to see a warm-up')
@@ -156,8 +157,8 @@ def _below_reference(upper_deg2: float | None, reference_deg: float) -> str:
             f'deg, less than the {reference_deg:.3g} deg that the RS alone should have')
 
 
-def reference_norm(sigma_ref_lower_deg: float | None, sigma_ref_max_deg: float,
-                   upper_deg2: float | None, m_low: float) -> Assumption:
+def judge_reference_norm(sigma_ref_lower_deg: float | None, sigma_ref_max_deg: float,
+                         upper_deg2: float | None, m_low: float) -> Assumption:
     """
     Judge (d) by what the data say of the noise of the RS.
 
@@ -188,8 +189,8 @@ def reference_norm(sigma_ref_lower_deg: float | None, sigma_ref_max_deg: float,
                'differences')
 
 
-def installation(mean_interval_deg: tuple[float, float] | None, sigma_max_deg: float,
-                 variant: str) -> Assumption:
+def judge_installation(mean_interval_deg: tuple[float, float] | None, sigma_max_deg: float,
+                       variant: str) -> Assumption:
     """Judge (e) by the 95 % interval of the mean, which holds the offset's uncertainty."""
     if mean_interval_deg is None:
         return _of('e', NOT_TESTABLE, 'there is too little data for an interval of the mean')
@@ -204,8 +205,8 @@ def installation(mean_interval_deg: tuple[float, float] | None, sigma_max_deg: f
                'alike')
 
 
-def drift_and_stationary(order: Order | None, residual: Stationarity,
-                         resolved: bool | None) -> Assumption:
+def judge_drift_and_stationary(order: Order | None, residual: Stationarity,
+                               resolved: bool | None) -> Assumption:
     """
     Judge (f) by the residuals about the polynomial that the drift calls for.
 
@@ -228,7 +229,7 @@ def drift_and_stationary(order: Order | None, residual: Stationarity,
     return _of('f', VIOLATED if residual.least_p < SIGNIFICANT else MET, figures)
 
 
-def ergodic(runs: Homogeneity | None) -> Assumption:
+def judge_ergodic(runs: Homogeneity | None) -> Assumption:
     """Judge (g) by the means and variances of several runs."""
     if runs is None or runs.m < 2:
         return _of('g', NOT_TESTABLE, 'there is only one run')
@@ -242,8 +243,8 @@ def ergodic(runs: Homogeneity | None) -> Assumption:
     return _of('g', VIOLATED, figures)
 
 
-def constant_moments(found: Stationarity, slope: Slope | None, span_h: float,
-                     dependence: HeadingDependence, resolved: bool | None) -> Assumption:
+def judge_constant_moments(found: Stationarity, slope: Slope | None, span_h: float,
+                           dependence: HeadingDependence, resolved: bool | None) -> Assumption:
     """
     Judge (h) by trends of mean and variance, and by a dependence on the heading.
 
@@ -283,15 +284,15 @@ def constant_moments(found: Stationarity, slope: Slope | None, span_h: float,
     return _of('h', MET, figures)
 
 
-def correlated_errors(upper_deg2: float | None, reference_deg: float,
-                      source: OneSource) -> Assumption:
+def judge_correlated_errors(upper_deg2: float | None, reference_deg: float,
+                            source: OneSource) -> Assumption:
     """
     Judge (i): two sensors show it only where their difference is too small.
 
     Parameters
     ----------
     upper_deg2 : float or None
-        As for `reference_norm`.
+        As for `judge_reference_norm`.
     reference_deg : float
         Least standard deviation of the RS that the verdict uses, degrees.
     source : OneSource
@@ -329,7 +330,7 @@ def model_kurtosis(model: str, rs_share: float) -> float:
     return ts * (1.0 - rs_share) ** 2 + rs * rs_share ** 2
 
 
-def laws(shape: Shape, model: str, reference_deg: tuple[float, float]) -> Assumption:
+def judge_laws(shape: Shape, model: str, reference_deg: tuple[float, float]) -> Assumption:
     """
     Judge (j) by skewness and kurtosis at the effective size.
 

@@ -16,7 +16,7 @@ from heading_intercompare.core.angles import unwrap_deg, wrap360
 from heading_intercompare.core.statistics.autocorrelation import sokal_times
 from heading_intercompare.core.statistics.blocking import block_means, block_size
 
-__all__ = ['deviation', 'HeadingDependence', 'largest_empty_arc']
+__all__ = ['fit_deviation', 'HeadingDependence', 'largest_empty_arc']
 
 _WORST_CONDITION = 1e4
 """Largest condition number at which coefficients are given: headings all round give 2."""
@@ -119,7 +119,7 @@ def _pieces(n: int) -> Iterator[slice]:
         yield slice(lo, min(n, lo + _PIECE))
 
 
-def deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
+def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
     """
     Fit the deviation coefficients of a run.
 

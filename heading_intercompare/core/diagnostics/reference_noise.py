@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-__all__ = ['reference_noise', 'ReferenceNoise']
+__all__ = ['estimate_reference_noise', 'ReferenceNoise']
 
 QUIET = 0.1
 """An octave is used if the standard error is below this share of the variance of x in it."""
@@ -51,8 +51,8 @@ class ReferenceNoise:
         return self.sigma_ref_lower_deg / sigma_ref_max_deg
 
 
-def reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
-                    skew_variance_deg2: float = 0.0) -> ReferenceNoise:
+def estimate_reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
+                             skew_variance_deg2: float = 0.0) -> ReferenceNoise:
     """
     Bound the noise of the RS from below by the readings of both sensors.
 

@@ -13,39 +13,52 @@ import numpy as np
 from heading_intercompare.core.angles import unwrap_deg, wrap360
 from heading_intercompare.core.conditions.conventions import (
     Convention,
-    convention,
-    mean_difference,
+    estimate_mean_difference,
+    find_convention,
     MeanDifference,
 )
-from heading_intercompare.core.conditions.one_source import one_source, OneSource
-from heading_intercompare.core.conditions.outliers import Outliers, outliers
-from heading_intercompare.core.conditions.standstill import Frozen, frozen, Standstill, standstill
+from heading_intercompare.core.conditions.one_source import find_one_source, OneSource
+from heading_intercompare.core.conditions.outliers import find_outliers, Outliers
+from heading_intercompare.core.conditions.standstill import (
+    find_frozen,
+    find_standstill,
+    Frozen,
+    Standstill,
+)
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import Guarded
 from heading_intercompare.core.settings import Detectors, Settings
 from heading_intercompare.core.statistics.autocorrelation import (
-    correlation_times,
     CorrelationTimes,
+    estimate_correlation_times,
 )
 from heading_intercompare.core.statistics.drift import Detrended
 from heading_intercompare.core.statistics.ergodicity import Homogeneity
-from heading_intercompare.core.statistics.normality import Normality, normality
-from heading_intercompare.core.statistics.resolution import resolution
-from heading_intercompare.core.statistics.stationarity import Stationarity, stationarity
-from heading_intercompare.core.timing.clock_drift import clock_drift, ClockDrift
+from heading_intercompare.core.statistics.normality import examine_normality, Normality
+from heading_intercompare.core.statistics.resolution import find_resolution
+from heading_intercompare.core.statistics.stationarity import examine_stationarity, Stationarity
+from heading_intercompare.core.timing.clock_drift import ClockDrift, estimate_clock_drift
 from heading_intercompare.core.timing.interpolation_error import (
-    interpolation_error,
+    estimate_interpolation_error,
     InterpolationError,
 )
 from heading_intercompare.core.timing.skew_scan import Scan
-from heading_intercompare.core.timing.stamp_steps import stamp_steps
-from heading_intercompare.core.timing.time_skew import Skew, skew
+from heading_intercompare.core.timing.stamp_steps import measure_stamp_steps
+from heading_intercompare.core.timing.time_skew import estimate_skew, Skew
 
 from . import assumptions
 from .assumptions import Assumption
-from .deviation import deviation, HeadingDependence
-from .reference_noise import reference_noise, ReferenceNoise
-from .run_findings import Allan, allan_of, Correlation, correlation_of, Drift, run_skew, RunSkew
+from .deviation import fit_deviation, HeadingDependence
+from .reference_noise import estimate_reference_noise, ReferenceNoise
+from .run_findings import (
+    Allan,
+    Correlation,
+    describe_allan,
+    describe_correlation,
+    describe_skew,
+    Drift,
+    RunSkew,
+)
 
 __all__ = ['diagnose', 'Diagnostics', 'Signs', 'with_runs']
 
@@ -121,7 +134,7 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     residual_deg : ndarray, shape (n,), optional
         Differences less the polynomial that `drift_order` removed; default the differences.
     times : CorrelationTimes, optional
-        `correlation_times` of the residuals, if known already.
+        `estimate_correlation_times` of the residuals, if known already.
     scan : Scan, optional
         Of the two streams, if they are at hand.
     factor : ndarray, shape (n,), optional
@@ -151,20 +164,22 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     is_whole = residual_deg is None
     residual = x_deg if is_whole else residual_deg
     range_s = settings.alignment.skew_range_s
-    estimate = Skew(0) if settings.alignment.skew == 'off' else skew(
+    estimate = Skew(0) if settings.alignment.skew == 'off' else estimate_skew(
         stamp_ns, x_deg, rs_deg, range_s=range_s, max_gap_s=settings.pairing.max_gap_s)
-    stamps = stamp_steps(stamp_ns, detectors.silence_steps)
-    correlation = correlation_of(residual, stamps, times or correlation_times(residual))
+    stamps = measure_stamp_steps(stamp_ns, detectors.silence_steps)
+    correlation = describe_correlation(residual, stamps, times
+                                       or estimate_correlation_times(residual))
     signs, normal = _examine_headings(stamp_ns, x_deg, rs_deg, residual, settings, detectors,
                                       limits, factor, interpolates_ts, correlation, estimate)
-    allan = allan_of(x_deg, stamps.typical_s, _noise_of_rs(x_deg, rs_deg, estimate, range_s))
+    allan = describe_allan(x_deg, stamps.typical_s, _noise_of_rs(x_deg, rs_deg, estimate, range_s))
     variance = float(np.var(x_deg, ddof=1)) if n > 1 else None
-    block = run_skew(estimate, variance, limits, scan)
-    result = Diagnostics(block, drift, deviation(x_deg, rs_deg), normal,
-                         stationarity(residual, stamps.typical_s or 0.0), correlation, allan, (),
+    block = describe_skew(estimate, variance, limits, scan)
+    result = Diagnostics(block, drift, fit_deviation(x_deg, rs_deg), normal,
+                         examine_stationarity(residual, stamps.typical_s or 0.0), correlation,
+                         allan, (),
                          (), signs)
-    resolved = assumptions.resolved(rest.found)
-    rest_found = stationarity(rest.polynomial.residual_deg, stamps.typical_s or 0.0)
+    resolved = assumptions.is_resolved(rest.found)
+    rest_found = examine_stationarity(rest.polynomial.residual_deg, stamps.typical_s or 0.0)
     return replace(result, warnings=tuple(_warnings(result)),
                    assumptions=_assumptions(result, n, settings, guarded, limits, rest_found,
                                             resolved, is_whole))
@@ -180,25 +195,26 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
     ts_deg = wrap360(ts_deg)
     least = {'least_s': detectors.frozen_s, 'moved_deg': detectors.frozen_moved_deg}
     both = (ts_deg, rs_deg) if interpolates_ts else (rs_deg, ts_deg)
-    steps = resolution(ts_deg), resolution(rs_deg)
+    steps = find_resolution(ts_deg), find_resolution(rs_deg)
     signs = Signs(
-        convention(x_deg, rs_deg, detectors.convention_tolerance_deg, stamp_ns=stamp_ns,
-                   range_s=settings.alignment.skew_range_s), mean_difference(x_deg),
-        one_source(stamp_ns, x_deg, rs_deg, factor=factor, interpolates_ts=interpolates_ts,
-                   share=detectors.same_source_share),
-        frozen(stamp_ns, ts_deg, rs_deg, **least, sigma_deg=limits.sigma_ref_max_deg),
-        frozen(stamp_ns, rs_deg, ts_deg, **least, sigma_deg=limits.sigma_max_deg),
-        standstill(ts_deg, rs_deg), outliers(
+        find_convention(x_deg, rs_deg, detectors.convention_tolerance_deg, stamp_ns=stamp_ns,
+                        range_s=settings.alignment.skew_range_s), estimate_mean_difference(x_deg),
+        find_one_source(stamp_ns, x_deg, rs_deg, factor=factor, interpolates_ts=interpolates_ts,
+                        share=detectors.same_source_share),
+        find_frozen(stamp_ns, ts_deg, rs_deg, **least, sigma_deg=limits.sigma_ref_max_deg),
+        find_frozen(stamp_ns, rs_deg, ts_deg, **least, sigma_deg=limits.sigma_max_deg),
+        find_standstill(ts_deg, rs_deg), find_outliers(
             stamp_ns, residual_deg, longest_s=LONGEST_BURST_S,
             step_deg=max((s.step_deg or 0.0) for s in steps)),
-        ClockDrift('not_testable') if settings.alignment.skew == 'off' else clock_drift(
+        ClockDrift('not_testable') if settings.alignment.skew == 'off' else estimate_clock_drift(
             stamp_ns, x_deg, rs_deg, range_s=settings.alignment.skew_range_s,
             max_gap_s=settings.pairing.max_gap_s, near_s=estimate.about_s),
-        interpolation_error(stamp_ns, *both, np.ones(x_deg.size) if factor is None else factor))
+        estimate_interpolation_error(stamp_ns, *both, np.ones(x_deg.size) if factor is None
+                                     else factor))
     step = correlation.stamps.typical_s
     width = 2 * max(1, round(0.5 * MOVING_AVERAGE_S / step)) + 1 if step else 3
-    return signs, normality(residual_deg, ts_deg, rs_deg, width=width,
-                            n_effective=correlation.n_effective_variance)
+    return signs, examine_normality(residual_deg, ts_deg, rs_deg, width=width,
+                                    n_effective=correlation.n_effective_variance)
 
 
 def _noise_of_rs(x_deg: np.ndarray, rs_deg: np.ndarray, estimate: Skew,
@@ -207,8 +223,8 @@ def _noise_of_rs(x_deg: np.ndarray, rs_deg: np.ndarray, estimate: Skew,
     rs_line = unwrap_deg(rs_deg)
     ts_line = unwrap_deg(x_deg)
     ts_line += rs_line
-    return reference_noise(ts_line, rs_line,
-                           skew_variance_deg2=math.inf if added is None else added)
+    return estimate_reference_noise(ts_line, rs_line,
+                                    skew_variance_deg2=math.inf if added is None else added)
 
 
 def _assumptions(found: Diagnostics, n: int, settings: Settings, guarded: Guarded,
@@ -218,24 +234,24 @@ def _assumptions(found: Diagnostics, n: int, settings: Settings, guarded: Guarde
     least, most = (m * limits.sigma_ref_max_deg for m in (limits.m_low, limits.m_up))
     drift = found.drift
     return (
-        assumptions.large_n(n, guarded.nu, resolved),
-        assumptions.synchronous(found.skew.estimate, settings.alignment.skew_range_s),
-        assumptions.stabilized(drift.warm_up),
-        assumptions.reference_norm(found.allan.reference_noise.sigma_ref_lower_deg,
-                                   limits.sigma_ref_max_deg, upper, limits.m_low),
-        assumptions.installation(guarded.bias_interval_deg, limits.sigma_max_deg,
-                                 settings.variant),
-        assumptions.drift_and_stationary(drift.order, rest, resolved),
-        assumptions.ergodic(None),
-        assumptions.constant_moments(found.stationarity, drift.line if is_whole else None,
-                                     drift.span_h, found.heading_dependence, resolved),
-        assumptions.correlated_errors(upper, least, found.signs.source),
-        assumptions.laws(found.normality.difference, settings.model, (least, most)))
+        assumptions.judge_large_n(n, guarded.nu, resolved),
+        assumptions.judge_synchronous(found.skew.estimate, settings.alignment.skew_range_s),
+        assumptions.judge_stabilized(drift.warm_up),
+        assumptions.judge_reference_norm(found.allan.reference_noise.sigma_ref_lower_deg,
+                                         limits.sigma_ref_max_deg, upper, limits.m_low),
+        assumptions.judge_installation(guarded.bias_interval_deg, limits.sigma_max_deg,
+                                       settings.variant),
+        assumptions.judge_drift_and_stationary(drift.order, rest, resolved),
+        assumptions.judge_ergodic(None),
+        assumptions.judge_constant_moments(found.stationarity, drift.line if is_whole else None,
+                                           drift.span_h, found.heading_dependence, resolved),
+        assumptions.judge_correlated_errors(upper, least, found.signs.source),
+        assumptions.judge_laws(found.normality.difference, settings.model, (least, most)))
 
 
 def with_runs(checked: Sequence[Assumption], runs: Homogeneity) -> tuple[Assumption, ...]:
     """Return the assumptions of a run with (g) judged by all runs."""
-    return tuple(assumptions.ergodic(runs) if a.id == 'g' else a for a in checked)
+    return tuple(assumptions.judge_ergodic(runs) if a.id == 'g' else a for a in checked)
 
 
 def _warnings(found: Diagnostics) -> Iterator[str]:

@@ -9,30 +9,30 @@ import math
 
 import numpy as np
 
-from heading_intercompare.core.decision.criteria import Limits, variance_criterion
+from heading_intercompare.core.decision.criteria import apply_variance_criterion, Limits
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.statistics.autocorrelation import (
-    allan_deviation,
-    autocorrelation,
+    autocorrelate,
+    compute_allan_deviation,
     CorrelationTimes,
 )
 from heading_intercompare.core.statistics.drift import (
     Detrended,
     drift_left_deg2,
+    fit_slope,
     Order,
     select_order,
     Slope,
-    slope,
 )
-from heading_intercompare.core.statistics.warm_up import mser5, warm_up, WarmUp
+from heading_intercompare.core.statistics.warm_up import fit_warm_up, mser5, WarmUp
 from heading_intercompare.core.timing.skew_scan import Scan
 from heading_intercompare.core.timing.stamp_steps import StampSteps
 from heading_intercompare.core.timing.time_skew import Skew
 
 from .reference_noise import ReferenceNoise
 
-__all__ = ['Allan', 'allan_of', 'Correlation', 'correlation_of', 'Drift', 'drift_of',
-           'left_in_deg2', 'RunSkew', 'run_skew']
+__all__ = ['Allan', 'Correlation', 'describe_allan', 'describe_correlation', 'describe_drift',
+           'describe_skew', 'Drift', 'left_in_deg2', 'RunSkew']
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,8 +153,8 @@ class Allan:
     reference_noise: ReferenceNoise
 
 
-def run_skew(estimate: Skew, variance_deg2: float | None, limits: Limits,
-             scan: Scan | None = None) -> RunSkew:
+def describe_skew(estimate: Skew, variance_deg2: float | None, limits: Limits,
+                  scan: Scan | None = None) -> RunSkew:
     """
     Return the block of the skew.
 
@@ -172,17 +172,18 @@ def run_skew(estimate: Skew, variance_deg2: float | None, limits: Limits,
     """
     if variance_deg2 is None:
         return RunSkew(estimate, None, None, None, scan)
-    paired = variance_criterion(variance_deg2, limits).outcome
+    paired = apply_variance_criterion(variance_deg2, limits).outcome
     if not estimate.well_determined:
         return RunSkew(estimate, None, paired, None, scan)
     # The estimate may rest on short averages: what the skew adds is the same in these.
     added = estimate.std_deg ** 2 - estimate.std_aligned_deg ** 2
     aligned = max(0.0, variance_deg2 - added)
-    return RunSkew(estimate, aligned, paired, variance_criterion(aligned, limits).outcome, scan)
+    return RunSkew(estimate, aligned, paired, apply_variance_criterion(aligned, limits).outcome,
+                   scan)
 
 
-def drift_of(stamp_ns: np.ndarray, x_deg: np.ndarray,
-             tolerance_deg: float) -> tuple[Drift, Detrended]:
+def describe_drift(stamp_ns: np.ndarray, x_deg: np.ndarray,
+                   tolerance_deg: float) -> tuple[Drift, Detrended]:
     """
     Return the block of the drift, and what it leaves of the differences.
 
@@ -208,7 +209,7 @@ def drift_of(stamp_ns: np.ndarray, x_deg: np.ndarray,
         std = math.sqrt(rss / (n - 1 - order.order))
     return Drift(order, fit.coefficients_deg if order else None,
                  drift_left_deg2(rest if fit.order > 1 else line), std, span_h,
-                 slope(stamp_ns, x_deg, line), warm_up(stamp_ns, x_deg, tolerance_deg),
+                 fit_slope(stamp_ns, x_deg, line), fit_warm_up(stamp_ns, x_deg, tolerance_deg),
                  mser5(stamp_ns, x_deg)), rest
 
 
@@ -226,7 +227,7 @@ def left_in_deg2(stamp_ns: np.ndarray, x_deg: np.ndarray) -> float:
     Returns
     -------
     float
-        `Drift.left_deg2` of `drift_of`; 0 where that is None.
+        `Drift.left_deg2` of `describe_drift`; 0 where that is None.
 
     """
     order = select_order(stamp_ns, x_deg)
@@ -234,8 +235,8 @@ def left_in_deg2(stamp_ns: np.ndarray, x_deg: np.ndarray) -> float:
     return drift_left_deg2(rest) or 0.0
 
 
-def correlation_of(x_deg: np.ndarray, stamps: StampSteps,
-                   times: CorrelationTimes) -> Correlation:
+def describe_correlation(x_deg: np.ndarray, stamps: StampSteps,
+                         times: CorrelationTimes) -> Correlation:
     """
     Return the block of the correlation.
 
@@ -253,12 +254,12 @@ def correlation_of(x_deg: np.ndarray, stamps: StampSteps,
     size = n / max(times.tau_1, 1.0), n / max(times.tau_2, 1.0)
     if n < 2:
         return Correlation(n, stamps, None, None, None, None, *size, False)
-    return Correlation(n, stamps, float(autocorrelation(x_deg, 1)[1]), times.window * step,
+    return Correlation(n, stamps, float(autocorrelate(x_deg, 1)[1]), times.window * step,
                        times.tau_1 * step, times.tau_2 * step, *size,
                        times.window < max(2, n // 4) - 1)
 
 
-def allan_of(x_deg: np.ndarray, step_s: float | None, noise: ReferenceNoise) -> Allan:
+def describe_allan(x_deg: np.ndarray, step_s: float | None, noise: ReferenceNoise) -> Allan:
     """
     Return the block of the Allan deviation.
 
@@ -274,6 +275,6 @@ def allan_of(x_deg: np.ndarray, step_s: float | None, noise: ReferenceNoise) -> 
     """
     if not step_s:
         return Allan((), (), (), (), noise)
-    found = allan_deviation(x_deg, 1.0 / step_s)
+    found = compute_allan_deviation(x_deg, 1.0 / step_s)
     return Allan(*(tuple(c.tolist()) for c in (found.m, found.tau_s, found.deviation,
                                                found.terms)), noise)

@@ -5,9 +5,10 @@
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
+    'difference': ('subtract',),
     'direction': ('typical_step_ns',),
     'ensembles': ('Ensembles', 'Ensembling'),
     'ledger': ('Ledger', 'LedgerSegment', 'REASONS'),
     'pairer': ('pair', 'Pairer'),
-    'pending_readings': ('rising',),
+    'pending_readings': ('is_rising',),
 })

@@ -9,11 +9,11 @@ import numpy as np
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.records import Differences, Pairs
 
-__all__ = ['difference']
+__all__ = ['subtract']
 
 
-def difference(pairs: Pairs, installation_offset_deg: float = 0.0,
-               wrap_center_deg: float = 0.0) -> Differences:
+def subtract(pairs: Pairs, installation_offset_deg: float = 0.0,
+             wrap_center_deg: float = 0.0) -> Differences:
     """
     Return the differences of the readings.
 
@@ -37,7 +37,7 @@ def difference(pairs: Pairs, installation_offset_deg: float = 0.0,
 
     Examples
     --------
-    >>> difference(Pairs.of([1], [1.0], [359.5])).x_deg.tolist()
+    >>> subtract(Pairs.of([1], [1.0], [359.5])).x_deg.tolist()
     [1.5]
 
     """

@@ -11,7 +11,7 @@ import numpy as np
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Pairs
 
-from .difference import difference
+from .difference import subtract
 
 __all__ = ['Ensembles', 'Ensembling', 'LONGEST_S', 'SHORTEST_S']
 
@@ -55,7 +55,7 @@ def _of(pairs: Pairs, starts: np.ndarray, wrap_center_deg: float) -> Ensembles:
     """Return the figures of the ensembles that start at some pairs, the last one up to the end."""
     if not len(pairs):
         return Ensembles(np.zeros(0, np.int64), *np.zeros((4, 0)), np.zeros(0, np.int64))
-    x = difference(pairs, wrap_center_deg=wrap_center_deg).x_deg
+    x = subtract(pairs, wrap_center_deg=wrap_center_deg).x_deg
     finite = np.isfinite(x)
     stops = np.append(starts[1:], len(pairs))
 

@@ -11,7 +11,7 @@ from heading_intercompare.core.records import Headings
 
 from .ledger import Ledger
 
-__all__ = ['BRACKET', 'NEVER', 'PAIRED', 'rising', 'Stream']
+__all__ = ['BRACKET', 'is_rising', 'NEVER', 'PAIRED', 'Stream']
 
 NEVER = np.iinfo(np.int64).min
 """A stamp before all others."""
@@ -22,7 +22,7 @@ BRACKET, PAIRED = 1, 2
 _KEYS = {'ts': ('ts_unpaired', 'ts_used', 'ts_paired'), 'rs': ('rs_unused', 'rs_used', 'rs_used')}
 
 
-def rising(stamp_ns: np.ndarray, newest_ns: int | None = None) -> np.ndarray:
+def is_rising(stamp_ns: np.ndarray, newest_ns: int | None = None) -> np.ndarray:
     """
     Tell which stamps are above all before them; the others are to be rejected.
 
@@ -39,7 +39,7 @@ def rising(stamp_ns: np.ndarray, newest_ns: int | None = None) -> np.ndarray:
 
     Examples
     --------
-    >>> rising(np.array([3, 3, 2, 4]), 1).tolist()
+    >>> is_rising(np.array([3, 3, 2, 4]), 1).tolist()
     [True, False, False, True]
 
     """
@@ -75,7 +75,7 @@ class Stream:
         good = self._reject('out_of_range', (heading >= 0.0) & (heading <= 360.0), stamp, good)
         stamp, heading = stamp[good] - self.shift_ns, heading[good]
         if stamp.size:
-            rises = rising(stamp, self.last_ns)
+            rises = is_rising(stamp, self.last_ns)
             if not rises.all():
                 self.ledger.add(f'{self.name}_rejected.stamp_not_increasing', stamp[~rises])
                 stamp, heading = stamp[rises], heading[rises]

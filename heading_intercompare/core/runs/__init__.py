@@ -6,7 +6,7 @@ from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'growing_columns': ('Keep',),
-    'live_figures': ('figures',),
+    'live_figures': ('compute_figures',),
     'rolling_window': ('Rolling',),
     'run_cutter': ('RunCutter',),
     'run_series': ('RunSeries',),

@@ -7,24 +7,25 @@ from __future__ import annotations
 from typing import Any
 
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.decision.gk import as_printed, Printed
-from heading_intercompare.core.decision.guarded import decide, evidence_of
+from heading_intercompare.core.decision.gk import apply_gk, Printed
+from heading_intercompare.core.decision.guarded import decide, gather_evidence
 from heading_intercompare.core.settings import Settings
 
 from .rolling_window import Rolling
 from .run_series import RunSeries
 
-__all__ = ['figures']
+__all__ = ['compute_figures']
 
 
 def _printed_so_far(part: RunSeries | Rolling, limits: Limits, settings: Settings) -> Printed:
     moments = part.moments()
     center = 0.0 if settings.variant == 'A' else moments.mean_deg
-    return as_printed(moments.n, moments.mean_deg, moments.variance_deg2,
-                      lambda limit: part.count_outside(center, limit), limits, settings)
+    return apply_gk(moments.n, moments.mean_deg, moments.variance_deg2,
+                    lambda limit: part.count_outside(center, limit), limits, settings)
 
 
-def figures(part: RunSeries | Rolling, limits: Limits, settings: Settings) -> dict[str, Any]:
+def compute_figures(part: RunSeries | Rolling, limits: Limits,
+                    settings: Settings) -> dict[str, Any]:
     """
     Return the figures of a window or of a run in progress, as they are published.
 
@@ -45,7 +46,7 @@ def figures(part: RunSeries | Rolling, limits: Limits, settings: Settings) -> di
     """
     moments = part.moments()
     printed = _printed_so_far(part, limits, settings)
-    evidence = evidence_of(
+    evidence = gather_evidence(
         part.cells(), n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
         span_s=part.span_s, mean_deg=moments.mean_deg,
         offset_u_deg=settings.installation_offset_u_deg)

@@ -10,7 +10,7 @@ import numpy as np
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.sequential import Look, Looks
-from heading_intercompare.core.pairing.difference import difference
+from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Differences, Pairs
 from heading_intercompare.core.settings import Norms, Settings
 from heading_intercompare.core.statistics.cells import Cells
@@ -91,7 +91,7 @@ class RunSeries:
             self.start_ns = int(pairs.stamp_ns[0])
         self.end_ns = int(pairs.stamp_ns[-1])
         self.n_input += len(pairs)
-        x = difference(pairs, self._offset_deg, self._center_deg)
+        x = subtract(pairs, self._offset_deg, self._center_deg)
         settling = pairs.stamp_ns < self.start_ns + self._stabilization_ns
         finite = np.isfinite(x.x_deg)
         self.n_stabilization += int(np.count_nonzero(settling & finite))

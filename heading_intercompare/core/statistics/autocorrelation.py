@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.fft import irfft, next_fast_len, rfft
 
-__all__ = ['allan_deviation', 'AllanDeviation', 'autocorrelation', 'CorrelationTimes',
-           'correlation_times', 'effective_size', 'geyer_time', 'sokal_times']
+__all__ = ['AllanDeviation', 'autocorrelate', 'compute_allan_deviation', 'CorrelationTimes',
+           'effective_size', 'estimate_correlation_times', 'geyer_time', 'sokal_times']
 
 _SEGMENT = 1 << 17
 _PIECE = 1 << 15
@@ -20,7 +20,7 @@ _FIRST_LAGS = 4096
 _GROWTH = 8
 
 
-def autocorrelation(x: ArrayLike, max_lag: int) -> np.ndarray:
+def autocorrelate(x: ArrayLike, max_lag: int) -> np.ndarray:
     """
     Return the autocorrelation of a series about its mean.
 
@@ -50,11 +50,11 @@ def autocorrelation(x: ArrayLike, max_lag: int) -> np.ndarray:
     """
     if max_lag < 0:
         raise ValueError(f'max_lag = {max_lag!r}: must be at least 0')
-    e = _centred(x)
+    e = _centre(x)
     return _correlation(e, min(max_lag, e.size - 1)) if e.size else np.empty(0)
 
 
-def _centred(x: ArrayLike) -> np.ndarray:
+def _centre(x: ArrayLike) -> np.ndarray:
     """Return the samples about their mean; exactly zero if all are equal."""
     x = np.asarray(x, dtype=np.float64).reshape(-1)
     if not x.size:
@@ -110,11 +110,11 @@ class CorrelationTimes:
         return self.n / max(self.tau_2, 1.0)
 
 
-def _windowed(x: ArrayLike, last: Callable[[int], int],
-              closed: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
-              ) -> CorrelationTimes:
+def _sum_up_to_window(x: ArrayLike, last: Callable[[int], int],
+                      closed: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
+                      ) -> CorrelationTimes:
     """Sum up to the first lag where `closed` holds, at most to lag ``last(n)``."""
-    e = _centred(x)
+    e = _centre(x)
     n = e.size
     limit = min(last(n), n - 1)
     if limit < 1:
@@ -132,7 +132,7 @@ def _windowed(x: ArrayLike, last: Callable[[int], int],
         m = min(m * _GROWTH, limit)
 
 
-def correlation_times(x: ArrayLike) -> CorrelationTimes:
+def estimate_correlation_times(x: ArrayLike) -> CorrelationTimes:
     """
     Return correlation times with the wide window, as wide as the variance asks for.
 
@@ -153,7 +153,7 @@ def correlation_times(x: ArrayLike) -> CorrelationTimes:
     white noise; E.23 of ``docs/diagnostics.md``.
 
     """
-    return _windowed(
+    return _sum_up_to_window(
         x, lambda n: max(2, n // 4) - 1,
         lambda w, tau_1, tau_2: w >= 10.0 * np.maximum(np.maximum(tau_1, tau_2), 1.0))
 
@@ -177,7 +177,7 @@ def effective_size(x: ArrayLike) -> float:
     Bayley & Hammersley 1946; E.23 of ``docs/diagnostics.md``.
 
     """
-    return correlation_times(x).effective_size
+    return estimate_correlation_times(x).effective_size
 
 
 def sokal_times(x: ArrayLike, limit: int = 5000) -> CorrelationTimes:
@@ -196,8 +196,8 @@ def sokal_times(x: ArrayLike, limit: int = 5000) -> CorrelationTimes:
     Sokal 1997.
 
     """
-    return _windowed(x, lambda n: limit,
-                     lambda w, tau_1, tau_2: (w >= 1) & (w >= 5.0 * tau_1))
+    return _sum_up_to_window(x, lambda n: limit,
+                             lambda w, tau_1, tau_2: (w >= 1) & (w >= 5.0 * tau_1))
 
 
 def geyer_time(x: ArrayLike) -> float:
@@ -220,7 +220,7 @@ def geyer_time(x: ArrayLike) -> float:
     Geyer 1992 (Statistical Science 7, 473): initial positive sequence.
 
     """
-    e = _centred(x)
+    e = _centre(x)
     if e.size < 2:
         return 1.0
     m = min(_FIRST_LAGS - 1, e.size - 1)
@@ -272,8 +272,9 @@ def _square_steps(sums: np.ndarray, lag: int) -> float:
     return total
 
 
-def allan_deviation(x: ArrayLike, rate_hz: float, tau_s: ArrayLike | None = None, *,
-                    m: ArrayLike | None = None, overlapping: bool = True) -> AllanDeviation:
+def compute_allan_deviation(x: ArrayLike, rate_hz: float, tau_s: ArrayLike | None = None, *,
+                            m: ArrayLike | None = None,
+                            overlapping: bool = True) -> AllanDeviation:
     """
     Return the Allan deviation of rate-like data.
 
@@ -308,7 +309,7 @@ def allan_deviation(x: ArrayLike, rate_hz: float, tau_s: ArrayLike | None = None
     """
     if not 0.0 < rate_hz < np.inf:
         raise ValueError(f'rate_hz = {rate_hz!r}: must be a number greater than 0')
-    x = _centred(x)
+    x = _centre(x)
     if m is None:
         m = (1 << np.arange(max(0, x.size.bit_length() - 1)) if tau_s is None
              else np.rint(np.asarray(tau_s, dtype=np.float64) * rate_hz))

@@ -63,7 +63,7 @@ class CellValues:
     occupied: float = 1.0
 
 
-def _joined(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def _join(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Return the moments of neighbouring cells together; Pebay 2008."""
     na, nb = a[_N], b[_N]
     n = na + nb
@@ -85,15 +85,15 @@ def _coarser(index: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarra
     pairs = np.flatnonzero(index[1:] == index[:-1])
     if pairs.size:
         rows = rows.copy()
-        rows[:, pairs] = _joined(rows[:, pairs], rows[:, pairs + 1])
+        rows[:, pairs] = _join(rows[:, pairs], rows[:, pairs + 1])
         keep = np.ones(index.size, bool)
         keep[pairs + 1] = False
         index, rows = index[keep], rows[:, keep]
     return index, rows
 
 
-def _followed(index: np.ndarray, rows: np.ndarray, next_index: np.ndarray,
-              next_rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _append(index: np.ndarray, rows: np.ndarray, next_index: np.ndarray,
+            next_rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return cells and those that follow; the last and the first may be parts of one cell."""
     shared = index.size and next_index.size and index[-1] == next_index[0]
     index = np.concatenate((index, next_index))
@@ -101,7 +101,7 @@ def _followed(index: np.ndarray, rows: np.ndarray, next_index: np.ndarray,
     return _coarser(2 * index, rows) if shared else (index, rows)
 
 
-def _summed(x: np.ndarray, starts: np.ndarray) -> np.ndarray:
+def _sum_groups(x: np.ndarray, starts: np.ndarray) -> np.ndarray:
     """Return the moments of consecutive groups of values, one column a group."""
     rows = np.empty((_ROWS, starts.size))
     counts = np.diff(starts, append=x.size)
@@ -276,10 +276,10 @@ class Cells:
             return np.empty(0, np.int64), np.empty((_ROWS, 0))
         index = places >> self._level
         starts = np.concatenate(([0], 1 + np.flatnonzero(np.diff(index))))
-        return index[starts], _summed(x, starts)
+        return index[starts], _sum_groups(x, starts)
 
     def _close(self) -> None:
-        self._index, self._rows = _followed(self._index, self._rows, *self._opened())
+        self._index, self._rows = _append(self._index, self._rows, *self._opened())
         self._open = []
 
     def _raise_to(self, level: int) -> None:
@@ -315,14 +315,14 @@ class Cells:
                              'must be a multiple; update with the differences instead')
         result = self._copy()
         result._close()
-        index, rows = _followed(other._index, other._rows, *other._opened())
+        index, rows = _append(other._index, other._rows, *other._opened())
         index = index + offset // size
         rows[_MEAN] += other._shift - self._shift
         last = other._last_place + offset
         result._raise_to(max(other._level, _level_at(last)))
         for _ in range(result._level - other._level):
             index, rows = _coarser(index, rows)
-        result._index, result._rows = _followed(result._index, result._rows, index, rows)
+        result._index, result._rows = _append(result._index, result._rows, index, rows)
         result.n += other.n
         result._largest = max(self._largest, other._largest)
         result._last_place, result._newest_ns = last, other._newest_ns
@@ -347,12 +347,12 @@ class Cells:
         """
         if self.n < LEAST_CELLS or self._last_place + 1 < LEAST_CELLS:
             return None
-        index, rows = _followed(self._index, self._rows, *self._opened())
+        index, rows = _append(self._index, self._rows, *self._opened())
         level, k = self._level, (self._last_place + 1) >> self._level
         if k > _MOST_CELLS:
             index, rows = _coarser(index, rows)
             level, k = level + 1, k >> 1
-        whole = _whole(index, rows)
+        whole = _sum_all(index, rows)
         mean, q = float(whole[_MEAN]), float(whole[_M2]) / self.n
         kurtosis = self.n * float(whole[_M4]) / float(whole[_M2]) ** 2 \
             if float(whole[_M2]) ** 2 > 0.0 else 3.0
@@ -373,7 +373,7 @@ def _level_at(place: int) -> int:
     return max(0, place.bit_length() - _HALF.bit_length())
 
 
-def _whole(index: np.ndarray, rows: np.ndarray) -> np.ndarray:
+def _sum_all(index: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Return the moments of all cells together."""
     index = index.copy()
     while rows.shape[1] > 1:

@@ -15,10 +15,10 @@ from scipy.special import stdtrit
 from .autocorrelation import sokal_times
 from .blocking import block_means, block_size, student_95
 from .cells import Cells
-from .variance_uncertainty import MEAN_DOF, Spread, spread
+from .variance_uncertainty import estimate_spread, MEAN_DOF, Spread
 
-__all__ = ['bic_of', 'blocked', 'drift_left_deg2', 'Order', 'Polynomial', 'remove_polynomial',
-           'rounding_floor', 'select_order', 'Slope', 'slope']
+__all__ = ['average_blocks', 'bic_of', 'drift_left_deg2', 'fit_slope', 'Order', 'Polynomial',
+           'remove_polynomial', 'rounding_floor', 'select_order', 'Slope']
 
 _HIGHEST_ORDER = 3
 """Largest order of a polynomial that may be removed."""
@@ -161,7 +161,7 @@ def rounding_floor(values: np.ndarray) -> float:
     return values.size * (1e-13 * (1.0 + float(np.abs(values).max()))) ** 2
 
 
-def blocked(stamp_ns: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+def average_blocks(stamp_ns: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
     """Return times (s after the first stamp) and values of 64 to 127 block means, their size."""
     size = block_size(x.size, _LEAST_BLOCKS)
     return block_means((stamp_ns - stamp_ns[0]) / 1e9, size), block_means(x, size), size
@@ -197,7 +197,7 @@ def select_order(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Order | None:
     stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
     if x.size < _LEAST_BLOCKS or stamps[-1] == stamps[0]:
         return None
-    t, z, _ = blocked(stamps, x)
+    t, z, _ = average_blocks(stamps, x)
     z = z - z.mean()
     u = 2.0 * (t - t[0]) / (t[-1] - t[0]) - 1.0
     basis = legvander(u, _HIGHEST_ORDER + 1)
@@ -233,7 +233,7 @@ class Detrended:
     def of(cls, stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> 'Detrended':
         """Take a polynomial out of differences, as `remove_polynomial` does."""
         fit = remove_polynomial(stamp_ns, x_deg, order)
-        return cls(fit, spread(Cells.of(fit.residual_deg, stamp_ns), fit.order))
+        return cls(fit, estimate_spread(Cells.of(fit.residual_deg, stamp_ns), fit.order))
 
 
 def drift_left_deg2(rest: Detrended) -> float | None:
@@ -305,7 +305,8 @@ class Slope:
     residual_std_deg: float | None
 
 
-def slope(stamp_ns: ArrayLike, x_deg: ArrayLike, line: Detrended | None = None) -> Slope | None:
+def fit_slope(stamp_ns: ArrayLike, x_deg: ArrayLike,
+              line: Detrended | None = None) -> Slope | None:
     """
     Return the slope of the differences and how well it is known.
 

@@ -10,7 +10,7 @@ from typing import Sequence
 
 from scipy.special import chdtrc
 
-__all__ = ['homogeneity', 'Homogeneity', 'RunFigures']
+__all__ = ['examine_homogeneity', 'Homogeneity', 'RunFigures']
 
 SIGNIFICANT = 0.01
 """Runs differ if chance alone would make them differ so much less often than this."""
@@ -78,7 +78,7 @@ class Homogeneity:
     variances_equal: bool | None = None
 
 
-def homogeneity(runs: Sequence[RunFigures]) -> Homogeneity:
+def examine_homogeneity(runs: Sequence[RunFigures]) -> Homogeneity:
     """
     Compare the means and the variances of runs.
 
@@ -99,7 +99,7 @@ def homogeneity(runs: Sequence[RunFigures]) -> Homogeneity:
     Examples
     --------
     >>> two = [RunFigures(0.0, 0.01, 0.04, 20.0), RunFigures(0.2, 0.01, 0.04, 20.0)]
-    >>> found = homogeneity(two)
+    >>> found = examine_homogeneity(two)
     >>> round(found.q, 9), round(found.between_variance_deg2, 9), found.bartlett
     (2.0, 0.01, 0.0)
 

@@ -14,10 +14,10 @@ from scipy.special import log_ndtr
 from heading_intercompare.core.angles import unwrap_deg, wrap180
 
 from .autocorrelation import effective_size, sokal_times
-from .resolution import Resolution, resolution
+from .resolution import find_resolution, Resolution
 
-__all__ = ['anderson_darling', 'AndersonDarling', 'moving_average_residual', 'Normality',
-           'normality', 'Shape', 'shape', 'symmetric_difference', 'thinned']
+__all__ = ['AndersonDarling', 'apply_anderson_darling', 'examine_normality', 'measure_shape',
+           'moving_average_residual', 'Normality', 'Shape', 'symmetric_difference', 'thin']
 
 _PIECE = 1 << 15
 _LEAST = 8
@@ -59,7 +59,7 @@ class Shape:
     p: float | None = None
 
 
-def shape(values: ArrayLike, n_effective: float | None = None) -> Shape:
+def measure_shape(values: ArrayLike, n_effective: float | None = None) -> Shape:
     """
     Test values for normality by their third and fourth moments.
 
@@ -124,14 +124,14 @@ class AndersonDarling:
     p: float
 
 
-def anderson_darling(values: ArrayLike) -> AndersonDarling | None:
+def apply_anderson_darling(values: ArrayLike) -> AndersonDarling | None:
     """
     Test independent values for normality by their whole distribution.
 
     Parameters
     ----------
     values : array_like, shape (n,)
-        Finite; thin correlated ones first, see `thinned`.
+        Finite; thin correlated ones first, see `thin`.
 
     Returns
     -------
@@ -164,7 +164,7 @@ def anderson_darling(values: ArrayLike) -> AndersonDarling | None:
     return AndersonDarling(statistic, a, p)
 
 
-def thinned(values: ArrayLike) -> tuple[np.ndarray, int]:
+def thin(values: ArrayLike) -> tuple[np.ndarray, int]:
     """Return every k-th value, and k: the correlation time of Sokal, rounded up."""
     x = np.asarray(values, dtype=np.float64)
     step = max(1, math.ceil(sokal_times(x).tau_1))
@@ -278,8 +278,9 @@ class Normality:
     rounding_variance_deg2: float
 
 
-def normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *, n_effective: float,
-              width: int = 3) -> Normality:
+def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
+                      n_effective: float,
+                      width: int = 3) -> Normality:
     """
     Test the normality of a run.
 
@@ -306,12 +307,12 @@ def normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *, n_effec
     less a moving average; effective sizes instead of n: Bai & Ng 2005.
 
     """
-    few, step = thinned(x_deg)
-    distance = anderson_darling(few)
+    few, step = thin(x_deg)
+    distance = apply_anderson_darling(few)
     sensors = [_sensor(np.asarray(h, dtype=np.float64), width) for h in (ts_deg, rs_deg)]
     (ts_first, ts_average, ts_step), (rs_first, rs_average, rs_step) = sensors
     return Normality(
-        shape(x_deg, n_effective), step, few.size,
+        measure_shape(x_deg, n_effective), step, few.size,
         *((distance.adjusted, distance.p) if distance else (None, None)),
         ts_first, rs_first, ts_average, rs_average, width, ts_step.step_deg, rs_step.step_deg,
         ts_step.repeated_share, rs_step.repeated_share,
@@ -325,5 +326,6 @@ def _sensor(heading_deg: np.ndarray, width: int) -> tuple[Shape, Shape, Resoluti
     parts = [heading_deg[lo:lo + stretch] for lo in starts]
     first = np.concatenate([symmetric_difference(h) for h in parts])
     average = np.concatenate([moving_average_residual(h, width) for h in parts])
-    return (shape(first, effective_size(first)), shape(average, effective_size(average)),
-            resolution(heading_deg))
+    return (measure_shape(first, effective_size(first)),
+            measure_shape(average, effective_size(average)),
+            find_resolution(heading_deg))

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import wrap180
 
-__all__ = ['Resolution', 'resolution']
+__all__ = ['find_resolution', 'Resolution']
 
 _LOOKED_AT = 100_000
 _LEAST_STEP_DEG = 1e-7
@@ -46,7 +46,7 @@ class Resolution:
         return 0.0 if self.step_deg is None else self.step_deg ** 2 / 12.0
 
 
-def resolution(heading_deg: ArrayLike) -> Resolution:
+def find_resolution(heading_deg: ArrayLike) -> Resolution:
     """
     Find the step in which a heading is reported.
 
@@ -68,7 +68,7 @@ def resolution(heading_deg: ArrayLike) -> Resolution:
 
     Examples
     --------
-    >>> found = resolution([0.2 * (k % 3) for k in range(40)])
+    >>> found = find_resolution([0.2 * (k % 3) for k in range(40)])
     >>> round(found.step_deg, 6), found.repeated_share
     (0.2, 0.0)
 

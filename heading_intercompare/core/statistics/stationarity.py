@@ -13,7 +13,8 @@ from scipy.special import gammaln, kve, ndtr
 
 from .blocking import block_means, block_size
 
-__all__ = ['Arrangements', 'Kpss', 'kpss', 'reverse_arrangements', 'Stationarity', 'stationarity']
+__all__ = ['apply_kpss', 'Arrangements', 'count_arrangements', 'examine_stationarity', 'Kpss',
+           'Stationarity']
 
 LEAST_SAMPLES = 64
 """Fewest samples of which stationarity is tested: 16 blocks of four."""
@@ -40,7 +41,7 @@ class Arrangements:
     p: float
 
 
-def reverse_arrangements(values: ArrayLike) -> Arrangements | None:
+def count_arrangements(values: ArrayLike) -> Arrangements | None:
     """
     Test a few independent values for a trend.
 
@@ -60,7 +61,7 @@ def reverse_arrangements(values: ArrayLike) -> Arrangements | None:
 
     Examples
     --------
-    >>> reverse_arrangements(range(10)).count
+    >>> count_arrangements(range(10)).count
     0.0
 
     """
@@ -97,7 +98,7 @@ class Kpss:
     p: float
 
 
-def kpss(values: ArrayLike) -> Kpss | None:
+def apply_kpss(values: ArrayLike) -> Kpss | None:
     """
     Test a series for a constant level.
 
@@ -196,7 +197,7 @@ class Stationarity:
         return min(1.0, len(values) * min(values)) if values else None
 
 
-def stationarity(x_deg: ArrayLike, step_s: float) -> Stationarity:
+def examine_stationarity(x_deg: ArrayLike, step_s: float) -> Stationarity:
     """
     Test whether mean and variance of the differences are constant within a run.
 
@@ -228,7 +229,7 @@ def stationarity(x_deg: ArrayLike, step_s: float) -> Stationarity:
     e = x - x[0]
     e -= e.mean()
     means, squares = block_means(e, size), block_means(e * e, size)
-    by_mean, by_square = reverse_arrangements(means), reverse_arrangements(squares)
-    level = kpss(block_means(e, block_size(x.size, 64)))
+    by_mean, by_square = count_arrangements(means), count_arrangements(squares)
+    level = apply_kpss(block_means(e, block_size(x.size, 64)))
     return Stationarity(means.size, size * step_s, by_mean.z, by_mean.p, by_square.z, by_square.p,
                         *((level.statistic, level.lags, level.p) if level else (None,) * 3))

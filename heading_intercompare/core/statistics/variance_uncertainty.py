@@ -20,8 +20,8 @@ from scipy.special import gammaincinv, ndtr, stdtrit
 
 from .cells import Cells, CellValues
 
-__all__ = ['between_runs', 'excess', 'lower_bound', 'MEAN_DOF', 'pool', 'Spread', 'spread',
-           'upper_bound']
+__all__ = ['between_runs', 'estimate_spread', 'excess', 'lower_bound', 'MEAN_DOF', 'pool',
+           'Spread', 'upper_bound']
 
 MEAN_DOF = 8
 """Degrees of freedom of the variance of the mean: as many low frequencies are averaged. S.1."""
@@ -109,7 +109,7 @@ class Spread:
         return min(_MOST_ALLOWANCE, self.r_slow ** 2 / _ALLOWANCE_GROWTH) * slow
 
 
-def spread(cells: Cells | CellValues, order: int = 0) -> Spread | None:
+def estimate_spread(cells: Cells | CellValues, order: int = 0) -> Spread | None:
     """
     Return the variance of a run and how well it is known.
 
@@ -133,7 +133,7 @@ def spread(cells: Cells | CellValues, order: int = 0) -> Spread | None:
 
     Examples
     --------
-    >>> found = spread(Cells.of([1.0, -1.0] * 500))
+    >>> found = estimate_spread(Cells.of([1.0, -1.0] * 500))
     >>> round(found.d_deg2, 3), round(found.nu, 6)
     (1.0, 970.873786)
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
-from .drift import bic_of, blocked, rounding_floor, select_order
+from .drift import average_blocks, bic_of, rounding_floor, select_order
 
-__all__ = ['mser5', 'warm_up', 'WarmUp']
+__all__ = ['fit_warm_up', 'mser5', 'WarmUp']
 
 _GRID = 400
 _LEAST_SAMPLES = 64
@@ -60,7 +60,7 @@ class WarmUp:
         return min(self.settle_s, self.span_s) if self.preferred else 0.0
 
 
-def warm_up(stamp_ns: ArrayLike, x_deg: ArrayLike, tolerance_deg: float) -> WarmUp | None:
+def fit_warm_up(stamp_ns: ArrayLike, x_deg: ArrayLike, tolerance_deg: float) -> WarmUp | None:
     """
     Fit an exponential warm-up to the differences of a run.
 
@@ -102,7 +102,7 @@ def warm_up(stamp_ns: ArrayLike, x_deg: ArrayLike, tolerance_deg: float) -> Warm
     span = (int(stamps[-1]) - int(stamps[0])) / 1e9 if x.size else 0.0
     if x.size < _LEAST_SAMPLES or not span > 0.0:
         return None
-    t, z, size = blocked(stamps, x)
+    t, z, size = average_blocks(stamps, x)
     mean = float(z.mean())
     y = z - mean
 
@@ -129,10 +129,10 @@ def warm_up(stamp_ns: ArrayLike, x_deg: ArrayLike, tolerance_deg: float) -> Warm
     settle = max(0.0, tau * math.log(abs(amplitude) / tolerance_deg)) \
         if abs(amplitude) > tolerance_deg else 0.0
     return WarmUp(a, amplitude, tau, tolerance_deg, settle,
-                  _preferred(stamps, x, rss, z.size), span)
+                  _is_preferred(stamps, x, rss, z.size), span)
 
 
-def _preferred(stamps: np.ndarray, x: np.ndarray, rss: float, blocks: int) -> bool:
+def _is_preferred(stamps: np.ndarray, x: np.ndarray, rss: float, blocks: int) -> bool:
     floor = rounding_floor(x)
     mine = bic_of(rss, blocks, 4, floor)
     others = [-math.inf if v is None else v for v in select_order(stamps, x).bic[:-1]]
@@ -159,7 +159,7 @@ def mser5(stamp_ns: ArrayLike, x_deg: ArrayLike) -> float | None:
     -----
     Means of 5 samples; as many are left out as make the variance of the mean of the rest
     smallest, the fewest if several do. It knows nothing of exponentials or norms, and a long
-    correlation misleads it: a check of `warm_up`, not a substitute.
+    correlation misleads it: a check of `fit_warm_up`, not a substitute.
 
     References
     ----------

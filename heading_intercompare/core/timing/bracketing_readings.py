@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import unwrap_deg
 
-__all__ = ['Brackets', 'brackets', 'pairs_per_reading', 'readings_per_pair']
+__all__ = ['Brackets', 'find_brackets', 'pairs_per_reading', 'readings_per_pair']
 
 _SLOPE = 1e-6
 _EQUAL_DEG = 1e-7
@@ -52,7 +52,7 @@ def _slopes(stamp_ns: np.ndarray, heading: np.ndarray) -> tuple[np.ndarray, np.n
     return slope, kink
 
 
-def brackets(stamp_ns: ArrayLike, heading_deg: ArrayLike) -> Brackets:
+def find_brackets(stamp_ns: ArrayLike, heading_deg: ArrayLike) -> Brackets:
     """
     Find the straight pieces of a heading that was interpolated linearly.
 
@@ -70,7 +70,7 @@ def brackets(stamp_ns: ArrayLike, heading_deg: ArrayLike) -> Brackets:
 
     Examples
     --------
-    >>> found = brackets([0, 10**9, 2 * 10**9, 4 * 10**9, 5 * 10**9, 6 * 10**9],
+    >>> found = find_brackets([0, 10**9, 2 * 10**9, 4 * 10**9, 5 * 10**9, 6 * 10**9],
     ...                  [0.0, 1.0, 2.0, 3.0, 3.0, 3.0])
     >>> found.first.tolist(), found.node_s.tolist(), found.node_deg.tolist()
     ([0, 3], [3.0], [3.0])

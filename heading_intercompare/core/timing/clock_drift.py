@@ -18,7 +18,7 @@ from .heading_track import Track
 from .skew_instrument import common_tracks, HALF_SPAN_S, Instrument
 from .skew_search import find_skew, scatter_deg
 
-__all__ = ['clock_drift', 'ClockDrift', 'ClockStep', 'SkewOfPart']
+__all__ = ['ClockDrift', 'ClockStep', 'estimate_clock_drift', 'SkewOfPart']
 
 _BLOCK_S = 0.25
 _MOST_PARTS, _FEWEST_PARTS = 16, 6
@@ -119,9 +119,9 @@ class ClockDrift:
         return levels[np.searchsorted([step.time_s for step in self.steps], t_s, side='right')]
 
 
-def clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
-                range_s: float = 2.0, max_gap_s: float = 3.0,
-                near_s: float = 0.0) -> ClockDrift:
+def estimate_clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
+                         range_s: float = 2.0, max_gap_s: float = 3.0,
+                         near_s: float = 0.0) -> ClockDrift:
     """
     Estimate how the time skew changes within a run.
 
@@ -177,7 +177,8 @@ def clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
         middle = (lo + hi) // 2
         lo, hi = max(lo, middle - _MOST_SAMPLES // 2), min(hi, middle + _MOST_SAMPLES // 2)
         part = _cut(ts_track, lo, hi)
-        one = _skew_of(part, rs_track, _expected(found, float(part.t_s.mean()), near_s), range_s,
+        one = _skew_of(part, rs_track, _extrapolate(found, float(part.t_s.mean()), near_s),
+                       range_s,
                        max_gap_s)
         if one is not None:
             found.append(one)
@@ -195,7 +196,7 @@ def _cut(track: Track, lo: int, hi: int) -> Track:
     return part
 
 
-def _expected(found: list[SkewOfPart], at_s: float, near_s: float) -> float:
+def _extrapolate(found: list[SkewOfPart], at_s: float, near_s: float) -> float:
     """Return the skew that the line through the last parts gives at a time."""
     if not found:
         return near_s

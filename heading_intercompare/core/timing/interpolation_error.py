@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 from heading_intercompare.core.angles import unwrap_deg
 from heading_intercompare.core.statistics.blocking import block_means, block_size, student_95
 
-from .bracketing_readings import brackets, readings_per_pair
+from .bracketing_readings import find_brackets, readings_per_pair
 
-__all__ = ['interpolation_error', 'InterpolationError']
+__all__ = ['estimate_interpolation_error', 'InterpolationError']
 
 _MOST = 1 << 19
 _LEAST = 64
@@ -63,9 +63,10 @@ class InterpolationError:
     folded: bool = False
 
 
-def interpolation_error(stamp_ns: ArrayLike, interpolated_deg: ArrayLike, other_deg: ArrayLike,
-                        factor: ArrayLike, *,
-                        interval_s: float | None = None) -> InterpolationError:
+def estimate_interpolation_error(stamp_ns: ArrayLike, interpolated_deg: ArrayLike,
+                                 other_deg: ArrayLike,
+                                 factor: ArrayLike, *,
+                                 interval_s: float | None = None) -> InterpolationError:
     """
     Estimate the variance that linear interpolation between readings adds.
 
@@ -136,7 +137,7 @@ def _part(n: int) -> slice:
 def _by_brackets(stamps: np.ndarray, own: np.ndarray, other: np.ndarray,
                  interval_s: float) -> InterpolationError | None:
     """Return the error by the parabolas of the other sensor; None if brackets are too few."""
-    pieces = brackets(stamps, own)
+    pieces = find_brackets(stamps, own)
     t = (stamps - stamps[0]) / 1e9
     # Unresolved nodes, as of a steady heading, leave gaps; neighbours lie an interval apart.
     node, value = (v[np.isfinite(pieces.node_s)] for v in (pieces.node_s, pieces.node_deg))

@@ -8,13 +8,13 @@ import numpy as np
 
 from heading_intercompare.core.angles import unwrap_deg
 
-__all__ = ['realigned']
+__all__ = ['realign']
 
 _FEW_STEPS = 5.0
 
 
-def realigned(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
-              late_s: float | np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+def realign(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
+            late_s: float | np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """
     Return the differences as if the TS were not late.
 

@@ -16,7 +16,7 @@ from heading_intercompare.core.statistics.blocking import sum_covariance
 from .heading_track import Track
 from .skew_instrument import LEAST_STRENGTH
 
-__all__ = ['scan', 'Scan']
+__all__ = ['Scan', 'scan_skew']
 
 _SEARCHED = 20_000
 _CURVE = 50
@@ -94,8 +94,8 @@ class _Differences:
         return float(x @ x) / (x.size - 1)
 
 
-def scan(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 0.01, *,
-         max_gap_s: float = math.inf) -> Scan | None:
+def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 0.01, *,
+              max_gap_s: float = math.inf) -> Scan | None:
     """
     Find the skew at which the differences of two streams scatter least.
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.pairing.direction import typical_step_ns
 
-__all__ = ['stamp_steps', 'StampSteps']
+__all__ = ['measure_stamp_steps', 'StampSteps']
 
 _LOOKED_AT = 40_000
 _QUANTILES = (0.1, 0.25, 0.5)
@@ -135,7 +135,7 @@ def _usual_ns(steps: np.ndarray) -> float:
     return float(usual)
 
 
-def stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> StampSteps:
+def measure_stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> StampSteps:
     """
     Look at the steps from stamp to stamp.
 
@@ -164,7 +164,7 @@ def stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> StampSteps:
 
     Examples
     --------
-    >>> found = stamp_steps([0, 1_000_000_000, 2_000_000_000, 500_000_000, 30_000_000_000])
+    >>> found = measure_stamp_steps([0, 1_000_000_000, 2_000_000_000, 500_000_000, 30_000_000_000])
     >>> found.backward, found.longest_back_s, found.silences
     (1, 1.5, 1)
 

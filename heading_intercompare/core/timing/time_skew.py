@@ -23,7 +23,7 @@ from .heading_track import Track
 from .skew_instrument import common_tracks, Fit, HALF_SPAN_S, Instrument, LEAST_STRENGTH
 from .skew_search import coarser, find_skew, has_turned
 
-__all__ = ['Regression', 'skew', 'Skew', 'skew_regression']
+__all__ = ['estimate_skew', 'regress_skew', 'Regression', 'Skew']
 
 _MAX_GAP_S = 3.0
 _STEPS = 20
@@ -66,8 +66,8 @@ class Regression:
     rate_max_deg_s: float
 
 
-def skew_regression(stamp_ns: ArrayLike, x_deg: ArrayLike, rs: Headings,
-                    half_span_s: float = HALF_SPAN_S) -> Regression | None:
+def regress_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs: Headings,
+                 half_span_s: float = HALF_SPAN_S) -> Regression | None:
     """
     Regress the differences on the rate of the RS.
 
@@ -210,9 +210,9 @@ class Skew:
         return (range_s * self.rs_rate_std_deg_s) ** 2
 
 
-def skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
-         range_s: float = 2.0, half_span_s: float = HALF_SPAN_S,
-         max_gap_s: float = _MAX_GAP_S) -> Skew:
+def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
+                  range_s: float = 2.0, half_span_s: float = HALF_SPAN_S,
+                  max_gap_s: float = _MAX_GAP_S) -> Skew:
     """
     Estimate the time skew of a run from its pairs.
 
@@ -274,7 +274,7 @@ def skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
         return replace(result, kind='no_fit' if has_turned(coarse[1], max_gap_s) else
                        'not_turned')
     d, found = settled
-    return _filled(result, found, d, range_s, ts.at(found.t_s) - rs.at(found.t_s))
+    return _fill_in(result, found, d, range_s, ts.at(found.t_s) - rs.at(found.t_s))
 
 
 def _settle(fit: Instrument, found: Fit, d: float, range_s: float) -> tuple[float, Fit] | None:
@@ -292,7 +292,7 @@ def _settle(fit: Instrument, found: Fit, d: float, range_s: float) -> tuple[floa
     return None
 
 
-def _filled(result: Skew, found: Fit, d: float, range_s: float, x_paired: np.ndarray) -> Skew:
+def _fill_in(result: Skew, found: Fit, d: float, range_s: float, x_paired: np.ndarray) -> Skew:
     half = student_95(found.dof) * found.u_s
     interval = d - half, d + half
     clear = found.strength >= LEAST_STRENGTH and found.u_s <= 0.1 * range_s

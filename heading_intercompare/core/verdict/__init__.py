@@ -7,7 +7,7 @@ from heading_intercompare._doors import door
 __getattr__, __dir__, __all__ = door(__name__, {
     'conclusion': ('ALL_REASONS',),
     'headline': ('OUTCOME_WORDS',),
-    'judge': ('compare_runs', 'conclude_campaign', 'look_at', 'RunResult'),
+    'judge': ('compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult'),
     'validity': ('DOUBTFUL', 'VOID'),
-    'verdict_document': ('plain', 'RunVerdict', 'SCHEMA', 'Verdict'),
+    'verdict_document': ('make_plain', 'RunVerdict', 'SCHEMA', 'Verdict'),
 })

@@ -12,15 +12,15 @@ from heading_intercompare.core.outcome import Outcome
 
 from .validity import DOUBTFUL, Finding, VOID
 
-__all__ = ['headline', 'headline_with_looks', 'OUTCOME_WORDS']
+__all__ = ['add_looks', 'compose_headline', 'OUTCOME_WORDS']
 
 OUTCOME_WORDS = {'compliant': 'COMPLIANT', 'indeterminate': 'INDETERMINATE',
                  'non_compliant': 'NON-COMPLIANT'}
 """By outcome."""
 
 
-def headline(outcome: Outcome, findings: Sequence[Finding], coverage: Coverage | None,
-             why: str = '') -> str:
+def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Coverage | None,
+                     why: str = '') -> str:
     """
     Return outcome, findings that bind it, and what a certificate covers or why there is none.
 
@@ -38,7 +38,7 @@ def headline(outcome: Outcome, findings: Sequence[Finding], coverage: Coverage |
     --------
     >>> from heading_intercompare.core.settings import Risk
     >>> from heading_intercompare.core.decision.coverage import coverage_of
-    >>> headline(Outcome.COMPLIANT, (), coverage_of(624.0, Risk()))
+    >>> compose_headline(Outcome.COMPLIANT, (), coverage_of(624.0, Risk()))
     'COMPLIANT for errors that change within 31 s; slower errors are not covered'
 
     """
@@ -59,15 +59,15 @@ def headline(outcome: Outcome, findings: Sequence[Finding], coverage: Coverage |
     return text
 
 
-def headline_with_looks(at_end: str, outcome: Outcome, reason: str,
-                        looks: Sequence[LookVerdict]) -> str:
+def add_looks(at_end: str, outcome: Outcome, reason: str,
+              looks: Sequence[LookVerdict]) -> str:
     """
     Return the headline of a run that was looked at.
 
     Parameters
     ----------
     at_end : str
-        What the end of the run says by itself, `headline`.
+        What the end of the run says by itself, `compose_headline`.
     outcome, reason
         Of the run, looks included.
     looks : sequence of LookVerdict

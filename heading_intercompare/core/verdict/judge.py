@@ -14,35 +14,39 @@ from heading_intercompare.core.angles import circular_mean
 from heading_intercompare.core.decision.campaign import (
     conclude_every_run,
     conclude_sensor,
-    together,
+    judge_together,
 )
 from heading_intercompare.core.decision.coverage import Coverage, coverage_of
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.decision.gk import as_printed, Printed
-from heading_intercompare.core.decision.guarded import decide, Evidence, evidence_of, Guarded
+from heading_intercompare.core.decision.gk import apply_gk, Printed
+from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence, Guarded
 from heading_intercompare.core.decision.sequential import Look, LookVerdict, risk_at_the_end
 from heading_intercompare.core.diagnostics.run_diagnostics import (
     diagnose,
     SETTLED_SHARE,
     with_runs,
 )
-from heading_intercompare.core.diagnostics.run_findings import drift_of, left_in_deg2
+from heading_intercompare.core.diagnostics.run_findings import describe_drift, left_in_deg2
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerSegment
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Risk, Settings
-from heading_intercompare.core.statistics.autocorrelation import correlation_times
+from heading_intercompare.core.statistics.autocorrelation import estimate_correlation_times
 from heading_intercompare.core.statistics.cells import Cells
-from heading_intercompare.core.statistics.ergodicity import Homogeneity, homogeneity, RunFigures
+from heading_intercompare.core.statistics.ergodicity import (
+    examine_homogeneity,
+    Homogeneity,
+    RunFigures,
+)
 
 from .conclusion import ALL_REASONS, conclude, effect_with_looks, with_findings, with_looks
-from .headline import headline, headline_with_looks
+from .headline import add_looks, compose_headline
 from .losses import find_losses
-from .prepare import Analysed, analysed, HIGHEST_ORDER_REMOVED
+from .prepare import HIGHEST_ORDER_REMOVED, prepare_run, PreparedRun
 from .validity import examine, Examined, Finding, VOID
 from .verdict_document import Campaign, PairingFigures, RunVerdict
 
-__all__ = ['compare_runs', 'conclude_campaign', 'judge', 'look_at', 'RunResult']
+__all__ = ['compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult']
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +80,7 @@ class RunResult:
                                     old.rs_variance_factor, old.ts_variance_factor)
         verdict = replace(self.verdict, pairing=pairing,
                           warnings=(*self.verdict.warnings, *warnings))
-        return replace(self, verdict=_concluded(
+        return replace(self, verdict=_conclude(
             verdict, self.alone, (*(f for f in verdict.validity if f.condition != 'losses'),
                                   find_losses(verdict, share, inside, self.settings))))
 
@@ -100,15 +104,15 @@ class RunResult:
         return Outcome.INDETERMINATE if among is Outcome.COMPLIANT else among
 
 
-def _concluded(verdict: RunVerdict, alone: tuple[Outcome, str],
-               findings: Sequence[Finding]) -> RunVerdict:
+def _conclude(verdict: RunVerdict, alone: tuple[Outcome, str],
+              findings: Sequence[Finding]) -> RunVerdict:
     """Return a verdict as findings and looks leave it."""
     at_end = with_findings(*alone, findings)
     outcome, reason = with_looks(*at_end, verdict.looks)
-    line = headline(at_end[0], findings, verdict.coverage, ALL_REASONS[at_end[1]])
+    line = compose_headline(at_end[0], findings, verdict.coverage, ALL_REASONS[at_end[1]])
     return replace(verdict, outcome=outcome, reason=reason, validity=tuple(findings),
                    validity_effect=effect_with_looks(findings, reason, verdict.looks),
-                   headline=headline_with_looks(line, outcome, reason, verdict.looks))
+                   headline=add_looks(line, outcome, reason, verdict.looks))
 
 
 class _Decision:
@@ -117,13 +121,13 @@ class _Decision:
     def __init__(self, limits: Limits, settings: Settings, risk: Risk) -> None:
         self._limits, self._settings, self._risk = limits, settings, risk
 
-    def __call__(self, data: Analysed, cells: Cells,
+    def __call__(self, data: PreparedRun, cells: Cells,
                  drift_left_deg2: float) -> tuple[Evidence, Guarded, Printed]:
         """Return what the differences say, the guarded decision, and GK as printed."""
         settings = self._settings
-        printed = _printed(data, self._limits, settings)
+        printed = _apply_gk(data, self._limits, settings)
         auto = settings.drift_order == 'auto'
-        evidence = evidence_of(
+        evidence = gather_evidence(
             cells, n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
             span_s=data.span_s, offset_u_deg=settings.installation_offset_u_deg,
             order=HIGHEST_ORDER_REMOVED if auto else data.order,
@@ -137,14 +141,14 @@ class _Decision:
         if rs_factor != 1.0:
             other = _Decision(self._limits.with_rs_factor(rs_factor), self._settings, self._risk)
             return other.outcome(stamp_ns, x_deg)
-        data = Analysed.of(stamp_ns, x_deg, np.zeros_like(x_deg), self._settings)
+        data = PreparedRun.of(stamp_ns, x_deg, np.zeros_like(x_deg), self._settings)
         drift_left_deg2 = left_in_deg2(stamp_ns, x_deg) if data.residual_deg is None else 0.0
         _, guarded, printed = self(data, Cells.of(data.series_deg, stamp_ns), drift_left_deg2)
         return conclude(guarded, printed)[0]
 
 
-def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
-          risk: Risk | None = None, looks: Sequence[LookVerdict] = ()) -> RunResult:
+def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
+              risk: Risk | None = None, looks: Sequence[LookVerdict] = ()) -> RunResult:
     """
     Judge a run as it is.
 
@@ -179,10 +183,10 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
     """
     risk = risk_at_the_end(settings) if risk is None else risk
     limits = run.limits(settings.norms, settings.model)
-    data = analysed(run, limits, settings)
+    data = prepare_run(run, limits, settings)
     moments = data.moments
     n = moments.n
-    drift, rest = drift_of(data.stamp_ns, data.x_deg, SETTLED_SHARE * limits.sigma_max_deg)
+    drift, rest = describe_drift(data.stamp_ns, data.x_deg, SETTLED_SHARE * limits.sigma_max_deg)
     left = drift.left_deg2 if data.residual_deg is None and drift.left_deg2 is not None else 0.0
     # Live figures come from the same sums, so they are the same to the bit.
     as_it_came = data.residual_deg is None and not data.n_left_out
@@ -192,7 +196,7 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
     outcome, reason = conclude(guarded, printed)
     found = diagnose(data.stamp_ns, data.x_deg, data.rs_deg, settings, guarded, limits,
                      drift=drift, rest=rest, residual_deg=data.residual_deg,
-                     times=correlation_times(data.series_deg),
+                     times=estimate_correlation_times(data.series_deg),
                      factor=run.factor.values[data.n_left_out:],
                      interpolates_ts=run.interpolates_ts)
     validity = examine(Examined(
@@ -226,7 +230,7 @@ def judge(run: RunSeries, settings: Settings, number: int, source: str, *,
         warnings=(*_warnings(data, limits, guarded, settings), *found.warnings))
     alone = outcome, reason
     validity = (*validity, find_losses(verdict, None, None, settings))
-    return RunResult(_concluded(verdict, alone, validity), evidence, limits, printed, alone,
+    return RunResult(_conclude(verdict, alone, validity), evidence, limits, printed, alone,
                      settings)
 
 
@@ -250,19 +254,19 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings) -> LookV
     or without partner at the end.
 
     """
-    found = judge(run, settings, 0, '', risk=look.risk).verdict
+    found = judge_run(run, settings, 0, '', risk=look.risk).verdict
     return LookVerdict(look.index + 1, looks, run.span_s, found.outcome, found.reason,
                        found.validity_effect, found.headline)
 
 
-def _printed(data: Analysed, limits: Limits, settings: Settings) -> Printed:
+def _apply_gk(data: PreparedRun, limits: Limits, settings: Settings) -> Printed:
     deviation = data.deviations(settings.variant)
-    return as_printed(data.moments.n, data.moments.mean_deg if data.moments.n else None,
-                      data.variance_deg2,
-                      lambda limit: int(np.count_nonzero(deviation > limit)), limits, settings)
+    return apply_gk(data.moments.n, data.moments.mean_deg if data.moments.n else None,
+                    data.variance_deg2,
+                    lambda limit: int(np.count_nonzero(deviation > limit)), limits, settings)
 
 
-def _warnings(data: Analysed, limits: Limits, guarded: Guarded,
+def _warnings(data: PreparedRun, limits: Limits, guarded: Guarded,
               settings: Settings) -> Iterator[str]:
     if settings.norms.preset is not None:
         yield (f'sigma_max = {limits.sigma_max_deg:.6g} deg follows from the norm '
@@ -280,7 +284,7 @@ def _warnings(data: Analysed, limits: Limits, guarded: Guarded,
 
 def compare_runs(results: Sequence[RunResult]) -> Homogeneity:
     """Return what the runs say of each other."""
-    return homogeneity([
+    return examine_homogeneity([
         RunFigures(r.verdict.mean_deg, r.evidence.spread.mean_variance_deg2,
                    r.evidence.spread.d_deg2, r.evidence.spread.nu)
         for r in results if r.evidence.spread is not None])
@@ -301,8 +305,8 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
     """
     risk = risk_at_the_end(settings)
     sound = [r for r in results if r.verdict.validity_effect != VOID]
-    shared = together([r.evidence for r in sound], [r.limits for r in sound], risk,
-                      settings.variant, _apart_s([r.verdict for r in sound]))
+    shared = judge_together([r.evidence for r in sound], [r.limits for r in sound], risk,
+                            settings.variant, _apart_s([r.verdict for r in sound]))
     if settings.campaign.rule == 'sensor':
         met = all(r.printed.total.outcome in (None, Outcome.COMPLIANT) for r in results)
         outcome, reason = conclude_sensor(shared, [r.limits for r in results], met, risk)

@@ -14,16 +14,16 @@ from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.drift import remove_polynomial, select_order
 from heading_intercompare.core.statistics.moments import Moments
-from heading_intercompare.core.statistics.warm_up import warm_up
+from heading_intercompare.core.statistics.warm_up import fit_warm_up
 
-__all__ = ['Analysed', 'analysed', 'HIGHEST_ORDER_REMOVED']
+__all__ = ['HIGHEST_ORDER_REMOVED', 'prepare_run', 'PreparedRun']
 
 HIGHEST_ORDER_REMOVED = 3
 """Of the polynomials that `drift_order` may take out."""
 
 
 @dataclass(frozen=True, slots=True)
-class Analysed:
+class PreparedRun:
     """
     What of a run is analysed.
 
@@ -66,7 +66,7 @@ class Analysed:
 
     @classmethod
     def of(cls, stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
-           settings: Settings, n_left_out: int = 0) -> 'Analysed':
+           settings: Settings, n_left_out: int = 0) -> 'PreparedRun':
         """Return settled differences with the drift taken out as the settings ask."""
         order = settings.drift_order
         if order == 'auto':
@@ -93,7 +93,7 @@ class Analysed:
         return (int(stamps[-1]) - int(stamps[0])) / 1e9 if stamps.size else 0.0
 
 
-def analysed(run: RunSeries, limits: Limits, settings: Settings) -> Analysed:
+def prepare_run(run: RunSeries, limits: Limits, settings: Settings) -> PreparedRun:
     """
     Take a stabilisation period and a drift out of a run as the settings ask.
 
@@ -114,9 +114,9 @@ def analysed(run: RunSeries, limits: Limits, settings: Settings) -> Analysed:
     stamps, x, rs = run.stamp_ns.values, run.x_deg.values, run.rs_deg.values
     lo = 0
     if settings.runs.stabilization_s == 'auto':
-        found = warm_up(stamps, x, SETTLED_SHARE * limits.sigma_max_deg)
+        found = fit_warm_up(stamps, x, SETTLED_SHARE * limits.sigma_max_deg)
         if found is not None and found.stabilization_s > 0.0:
             until = int(stamps[0]) + round(found.stabilization_s * 1e9)
             lo = int(np.searchsorted(stamps, until))
             stamps, x, rs = stamps[lo:], x[lo:], rs[lo:]
-    return Analysed.of(stamps, x, rs, settings, lo)
+    return PreparedRun.of(stamps, x, rs, settings, lo)

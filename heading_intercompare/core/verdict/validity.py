@@ -20,9 +20,9 @@ from heading_intercompare.core.diagnostics.run_diagnostics import Diagnostics
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.timing.clock_drift import ClockDrift
-from heading_intercompare.core.timing.realignment import realigned
+from heading_intercompare.core.timing.realignment import realign
 
-from .prepare import Analysed
+from .prepare import PreparedRun
 
 __all__ = ['CONDITIONS', 'DOUBTFUL', 'examine', 'Examined', 'Finding', 'gravest', 'HOLDS',
            'NOT_TESTABLE', 'VOID', 'VOID_REASONS', 'worst_effect']
@@ -107,7 +107,7 @@ class Examined:
 
     Attributes
     ----------
-    data : Analysed
+    data : PreparedRun
     found : Diagnostics
     limits : Limits
     settings : Settings
@@ -121,7 +121,7 @@ class Examined:
 
     """
 
-    data: Analysed
+    data: PreparedRun
     found: Diagnostics
     limits: Limits
     settings: Settings
@@ -303,7 +303,7 @@ def _clocks(e: Examined) -> Finding:
                    f'{aligned}', f'{figures}; with it taken out the outcome is {aligned}')
 
 
-def _unsteady(clock: ClockDrift, data: Analysed) -> tuple[str, str]:
+def _unsteady(clock: ClockDrift, data: PreparedRun) -> tuple[str, str]:
     """Return in few words and with the figures how the skew changes."""
     if clock.kind == 'drifting':
         words = f'the clocks drift apart by {clock.slope_s_per_h:.2g} s/h'
@@ -333,7 +333,7 @@ def _beyond(e: Examined, skew_s: float) -> Finding:
 
 def _without(e: Examined, late_s: float | np.ndarray) -> Outcome:
     """Return the outcome with the RS read so much earlier."""
-    return e.decided(*realigned(e.data.stamp_ns, e.data.x_deg, e.data.rs_deg, late_s))
+    return e.decided(*realign(e.data.stamp_ns, e.data.x_deg, e.data.rs_deg, late_s))
 
 
 def _interpolation(e: Examined) -> Finding:

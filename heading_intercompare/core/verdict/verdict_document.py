@@ -29,15 +29,15 @@ from heading_intercompare.core.statistics.stationarity import Stationarity
 from heading_intercompare.core.version import VERSION
 
 from .conclusion import campaign_words
-from .headline import headline
+from .headline import compose_headline
 from .validity import Finding, gravest
 
-__all__ = ['Campaign', 'PairingFigures', 'plain', 'RunVerdict', 'SCHEMA', 'Verdict']
+__all__ = ['Campaign', 'make_plain', 'PairingFigures', 'RunVerdict', 'SCHEMA', 'Verdict']
 
 SCHEMA = 'heading_intercompare/verdict/2'
 
 
-def plain(value: Any) -> Any:
+def make_plain(value: Any) -> Any:
     """
     Return a value as JSON can hold it.
 
@@ -45,13 +45,13 @@ def plain(value: Any) -> Any:
     lists; a number that is not finite becomes None.
     """
     if is_dataclass(value) and not isinstance(value, type):
-        return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
+        return {f.name: make_plain(getattr(value, f.name)) for f in fields(value)}
     if isinstance(value, Outcome):
         return value.value
     if isinstance(value, Mapping):
-        return {str(k): plain(v) for k, v in value.items()}
+        return {str(k): make_plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):
-        return [plain(v) for v in value]
+        return [make_plain(v) for v in value]
     if isinstance(value, (bool, str)) or value is None:
         return value
     if isinstance(value, int):
@@ -244,7 +244,7 @@ class Verdict:
             findings = [replace(f, words=f'run {r.run}: {f.words}')
                         for r in runs for f in r.validity]
             why = campaign_words(campaign.reason, [(r.run, r.outcome, r.reason) for r in runs])
-            line = headline(outcome, findings, coverage, why)
+            line = compose_headline(outcome, findings, coverage, why)
         return cls(outcome, line, gravest(r.validity_effect for r in runs),
                    worst(r.paper_outcome for r in runs), settings, tuple(inputs), campaign,
                    tuple(runs))
@@ -258,8 +258,8 @@ class Verdict:
             'validity_effect': self.validity_effect,
             'paper_outcome': self.paper_outcome.value,
             'software': {'name': 'heading_intercompare', 'version': VERSION},
-            'settings': plain(self.settings.to_mapping()),
-            'inputs': plain(self.inputs),
-            'campaign': plain(self.campaign),
-            'runs': plain(self.runs),
+            'settings': make_plain(self.settings.to_mapping()),
+            'inputs': make_plain(self.inputs),
+            'campaign': make_plain(self.campaign),
+            'runs': make_plain(self.runs),
         }

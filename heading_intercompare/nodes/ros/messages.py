@@ -17,7 +17,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu
 
 from heading_intercompare.core.angles import heading_from_quaternion, quaternion_from_heading
-from heading_intercompare.core.pairing.difference import difference
+from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Headings, Pairs
 
 from .message_stamps import stamp_ns, TIME_LIMIT_NS, time_message
@@ -126,7 +126,7 @@ def _imu(ns: int, frame_id: str, z: float, w: float, sigma_deg: float,
 
 def pair_messages(pairs: Pairs) -> list[TwistStamped]:
     """Return pairs as geometry_msgs/TwistStamped, as `bags.heading_messages.encode_pairs` does."""
-    rows = zip(pairs.stamp_ns.tolist(), difference(pairs).x_deg.tolist(), pairs.rs_deg.tolist(),
+    rows = zip(pairs.stamp_ns.tolist(), subtract(pairs).x_deg.tolist(), pairs.rs_deg.tolist(),
                pairs.ts_deg.tolist(), pairs.lag_ns.tolist(), pairs.rs_variance_factor.tolist(),
                pairs.ts_variance_factor.tolist())
     messages = []

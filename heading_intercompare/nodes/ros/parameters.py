@@ -12,14 +12,14 @@ from rclpy.parameter import Parameter
 
 from heading_intercompare.bags.checked_text import utf8
 from heading_intercompare.core.settings import (
-    declared,
+    explain_unknown,
     from_mapping,
+    list_settings,
     SettingsError,
     to_mapping,
-    unknown,
 )
 
-__all__ = ['declare', 'OVERRIDES', 'overrides', 'resolved']
+__all__ = ['declare', 'make_overrides', 'OVERRIDES', 'resolve_topic']
 
 OVERRIDES = {'automatically_declare_parameters_from_overrides': True}
 """What `Node.__init__` must be given for `declare` to see all that was given to the node."""
@@ -52,11 +52,11 @@ def declare(node: Node, *classes: type) -> tuple[Any, ...]:
     """
     given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()
              if name not in _OF_ROS}
-    rules = {cls: {rule.name: rule for rule in declared(cls)} for cls in classes}
+    rules = {cls: {rule.name: rule for rule in list_settings(cls)} for cls in classes}
     known = [name for names in rules.values() for name in names]
     for name in given:
         if name not in known:
-            raise unknown('parameter', name, known)
+            raise explain_unknown('parameter', name, known)
     made = []
     for cls, names in rules.items():
         settings = from_mapping(cls, {n: v for n, v in given.items() if n in names})
@@ -73,7 +73,7 @@ def declare(node: Node, *classes: type) -> tuple[Any, ...]:
     return tuple(made)
 
 
-def resolved(node: Node, topic: str) -> str:
+def resolve_topic(node: Node, topic: str) -> str:
     """Return the full name of a topic, remapped; SettingsError if it cannot be one."""
     try:
         return node.resolve_topic_name(topic)
@@ -82,7 +82,7 @@ def resolved(node: Node, topic: str) -> str:
         raise SettingsError(f'topic {topic!r}: {reason}') from error
 
 
-def overrides(values: Mapping[str, Any]) -> list[Parameter]:
+def make_overrides(values: Mapping[str, Any]) -> list[Parameter]:
     """Return values, by dotted name, as `parameter_overrides` of a node; None is not given."""
     given = {name: value for name, value in values.items() if value is not None}
     for name, value in given.items():

@@ -26,7 +26,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.drivers.settings import DriverError
 
-__all__ = ['end', 'run', 'spinning', 'Stop', 'words']
+__all__ = ['end', 'error_words', 'run', 'spin_nodes', 'Stop']
 
 _MISTAKES = (SettingsError, DriverError, BagError, OSError)
 """What a user can cause; the text of each is one line that says what is wrong."""
@@ -80,7 +80,7 @@ class Stop:
 
 
 @contextmanager
-def spinning(context: Context) -> Iterator[tuple[SingleThreadedExecutor, list[Node]]]:
+def spin_nodes(context: Context) -> Iterator[tuple[SingleThreadedExecutor, list[Node]]]:
     """Give an executor and a list; the nodes in it are destroyed, whatever happens."""
     executor, nodes = SingleThreadedExecutor(context=context), []
     try:
@@ -105,7 +105,7 @@ def end(executor: SingleThreadedExecutor, nodes: Sequence[Node], linger_s: float
         node.destroy_node()
 
 
-def words(error: Exception) -> str:
+def error_words(error: Exception) -> str:
     """Return an error in one line."""
     if isinstance(error, OSError) and error.strerror:
         where = '' if error.filename is None else f'{os.fspath(error.filename)}: '
@@ -140,14 +140,14 @@ def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None)
                            signal_handler_options=SignalHandlerOptions.NO)
             except RuntimeError as error:
                 raise SettingsError(str(error).partition(', at ')[0]) from error
-            with spinning(context) as (executor, nodes):
+            with spin_nodes(context) as (executor, nodes):
                 nodes.append(make(context=context))
                 executor.add_node(nodes[0])
                 while not (stop.requested or nodes[0].done):
                     executor.spin_once(0.2)
                 end(executor, nodes, _LINGER_S)
     except _MISTAKES as error:
-        sys.stderr.write(f'{name}: error: {words(error)}\n')
+        sys.stderr.write(f'{name}: error: {error_words(error)}\n')
         return 2
     finally:
         context.try_shutdown()

@@ -10,7 +10,7 @@ __all__ = ['CLOCK', 'HEADINGS_IN', 'HEADINGS_OUT', 'LEDGER', 'MARKER', 'NOTE', '
            'STATUS', 'VERDICT']
 
 
-def _kept(depth: int) -> QoSProfile:
+def _keep_last(depth: int) -> QoSProfile:
     """Return a reliable profile whose last messages also reach who comes late."""
     return QoSProfile(depth=depth, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -21,10 +21,10 @@ HEADINGS_IN = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
 PAIRS = QoSProfile(depth=1000)
 LEDGER = QoSProfile(depth=10)
 STATUS = QoSProfile(depth=10)
-MARKER = _kept(100)
+MARKER = _keep_last(100)
 # Every reliable publisher will do, `ros2 topic pub` among them.
 NOTE = QoSProfile(depth=10)
-VERDICT = _kept(10)
-REPORT = _kept(10)
+VERDICT = _keep_last(10)
+REPORT = _keep_last(10)
 # As rosbag2 publishes it; a reliable subscription would get nothing.
 CLOCK = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)

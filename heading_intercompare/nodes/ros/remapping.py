@@ -10,7 +10,7 @@ from rclpy.node import Node
 
 from heading_intercompare.core.settings import SettingsError
 
-from .parameters import resolved
+from .parameters import resolve_topic
 
 __all__ = ['published_names']
 
@@ -39,7 +39,7 @@ def published_names(node: Node, topics: Sequence[str],
         to have another name is none of the topics or comes twice.
 
     """
-    names = [resolved(node, topic) for topic in topics]
+    names = [resolve_topic(node, topic) for topic in topics]
     taken = {name: name for name in _TAKEN}
     for topic, name in zip(topics, names):
         if name in taken:

@@ -19,7 +19,7 @@ from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.verdict.validity import DOUBTFUL, VOID
-from heading_intercompare.core.verdict.verdict_document import plain, RunVerdict, Verdict
+from heading_intercompare.core.verdict.verdict_document import make_plain, RunVerdict, Verdict
 
 from .message_stamps import stamp_ns, time_message
 
@@ -125,7 +125,7 @@ def verdict_message(verdict: Verdict, ns: int,
                    run.reason, _run_values(run))
             for run in verdict.runs]
     looks = [] if early is None else [status('run in progress', OUTCOME_LEVELS[early.outcome],
-                                             early.reason, plain(early))]
+                                             early.reason, make_plain(early))]
     return status_array(ns, [whole, *runs, *looks])
 
 

@@ -9,7 +9,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'intake': ('Intake',),
     'note_publisher': ('publish_note',),
     'publishing': ('all_acknowledged', 'Allowance', 'Audience'),
-    'recorded_topics': ('intakes', 'report_files', 'text_of'),
+    'recorded_topics': ('make_intakes', 'report_files', 'text_of'),
     'reporting': ('Reporting',),
     'source_thread': ('Reading',),
 })

@@ -13,7 +13,7 @@ from rclpy.subscription import Subscription
 
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
-from heading_intercompare.nodes.ros.parameters import resolved
+from heading_intercompare.nodes.ros.parameters import resolve_topic
 from heading_intercompare.nodes.ros.status_messages import ERROR, OK, WARN
 
 from .health import Health
@@ -73,7 +73,7 @@ class Intake:
         self._node, self._topic, self._types, self._qos = node, topic, types, qos
         self._health, self._stale_s, self._raw, self._sole = health, stale_s, raw, sole
         self._needed = needed
-        self.full_name = resolved(node, topic)
+        self.full_name = resolve_topic(node, topic)
         self._subscription: Subscription | None = None
         self._group = Unwatched()
         self._newest_s = time.monotonic()

@@ -14,7 +14,7 @@ from std_msgs.msg import String
 
 from heading_intercompare.bags.rosbag2.provenance import NOTE_TOPIC
 from heading_intercompare.core.settings import SettingsError
-from heading_intercompare.nodes.ros.process import spinning
+from heading_intercompare.nodes.ros.process import spin_nodes
 from heading_intercompare.nodes.ros.qos import NOTE
 
 from .publishing import all_acknowledged
@@ -38,7 +38,7 @@ def publish_note(text: str, patience_s: float = _PATIENCE_S) -> None:
     context = Context()
     rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
     try:
-        with spinning(context) as (executor, nodes):
+        with spin_nodes(context) as (executor, nodes):
             nodes.append(Node('operator_note', context=context))
             publisher = nodes[0].create_publisher(String, NOTE_TOPIC, NOTE)
             executor.add_node(nodes[0])

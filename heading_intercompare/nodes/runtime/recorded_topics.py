@@ -24,13 +24,13 @@ from heading_intercompare.bags.rosbag2.provenance import (
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.messages import HEADING_TYPES, PAIRS_TYPES
-from heading_intercompare.nodes.ros.parameters import resolved
+from heading_intercompare.nodes.ros.parameters import resolve_topic
 from heading_intercompare.nodes.ros.status_messages import run_table
 
 from .health import Health
 from .intake import Intake
 
-__all__ = ['intakes', 'Recorded', 'report_files', 'text_of']
+__all__ = ['make_intakes', 'Recorded', 'report_files', 'text_of']
 
 _STATUS = {'diagnostic_msgs/msg/DiagnosticArray': DiagnosticArray}
 _TEXT = {'std_msgs/msg/String': String}
@@ -57,12 +57,12 @@ class Recorded(NamedTuple):
     expected: bool
 
 
-def _offered(profile: QoSProfile) -> Qos:
+def _offer(profile: QoSProfile) -> Qos:
     kept = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
     return Qos(depth=profile.depth, durability='transient_local' if kept else 'volatile')
 
 
-def intakes(node: Node, settings: Settings, health: Health) -> dict[str, Recorded]:
+def make_intakes(node: Node, settings: Settings, health: Health) -> dict[str, Recorded]:
     """Return the topics by name: those of the graph, the true heading if there is one, notes."""
     rows = [
         (settings.ts_topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True),
@@ -74,10 +74,10 @@ def intakes(node: Node, settings: Settings, health: Health) -> dict[str, Recorde
         (REPORT_TOPIC, _TEXT, qos.REPORT, qos.REPORT, True),
         (NOTE_TOPIC, _TEXT, qos.NOTE, qos.NOTE, False)]
     headings = (settings.ts_topic, settings.rs_topic)
-    if resolved(node, TRUTH_TOPIC) not in [resolved(node, topic) for topic in headings]:
+    if resolve_topic(node, TRUTH_TOPIC) not in [resolve_topic(node, topic) for topic in headings]:
         # In front: it is not waited for, but is heard when the headings are.
         rows.insert(0, (TRUTH_TOPIC, _TRUTH, qos.HEADINGS_IN, qos.HEADINGS_OUT, False))
-    return {topic: Recorded(_offered(offered), Intake(
+    return {topic: Recorded(_offer(offered), Intake(
         node, topic, types, taken, health, raw=True, sole=False, needed=expected), expected)
         for topic, types, taken, offered, expected in rows}
 

@@ -14,9 +14,9 @@ from heading_intercompare.ahrs.gimballed.calibration import (
     azimuth_from_rates,
     course_drift,
     drift_correction,
+    fit_rotation,
     gps_drift,
     hann,
-    rotation_fit,
     WindowedMean,
 )
 
@@ -29,7 +29,7 @@ def sectors(angle):
 
 @pytest.mark.parametrize('weights', [None, hann(36)])
 def test_rotation_fit_recovers_biases_and_rates(weights):
-    fit = rotation_fit(*sectors(np.radians(10.0 * np.arange(36) + 5.0)), weights=weights)
+    fit = fit_rotation(*sectors(np.radians(10.0 * np.arange(36) + 5.0)), weights=weights)
     assert fit[:4] == pytest.approx((0.4, -0.3, 9.0, -4.0), abs=1e-12)
     assert fit.residual < 1e-12
 
@@ -39,13 +39,13 @@ def test_rotation_fit_agrees_with_the_plain_means_over_a_full_turn():
     rng = np.random.default_rng(1)
     c, s, x, y = sectors(np.radians(10.0 * np.arange(36)))
     x, y = x + rng.normal(size=36), y + rng.normal(size=36)
-    fit = rotation_fit(c, s, x, y)
+    fit = fit_rotation(c, s, x, y)
     assert (fit.bias_x, fit.bias_y) == pytest.approx((x.mean(), y.mean()), abs=1e-12)
 
 
 def test_rotation_fit_needs_three_sectors():
     with pytest.raises(ValueError, match='2 sectors'):
-        rotation_fit(*sectors(np.array([0.0, 1.0])))
+        fit_rotation(*sectors(np.array([0.0, 1.0])))
 
 
 @pytest.mark.parametrize('azimuth_deg', [-179.0, -135.0, -90.0, -1.0, 0.0, 45.0, 90.0, 180.0])

@@ -9,7 +9,7 @@ import math
 
 import pytest
 
-from heading_intercompare.ahrs.gimballed.condition import condition, progress, self_tests
+from heading_intercompare.ahrs.gimballed.condition import describe_condition, progress, self_tests
 from heading_intercompare.ahrs.gimballed.modes import Mode, Validity
 from heading_intercompare.ahrs.settings import Ahrs, Scenario
 from heading_intercompare.ahrs.simulator import Simulation
@@ -70,21 +70,22 @@ def test_failed_test_is_told_and_the_others_keep_their_results(start):
     last = start[-1]
     assert last.mode == 'FAULT' and last.faults == ('gyro',)
     assert dict(last.tests) == {**self_tests(Mode.GYROCOMPASS, []), 'gyro': 'failed'}
-    assert condition(last).level == 'error'
-    assert condition(last).words == 'fault: gyro'
+    assert describe_condition(last).level == 'error'
+    assert describe_condition(last).words == 'fault: gyro'
 
 
 def test_words_and_levels(start):
-    heating = condition(of_mode(start, 'THERMOSTAT_WAIT')[0])
+    heating = describe_condition(of_mode(start, 'THERMOSTAT_WAIT')[0])
     assert (heating.level, heating.words) == ('warn', 'thermostat wait, no heading yet, 1%')
     compass = of_mode(start, 'GYROCOMPASS')
-    settling, settled = condition(compass[0]), condition(compass[-1])
+    settling, settled = describe_condition(compass[0]), describe_condition(compass[-1])
     assert (settling.level, settling.words) == ('warn', 'gyrocompass, heading settling, 0%')
     assert (settled.level, settled.words) == ('ok', 'gyrocompass, heading valid')
 
 
 def test_figures_leave_out_what_is_unknown(start):
-    cold, settled = condition(start[0]).figures, condition(of_mode(start, 'GYROCOMPASS')[-1])
+    cold, settled = describe_condition(start[0]).figures, describe_condition(of_mode(
+        start, 'GYROCOMPASS')[-1])
     assert 'sigma_deg' not in cold and cold['event'] == 'mode POST'
     assert cold['temperature_c'] == pytest.approx(20.0)
     assert settled.figures['sigma_deg'] > 0.0 and 'event' not in settled.figures
@@ -94,5 +95,5 @@ def test_figures_leave_out_what_is_unknown(start):
 
 def test_degraded_ahrs_warns(start):
     degraded = replace(of_mode(start, 'GYROCOMPASS')[-1], flags=('DEGRADED', 'NO_SPEED'))
-    assert condition(degraded).level == 'warn'
-    assert condition(degraded).words == 'gyrocompass, heading valid, degraded no speed'
+    assert describe_condition(degraded).level == 'warn'
+    assert describe_condition(degraded).words == 'gyrocompass, heading valid, degraded no speed'

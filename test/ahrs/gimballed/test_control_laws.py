@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from heading_intercompare.ahrs.gimballed.control_laws import (
+    compute_gyrocompass_gains,
+    compute_hold_gains,
     gyrocompass_azimuth,
-    gyrocompass_gains,
-    hold_gains,
     settled_rate,
     speed_error,
 )
@@ -23,7 +23,7 @@ G = 9.806
 
 def test_hold_loop_has_the_poles_asked_for():
     """Eigenvalues of tilt, velocity and integral as matrices give them."""
-    gains = hold_gains(0.02, 0.707, G)
+    gains = compute_hold_gains(0.02, 0.707, G)
     loop = np.array([[0.0, -gains.k_rad_m, 1.0], [G, -gains.k1_1_s, 0.0],
                      [0.0, -gains.ki_rad_m_s, 0.0]])
     imaginary = 0.02 * math.sqrt(1.0 - 0.707**2)
@@ -34,7 +34,7 @@ def test_hold_loop_has_the_poles_asked_for():
 def test_gyrocompass_loop_has_four_poles_in_pairs():
     """Azimuth, tilt, velocity, filter: all four at -sigma +- j sigma."""
     sigma, north = 2e-3, EARTH_RATE_RAD_S * math.cos(math.radians(60.0))
-    gains = gyrocompass_gains(sigma, G)
+    gains = compute_gyrocompass_gains(sigma, G)
     loop = np.array([[0.0, 0.0, 0.0, -gains.k3_rad_m_s2 / north],
                      [north, 0.0, -gains.k_rad_m, 0.0],
                      [0.0, G, -gains.k1_1_s, 0.0],

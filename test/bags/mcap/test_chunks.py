@@ -14,7 +14,7 @@ import pytest
 import zstandard
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.mcap.chunks import CHUNK_HEAD, Gathering, unpacked
+from heading_intercompare.bags.mcap.chunks import CHUNK_HEAD, Gathering, unpack
 from heading_intercompare.bags.mcap.message_blocks import MESSAGE_HEAD
 
 PACK = {'': bytes, 'lz4': lz4.frame.compress, 'zstd': zstandard.ZstdCompressor().compress}
@@ -90,7 +90,7 @@ DAMAGED = {
 @pytest.mark.parametrize('content', DAMAGED.values(), ids=DAMAGED.keys())
 def test_a_damaged_chunk_is_refused_and_what_was_taken_stays(content):
     with pytest.raises(BagError, match='chunk damaged'):
-        unpacked(content, zstandard.ZstdDecompressor())
+        unpack(content, zstandard.ZstdDecompressor())
     gathering, good = Gathering(), chunk(messages(20, 4))
     gathering.take(BytesIO(good), len(good), *EVER)
     with pytest.raises(BagError, match='chunk damaged'):

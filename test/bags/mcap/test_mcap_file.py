@@ -24,11 +24,11 @@ import pytest
 
 from heading_intercompare.bags.codec.cdr import encode
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.mcap.index_records import ending
+from heading_intercompare.bags.mcap.index_records import build_ending
 from heading_intercompare.bags.mcap.message_blocks import Record
 from heading_intercompare.bags.mcap.record_stream import RecordStream
 from heading_intercompare.bags.recording.bag_writer import BagWriter
-from heading_intercompare.bags.rosbag2.bag_check import check
+from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 
 STRING = 'std_msgs/msg/String'
@@ -81,7 +81,7 @@ def test_a_chunk_cut_out_whole_is_missed(tmp_path, options):
     kept = len(list(reader.messages()))
     assert 0 < kept < 12
     assert reader.incomplete == f'a.mcap has {kept} messages where its index says 12'
-    assert check(path).faults == [reader.incomplete]
+    assert check_bag(path).faults == [reader.incomplete]
 
 
 @pytest.mark.parametrize('behind', [lambda data: data, lambda data: bytes(100),
@@ -181,7 +181,7 @@ def test_an_attachment_that_claims_more_than_it_has_is_an_error(tmp_path, size):
     path = write(tmp_path / 'a.mcap', attachment(crc=0, size=size))
     with pytest.raises(BagError, match='a record of type Attachment is damaged'):
         BagReader(path).attachments()
-    (_, fault) = check(path).faults
+    (_, fault) = check_bag(path).faults
     assert fault.startswith('a.mcap: a record of type Attachment is damaged (at byte')
 
 
@@ -194,7 +194,7 @@ def test_what_the_index_has_in_the_wrong_place_is_found(tmp_path, offset):
                mcap.AttachmentIndex(offset=offset, length=10, log_time=2, create_time=1,
                                     data_size=11, name='a.txt', media_type='text/plain')]
     path = tmp_path / 'a.mcap'
-    path.write_bytes(begun + ending(len(begun), [mcap.Schema(
+    path.write_bytes(begun + build_ending(len(begun), [mcap.Schema(
         data=b'string data\n', encoding='ros2msg', id=1, name=STRING)], [mcap.Channel(
             id=1, topic='/a', message_encoding='cdr', metadata={}, schema_id=1)], [], indexes,
         {1: 10}, (0, 9)))

@@ -13,8 +13,8 @@ from heading_intercompare.bags.mcap.message_blocks import (
     Block,
     block_of,
     HEAD,
+    measure_whole,
     MESSAGE_HEAD,
-    whole,
 )
 
 hypothesis = pytest.importorskip('hypothesis')
@@ -93,6 +93,6 @@ def test_a_message_without_room_for_its_head_is_refused():
 def test_whole_records_end_before_a_cut_and_before_other_kinds():
     data, offsets = records([(1, 5), (2, 6), (0, 3), (1, 1)])
     kinds = (Opcode.MESSAGE,)
-    assert whole(data, kinds) == len(message(1, 0, 5)) + len(message(2, 1, 6))
-    assert whole(data[:offsets[1] + 30], kinds) == offsets[1]
-    assert whole(data[:3], kinds) == 0
+    assert measure_whole(data, kinds) == len(message(1, 0, 5)) + len(message(2, 1, 6))
+    assert measure_whole(data[:offsets[1] + 30], kinds) == offsets[1]
+    assert measure_whole(data[:3], kinds) == 0

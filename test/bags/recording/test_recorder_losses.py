@@ -8,7 +8,7 @@ from heading_intercompare.bags.recording.recorder_losses import (
     Counts,
     loss_record,
     loss_words,
-    missing,
+    tell_missing,
 )
 
 
@@ -16,17 +16,18 @@ def test_a_recording_without_losses_says_nothing():
     record = loss_record(3, 0, {'/ts/heading': Counts(10, 0, 0)})
     assert record == {'faults': 3, 'absent': 0, 'received./ts/heading': 10,
                       'lost_on_the_way./ts/heading': 0, 'not_written./ts/heading': 0}
-    assert missing(record) == loss_words(record) == ''
+    assert tell_missing(record) == loss_words(record) == ''
 
 
 def test_losses_of_all_topics_are_added():
     record = loss_record(1, 1, {'/a': Counts(10, 2, 3), '/b': Counts(10, 4, 5)})
     there = '8 messages received but not written, 1 message in files that were taken away'
-    assert missing(record) == there
+    assert tell_missing(record) == there
     assert loss_words(record) == f'{there}, 6 messages lost on the way'
 
 
 def test_a_record_of_somebody_else_is_understood_as_far_as_it_is_one():
-    assert missing({}) == missing({'absent': 'often', 'not_written': '', 'by': 'hand'}) == ''
-    assert missing({'not_written': '9' * 5000, 'absent': '²'}) == ''
-    assert missing({'not_written': '2'}) == '2 messages received but not written'
+    assert tell_missing({}) == tell_missing({'absent': 'often', 'not_written': '',
+                                             'by': 'hand'}) == ''
+    assert tell_missing({'not_written': '9' * 5000, 'absent': '²'}) == ''
+    assert tell_missing({'not_written': '2'}) == '2 messages received but not written'

@@ -11,7 +11,7 @@ import pytest
 
 from heading_intercompare.bags.recovery.recover_bag import recover
 from heading_intercompare.bags.recovery.scanner import Salvage
-from heading_intercompare.bags.recovery.unreadable_sectors import HOLE_BYTES, opened
+from heading_intercompare.bags.recovery.unreadable_sectors import HOLE_BYTES, open_with_holes
 
 from ..mcap_bytes import assert_exact, sent
 
@@ -36,7 +36,7 @@ def test_reading_ends_at_a_hole_and_goes_on_behind_it(tmp_path, spoil, rng):
     (tmp_path / 'x').write_bytes(data)
     spoil(10)
     holes = []
-    with opened(tmp_path / 'x', holes) as file:
+    with open_with_holes(tmp_path / 'x', holes) as file:
         assert file.read(200_000) == data[:10 * HOLE_BYTES]
         assert file.read(1) == b''
         file.seek(10 * HOLE_BYTES + 5)

@@ -15,7 +15,7 @@ import pytest
 from heading_intercompare.bags.codec.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
-from heading_intercompare.bags.rosbag2.bag_check import check
+from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
 
@@ -40,7 +40,7 @@ def three_files(tmp_path, two_sensors):
 
 def test_a_sound_bag_is_read_through(three_files):
     told = []
-    found = check(three_files, told.append)
+    found = check_bag(three_files, told.append)
     assert (found.files, found.messages, found.unprotected) == (3, 3000, 0)
     assert found.faults == [] and found.chunks > 10
     assert told[-1] == '3,000 messages'
@@ -56,7 +56,7 @@ def test_a_gap_is_counted_across_files(tmp_path):
             bag.write('/x', b'\0\1\0\0\1\0\0\0\0', number, None, number)
         bag.split()
         bag.write('/x', b'\0\1\0\0\1\0\0\0\0', 20, None, 11)
-    assert check(tmp_path / 'bag').topics['/x'].missing == 5
+    assert check_bag(tmp_path / 'bag').topics['/x'].missing == 5
 
 
 def test_every_byte_that_turns_over_is_seen_or_does_no_harm(write_bag, rng):
@@ -70,7 +70,7 @@ def test_every_byte_that_turns_over_is_seen_or_does_no_harm(write_bag, rng):
         content = bytearray(sound)
         content[at] ^= 0x10
         file.write_bytes(content)
-        if check(path).faults:
+        if check_bag(path).faults:
             seen += 1
         else:
             assert list(BagReader(path).messages()) == before
@@ -87,7 +87,7 @@ def damaged(write_bag, find):
     content = bytearray(file.read_bytes())
     content[content.index(find) if isinstance(find, bytes) else find] ^= 0x01
     file.write_bytes(content)
-    return check(file.parent).faults
+    return check_bag(file.parent).faults
 
 
 def test_a_damaged_chunk_is_named_with_its_place(write_bag):
@@ -112,7 +112,7 @@ def test_files_that_are_missing_cut_or_empty_are_named(three_files):
     (path / names[1]).write_bytes(b'')
     content = (path / names[2]).read_bytes()
     (path / names[2]).write_bytes(content[:-1000])
-    found = check(path)
+    found = check_bag(path)
     assert found.faults[:2] == [f'{names[0]} is missing', f'{names[1]}: is empty (0 bytes)']
     assert found.faults[2].startswith(f'{names[2]} was not closed')
     assert len(found.faults) == 3 and found.messages > 100
@@ -133,7 +133,7 @@ def foreign(**options):
 
 def test_chunks_without_a_checksum_are_counted(tmp_path):
     (tmp_path / 'x.mcap').write_bytes(foreign(enable_crcs=False))
-    found = check(tmp_path / 'x.mcap')
+    found = check_bag(tmp_path / 'x.mcap')
     assert found.unprotected == found.chunks > 5
     assert found.faults == [] and found.messages == 100
 
@@ -141,19 +141,19 @@ def test_chunks_without_a_checksum_are_counted(tmp_path):
 def test_the_checksum_of_all_the_data_is_verified_where_there_is_one(tmp_path):
     content = foreign(enable_data_crcs=True)
     (tmp_path / 'x.mcap').write_bytes(content)
-    assert check(tmp_path / 'x.mcap').faults == []
+    assert check_bag(tmp_path / 'x.mcap').faults == []
     end = content.index(struct.pack('<BQ', 0x0F, 4)) + 9
     assert struct.unpack_from('<I', content, end)[0] == zlib.crc32(content[:end - 9]) != 0
     wrong = bytearray(content)
     wrong[end] ^= 1
     (tmp_path / 'x.mcap').write_bytes(wrong)
-    assert check(tmp_path / 'x.mcap').faults == [
+    assert check_bag(tmp_path / 'x.mcap').faults == [
         'x.mcap: the checksum of all its data does not match']
 
 
 def test_messages_outside_chunks_are_read(tmp_path):
     (tmp_path / 'x.mcap').write_bytes(foreign(use_chunking=False))
-    found = check(tmp_path / 'x.mcap')
+    found = check_bag(tmp_path / 'x.mcap')
     assert (found.messages, found.chunks, found.faults) == (100, 0, [])
 
 
@@ -161,7 +161,7 @@ def test_the_remains_of_a_chunk_with_which_a_file_breaks_off_are_not_looked_at(t
     content = foreign()
     begin = content.index(struct.pack('<BQ', 0x0F, 4))
     (tmp_path / 'x.mcap').write_bytes(content[:begin] + struct.pack('<BQ', 6, 5) + bytes(5))
-    found = check(tmp_path / 'x.mcap')
+    found = check_bag(tmp_path / 'x.mcap')
     assert found.messages == 100
     (fault,) = found.faults
     assert fault.startswith('x.mcap was not closed: chunk damaged: its head is cut')
@@ -169,14 +169,14 @@ def test_the_remains_of_a_chunk_with_which_a_file_breaks_off_are_not_looked_at(t
 
 def test_what_is_no_bag_is_refused(tmp_path):
     with pytest.raises(BagError, match='holds no .mcap file'):
-        check(tmp_path)
+        check_bag(tmp_path)
     with pytest.raises(FileNotFoundError):
-        check(tmp_path / 'nowhere.mcap')
+        check_bag(tmp_path / 'nowhere.mcap')
     (tmp_path / 'text.mcap').write_bytes(b'no bag')
-    assert check(tmp_path / 'text.mcap').faults == ['text.mcap: is not an MCAP file']
+    assert check_bag(tmp_path / 'text.mcap').faults == ['text.mcap: is not an MCAP file']
 
 
 def test_settings_of_the_chunks_do_not_matter(write_bag):
     for compression in ('none', 'lz4', 'zstd'):
         path = write_bag(compression, compression=compression)
-        assert check(path).faults == [] and check(path).messages == 3000
+        assert check_bag(path).faults == [] and check_bag(path).messages == 3000

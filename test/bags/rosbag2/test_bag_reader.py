@@ -15,7 +15,7 @@ from heading_intercompare.bags.codec.heading_messages import encode_imu, HEADING
 from heading_intercompare.bags.codec.schemas import shipped_schema
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
-from heading_intercompare.bags.rosbag2.bag_check import check
+from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader, TopicInfo
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.settings import BagSettings
@@ -409,7 +409,7 @@ def test_what_is_called_like_a_file_of_the_bag_and_is_none_is_left_out(tmp_path)
     (folder / 'split_2.mcap').mkdir()
     mcap_file(folder / '²1.mcap', [('/a', encode(STRING, {'data': '2'}))])
     assert BagReader(folder).topics['/a'].count == 3
-    assert check(folder).faults == []
+    assert check_bag(folder).faults == []
 
 
 def test_a_cut_last_file_is_read_up_to_the_cut(tmp_path):

@@ -8,7 +8,7 @@ import pytest
 
 from heading_intercompare.bags.rosbag2.bag_yaml import (
     bag_metadata,
-    listed_parts,
+    list_parts,
     metadata_file,
     PartInfo,
     Qos,
@@ -100,12 +100,12 @@ def test_any_text_comes_back(name):
 
 def test_files_listed_are_found_in_any_style(tmp_path):
     path = tmp_path / 'metadata.yaml'
-    assert listed_parts(path) == []
+    assert list_parts(path) == []
     path.write_text(metadata_file([PartInfo('a "b" 1.mcap')], {}))
-    assert listed_parts(path) == ['a "b" 1.mcap']
+    assert list_parts(path) == ['a "b" 1.mcap']
     path.write_text("x:\n  relative_file_paths:\n  - folder/one_0.mcap\n  - 'two_1.mcap'\n"
                     '  files:\n    - path: three\n')
-    assert listed_parts(path) == ['one_0.mcap', 'two_1.mcap']
+    assert list_parts(path) == ['one_0.mcap', 'two_1.mcap']
 
 
 @pytest.mark.parametrize('listed, expected', [
@@ -116,7 +116,7 @@ def test_files_listed_are_found_in_any_style(tmp_path):
 def test_files_are_listed_in_brackets_or_by_lines(tmp_path, listed, expected):
     path = tmp_path / 'metadata.yaml'
     path.write_text(f'x:\n  relative_file_paths: {listed}')
-    assert listed_parts(path) == expected
+    assert list_parts(path) == expected
 
 
 @pytest.mark.parametrize('entry', ['[' * 200_000, '9' * 5000, 'a' * 5000, '"\\ud800"',
@@ -125,7 +125,7 @@ def test_what_cannot_be_a_file_is_not_listed(tmp_path, entry):
     path = tmp_path / 'metadata.yaml'
     for listed in (f'\n    - {entry}\n    - a_0.mcap\n', f'[{entry}, a_0.mcap]'):
         path.write_text(f'x:\n  relative_file_paths:{listed}')
-        assert listed_parts(path)[-1:] == ['a_0.mcap']
+        assert list_parts(path)[-1:] == ['a_0.mcap']
 
 
 def test_of_a_large_file_only_the_beginning_is_read(tmp_path):
@@ -133,7 +133,7 @@ def test_of_a_large_file_only_the_beginning_is_read(tmp_path):
     path.write_text('  relative_file_paths:\n    - a_0.mcap\n')
     with path.open('r+b') as file:
         file.truncate(3 * 2**30)
-    assert listed_parts(path) == ['a_0.mcap']
+    assert list_parts(path) == ['a_0.mcap']
 
 
 def test_counts_and_spans_of_several_files_are_joined():

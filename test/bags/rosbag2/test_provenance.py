@@ -11,13 +11,13 @@ from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.recovery.recover_bag import recover
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import (
+    describe_origin,
     is_note,
     Note,
     NOTE_TYPE,
     Notes,
-    notes_in,
-    origin,
-    texts,
+    read_notes,
+    read_texts,
 )
 from heading_intercompare.core.version import VERSION
 
@@ -33,10 +33,11 @@ def noted(*given):
 
 
 def test_the_origin_names_version_settings_and_sources():
-    assert origin({'model': 'NN', 'norms.preset': None},
-                  {'ts': {'path': 'gyro.log', 'talker': None, 'fixed': '', 'bytes': 0}}) == {
-        'version': VERSION, 'settings.model': 'NN', 'settings.norms.preset': 'none',
-        'source.ts.path': 'gyro.log', 'source.ts.bytes': 0}
+    assert describe_origin({'model': 'NN', 'norms.preset': None},
+                           {'ts': {'path': 'gyro.log', 'talker': None, 'fixed': '',
+                                   'bytes': 0}}) == {
+                 'version': VERSION, 'settings.model': 'NN', 'settings.norms.preset': 'none',
+                 'source.ts.path': 'gyro.log', 'source.ts.bytes': 0}
 
 
 def test_each_line_is_a_note():
@@ -82,18 +83,18 @@ def test_notes_are_read_back_in_the_order_of_their_times_whatever_happens_to_the
         bag.metadata('note.9', {'text': 'of somebody else', 'time': 'noon'})
     expected = [Note(1406851500 * S, 'earlier'), Note(NOW, 'later'),
                 Note(NOW + 7, '2014-13-01T00:00:00Z no time')]
-    assert notes_in(BagReader(tmp_path / 'bag')) == expected
+    assert read_notes(BagReader(tmp_path / 'bag')) == expected
     recover(tmp_path / 'bag', tmp_path / 'recovered')
-    assert notes_in(BagReader(tmp_path / 'recovered')) == expected
+    assert read_notes(BagReader(tmp_path / 'recovered')) == expected
     (tmp_path / 'bag' / 'bag_0.mcap').unlink()
-    assert notes_in(BagReader(tmp_path / 'bag')) == expected
+    assert read_notes(BagReader(tmp_path / 'bag')) == expected
 
 
 def test_a_recorder_that_is_killed_leaves_the_notes_it_had(tmp_path):
     bag = BagWriter(tmp_path / 'bag')
     Notes(bag.metadata).add('calm sea', NOW)
     assert BagReader(tmp_path / 'bag').incomplete
-    assert notes_in(BagReader(tmp_path / 'bag')) == [Note(NOW, 'calm sea')]
+    assert read_notes(BagReader(tmp_path / 'bag')) == [Note(NOW, 'calm sea')]
     bag.close()
 
 
@@ -103,10 +104,10 @@ def test_notes_that_another_program_recorded_are_read_from_their_messages(tmp_pa
         for i, text in enumerate(['calm sea', '2014-08-01T00:05:00Z turn']):
             bag.write('/operator/note', encode(NOTE_TYPE, {'data': text}), NOW + i)
     reader = BagReader(tmp_path / 'bag')
-    assert notes_in(reader) == [Note(1406851500 * S, 'turn'), Note(NOW, 'calm sea')]
-    assert texts(reader, 'operator/note') == [(NOW, 'calm sea'),
-                                              (NOW + 1, '2014-08-01T00:05:00Z turn')]
-    assert texts(reader, 'compliance/report') == []
+    assert read_notes(reader) == [Note(1406851500 * S, 'turn'), Note(NOW, 'calm sea')]
+    assert read_texts(reader, 'operator/note') == [(NOW, 'calm sea'),
+                                                   (NOW + 1, '2014-08-01T00:05:00Z turn')]
+    assert read_texts(reader, 'compliance/report') == []
 
 
 @pytest.mark.parametrize('name, good', [

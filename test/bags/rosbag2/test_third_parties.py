@@ -20,7 +20,7 @@ from heading_intercompare.bags.codec.heading_messages import (
     PAIRS_TYPE,
 )
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
-from heading_intercompare.bags.rosbag2.bag_check import check
+from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.records import Headings, Pairs
@@ -93,7 +93,7 @@ def assert_read(path: Path) -> None:
             for m in reader.messages()] == [('/a', 1000 + i, f'm{i}') for i in range(200)]
     assert reader.metadata()['remark'] == {'sea': 'calm'}
     assert [(a.name, a.data) for a in reader.attachments()] == [('a.txt', b'calibration')]
-    assert check(path).faults == []
+    assert check_bag(path).faults == []
 
 
 @pytest.mark.parametrize('chunk_size', [None, 3000])

@@ -8,7 +8,7 @@ import json
 
 import pytest
 
-from heading_intercompare.app.compare_verdicts import differences
+from heading_intercompare.app.compare_verdicts import find_differences
 from heading_intercompare.cli import main
 
 pytest.importorskip('rclpy')
@@ -40,9 +40,9 @@ def test_the_demo_removes_only_what_a_demo_made(tmp_path, capfd, speed):
 
 def test_differences_between_verdicts_are_found():
     a = {'n': 1, 'x': 1.0, 'runs': [{'word': 'a'}], 'source': 'here'}
-    assert list(differences(a, {**a, 'source': 'there', 'x': 1.0 + 1e-15})) == []
-    assert list(differences(a, {**a, 'x': 1.0 + 1e-9})) == ['x: 1.0 and 1.000000001']
-    assert list(differences(a, {**a, 'n': 2, 'runs': []})) == [
+    assert list(find_differences(a, {**a, 'source': 'there', 'x': 1.0 + 1e-15})) == []
+    assert list(find_differences(a, {**a, 'x': 1.0 + 1e-9})) == ['x: 1.0 and 1.000000001']
+    assert list(find_differences(a, {**a, 'n': 2, 'runs': []})) == [
         'n: 1 and 2', "runs: [{'word': 'a'}] and []"]
 
 
@@ -68,7 +68,7 @@ def test_real_logs_played_live_give_the_verdict_of_their_import(ts, rs, n, share
         verdicts.append(json.loads(capfd.readouterr().out))
     assert sum(run['n'] for run in verdicts[0]['runs']) == n
     for other in verdicts[1:]:
-        assert list(differences(verdicts[0], other)) == []
+        assert list(find_differences(verdicts[0], other)) == []
 
 
 @pytest.mark.parametrize('text, words', [

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from heading_intercompare.core.conditions.common_glitches import common_glitches
+from heading_intercompare.core.conditions.common_glitches import find_common_glitches
 
 RATE = 10.0
 N = 12_000
@@ -30,7 +30,7 @@ def glitched(heading, places=PLACES, size=3.0, n=1):
 
 
 def found(ts, rs, stamps=STAMPS):
-    return common_glitches(stamps, ts - rs, rs % 360.0)
+    return find_common_glitches(stamps, ts - rs, rs % 360.0)
 
 
 @pytest.mark.parametrize('n', [1, 2, 3])

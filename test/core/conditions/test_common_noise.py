@@ -9,9 +9,9 @@ import pytest
 from scipy.signal import lfilter
 
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.core.conditions.common_noise import common_noise
-from heading_intercompare.core.conditions.standstill import resolution_of
-from heading_intercompare.core.pairing.difference import difference
+from heading_intercompare.core.conditions.common_noise import find_common_noise
+from heading_intercompare.core.conditions.standstill import find_coarse_resolution
+from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
@@ -34,7 +34,7 @@ def swell(t):
 def judged(ts, rs, t=None, **more):
     """Return what is found for pairs of one stamp each."""
     t = np.arange(ts.size) / RATE if t is None else t
-    return common_noise(stamps_of(t), wrap180(ts - rs), rs % 360.0, **more)
+    return find_common_noise(stamps_of(t), wrap180(ts - rs), rs % 360.0, **more)
 
 
 @pytest.fixture
@@ -94,7 +94,7 @@ def test_without_noise_of_the_rs_it_is_not_testable(noise, rng):
     """Two that follow the motion exactly, rounded or not, and a quantised steady heading."""
     true = swell(np.arange(N) / RATE) + noise * rng.standard_normal(N)
     for one in (swell(np.arange(N) / RATE), np.round(true, 2), np.round(true, 1)):
-        found = judged(one, one, rs_step_deg=resolution_of(one))
+        found = judged(one, one, rs_step_deg=find_coarse_resolution(one))
         assert (found.kind, found.reason) == ('not_testable', 'no_rs_noise')
     steady = np.full(N, 12.3)
     assert judged(steady, steady).kind == 'not_testable'
@@ -115,8 +115,8 @@ def test_any_rates_may_meet(method, ts_hz, rs_hz, rng):
     def found(ts):
         pairs, _ = pair(Headings.of(stamps_of(t), ts % 360.0),
                         Headings.of(stamps_of(t_rs), rs % 360.0), settings)
-        return common_noise(pairs.stamp_ns, difference(pairs).x_deg, pairs.rs_deg,
-                            rs_factor=pairs.rs_variance_factor).kind
+        return find_common_noise(pairs.stamp_ns, subtract(pairs).x_deg, pairs.rs_deg,
+                                 rs_factor=pairs.rs_variance_factor).kind
     assert found(own) != 'common'
     assert found(copy) == 'common'
 
@@ -133,8 +133,8 @@ def test_uneven_stamps_make_no_common_noise(rng):
                                   'gyr1-seap', 'adcp-gyr1', 'lgyr-lsep', 'lsep-lgyr'])
 def test_real_sensors_have_no_common_noise(name, real):
     pairs, x = real(name)
-    found = common_noise(pairs.stamp_ns, x, pairs.rs_deg, rs_factor=pairs.rs_variance_factor,
-                         rs_step_deg=0.1 if 'lgyr' in name.split('-')[1] else 0.01)
+    found = find_common_noise(pairs.stamp_ns, x, pairs.rs_deg, rs_factor=pairs.rs_variance_factor,
+                              rs_step_deg=0.1 if 'lgyr' in name.split('-')[1] else 0.01)
     assert found.kind != 'common'
 
 
@@ -144,8 +144,9 @@ def test_copies_of_a_real_sensor_are_found(name, logs):
     rs = logs[name]
     for ts in (rs, Headings.of(rs.stamp_ns + 7 * 10 ** 8, rs.heading_deg)):
         pairs, _ = pair(ts, rs)
-        assert common_noise(pairs.stamp_ns, difference(pairs).x_deg, pairs.rs_deg,
-                            rs_factor=pairs.rs_variance_factor, rs_step_deg=0.01).kind == 'common'
+        assert find_common_noise(pairs.stamp_ns, subtract(pairs).x_deg, pairs.rs_deg,
+                                 rs_factor=pairs.rs_variance_factor,
+                                 rs_step_deg=0.01).kind == 'common'
 
 
 def test_rounding_a_smooth_copy_does_not_make_it_a_slow_sensor(rng):
@@ -174,8 +175,8 @@ def test_a_reference_faster_than_the_pairs_shares_only_the_motion():
         return 90.0 + sum(0.0063 * np.sin(2.0 * np.pi * f * at_s + p) for f, p in lines)
     rs = heading(t_rs) + 0.2 * rng.standard_normal(t_rs.size)
     pairs, _ = pair(Headings.of(stamps_of(t), heading(t)), Headings.of(stamps_of(t_rs), rs))
-    assert common_noise(pairs.stamp_ns, difference(pairs).x_deg, pairs.rs_deg,
-                        rs_factor=pairs.rs_variance_factor).kind == 'independent'
+    assert find_common_noise(pairs.stamp_ns, subtract(pairs).x_deg, pairs.rs_deg,
+                             rs_factor=pairs.rs_variance_factor).kind == 'independent'
 
 
 def test_blows_that_both_sensors_see_are_not_noise(rng):

@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.angles import circular_mean, heading_from_quaternion, wrap180
-from heading_intercompare.core.conditions.conventions import convention, mean_difference
+from heading_intercompare.core.conditions.conventions import (
+    estimate_mean_difference,
+    find_convention,
+)
 
 
 def turning(n, rng, noise=0.1):
@@ -19,7 +22,7 @@ def turning(n, rng, noise=0.1):
 @pytest.mark.parametrize('offset', [90.0, -90.0, 180.0, -178.0, 84.0])
 def test_a_right_angle_between_the_sensors_is_suspicious(offset, rng):
     rs, ts = turning(1000, rng)
-    found = convention(wrap180(ts + offset - rs), rs)
+    found = find_convention(wrap180(ts + offset - rs), rs)
     assert found.kind == 'offset'
     assert float(wrap180(found.angle_deg - offset)) == pytest.approx(0.0, abs=0.1)
     assert found.spread_deg == pytest.approx(0.1, rel=0.2)
@@ -28,7 +31,7 @@ def test_a_right_angle_between_the_sensors_is_suspicious(offset, rng):
 @pytest.mark.parametrize('offset', [0.0, 5.0, -45.0, 79.0, 135.0])
 def test_other_angles_may_be_installation_offsets(offset, rng):
     rs, ts = turning(1000, rng)
-    assert convention(wrap180(ts + offset - rs), rs).kind == 'consistent'
+    assert find_convention(wrap180(ts + offset - rs), rs).kind == 'consistent'
 
 
 def test_a_yaw_taken_for_a_heading_is_mirrored(rng):
@@ -37,7 +40,7 @@ def test_a_yaw_taken_for_a_heading_is_mirrored(rng):
     half = np.radians(90.0 - ts) / 2.0
     zero = np.zeros(ts.size)
     wrong = heading_from_quaternion(zero, zero, np.sin(half), np.cos(half), 'ned')
-    found = convention(wrap180(wrong - rs), rs)
+    found = find_convention(wrap180(wrong - rs), rs)
     assert found.kind == 'mirrored'
     assert found.angle_deg == pytest.approx(90.0, abs=0.1)
 
@@ -45,30 +48,31 @@ def test_a_yaw_taken_for_a_heading_is_mirrored(rng):
 def test_a_mirrored_sensor_on_a_straight_course_cannot_be_told(rng):
     """Each sensor shows its own noise, and no motion."""
     noise = 0.5 * rng.standard_normal((2, 500))
-    assert convention(wrap180(-60.0 - noise[0] - noise[1]), 30.0 + noise[1]).kind == 'consistent'
+    assert find_convention(wrap180(-60.0 - noise[0] - noise[1]),
+                           30.0 + noise[1]).kind == 'consistent'
 
 
 def test_an_erratic_sensor_is_not_called_mirrored(rng):
     rs, _ = turning(2000, rng)
-    assert convention(rng.uniform(-180.0, 180.0, 2000), rs).kind == 'consistent'
+    assert find_convention(rng.uniform(-180.0, 180.0, 2000), rs).kind == 'consistent'
 
 
 def test_turning_the_ship_changes_nothing(rng):
     rs, ts = turning(500, rng)
     x = wrap180(ts + 90.0 - rs)
-    a, b = convention(x, rs), convention(x, (rs + 123.0) % 360.0)
+    a, b = find_convention(x, rs), find_convention(x, (rs + 123.0) % 360.0)
     assert (a.kind, a.angle_deg) == (b.kind, b.angle_deg)
 
 
 def test_no_pairs_have_no_convention():
-    found = convention([], [])
+    found = find_convention([], [])
     assert (found.kind, found.angle_deg) == ('not_testable', None)
 
 
 def test_the_balance_by_hand():
     """RS 0, 2, ..., 14, TS = 90 - RS: x changes by -4 a step, x + 2 RS by 0: balance 0."""
     rs = 2.0 * np.arange(8)
-    found = convention(90.0 - 2.0 * rs, rs)
+    found = find_convention(90.0 - 2.0 * rs, rs)
     assert (found.kind, found.angle_deg, found.balance) == ('mirrored', 90.0, 0.0)
     assert (found.direction, found.turned_deg) == ('against', 14.0)
 
@@ -79,8 +83,8 @@ def test_scatter_at_the_seam_of_the_wrap_is_a_half_turn(offset, rng):
     rs, ts = turning(4000, rng, noise=1.0)
     x = wrap180(ts + offset - rs)
     assert abs(x.mean()) < 20.0
-    assert convention(x, rs).kind == 'offset'
-    assert abs(wrap180(mean_difference(x).mean_deg - offset)) < 0.1
+    assert find_convention(x, rs).kind == 'offset'
+    assert abs(wrap180(estimate_mean_difference(x).mean_deg - offset)) < 0.1
 
 
 @pytest.mark.parametrize('turn_deg', [-90.0, 20.0, 10.0])
@@ -94,16 +98,16 @@ def test_a_short_turn_tells_a_mirrored_sensor(turn_deg, back, rng):
     rs = (heading + 0.2 * rng.standard_normal(t.size)) % 360.0
     ts = heading + 0.2 * rng.standard_normal(t.size)
     stamps = np.rint(t * 1e9).astype(np.int64)
-    found = convention(wrap180(-ts - rs), rs, stamp_ns=stamps)
+    found = find_convention(wrap180(-ts - rs), rs, stamp_ns=stamps)
     assert (found.kind, found.direction) == ('mirrored', 'against')
     assert abs(wrap180(found.angle_deg)) < 0.1
-    found = convention(wrap180(ts - rs), rs, stamp_ns=stamps)
+    found = find_convention(wrap180(ts - rs), rs, stamp_ns=stamps)
     assert (found.kind, found.direction) == ('consistent', 'with')
 
 
 def test_without_a_turn_the_direction_is_not_testable(rng):
     rs = 30.0 + 0.3 * rng.standard_normal(500)
-    found = convention(0.3 * rng.standard_normal(500), rs)
+    found = find_convention(0.3 * rng.standard_normal(500), rs)
     assert (found.direction, found.turned_deg, found.balance) == ('not_testable', 0.0, None)
 
 
@@ -111,7 +115,7 @@ def test_noise_is_no_direction(rng):
     """An RS that scatters by many degrees on its own turns neither with TS nor against it."""
     rs = 180.0 + 3.0 * rng.standard_normal(4000)
     ts = 180.0 + 3.0 * rng.standard_normal(4000)
-    found = convention(wrap180(ts - rs), rs)
+    found = find_convention(wrap180(ts - rs), rs)
     assert (found.kind, found.direction) == ('consistent', 'not_testable')
     assert 0.5 < found.balance < 2.0
 
@@ -119,17 +123,17 @@ def test_noise_is_no_direction(rng):
 @pytest.mark.parametrize('name', ['gyr1-s330', 's330-seap', 'lgyr-lsep', 'lsep-lgyr'])
 def test_real_sensors_are_consistent_until_one_is_turned_or_mirrored(name, real):
     pairs, x = real(name)
-    assert convention(x, pairs.rs_deg).kind == 'consistent'
-    assert convention(wrap180(x + 90.0), pairs.rs_deg).kind == 'offset'
+    assert find_convention(x, pairs.rs_deg).kind == 'consistent'
+    assert find_convention(wrap180(x + 90.0), pairs.rs_deg).kind == 'offset'
     mirrored = wrap180(90.0 - pairs.ts_deg - pairs.rs_deg)
-    assert convention(mirrored, pairs.rs_deg).direction == 'against'
+    assert find_convention(mirrored, pairs.rs_deg).direction == 'against'
 
 
 # --- mean difference ---
 
 def test_the_mean_by_hand():
     """15, 16, 17, 18 four times: mean 16.5, blocks of one: u = sqrt(var/n) = sqrt(4/3/16)."""
-    found = mean_difference([15.0, 16.0, 17.0, 18.0] * 4)
+    found = estimate_mean_difference([15.0, 16.0, 17.0, 18.0] * 4)
     assert (found.n, found.mean_deg) == (16, pytest.approx(16.5))
     assert found.u_deg == pytest.approx(np.sqrt(4.0 / 3.0 / 16.0))
     assert found.interval_deg == pytest.approx((16.5 - 2.1314 * found.u_deg,
@@ -141,14 +145,14 @@ def test_the_interval_holds_the_mean_of_correlated_errors(ar1):
     """95 % of 400 runs; six standard errors of that share are 6.5 %."""
     inside = 0
     for _ in range(400):
-        low, high = mean_difference(5.0 + ar1(4000, 10.0)).interval_deg
+        low, high = estimate_mean_difference(5.0 + ar1(4000, 10.0)).interval_deg
         inside += low <= 5.0 <= high
     assert abs(inside / 400 - 0.95) < 6.0 * np.sqrt(0.95 * 0.05 / 400)
 
 
 def test_a_turned_sensor_has_a_turned_mean(rng):
     x = rng.standard_normal(5000)
-    plain, turned = mean_difference(x), mean_difference(wrap180(x + 179.0))
+    plain, turned = estimate_mean_difference(x), estimate_mean_difference(wrap180(x + 179.0))
     assert float(wrap180(turned.mean_deg - plain.mean_deg - 179.0)) == pytest.approx(0.0, abs=1e-9)
     assert turned.u_deg == pytest.approx(plain.u_deg)
     assert plain.mean_deg == pytest.approx(x.mean())
@@ -156,24 +160,24 @@ def test_a_turned_sensor_has_a_turned_mean(rng):
 
 
 def test_too_few_differences_have_a_mean_without_an_interval():
-    assert mean_difference([]) == mean_difference(np.empty(0))
-    assert mean_difference([]).mean_deg is None
-    found = mean_difference([100.0] * 15)
+    assert estimate_mean_difference([]) == estimate_mean_difference(np.empty(0))
+    assert estimate_mean_difference([]).mean_deg is None
+    found = estimate_mean_difference([100.0] * 15)
     assert (found.mean_deg, found.u_deg) == (pytest.approx(100.0), None)
     assert not found.surely_exceeds(15.0)
 
 
 def test_the_share_beyond_the_seam_by_hand():
     """179 three times and -179 once, about 180: one of four is a whole turn away."""
-    found = mean_difference([179.0, 179.0, -179.0, 179.0])
+    found = estimate_mean_difference([179.0, 179.0, -179.0, 179.0])
     assert found.seam_share == 0.25
     assert found.torn(0.0) and not found.torn(180.0)
-    assert mean_difference([1.0, 359.0]).torn(180.0)
-    assert mean_difference([270.0, 271.0, 269.0]).seam_share == 0.0
-    assert not mean_difference([]).torn(0.0)
+    assert estimate_mean_difference([1.0, 359.0]).torn(180.0)
+    assert estimate_mean_difference([270.0, 271.0, 269.0]).seam_share == 0.0
+    assert not estimate_mean_difference([]).torn(0.0)
 
 
 def test_wild_readings_are_not_the_seam(rng):
     """A sensor near zero of which one reading in fifty is anything."""
     x = np.where(rng.random(5000) < 0.02, rng.uniform(-180.0, 180.0, 5000), 0.0)
-    assert not mean_difference(x).torn(0.0)
+    assert not estimate_mean_difference(x).torn(0.0)

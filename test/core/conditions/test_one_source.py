@@ -9,7 +9,7 @@ import pytest
 
 from heading_intercompare.core.conditions.common_glitches import CommonGlitches
 from heading_intercompare.core.conditions.common_noise import CommonNoise
-from heading_intercompare.core.conditions.one_source import one_source, OneSource
+from heading_intercompare.core.conditions.one_source import find_one_source, OneSource
 from heading_intercompare.core.conditions.same_readings import SameSource
 
 N = 12_000
@@ -18,7 +18,7 @@ STAMPS = np.rint(T_S * 1e9).astype(np.int64)
 
 
 def signs(ts, rs, **more):
-    return one_source(STAMPS, ts - rs, rs % 360.0, **more)
+    return find_one_source(STAMPS, ts - rs, rs % 360.0, **more)
 
 
 @pytest.fixture
@@ -69,4 +69,4 @@ def test_steps_and_interpolation_follow_from_the_pairs(true, rng):
 
 def test_too_few_pairs_tell_nothing():
     none = np.empty(0)
-    assert one_source(none.astype(np.int64), none, none).kind == 'not_testable'
+    assert find_one_source(none.astype(np.int64), none, none).kind == 'not_testable'

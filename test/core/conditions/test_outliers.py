@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from heading_intercompare.core.conditions.outliers import outliers
+from heading_intercompare.core.conditions.outliers import find_outliers
 
 
 def stamps(n, rate=10):
@@ -25,7 +25,7 @@ def test_one_bad_reading_of_twelve_thousand_by_hand(rng):
     """
     x = 0.1 * rng.standard_normal(12_000)
     x[7000] = 40.0
-    found = outliers(stamps(12_000), x)
+    found = find_outliers(stamps(12_000), x)
     assert (found.kind, found.index.tolist(), found.count) == ('found', [7000], 1)
     (one,) = found.largest
     assert (one.index, one.n, one.stamp_ns) == (7000, 1, 700 * 10 ** 9)
@@ -41,7 +41,7 @@ def test_a_bad_reading_of_an_interpolated_rs_is_one_outlier(rng):
     """It draws a triangle of two seconds: 19 pairs at 10 Hz, most of them far out."""
     x = 0.1 * rng.standard_normal(6000)
     x[3000:3021] += 20.0 * (1.0 - np.abs(np.arange(21) - 10.0) / 10.0)
-    found = outliers(stamps(6000), x)
+    found = find_outliers(stamps(6000), x)
     assert (found.count, found.largest[0].index) == (1, 3010)
     assert found.largest[0].size_deg == pytest.approx(20.0, abs=0.5)
     assert set(range(3002, 3019)) <= set(found.index.tolist()) <= set(range(2999, 3022))
@@ -53,13 +53,13 @@ def test_a_bad_reading_of_an_interpolated_rs_is_one_outlier(rng):
 def test_normal_uniform_and_coarse_differences_have_none(law, rng):
     for n in (100, 1000, 12_000):
         for _ in range(30):
-            assert outliers(stamps(n), law(rng, n), step_deg=3.0).kind == 'none'
+            assert find_outliers(stamps(n), law(rng, n), step_deg=3.0).kind == 'none'
 
 
 @pytest.mark.parametrize('law, most', [
     (lambda rng, n: rng.laplace(size=n), 0.1), (lambda rng, n: rng.standard_t(5, n), 0.1)])
 def test_heavy_tails_have_few_that_do_not_matter(law, most, rng):
-    found = [outliers(stamps(12_000), law(rng, 12_000)) for _ in range(30)]
+    found = [find_outliers(stamps(12_000), law(rng, 12_000)) for _ in range(30)]
     assert sum(f.count for f in found) <= 60
     assert max(f.share for f in found) < most
 
@@ -67,9 +67,9 @@ def test_heavy_tails_have_few_that_do_not_matter(law, most, rng):
 def test_correlated_errors_have_none_but_show_a_spike(ar1):
     for _ in range(20):
         x = ar1(12_000, 300.0)
-        assert outliers(stamps(12_000), x).kind == 'none'
+        assert find_outliers(stamps(12_000), x).kind == 'none'
         x[5000] += 30.0
-        assert outliers(stamps(12_000), x).index.tolist() == [5000]
+        assert find_outliers(stamps(12_000), x).index.tolist() == [5000]
 
 
 def test_a_slow_excursion_is_none(rng):
@@ -77,7 +77,7 @@ def test_a_slow_excursion_is_none(rng):
     x = 0.1 * rng.standard_normal(12_000)
     x[2000:2300] += 15.0
     x += 20.0 * np.exp(-0.5 * ((np.arange(12_000) - 8000.0) / 50.0) ** 2)
-    found = outliers(stamps(12_000), x)
+    found = find_outliers(stamps(12_000), x)
     assert (found.kind, found.index.size) == ('none', 0)
     assert found.excursions >= 2
 
@@ -86,8 +86,8 @@ def test_a_spike_on_constant_differences():
     """The median distance is zero: any change is far out, but for three steps."""
     x = np.full(500, 0.3)
     x[[100, 300]] = -39.7, 0.4
-    assert outliers(stamps(500), x).index.tolist() == [100, 300]
-    found = outliers(stamps(500), x, step_deg=0.1)
+    assert find_outliers(stamps(500), x).index.tolist() == [100, 300]
+    found = find_outliers(stamps(500), x, step_deg=0.1)
     assert (found.index.tolist(), found.share) == ([100], pytest.approx(1.0, abs=1e-4))
     assert found.largest[0].size_deg == pytest.approx(-40.0)
 
@@ -96,7 +96,7 @@ def test_ten_are_named_the_largest_first(rng):
     x = 0.1 * rng.standard_normal(10_000)
     at = np.arange(100, 10_000, 500)
     x[at] = 5.0 + np.arange(at.size)
-    found = outliers(stamps(10_000), x)
+    found = find_outliers(stamps(10_000), x)
     assert found.index.tolist() == at.tolist()
     assert [o.index for o in found.largest] == at[::-1][:10].tolist()
 
@@ -104,14 +104,14 @@ def test_ten_are_named_the_largest_first(rng):
 def test_outliers_at_both_ends(rng):
     x = 0.1 * rng.standard_normal(1000)
     x[[0, -1]] = 30.0, -30.0
-    assert outliers(stamps(1000), x).index.tolist() == [0, 999]
+    assert find_outliers(stamps(1000), x).index.tolist() == [0, 999]
 
 
 def test_shifting_turning_and_reversing_change_nothing(rng):
     x = 0.1 * rng.standard_normal(3000)
     x[[10, 2000]] = 9.0, -7.0
-    here = outliers(stamps(3000), x)
-    there = outliers(stamps(3000) + 10 ** 18, 50.0 - x[::-1])
+    here = find_outliers(stamps(3000), x)
+    there = find_outliers(stamps(3000) + 10 ** 18, 50.0 - x[::-1])
     assert there.index.tolist() == [999, 2989]
     assert there.share == pytest.approx(here.share)
     assert there.threshold_deg == pytest.approx(here.threshold_deg)
@@ -120,15 +120,15 @@ def test_shifting_turning_and_reversing_change_nothing(rng):
 @pytest.mark.parametrize('name', ['gyr1-s330', 'seap-s330', 'lgyr-lsep', 'adcp-s330'])
 def test_real_differences_have_none(name, real):
     pairs, x = real(name)
-    assert outliers(pairs.stamp_ns, x).kind == 'none'
+    assert find_outliers(pairs.stamp_ns, x).kind == 'none'
 
 
 @pytest.mark.parametrize('n', [0, 1, 29])
 def test_too_few_differences_are_not_testable(n):
-    found = outliers(stamps(n), np.zeros(n))
+    found = find_outliers(stamps(n), np.zeros(n))
     assert (found.kind, found.index.size, found.variance_deg2) == ('not_testable', 0, None)
 
 
 def test_equal_differences_have_no_share():
-    found = outliers(stamps(100), np.full(100, 2.0))
+    found = find_outliers(stamps(100), np.full(100, 2.0))
     assert (found.kind, found.share, found.variance_deg2) == ('none', 0.0, 0.0)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.core.conditions.same_readings import same_source
-from heading_intercompare.core.statistics.resolution import resolution
+from heading_intercompare.core.conditions.same_readings import find_same_source
+from heading_intercompare.core.statistics.resolution import find_resolution
 
 
 def turning(n, rng, noise=0.1):
@@ -20,7 +20,8 @@ def turning(n, rng, noise=0.1):
 # --- same source ---
 
 def suspected(ts, rs, offset=0.0):
-    return same_source(wrap180(ts - rs - offset), rs, resolution(ts), resolution(rs)).suspected
+    return find_same_source(wrap180(ts - rs - offset), rs, find_resolution(ts),
+                            find_resolution(rs)).suspected
 
 
 @pytest.mark.parametrize('step', [None, 0.01, 0.1, 1.0])
@@ -61,7 +62,7 @@ def test_a_copy_rounded_again_is_no_smaller_than_two_good_sensors(rng):
     rs, _ = turning(3000, rng)
     rs = np.round(rs, 2) % 360.0
     ts = np.round(rs, 1) % 360.0
-    found = same_source(wrap180(ts - rs), rs, resolution(ts), resolution(rs))
+    found = find_same_source(wrap180(ts - rs), rs, find_resolution(ts), find_resolution(rs))
     assert found.suspected is False
     assert found.rounding_deg == pytest.approx(0.1 / np.sqrt(12.0), rel=0.01)
     assert found.std_deg == pytest.approx(found.rounding_deg, rel=0.05)
@@ -70,7 +71,7 @@ def test_a_copy_rounded_again_is_no_smaller_than_two_good_sensors(rng):
 def test_two_good_sensors_are_not_suspected(rng):
     rs, ts = turning(3000, rng, noise=0.05)
     ts = np.round(ts, 1) % 360.0
-    found = same_source(wrap180(ts - rs), rs, resolution(ts), resolution(rs))
+    found = find_same_source(wrap180(ts - rs), rs, find_resolution(ts), find_resolution(rs))
     assert found.suspected is False
 
 
@@ -83,15 +84,16 @@ def test_too_few_changes_do_not_tell(rng):
 @pytest.mark.parametrize('name', ['gyr1-s330', 'seap-s330', 'lgyr-lsep'])
 def test_sensors_of_real_ships_are_not_suspected(name, real):
     pairs, x = real(name)
-    assert same_source(x, pairs.rs_deg, resolution(pairs.ts_deg),
-                       resolution(pairs.rs_deg)).suspected is False
+    assert find_same_source(x, pairs.rs_deg, find_resolution(pairs.ts_deg),
+                            find_resolution(pairs.rs_deg)).suspected is False
 
 
 def test_sensors_of_a_moored_ship_cannot_be_told():
     steady = np.full(100, 30.0)
-    found = same_source(np.zeros(100), steady, resolution(steady), resolution(steady))
+    found = find_same_source(np.zeros(100), steady, find_resolution(steady),
+                             find_resolution(steady))
     assert found.suspected is None
-    assert same_source([], [], resolution([]), resolution([])).std_deg is None
+    assert find_same_source([], [], find_resolution([]), find_resolution([])).std_deg is None
 
 
 # --- stamps ---

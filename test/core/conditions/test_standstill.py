@@ -7,7 +7,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.core.conditions.standstill import frozen, resolution_of, standstill
+from heading_intercompare.core.conditions.standstill import (
+    find_coarse_resolution,
+    find_frozen,
+    find_standstill,
+)
 
 HOUR = 36_000
 
@@ -35,13 +39,13 @@ def test_a_frozen_stretch_by_hand():
     stamps = np.arange(120) * 10 ** 9
     rs = np.arange(120.0)
     ts = np.where((rs >= 30) & (rs <= 60), 30.0, rs)
-    found = frozen(stamps, ts, rs)
+    found = find_frozen(stamps, ts, rs)
     assert (found.kind, found.longest_s, found.stretches) == ('frozen', 30.0, 1)
     assert (found.start_ns, found.duration_s, found.frozen_s) == (30 * 10 ** 9, 30.0, 30.0)
     assert found.other_moved_deg == pytest.approx(23.5)
     assert (found.resolution_deg, found.hold_s) == (pytest.approx(1.0), 1.0)
     assert found.allowed_deg == pytest.approx(3.0)
-    assert frozen(stamps, rs, ts).kind == 'alive'
+    assert find_frozen(stamps, rs, ts).kind == 'alive'
 
 
 def test_the_worst_of_several_stretches_is_shown(rng):
@@ -50,7 +54,7 @@ def test_the_worst_of_several_stretches_is_shown(rng):
     ts = rs + 0.01 * rng.standard_normal(3000)
     ts[100:200] = ts[100]
     ts[1200:1300] = ts[1200]
-    found = frozen(stamps, ts % 360.0, rs % 360.0)
+    found = find_frozen(stamps, ts % 360.0, rs % 360.0)
     moved = [np.ptp(rs[lo:lo + 100]) for lo in (100, 1200)]
     assert found.stretches == 2
     assert 0.4 * max(moved) < found.other_moved_deg < max(moved)
@@ -61,7 +65,7 @@ def test_the_worst_of_several_stretches_is_shown(rng):
 def test_a_coarse_sensor_on_a_steady_course_is_not_frozen(real):
     """The gyro of the Gould, in steps of 0.1 deg, repeats values for six seconds."""
     pairs, _ = real('lgyr-lsep')
-    found = frozen(pairs.stamp_ns, pairs.ts_deg, pairs.rs_deg)
+    found = find_frozen(pairs.stamp_ns, pairs.ts_deg, pairs.rs_deg)
     assert found.longest_s > 5.0
     assert (found.stretches, found.start_ns) == (0, None)
 
@@ -69,13 +73,13 @@ def test_a_coarse_sensor_on_a_steady_course_is_not_frozen(real):
 def test_a_sensor_frozen_at_north_is_found():
     stamps = np.arange(20) * 10 ** 9
     north = np.where(np.arange(20) % 2, 360.0, 0.0)
-    assert frozen(stamps, north, np.arange(20.0)).stretches == 1
-    assert standstill(north, north).kind == 'still'
+    assert find_frozen(stamps, north, np.arange(20.0)).stretches == 1
+    assert find_standstill(north, north).kind == 'still'
 
 
 @pytest.mark.parametrize('n', [0, 1, 2, 3])
 def test_too_few_readings_are_not_frozen(n):
-    assert frozen(np.arange(n), np.zeros(n), np.zeros(n)).stretches == 0
+    assert find_frozen(np.arange(n), np.zeros(n), np.zeros(n)).stretches == 0
 
 
 @pytest.mark.parametrize('name', ['gyr1-s330', 's330-gyr1', 'seap-s330', 'gyr1-seap',
@@ -84,9 +88,9 @@ def test_no_real_sensor_is_frozen_dead_or_still(name, real):
     """Even if the other may not move at all: the sensors judge themselves by their steps."""
     pairs, _ = real(name)
     for one, other in ((pairs.ts_deg, pairs.rs_deg), (pairs.rs_deg, pairs.ts_deg)):
-        found = frozen(pairs.stamp_ns, one, other, moved_deg=0.0)
+        found = find_frozen(pairs.stamp_ns, one, other, moved_deg=0.0)
         assert (found.kind, found.stretches) == ('alive', 0)
-    assert standstill(pairs.ts_deg, pairs.rs_deg).kind == 'moving'
+    assert find_standstill(pairs.ts_deg, pairs.rs_deg).kind == 'moving'
 
 
 @pytest.mark.parametrize('name, lasted', [('gyr1-s330', 60), ('lgyr-lsep', 120)])
@@ -96,7 +100,7 @@ def test_a_real_sensor_that_stops_is_found(name, lasted, real):
     first = np.searchsorted(pairs.stamp_ns, pairs.stamp_ns[0] + 200 * 10 ** 9)
     last = np.searchsorted(pairs.stamp_ns, pairs.stamp_ns[first] + lasted * 10 ** 9)
     ts[first:last] = ts[first]
-    assert frozen(pairs.stamp_ns, ts, pairs.rs_deg).kind == 'frozen'
+    assert find_frozen(pairs.stamp_ns, ts, pairs.rs_deg).kind == 'frozen'
 
 
 @pytest.mark.parametrize('rate, step, held, skew', [
@@ -117,7 +121,7 @@ def test_coarse_slow_and_late_sensors_are_alive(rate, step, held, skew, rng):
         rs = np.interp(t, fine, heading) + 0.05 * rng.standard_normal(t.size)
         ts = np.round(ts / step) * step
         for one, other in ((ts, rs), (rs, ts)):
-            found = frozen(stamps_of(t), one % 360.0, other % 360.0, moved_deg=0.0)
+            found = find_frozen(stamps_of(t), one % 360.0, other % 360.0, moved_deg=0.0)
             assert found.kind == 'alive', found
 
 
@@ -127,9 +131,9 @@ def test_a_skew_does_not_hide_a_sensor_that_stops_in_a_seaway(rng):
     phase = 2.0 * np.pi * t / 8.0
     rs = 50.0 + np.sin(phase) + 0.02 * rng.standard_normal(t.size)
     ts = np.round(50.0 + np.sin(phase - 1.6), 1)
-    assert frozen(stamps_of(t), ts, rs).kind == 'alive'
+    assert find_frozen(stamps_of(t), ts, rs).kind == 'alive'
     ts[9000:9600] = ts[9000]
-    found = frozen(stamps_of(t), ts, rs)
+    found = find_frozen(stamps_of(t), ts, rs)
     assert (found.kind, found.stretches) == ('frozen', 1)
     assert found.start_ns == pytest.approx(900 * 10 ** 9, abs=10 ** 9)
 
@@ -138,18 +142,18 @@ def test_an_hour_of_one_value_is_dead_though_the_ship_lies_alongside(rng):
     t = np.arange(HOUR + 1) / 10.0
     rs = np.round(123.44 + 0.02 * rng.standard_normal(t.size), 2)
     dead = np.full(t.size, 123.4)
-    found = frozen(stamps_of(t), dead, rs)
+    found = find_frozen(stamps_of(t), dead, rs)
     assert (found.kind, found.longest_s, found.resolution_deg) == ('dead', 3600.0, 0.1)
     assert (found.stretches, found.hold_s) == (0, None)
     # 36 000 readings of a tenth of a second are an hour, 35 999 are none.
-    assert frozen(stamps_of(t)[:-1], dead[:-1], rs[:-1]).kind == 'dead'
-    assert frozen(stamps_of(t)[:-2], dead[:-2], rs[:-2]).kind == 'constant'
+    assert find_frozen(stamps_of(t)[:-1], dead[:-1], rs[:-1]).kind == 'dead'
+    assert find_frozen(stamps_of(t)[:-2], dead[:-2], rs[:-2]).kind == 'constant'
 
 
 def test_whole_degrees_may_stand_for_an_hour(rng):
     t = np.arange(HOUR + 1) / 10.0
     rs = np.round(123.04 + 0.02 * rng.standard_normal(t.size), 2)
-    assert frozen(stamps_of(t), np.full(t.size, 123.0), rs).kind == 'alive'
+    assert find_frozen(stamps_of(t), np.full(t.size, 123.0), rs).kind == 'alive'
 
 
 def test_a_constant_sensor_is_frozen_in_a_run_of_minutes_under_way(rng):
@@ -157,9 +161,9 @@ def test_a_constant_sensor_is_frozen_in_a_run_of_minutes_under_way(rng):
     t = np.arange(6000) / 10.0
     rs = ship(t, rng) + 0.02 * rng.standard_normal(t.size)
     constant = np.full(t.size, 123.4)
-    assert frozen(stamps_of(t), constant, rs).kind == 'frozen'
-    assert frozen(stamps_of(t), constant, rs, sigma_deg=0.1).kind == 'frozen'
-    assert frozen(stamps_of(t), constant, rs, sigma_deg=1.0).kind == 'constant'
+    assert find_frozen(stamps_of(t), constant, rs).kind == 'frozen'
+    assert find_frozen(stamps_of(t), constant, rs, sigma_deg=0.1).kind == 'frozen'
+    assert find_frozen(stamps_of(t), constant, rs, sigma_deg=1.0).kind == 'constant'
 
 
 @pytest.mark.parametrize('run_s, yaw_deg', [(3590, 0.3), (1200, 0.5), (3600, 0.3)])
@@ -167,7 +171,7 @@ def test_a_constant_sensor_of_a_ship_that_yaws_is_frozen(run_s, yaw_deg, rng):
     """Means of more than a second would average the yaw away; the norm of the RS is 0.1 deg."""
     t = np.arange(1, run_s * 10 + 1) / 10.0
     rs = 45.3 + yaw_deg * np.sin(2.0 * np.pi * t / 8.0) + 0.05 * rng.standard_normal(t.size)
-    found = frozen(stamps_of(t), np.full(t.size, 45.3), rs, moved_deg=0.0, sigma_deg=0.1)
+    found = find_frozen(stamps_of(t), np.full(t.size, 45.3), rs, moved_deg=0.0, sigma_deg=0.1)
     assert (found.kind, found.stretches) == ('dead' if run_s == 3600 else 'frozen', 1)
 
 
@@ -180,7 +184,7 @@ def test_a_constant_sensor_alongside_is_told_from_one_that_works(run_s, rng):
     works = np.round(rs + 0.05 * rng.standard_normal(t.size), 1)
     for ts, kind in ((np.full(t.size, 90.1), 'constant'), (np.full(t.size, 90.0), 'alive'),
                      (np.full(t.size, 90.0 + 1.0 / 3.0), 'constant'), (works, 'alive')):
-        assert frozen(stamps, ts, rs, moved_deg=0.0, sigma_deg=0.1).kind == kind
+        assert find_frozen(stamps, ts, rs, moved_deg=0.0, sigma_deg=0.1).kind == kind
 
 
 @pytest.mark.parametrize('share', [0.1, 0.33, 0.45, 0.6, 0.85])
@@ -190,10 +194,10 @@ def test_a_sensor_that_stops_for_a_large_part_of_a_run_is_frozen(share, rng):
     yaw = 45.3 + 0.3 * np.sin(2.0 * np.pi * t / 8.0)
     ts = np.round(yaw + 0.1 * rng.standard_normal(t.size), 3)
     rs = yaw + 0.05 * rng.standard_normal(t.size)
-    assert frozen(stamps_of(t), ts, rs, moved_deg=0.0, sigma_deg=0.1).kind == 'alive'
+    assert find_frozen(stamps_of(t), ts, rs, moved_deg=0.0, sigma_deg=0.1).kind == 'alive'
     first = t.size - round(share * t.size)
     ts[first:] = ts[first]
-    found = frozen(stamps_of(t), ts, rs, moved_deg=0.0, sigma_deg=0.1)
+    found = find_frozen(stamps_of(t), ts, rs, moved_deg=0.0, sigma_deg=0.1)
     assert (found.kind, found.start_ns) == ('frozen', stamps_of(t)[first])
 
 
@@ -203,7 +207,7 @@ def test_a_slow_turn_shows_a_long_stop(rng):
     rs = 45.3 + 30.0 * np.clip((t - 300.0) / 600.0, 0.0, 1.0) + 0.05 * rng.standard_normal(t.size)
     ts = np.round(rs + 0.05 * rng.standard_normal(t.size))
     ts[2000:] = ts[2000]
-    assert frozen(stamps_of(t), ts, rs, moved_deg=0.0, sigma_deg=0.1).kind == 'frozen'
+    assert find_frozen(stamps_of(t), ts, rs, moved_deg=0.0, sigma_deg=0.1).kind == 'frozen'
 
 
 def test_two_sensors_alongside_show_nothing(rng):
@@ -211,20 +215,20 @@ def test_two_sensors_alongside_show_nothing(rng):
     rs = np.full(t.size, 10.01)
     rs[rng.integers(0, t.size, 100)] = 10.02
     ts = np.full(t.size, 10.2)
-    found = standstill(ts, rs)
+    found = find_standstill(ts, rs)
     assert (found.kind, found.ts_range_deg) == ('still', 0.0)
     assert (found.ts_step_deg, found.rs_step_deg) == (0.1, pytest.approx(0.01))
-    assert frozen(stamps_of(t), ts, rs).kind == 'alive'
-    assert standstill(ts, rs + 0.02 * rng.standard_normal(t.size)).kind == 'moving'
-    assert standstill(ts, ship(t, rng)).kind == 'moving'
+    assert find_frozen(stamps_of(t), ts, rs).kind == 'alive'
+    assert find_standstill(ts, rs + 0.02 * rng.standard_normal(t.size)).kind == 'moving'
+    assert find_standstill(ts, ship(t, rng)).kind == 'moving'
 
 
 def test_an_interpolated_standstill_is_one():
     """Between 10.0 and 10.1 the interpolated RS takes values that it never reported."""
     rs = np.interp(np.arange(4000) / 10.0, [0.0, 100.03, 101.0, 200.0, 201.0, 400.0],
                    [10.0, 10.0, 10.1, 10.1, 10.0, 10.0])
-    assert resolution_of(rs) == 0.1
-    assert standstill(np.full(4000, 10.3), rs).kind == 'still'
+    assert find_coarse_resolution(rs) == 0.1
+    assert find_standstill(np.full(4000, 10.3), rs).kind == 'still'
 
 
 @pytest.mark.parametrize('values, step', [
@@ -232,7 +236,7 @@ def test_an_interpolated_standstill_is_one():
     ([], None), ([90.5] * 5, 0.5), ([90.5] * 5 + [91.0] * 5 + [90.5] * 5 + [91.5] * 5, 0.5),
     ([90.5] * 5 + [90.6] * 5 + [90.5] * 5 + [90.4] * 5, 0.1)])
 def test_decimals_tell_the_step_of_a_constant(values, step):
-    assert resolution_of(values) == step
+    assert find_coarse_resolution(values) == step
 
 
 def test_turning_both_headings_and_shifting_the_time_change_nothing(rng):
@@ -240,8 +244,8 @@ def test_turning_both_headings_and_shifting_the_time_change_nothing(rng):
     rs = ship(t, rng, 0.0)
     ts = np.round(rs, 1)
     ts[3000:3600] = ts[3000]
-    here = frozen(stamps_of(t), ts % 360.0, rs % 360.0)
-    there = frozen(stamps_of(t) + 10 ** 18, (ts + 170.0) % 360.0, (rs + 170.0) % 360.0)
+    here = find_frozen(stamps_of(t), ts % 360.0, rs % 360.0)
+    there = find_frozen(stamps_of(t) + 10 ** 18, (ts + 170.0) % 360.0, (rs + 170.0) % 360.0)
     assert (here.kind, here.stretches) == (there.kind, there.stretches) == ('frozen', 1)
     assert here.other_moved_deg == pytest.approx(there.other_moved_deg)
     assert there.start_ns == here.start_ns + 10 ** 18

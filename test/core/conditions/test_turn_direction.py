@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.core.conditions.turn_direction import turn_direction
+from heading_intercompare.core.conditions.turn_direction import find_turn_direction
 
 
 def found_of(t_s, ts_deg, rs_deg):
-    return turn_direction(np.rint(t_s * 1e9).astype(np.int64), wrap180(ts_deg - rs_deg),
-                          rs_deg % 360.0)
+    return find_turn_direction(np.rint(t_s * 1e9).astype(np.int64), wrap180(ts_deg - rs_deg),
+                               rs_deg % 360.0)
 
 
 def test_the_direction_by_hand():

@@ -18,12 +18,12 @@ from heading_intercompare.core.decision.campaign import (
     CAMPAIGN_REASONS,
     conclude_every_run,
     conclude_sensor,
+    judge_together,
     LEAST_RUNS,
     Together,
-    together,
 )
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.decision.guarded import evidence_of
+from heading_intercompare.core.decision.guarded import gather_evidence
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Norms, Risk
 from heading_intercompare.core.statistics.cells import Cells
@@ -44,9 +44,9 @@ T0 = 1_400_000_000 * S
 
 def run(x, n_plus=0, span_s=None, mean=None):
     """Return what a run of these differences says."""
-    return evidence_of(Cells.of(x), n_plus=n_plus, n_plus_plus=n_plus,
-                       span_s=float(len(x)) if span_s is None else span_s,
-                       mean_deg=float(np.mean(x)) if mean is None else mean)
+    return gather_evidence(Cells.of(x), n_plus=n_plus, n_plus_plus=n_plus,
+                           span_s=float(len(x)) if span_s is None else span_s,
+                           mean_deg=float(np.mean(x)) if mean is None else mean)
 
 
 def white(rng, m, sigma=1.0, n=2000):
@@ -57,7 +57,7 @@ def white(rng, m, sigma=1.0, n=2000):
 def concluded(runs, risk=None, variant='B', limits=LIMITS, totals_met=True):
     risk = risk or Risk()
     each = [limits] * len(runs)
-    return conclude_sensor(together(runs, each, risk, variant), each, totals_met, risk)
+    return conclude_sensor(judge_together(runs, each, risk, variant), each, totals_met, risk)
 
 
 # --- every run must comply ---
@@ -119,7 +119,7 @@ def test_the_means_of_five_runs_stand_in_for_length(rng):
     (Risk(slowest_error_s=50.0), 50.0, False), (Risk(slowest_error_s=50.0), 50.1, True),
     (Risk(sensor_class='gyrocompass'), 2300.0, False)])
 def test_means_count_of_runs_further_apart_than_the_slowest_error(risk, apart_s, has, rng):
-    found = together(white(rng, 5), [LIMITS] * 5, risk, 'B', apart_s)
+    found = judge_together(white(rng, 5), [LIMITS] * 5, risk, 'B', apart_s)
     assert (found.between_upper_bound_deg2 is not None, found.apart_s) == (has, apart_s)
 
 
@@ -197,7 +197,7 @@ def test_a_variance_near_its_limit_waits_for_data(rng):
 def test_no_run_and_no_difference_leave_it_open():
     assert concluded([]) == (OPEN, 'no_run')
     short = run(np.ones(127))
-    assert together([short], [LIMITS], Risk(), 'B') is None
+    assert judge_together([short], [LIMITS], Risk(), 'B') is None
     assert concluded([short]) == (OPEN, 'insufficient_data')
 
 
@@ -213,7 +213,7 @@ def test_the_shared_figures_follow_from_the_runs(rng):
     runs = [run(rng.standard_normal(n), n_plus=2) for n in (2000, 500, 3000, 800, 700)]
     each = [LIMITS, replace(LIMITS, tightened_limit_deg2=1.1), *[LIMITS] * 3]
     risk = Risk(alpha_consumer=0.02, alpha_producer=0.1)
-    found = together(runs, each, risk, 'B')
+    found = judge_together(runs, each, risk, 'B')
     shared = pool([e.spread for e in runs])
     assert (found.runs, found.n, found.span_s) == (5, 7000, 7000.0)
     assert (found.d_hat_deg2, found.nu, found.f) == (shared.d_deg2, shared.nu, shared.f)
@@ -229,7 +229,7 @@ def test_the_shared_figures_follow_from_the_runs(rng):
 @pytest.mark.parametrize('variant, m, has', [
     ('B', LEAST_RUNS - 1, False), ('B', LEAST_RUNS, True), ('A', 8, False), ('C', 8, False)])
 def test_the_means_speak_only_in_variant_b_and_of_five_runs_or_more(variant, m, has, rng):
-    found = together(white(rng, m), [LIMITS] * m, Risk(), variant)
+    found = judge_together(white(rng, m), [LIMITS] * m, Risk(), variant)
     assert (found.between_upper_bound_deg2 is not None) is has
     if not has:
         assert found.upper_bound_deg2 == found.pooled_upper_bound_deg2
@@ -237,7 +237,7 @@ def test_the_means_speak_only_in_variant_b_and_of_five_runs_or_more(variant, m, 
 
 def test_runs_too_short_are_not_among_the_five(rng):
     runs = [*white(rng, 4), run(np.ones(100))]
-    found = together(runs, [LIMITS] * 5, Risk(), 'B')
+    found = judge_together(runs, [LIMITS] * 5, Risk(), 'B')
     assert (found.runs, found.n) == (4, 8000) and found.between_upper_bound_deg2 is None
 
 
@@ -341,7 +341,7 @@ def test_a_slow_part_that_no_run_shows_is_caught_by_the_means(rng):
                 for _ in range(8)]
         each = [limits] * 8
         every += all(upper_bound(e.spread, 0.05) <= 1.0 for e in runs)
-        found = together(runs, each, Risk(), 'B')
+        found = judge_together(runs, each, Risk(), 'B')
         sensor += conclude_sensor(found, each, True, Risk())[0] is GOOD
     assert every > 270
     assert sensor / 300 < 0.05 + 6.0 * math.sqrt(0.05 * 0.95 / 300)

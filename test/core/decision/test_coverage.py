@@ -14,7 +14,7 @@ from heading_intercompare.core.decision.coverage import (
     slowest_error_s,
     span_words,
 )
-from heading_intercompare.core.settings import declared, Risk, Settings, SettingsError
+from heading_intercompare.core.settings import list_settings, Risk, Settings, SettingsError
 
 
 def test_a_twentieth_of_the_record_is_covered():
@@ -42,7 +42,7 @@ def test_the_least_duration_is_the_longest_that_is_asked_for(given, least):
 
 
 def test_the_classes_are_the_choices_of_the_setting():
-    rule = next(r for r in declared(Settings) if r.name == 'risk.sensor_class')
+    rule = next(r for r in list_settings(Settings) if r.name == 'risk.sensor_class')
     assert rule.choices == tuple(SENSOR_CLASSES)
     with pytest.raises(SettingsError, match="sensor_class = 'sextant'"):
         Risk(sensor_class='sextant')

@@ -13,10 +13,10 @@ import pytest
 from scipy import stats
 
 from heading_intercompare.core.decision.criteria import (
-    count_criterion,
+    apply_count_criterion,
+    apply_variance_criterion,
+    estimate_total_error,
     Limits,
-    total_error,
-    variance_criterion,
     variance_limits,
 )
 from heading_intercompare.core.outcome import Outcome, worst
@@ -49,19 +49,19 @@ def test_a_missing_norm_is_named(name):
 
 def test_both_equalities_are_on_the_side_of_not_exceeded():
     at = limits(m_low=0.5)
-    assert variance_criterion(at.tightened_limit_deg2, at).outcome is GOOD
-    assert variance_criterion(np.nextafter(at.tightened_limit_deg2, 1), at).outcome is OPEN
-    assert variance_criterion(at.limit_deg2, at).outcome is OPEN
-    assert variance_criterion(np.nextafter(at.limit_deg2, 1), at).outcome is BAD
-    assert variance_criterion(None, at).outcome is OPEN
+    assert apply_variance_criterion(at.tightened_limit_deg2, at).outcome is GOOD
+    assert apply_variance_criterion(np.nextafter(at.tightened_limit_deg2, 1), at).outcome is OPEN
+    assert apply_variance_criterion(at.limit_deg2, at).outcome is OPEN
+    assert apply_variance_criterion(np.nextafter(at.limit_deg2, 1), at).outcome is BAD
+    assert apply_variance_criterion(None, at).outcome is OPEN
 
 
 def test_the_ratio_of_the_dead_zone_by_hand():
     """GK (5''): sqrt(0.13 - 0.09) / 0.4 = 0.5; below sigma_max² there is none."""
-    assert variance_criterion(0.13, limits(m_low=0.5)).ratio == pytest.approx(0.5)
-    assert variance_criterion(0.08, limits()).ratio is None
-    assert variance_criterion(0.13, limits(ref=0.0)).ratio is None
-    assert variance_criterion(0.13, limits(m_low=0.75)).dead_zone_width == 0.25
+    assert apply_variance_criterion(0.13, limits(m_low=0.5)).ratio == pytest.approx(0.5)
+    assert apply_variance_criterion(0.08, limits()).ratio is None
+    assert apply_variance_criterion(0.13, limits(ref=0.0)).ratio is None
+    assert apply_variance_criterion(0.13, limits(m_low=0.75)).dead_zone_width == 0.25
 
 
 def test_an_rs_known_from_its_log_sets_both_bounds_of_m():
@@ -87,9 +87,9 @@ def test_an_interpolated_ts_tightens_acceptance_but_not_rejection():
     assert at.rejection_limit_deg2 == plain.rejection_limit_deg2
     assert at.count_limit_deg == plain.count_limit_deg
     assert at.tightened_count_limit_deg == pytest.approx(at.k_tightened * 0.1 ** 0.5)
-    wide = total_error(0.0, 0.09, at, norms)
+    wide = estimate_total_error(0.0, 0.09, at, norms)
     assert wide.sigma_ts_up_deg == pytest.approx((0.05 * 1.5) ** 0.5)
-    assert wide.sigma_ts_low_deg == total_error(0.0, 0.09, plain, norms).sigma_ts_low_deg
+    assert wide.sigma_ts_low_deg == estimate_total_error(0.0, 0.09, plain, norms).sigma_ts_low_deg
 
 
 @pytest.mark.parametrize('model', ['NN', 'UN', 'NU', 'UU'])
@@ -111,28 +111,28 @@ def test_the_rule_of_k(rule, k):
 def test_the_allowed_number_is_exact():
     """In binary 10 (1 - 0.9) < 1, which would turn one exceedance into a false alarm."""
     assert limits(probability=0.9).allowed(10) == Fraction(1)
-    assert count_criterion(10, 1, 1, limits(probability=0.9)).outcome is GOOD
-    assert count_criterion(1000, 3, 3, limits()).outcome is GOOD
-    assert count_criterion(1000, 3, 4, limits()).outcome is OPEN
-    assert count_criterion(1000, 4, 4, limits()).outcome is BAD
+    assert apply_count_criterion(10, 1, 1, limits(probability=0.9)).outcome is GOOD
+    assert apply_count_criterion(1000, 3, 3, limits()).outcome is GOOD
+    assert apply_count_criterion(1000, 3, 4, limits()).outcome is OPEN
+    assert apply_count_criterion(1000, 4, 4, limits()).outcome is BAD
 
 
 def test_one_exceedance_is_bad_in_a_short_run():
-    assert count_criterion(333, 1, 1, limits()).outcome is BAD
-    assert count_criterion(334, 1, 1, limits()).outcome is GOOD
-    assert count_criterion(2, 0, 0, limits()).outcome is GOOD
+    assert apply_count_criterion(333, 1, 1, limits()).outcome is BAD
+    assert apply_count_criterion(334, 1, 1, limits()).outcome is GOOD
+    assert apply_count_criterion(2, 0, 0, limits()).outcome is GOOD
 
 
 @pytest.mark.parametrize('n, n_plus', [(0, 0), (1, 0), (1, 1)])
 def test_a_single_difference_meets_no_count(n, n_plus):
     """It deviates from its own mean by nothing: GK (6') as printed would call it compliant."""
-    assert count_criterion(n, n_plus, n_plus, limits()).outcome is OPEN
+    assert apply_count_criterion(n, n_plus, n_plus, limits()).outcome is OPEN
 
 
 def test_total_error_by_hand():
     """GK (7): 0.1 ± 3 sqrt(0.25 - 0.16) = 0.1 ± 0.9; with M = 0: 0.1 ± 3 · 0.5."""
     norms = Norms(sigma_max_deg=0.3, sigma_ref_max_deg=0.4, probability=0.997300203936740)
-    found = total_error(0.1, 0.25, Limits.of(norms), norms)
+    found = estimate_total_error(0.1, 0.25, Limits.of(norms), norms)
     assert found.k == pytest.approx(3.0, abs=1e-9)
     assert (found.low_deg, found.up_deg) == pytest.approx((-1.4, 1.6))
     assert (found.low_narrow_deg, found.up_narrow_deg) == pytest.approx((-0.8, 1.0))
@@ -143,14 +143,14 @@ def test_total_error_by_hand():
 @pytest.mark.parametrize('norm, outcome', [(1.7, GOOD), (1.2, OPEN), (0.9, BAD)])
 def test_total_error_against_its_norm(norm, outcome):
     norms = Norms(sigma_max_deg=0.3, sigma_ref_max_deg=0.4, total_error_max_deg=norm)
-    assert total_error(0.1, 0.25, Limits.of(norms), norms).outcome is outcome
-    assert total_error(None, None, Limits.of(norms), norms).outcome is OPEN
+    assert estimate_total_error(0.1, 0.25, Limits.of(norms), norms).outcome is outcome
+    assert estimate_total_error(None, None, Limits.of(norms), norms).outcome is OPEN
 
 
 @pytest.mark.parametrize('model', ['NN', 'UN', 'NU', 'UU'])
 def test_total_error_by_composition_is_finite_even_without_a_ts_error(model):
     norms = Norms(sigma_max_deg=0.3, sigma_ref_max_deg=0.4, k_total_rule='composition')
-    found = total_error(0.0, 0.01, Limits.of(norms, model), norms, model)
+    found = estimate_total_error(0.0, 0.01, Limits.of(norms, model), norms, model)
     assert found.sigma_ts_low_deg == 0.0
     assert all(math.isfinite(v) for v in (found.k, found.low_deg, found.low_narrow_deg))
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import pytest
 
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.decision.gk import as_printed
+from heading_intercompare.core.decision.gk import apply_gk
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Settings
 
@@ -19,7 +19,7 @@ def printed(variance, counts, n=1000, mean=0.0, **norms):
         'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.4, 'm_low': 0.5, **norms}})
     limits = Limits.of(settings.norms, settings.model)
     given = iter(counts)
-    return as_printed(n, mean, variance, lambda limit: next(given), limits, settings)
+    return apply_gk(n, mean, variance, lambda limit: next(given), limits, settings)
 
 
 @pytest.mark.parametrize('variance, counts, outcome', [

@@ -17,7 +17,7 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import (
     count_risk,
     decide,
-    evidence_of,
+    gather_evidence,
     Guarded,
     REASONS,
     variance_risk,
@@ -31,11 +31,11 @@ from heading_intercompare.core.statistics.confidence_bounds import (
     mean_confidence,
 )
 from heading_intercompare.core.statistics.variance_uncertainty import (
+    estimate_spread,
     lower_bound,
-    spread,
     upper_bound,
 )
-from heading_intercompare.core.verdict.verdict_document import plain
+from heading_intercompare.core.verdict.verdict_document import make_plain
 
 pytestmark = pytest.mark.filterwarnings('error')
 
@@ -63,7 +63,7 @@ def judged(x, limits=None, risk=None, span_s=None, **given):
     x = np.asarray(x, dtype=np.float64)
     limits, risk = limits or limits_of(), risk or ANY
     deviation = np.abs(x - x.mean()) if x.size else x
-    evidence = evidence_of(
+    evidence = gather_evidence(
         Cells.of(x), n_plus=int(np.sum(deviation > limits.count_limit_deg)),
         n_plus_plus=int(np.sum(deviation > limits.tightened_count_limit_deg)),
         span_s=max(0, x.size - 1) / 10.0 if span_s is None else span_s,
@@ -81,7 +81,7 @@ def ar1(rows, n, tau, rng):
 
 def scaled(x, variance):
     """Return the series with this variance D."""
-    return x * math.sqrt(variance / spread(Cells.of(x)).d_deg2)
+    return x * math.sqrt(variance / estimate_spread(Cells.of(x)).d_deg2)
 
 
 # --- the form ---
@@ -192,7 +192,7 @@ def test_figures_follow_from_the_spread(rng):
     limits = limits_of(factor=2.0 / 3.0)
     risk = replace(ANY, alpha_consumer=0.02, alpha_producer=0.1, count_share=0.25)
     got = judged(x, limits, risk, offset_u_deg=0.05)
-    s = spread(Cells.of(x))
+    s = estimate_spread(Cells.of(x))
     assert (got.d_hat_deg2, got.nu, got.f, got.corner_j) == (s.d_deg2, s.nu, s.f, s.corner_j)
     assert (got.r_slow, got.slow_variance_deg2, got.slow_allowance_deg2) == \
         (s.r_slow, s.slow_variance_deg2, s.slow_allowance_deg2)
@@ -231,8 +231,8 @@ def test_chunks_say_the_same_as_the_whole(rng):
     for lo in range(0, 5000, 777):
         parts.update(x[lo:lo + 777])
     limits = limits_of()
-    assert decide(evidence_of(parts, **given), limits, ANY) == \
-        decide(evidence_of(Cells.of(x), **given), limits, ANY)
+    assert decide(gather_evidence(parts, **given), limits, ANY) == \
+        decide(gather_evidence(Cells.of(x), **given), limits, ANY)
 
 
 def test_residuals_of_a_polynomial_lose_its_degrees_of_freedom(rng):
@@ -240,7 +240,7 @@ def test_residuals_of_a_polynomial_lose_its_degrees_of_freedom(rng):
     x = rng.standard_normal(3000) + 7.0 + 4.0 * t
     residual = x - np.polynomial.Polynomial.fit(t, x, 1)(t)
     got = judged(residual, order=1, mean_deg=7.0)
-    assert got.d_hat_deg2 == spread(Cells.of(residual), 1).d_deg2
+    assert got.d_hat_deg2 == estimate_spread(Cells.of(residual), 1).d_deg2
     assert got.slow_allowance_deg2 < 0.1 < judged(x).slow_allowance_deg2
     low, up = got.bias_interval_deg
     assert (low + up) / 2.0 == pytest.approx(7.0)
@@ -258,8 +258,8 @@ def test_known_reference_leaves_one_point_of_conformance(rng):
 
 def evidence(n_plus, n_plus_plus, rng, n=200_000):
     """Return white errors with these counts."""
-    return evidence_of(Cells.of(scaled(rng.standard_normal(n), 1.0)), n_plus=n_plus,
-                       n_plus_plus=n_plus_plus, span_s=1e5, mean_deg=0.0)
+    return gather_evidence(Cells.of(scaled(rng.standard_normal(n), 1.0)), n_plus=n_plus,
+                           n_plus_plus=n_plus_plus, span_s=1e5, mean_deg=0.0)
 
 
 @pytest.mark.parametrize('n_plus, n_plus_plus, outcome', [
@@ -277,7 +277,7 @@ def test_correlation_widens_the_bounds_of_counts(rng):
     """The same rates in 16 384 samples: white, and with two hundred per correlation time."""
     white, slow = rng.standard_normal(16_384), ar1(1, 16_384, 30.0, rng)[0]
     given = {'n_plus': 80, 'n_plus_plus': 90, 'span_s': 1e4, 'mean_deg': 0.0}
-    a, b = (decide(evidence_of(Cells.of(x), **given), limits_of(), ANY)
+    a, b = (decide(gather_evidence(Cells.of(x), **given), limits_of(), ANY)
             for x in (white, slow))
     assert a.rate_plus_lower > 2.0 * b.rate_plus_lower
     assert b.rate_plus_plus_upper - b.rate_plus_plus > \
@@ -327,7 +327,7 @@ def test_no_figure_is_ever_nan(x, ref):
         assert value is not None
         numbers = value if isinstance(value, tuple) else (value,)
         assert not any(isinstance(v, float) and math.isnan(v) for v in numbers), name
-    assert set(plain(got)) == set(KEYS)
+    assert set(make_plain(got)) == set(KEYS)
     for name in ('confidence_compliant', 'confidence_non_compliant', 'conformance_probability',
                  'rate_plus_lower', 'rate_plus_plus_upper'):
         assert 0.0 <= getattr(got, name) <= 1.0
@@ -343,7 +343,7 @@ def test_data_that_bound_nothing_give_null_and_stay_open():
     got = judged(np.append(np.zeros(199), 0.1))
     assert got.upper_bound_deg2 == got.sigma_ts_upper_deg == math.inf
     assert (got.outcome, got.reason) == (Outcome.INDETERMINATE, 'data_limited')
-    assert plain(got)['upper_bound_deg2'] is None
+    assert make_plain(got)['upper_bound_deg2'] is None
 
 
 # --- properties ---
@@ -351,7 +351,7 @@ def test_data_that_bound_nothing_give_null_and_stay_open():
 @pytest.mark.parametrize('offset', [-170.0, 3.0])
 def test_an_offset_changes_the_bias_and_nothing_else(offset, rng):
     x = np.rint(ar1(1, 5000, 4.0, rng)[0] * 2 ** 20) / 2 ** 20
-    a, b = plain(judged(x)), plain(judged(x + offset))
+    a, b = make_plain(judged(x)), make_plain(judged(x + offset))
     for name in KEYS:
         if not name.startswith('bias'):
             assert a[name] == (pytest.approx(b[name], rel=1e-9)
@@ -426,7 +426,7 @@ def test_a_sensor_at_its_limit_is_judged_wrongly_at_the_stated_risk(process, n, 
     larger of two plain standard errors, of Gaussian tails, and had a gate: one of them fails.
     """
     order = 2 if process is parabola_removed else 0
-    found = [spread(Cells.of(x), order) for x in process(runs, n, tau, rng)]
+    found = [estimate_spread(Cells.of(x), order) for x in process(runs, n, tau, rng)]
     accepted = np.mean([upper_bound(s, 0.05) < 1.0 for s in found])
     rejected = np.mean([lower_bound(s, 0.05) > 1.0 for s in found])
     most = 0.05 + 3.0 * math.sqrt(0.05 * 0.95 / runs)

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.decision.guarded import decide, evidence_of
-from heading_intercompare.core.decision.sequential import Looks, LookVerdict, standing
+from heading_intercompare.core.decision.guarded import decide, gather_evidence
+from heading_intercompare.core.decision.sequential import find_standing, Looks, LookVerdict
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Norms, Risk, SettingsError
 from heading_intercompare.core.statistics.cells import Cells
@@ -99,8 +99,8 @@ def test_looking_often_keeps_the_risk_of_white_errors(rng):
         x = rng.standard_normal(3200)
         for look in Looks(3200.0, 5, ANY).due(3200.0):
             n = look.span_ns // 10 ** 9
-            evidence = evidence_of(Cells.of(x[:n]), n_plus=0, n_plus_plus=0, span_s=float(n),
-                                   mean_deg=0.0)
+            evidence = gather_evidence(Cells.of(x[:n]), n_plus=0, n_plus_plus=0, span_s=float(n),
+                                       mean_deg=0.0)
             if decide(evidence, limits, look.risk).outcome is Outcome.COMPLIANT:
                 accepted += 1
                 break
@@ -124,10 +124,10 @@ GOOD, BAD, OPEN = Outcome.COMPLIANT, Outcome.NON_COMPLIANT, Outcome.INDETERMINAT
     ((GOOD, BAD), 2, BAD, 'data_limited')])
 def test_a_rejection_stays_and_an_acceptance_waits_to_be_confirmed(outcomes, look, outcome,
                                                                    reason):
-    found = standing(said(*outcomes))
+    found = find_standing(said(*outcomes))
     assert (found.look, found.outcome, found.reason) == (look, outcome, reason)
 
 
 @pytest.mark.parametrize('outcomes', [(), (OPEN,), (OPEN, OPEN)])
 def test_nothing_stands_while_no_look_has_decided(outcomes):
-    assert standing(said(*outcomes)) is None
+    assert find_standing(said(*outcomes)) is None

@@ -23,8 +23,8 @@ from heading_intercompare.core.diagnostics.assumptions import (
 )
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.statistics.drift import Order, Slope
-from heading_intercompare.core.statistics.ergodicity import homogeneity, RunFigures
-from heading_intercompare.core.statistics.normality import shape
+from heading_intercompare.core.statistics.ergodicity import examine_homogeneity, RunFigures
+from heading_intercompare.core.statistics.normality import measure_shape
 from heading_intercompare.core.statistics.stationarity import Stationarity
 from heading_intercompare.core.statistics.variance_uncertainty import Spread
 from heading_intercompare.core.statistics.warm_up import WarmUp
@@ -51,7 +51,7 @@ def state(assumption):
     (0, None, False, NOT_TESTABLE), (127, None, False, VIOLATED), (9991, 7.0, True, VIOLATED),
     (9991, 15.0, True, MET), (9991, 20.0, False, NOT_TESTABLE), (9991, 7.0, False, VIOLATED)])
 def test_a_counts_independent_differences(n, nu, resolved, expected):
-    assert state(assumptions.large_n(n, nu, resolved)) == ('a', expected)
+    assert state(assumptions.judge_large_n(n, nu, resolved)) == ('a', expected)
 
 
 @pytest.mark.parametrize('low, middle, expected', [
@@ -61,35 +61,36 @@ def test_slow_errors_are_told_from_a_change_unless_they_stand_out_and_weigh(low,
                                                                             expected):
     """More than 2 of the middle, and 4 (low - middle) more than 0.05 of a variance of 0.8."""
     found = Spread(1000, 0, 0.8, 0.01, 0.1, 128.0, 60.0, 20.0, low, middle)
-    assert assumptions.resolved(found) is expected
-    assert assumptions.resolved(None) is False
+    assert assumptions.is_resolved(found) is expected
+    assert assumptions.is_resolved(None) is False
 
 
 def test_b_weighs_the_skew_by_what_it_adds():
     """(0.32 0.5)^2 = 0.0256 of 0.04 is 64 %; of a variance of 1 it is 2.6 %."""
-    found = assumptions.synchronous(SKEWED, 2.0)
+    found = assumptions.judge_synchronous(SKEWED, 2.0)
     assert state(found) == ('b', VIOLATED)
     assert '64 %' in found.evidence
-    assert state(assumptions.synchronous(replace(SKEWED, std_deg=1.0), 2.0)) == ('b', MET)
+    assert state(assumptions.judge_synchronous(replace(SKEWED, std_deg=1.0), 2.0)) == ('b', MET)
     vague = replace(SKEWED, interval_s=(-0.1, 0.4), significant=False)
-    assert state(assumptions.synchronous(vague, 2.0)) == ('b', NOT_TESTABLE)
+    assert state(assumptions.judge_synchronous(vague, 2.0)) == ('b', NOT_TESTABLE)
 
 
 def test_b_of_a_ship_that_hardly_turned():
     """With 0.01 deg/s even two seconds add 0.0004 of 0.04; with 0.1 deg/s all of it."""
     still = Skew(5000, rs_rate_std_deg_s=0.01, strength=1.0, well_determined=False, std_deg=0.2)
-    assert state(assumptions.synchronous(still, 2.0)) == ('b', MET)
-    assert state(assumptions.synchronous(replace(still, rs_rate_std_deg_s=0.1), 2.0)) \
+    assert state(assumptions.judge_synchronous(still, 2.0)) == ('b', MET)
+    assert state(assumptions.judge_synchronous(replace(still, rs_rate_std_deg_s=0.1), 2.0)) \
         == ('b', NOT_TESTABLE)
-    assert state(assumptions.synchronous(Skew(0), 2.0)) == ('b', NOT_TESTABLE)
-    assert state(assumptions.synchronous(replace(still, std_deg=0.0), 2.0)) == ('b', NOT_TESTABLE)
+    assert state(assumptions.judge_synchronous(Skew(0), 2.0)) == ('b', NOT_TESTABLE)
+    assert state(assumptions.judge_synchronous(replace(still, std_deg=0.0),
+                                               2.0)) == ('b', NOT_TESTABLE)
 
 
 @pytest.mark.parametrize('warm_up, expected', [
     (None, NOT_TESTABLE), (WARM, VIOLATED), (replace(WARM, preferred=False), MET),
     (replace(WARM, settle_s=0.0), MET), (replace(WARM, settle_s=9999.0), VIOLATED)])
 def test_c_looks_for_a_warm_up(warm_up, expected):
-    assert state(assumptions.stabilized(warm_up)) == ('c', expected)
+    assert state(assumptions.judge_stabilized(warm_up)) == ('c', expected)
 
 
 @pytest.mark.parametrize('lower, upper, m_low, expected', [
@@ -98,7 +99,7 @@ def test_c_looks_for_a_warm_up(warm_up, expected):
     (0.05, None, 0.5, NOT_TESTABLE)])
 def test_d_compares_the_noise_of_the_rs_with_its_norm(lower, upper, m_low, expected):
     """Norm 0.1 deg, at least half of it: 0.0025 deg^2."""
-    assert state(assumptions.reference_norm(lower, 0.1, upper, m_low)) == ('d', expected)
+    assert state(assumptions.judge_reference_norm(lower, 0.1, upper, m_low)) == ('d', expected)
 
 
 @pytest.mark.parametrize('interval, variant, expected', [
@@ -107,34 +108,35 @@ def test_d_compares_the_noise_of_the_rs_with_its_norm(lower, upper, m_low, expec
     ((-0.1, 0.2), 'A', NOT_TESTABLE)])
 def test_e_takes_a_small_mean_for_a_small_offset(interval, variant, expected):
     """A third of 0.2 deg is small."""
-    assert state(assumptions.installation(interval, 0.2, variant)) == ('e', expected)
+    assert state(assumptions.judge_installation(interval, 0.2, variant)) == ('e', expected)
 
 
 def test_f_needs_a_stationary_rest():
     order = Order(1, (0.0,) * 5, 100, False)
     changing = replace(STEADY, square_p=0.001)
-    assert state(assumptions.drift_and_stationary(order, STEADY, True)) == ('f', MET)
-    assert state(assumptions.drift_and_stationary(order, changing, True)) == ('f', VIOLATED)
-    assert state(assumptions.drift_and_stationary(order, changing, False)) == ('f', NOT_TESTABLE)
-    assert state(assumptions.drift_and_stationary(None, STEADY, True)) == ('f', NOT_TESTABLE)
+    assert state(assumptions.judge_drift_and_stationary(order, STEADY, True)) == ('f', MET)
+    assert state(assumptions.judge_drift_and_stationary(order, changing, True)) == ('f', VIOLATED)
+    assert state(assumptions.judge_drift_and_stationary(order, changing,
+                                                        False)) == ('f', NOT_TESTABLE)
+    assert state(assumptions.judge_drift_and_stationary(None, STEADY, True)) == ('f', NOT_TESTABLE)
 
 
 def test_g_needs_several_runs():
     alike = [RunFigures(0.0, 1.0, 1.0, 20.0), RunFigures(0.5, 1.0, 1.1, 20.0)]
     shifted = [alike[0], RunFigures(9.0, 1.0, 1.1, 20.0)]
     noisier = [alike[0], RunFigures(0.5, 1.0, 9.0, 20.0)]
-    assert state(assumptions.ergodic(None)) == ('g', NOT_TESTABLE)
-    assert state(assumptions.ergodic(homogeneity(alike[:1]))) == ('g', NOT_TESTABLE)
-    assert state(assumptions.ergodic(homogeneity(alike))) == ('g', MET)
-    found = assumptions.ergodic(homogeneity(shifted))
+    assert state(assumptions.judge_ergodic(None)) == ('g', NOT_TESTABLE)
+    assert state(assumptions.judge_ergodic(examine_homogeneity(alike[:1]))) == ('g', NOT_TESTABLE)
+    assert state(assumptions.judge_ergodic(examine_homogeneity(alike))) == ('g', MET)
+    found = assumptions.judge_ergodic(examine_homogeneity(shifted))
     assert state(found) == ('g', VIOLATED)
     assert 'variant C' in found.evidence
-    assert state(assumptions.ergodic(homogeneity(noisier))) == ('g', VIOLATED)
+    assert state(assumptions.judge_ergodic(examine_homogeneity(noisier))) == ('g', VIOLATED)
 
 
 def test_h_sees_trends_and_the_heading():
     def judged(found, dependence=NOT_ROUND, resolved=True):
-        return state(assumptions.constant_moments(found, LINE, 1.0, dependence, resolved))
+        return state(assumptions.judge_constant_moments(found, LINE, 1.0, dependence, resolved))
     round_trip = replace(NOT_ROUND, reason='', amplitude_deg=0.4, p=1e-5)
     assert judged(STEADY) == ('h', MET)
     assert judged(replace(STEADY, mean_p=0.003)) == ('h', VIOLATED)
@@ -146,16 +148,16 @@ def test_h_sees_trends_and_the_heading():
 
 
 def test_i_is_never_said_to_be_met():
-    assert state(assumptions.correlated_errors(0.04, 0.1, TWO)) == ('i', NOT_TESTABLE)
-    assert state(assumptions.correlated_errors(None, 0.1, TWO)) == ('i', NOT_TESTABLE)
-    assert state(assumptions.correlated_errors(0.009, 0.1, TWO)) == ('i', VIOLATED)
+    assert state(assumptions.judge_correlated_errors(0.04, 0.1, TWO)) == ('i', NOT_TESTABLE)
+    assert state(assumptions.judge_correlated_errors(None, 0.1, TWO)) == ('i', NOT_TESTABLE)
+    assert state(assumptions.judge_correlated_errors(0.009, 0.1, TWO)) == ('i', VIOLATED)
     rounding = replace(TWO, readings=SameSource(True, 0.03, 0.03))
     for one in (rounding, replace(TWO, noise=CommonNoise('common')),
                 replace(TWO, glitches=CommonGlitches('common'))):
-        assert state(assumptions.correlated_errors(0.04, 0.1, one)) == ('i', VIOLATED)
+        assert state(assumptions.judge_correlated_errors(0.04, 0.1, one)) == ('i', VIOLATED)
     # A coarse TS that does not follow the noise of the RS is a sensor of its own.
     own = replace(rounding, noise=CommonNoise('independent'))
-    assert state(assumptions.correlated_errors(0.04, 0.1, own)) == ('i', NOT_TESTABLE)
+    assert state(assumptions.judge_correlated_errors(0.04, 0.1, own)) == ('i', NOT_TESTABLE)
 
 
 @pytest.mark.parametrize('model, share, kurtosis', [
@@ -169,7 +171,7 @@ def test_the_kurtosis_of_a_model_agrees_with_simulation(rng):
     """A million differences, six standard errors sqrt(24/n)."""
     n = 1_000_000
     x = math.sqrt(3.0) * rng.uniform(-1.0, 1.0, n) + 0.7 * rng.standard_normal(n)
-    found = shape(x)
+    found = measure_shape(x)
     assert found.excess_kurtosis == pytest.approx(
         model_kurtosis('UN', 0.49 / 1.49), abs=6.0 * math.sqrt(24.0 / n))
 
@@ -181,7 +183,7 @@ def test_j_holds_the_data_against_the_model(rng):
     skewed = 0.1 * rng.exponential(1.0, n)
 
     def judged(x, model, nu=None, reference=(0.0, 0.03)):
-        return state(assumptions.laws(shape(x, nu), model, reference))
+        return state(assumptions.judge_laws(measure_shape(x, nu), model, reference))
     assert judged(uniform, 'UN') == ('j', MET)
     assert judged(uniform, 'NN') == ('j', VIOLATED)
     assert judged(normal, 'NN') == ('j', MET)
@@ -194,5 +196,5 @@ def test_j_holds_the_data_against_the_model(rng):
 def test_j_takes_any_kurtosis_between_the_bounds_of_the_rs(rng):
     """U + N: an RS from none to all of the variance gives from -1.2 to 0."""
     x = math.sqrt(3.0) * rng.uniform(-1.0, 1.0, 5000) + rng.standard_normal(5000)
-    assert assumptions.laws(shape(x), 'UN', (0.0, 5.0)).state == MET
-    assert assumptions.laws(shape(x), 'UN', (0.0, 0.1)).state == VIOLATED
+    assert assumptions.judge_laws(measure_shape(x), 'UN', (0.0, 5.0)).state == MET
+    assert assumptions.judge_laws(measure_shape(x), 'UN', (0.0, 0.1)).state == VIOLATED

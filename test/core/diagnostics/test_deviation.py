@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from heading_intercompare.core.diagnostics.deviation import deviation, largest_empty_arc
+from heading_intercompare.core.diagnostics.deviation import fit_deviation, largest_empty_arc
 
 TRUTH = (0.1, 0.3, -0.2, 0.05, 0.15)
 
@@ -22,7 +22,7 @@ def curve(heading_deg, coefficients=TRUTH):
 
 def test_coefficients_without_noise_are_exact():
     heading = np.arange(720) * 1.5 % 360.0
-    found = deviation(curve(heading), heading)
+    found = fit_deviation(curve(heading), heading)
     assert found.coefficients_deg == pytest.approx(TRUTH, abs=1e-12)
     assert found.condition == pytest.approx(2.0)
     assert found.residual_std_deg < 1e-12
@@ -36,7 +36,7 @@ def test_the_fit_agrees_with_numpy_in_pieces_too(rng):
     psi = np.radians(heading)
     basis = np.stack((np.ones(n), np.sin(psi), np.cos(psi), np.sin(2 * psi), np.cos(2 * psi)), 1)
     expected, rss, _, _ = np.linalg.lstsq(basis, x, rcond=None)
-    found = deviation(x, heading)
+    found = fit_deviation(x, heading)
     assert found.coefficients_deg == pytest.approx(expected, rel=1e-8)
     assert found.residual_std_deg == pytest.approx(math.sqrt(rss[0] / (n - 5)), rel=1e-9)
     assert found.condition == pytest.approx(np.linalg.cond(basis.T @ basis / n), rel=1e-8)
@@ -46,7 +46,7 @@ def test_the_uncertainties_survive_correlation(ar1):
     """Eight turns, errors correlated over a fiftieth of a block; 1 within six errors and 10 %."""
     n = 8000
     heading = np.linspace(0.0, 8 * 360.0, n) % 360.0
-    found = [deviation(ar1(n, 5.0), heading) for _ in range(200)]
+    found = [fit_deviation(ar1(n, 5.0), heading) for _ in range(200)]
     for which in range(5):
         z = [f.coefficients_deg[which] / f.u_deg[which] for f in found]
         assert np.std(z) == pytest.approx(1.0, abs=0.1 + 6.0 / math.sqrt(400.0))
@@ -54,7 +54,7 @@ def test_the_uncertainties_survive_correlation(ar1):
 
 
 def test_the_covariance_is_symmetric_and_holds_the_uncertainties(ar1):
-    found = deviation(ar1(2000, 3.0), np.linspace(0.0, 700.0, 2000) % 360.0)
+    found = fit_deviation(ar1(2000, 3.0), np.linspace(0.0, 700.0, 2000) % 360.0)
     covariance = np.array(found.covariance_deg2)
     assert (covariance == covariance.T).all()
     assert np.sqrt(np.diag(covariance)) == pytest.approx(found.u_deg)
@@ -62,7 +62,8 @@ def test_the_covariance_is_symmetric_and_holds_the_uncertainties(ar1):
 
 def test_a_quadrantal_error_is_significant(rng):
     heading = rng.uniform(0.0, 360.0, 5000)
-    found = deviation(curve(heading, (0, 0, 0, 0.2, 0)) + 0.5 * rng.standard_normal(5000), heading)
+    found = fit_deviation(curve(heading, (0, 0, 0, 0.2, 0)) + 0.5 * rng.standard_normal(5000),
+                          heading)
     assert found.p < 1e-6
     assert found.amplitude_deg == pytest.approx(0.2, abs=6 * 0.5 * math.sqrt(2 / 5000) * 2)
 
@@ -70,12 +71,12 @@ def test_a_quadrantal_error_is_significant(rng):
 def test_turning_the_compass_turns_the_coefficients():
     """B sin(psi + 90) + C cos(psi + 90) = B cos(psi) - C sin(psi); D and E change sign."""
     heading = np.arange(0.0, 1800.0, 2.5) % 360.0
-    a, b, c, d, e = deviation(curve(heading + 90.0), heading).coefficients_deg
+    a, b, c, d, e = fit_deviation(curve(heading + 90.0), heading).coefficients_deg
     assert (a, b, c, d, e) == pytest.approx((0.1, 0.2, 0.3, -0.05, -0.15), abs=1e-12)
 
 
 def test_headings_in_a_narrow_arc_are_refused(rng):
-    found = deviation(rng.standard_normal(5000), rng.uniform(80.0, 140.0, 5000))
+    found = fit_deviation(rng.standard_normal(5000), rng.uniform(80.0, 140.0, 5000))
     assert found.reason == 'headings_too_narrow'
     assert found.condition == pytest.approx(5e6, rel=0.7)
     assert found.empty_arc_deg == pytest.approx(300.0, abs=0.5)
@@ -83,18 +84,18 @@ def test_headings_in_a_narrow_arc_are_refused(rng):
 
 
 def test_one_heading_alone_is_refused():
-    found = deviation(np.zeros(100), np.full(100, 30.0))
+    found = fit_deviation(np.zeros(100), np.full(100, 30.0))
     assert (found.reason, found.empty_arc_deg) == ('headings_too_narrow', 360.0)
 
 
 @pytest.mark.parametrize('n', [0, 1, 63])
 def test_too_few_samples_have_no_coefficients(n):
-    found = deviation(np.zeros(n), np.arange(n) * 5.0)
+    found = fit_deviation(np.zeros(n), np.arange(n) * 5.0)
     assert (found.reason, found.condition, found.p) == ('insufficient_data', None, None)
 
 
 def test_equal_differences_all_round_depend_on_nothing():
-    found = deviation(np.full(360, 0.3), np.arange(360.0))
+    found = fit_deviation(np.full(360, 0.3), np.arange(360.0))
     assert found.coefficients_deg == pytest.approx((0.3, 0, 0, 0, 0), abs=1e-12)
     assert found.p is None
 

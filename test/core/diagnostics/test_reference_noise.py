@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from heading_intercompare.core.diagnostics.reference_noise import reference_noise
+from heading_intercompare.core.diagnostics.reference_noise import estimate_reference_noise
 
 
 def test_the_first_octave_by_hand():
@@ -19,7 +19,7 @@ def test_the_first_octave_by_hand():
     The means of two are all zero: no further octave, and no scatter at all.
     """
     rs = 0.3 * np.tile([1.0, -1.0, -1.0, 1.0], 16)
-    found = reference_noise(np.zeros(64), rs)
+    found = estimate_reference_noise(np.zeros(64), rs)
     assert found.octaves == (1,)
     assert found.rs_variance_deg2 == pytest.approx((0.09,))
     assert found.ts_variance_deg2 == pytest.approx((0.0,))
@@ -29,7 +29,7 @@ def test_the_first_octave_by_hand():
 
 def test_the_shares_add_up_to_the_octaves_of_the_difference(rng):
     ts, rs = 0.1 * rng.standard_normal(4096), 0.05 * rng.standard_normal(4096)
-    found = reference_noise(ts, rs)
+    found = estimate_reference_noise(ts, rs)
     expected = []
     for k in found.octaves:
         means = (ts - rs).reshape(-1, k).mean(axis=1)
@@ -49,7 +49,7 @@ def test_the_bound_is_near_the_truth_and_seldom_above(yaw, rng):
     found = []
     for _ in range(30):
         noise = rng.standard_normal((2, t.size)) * [[0.1], [0.05]]
-        found.append(reference_noise(*(heading + noise)).sigma_ref_lower_deg / 0.05)
+        found.append(estimate_reference_noise(*(heading + noise)).sigma_ref_lower_deg / 0.05)
     assert min(found) > 0.6
     assert sum(f > 1.0 for f in found) < 6
 
@@ -60,14 +60,14 @@ def test_a_skew_is_taken_off_the_bound(yaw, rng):
     rs = yaw(t) + 0.01 * rng.standard_normal(t.size)
     ts = yaw(t - 0.5) + 0.01 * rng.standard_normal(t.size)
     added = (0.5 * np.gradient(yaw(t), 0.1).std()) ** 2
-    assert reference_noise(ts, rs).sigma_ref_lower_deg > 0.013
-    assert reference_noise(ts, rs, skew_variance_deg2=added).sigma_ref_lower_deg < 0.01
-    assert reference_noise(ts, rs, skew_variance_deg2=math.inf).sigma_ref_lower_deg == 0.0
+    assert estimate_reference_noise(ts, rs).sigma_ref_lower_deg > 0.013
+    assert estimate_reference_noise(ts, rs, skew_variance_deg2=added).sigma_ref_lower_deg < 0.01
+    assert estimate_reference_noise(ts, rs, skew_variance_deg2=math.inf).sigma_ref_lower_deg == 0.0
 
 
 def test_sensors_exchanged_exchange_their_shares(rng):
     ts, rs = 0.1 * rng.standard_normal(1024), 0.09 * rng.standard_normal(1024)
-    a, b = reference_noise(ts, rs), reference_noise(rs, ts)
+    a, b = estimate_reference_noise(ts, rs), estimate_reference_noise(rs, ts)
     common = [k for k in a.octaves if k in b.octaves]
     assert common
     for k in common:
@@ -77,15 +77,15 @@ def test_sensors_exchanged_exchange_their_shares(rng):
 
 @pytest.mark.parametrize('n', [0, 1, 31])
 def test_too_few_readings_say_nothing(n):
-    found = reference_noise(np.zeros(n), np.ones(n))
+    found = estimate_reference_noise(np.zeros(n), np.ones(n))
     assert (found.octaves, found.sigma_ref_lower_deg, found.m_lower(0.1)) == ((), None, None)
 
 
 def test_sensors_without_noise_say_nothing():
-    assert reference_noise(np.zeros(100), np.zeros(100)).sigma_ref_lower_deg is None
+    assert estimate_reference_noise(np.zeros(100), np.zeros(100)).sigma_ref_lower_deg is None
 
 
 def test_a_norm_of_zero_gives_no_ratio(rng):
-    found = reference_noise(np.zeros(500), rng.standard_normal(500))
+    found = estimate_reference_noise(np.zeros(500), rng.standard_normal(500))
     assert found.sigma_ref_lower_deg > 0.0
     assert found.m_lower(0.0) is None

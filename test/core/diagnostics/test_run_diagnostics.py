@@ -18,7 +18,7 @@ from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.decision.campaign import Together
 from heading_intercompare.core.decision.coverage import Coverage
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.decision.guarded import decide, evidence_of, Guarded
+from heading_intercompare.core.decision.guarded import decide, gather_evidence, Guarded
 from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.diagnostics.assumptions import (
     Assumption,
@@ -32,8 +32,8 @@ from heading_intercompare.core.diagnostics.run_diagnostics import diagnose, Diag
 from heading_intercompare.core.diagnostics.run_findings import (
     Allan,
     Correlation,
+    describe_drift,
     Drift,
-    drift_of,
     left_in_deg2,
     RunSkew,
 )
@@ -41,7 +41,11 @@ from heading_intercompare.core.pipeline import join
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.cells import Cells
 from heading_intercompare.core.statistics.drift import Order, remove_polynomial, Slope
-from heading_intercompare.core.statistics.ergodicity import Homogeneity, homogeneity, RunFigures
+from heading_intercompare.core.statistics.ergodicity import (
+    examine_homogeneity,
+    Homogeneity,
+    RunFigures,
+)
 from heading_intercompare.core.statistics.normality import Normality, Shape
 from heading_intercompare.core.statistics.stationarity import Stationarity
 from heading_intercompare.core.statistics.warm_up import WarmUp
@@ -51,8 +55,8 @@ from heading_intercompare.core.timing.time_skew import Skew
 from heading_intercompare.core.verdict.validity import Finding
 from heading_intercompare.core.verdict.verdict_document import (
     Campaign,
+    make_plain,
     PairingFigures,
-    plain,
     RunVerdict,
     SCHEMA,
 )
@@ -64,8 +68,8 @@ SETTINGS = Settings.from_mapping(
 
 
 def judged(x, stamps, span_s, limits, settings=SETTINGS):
-    evidence = evidence_of(Cells.of(x, stamps), n_plus=0, n_plus_plus=0, span_s=span_s,
-                           mean_deg=float(x.mean()) if x.size else None)
+    evidence = gather_evidence(Cells.of(x, stamps), n_plus=0, n_plus_plus=0, span_s=span_s,
+                               mean_deg=float(x.mean()) if x.size else None)
     return decide(evidence, limits, settings.risk)
 
 
@@ -74,7 +78,7 @@ def run(x, rs, step_s=0.1, settings=SETTINGS, **given):
     limits = Limits.of(settings.norms, settings.model)
     span_s = (x.size - 1) * step_s if x.size else 0.0
     guarded = judged(x, stamps, span_s, limits, settings)
-    drift, rest = drift_of(stamps, x, 0.1 * limits.sigma_max_deg)
+    drift, rest = describe_drift(stamps, x, 0.1 * limits.sigma_max_deg)
     return diagnose(stamps, x, np.asarray(rs), settings, guarded, limits, drift=drift,
                     rest=rest, **given)
 
@@ -125,7 +129,7 @@ def test_the_palmer_turns_from_non_compliant_to_compliant(real):
     pairs, x = real('gyr1-s330')
     limits = Limits.of(SETTINGS.norms)
     guarded = judged(x, pairs.stamp_ns, 600.0, limits)
-    drift, rest = drift_of(pairs.stamp_ns, x, 0.1 * limits.sigma_max_deg)
+    drift, rest = describe_drift(pairs.stamp_ns, x, 0.1 * limits.sigma_max_deg)
     found = diagnose(pairs.stamp_ns, x, pairs.rs_deg, SETTINGS, guarded, limits, drift=drift,
                      rest=rest)
     assert found.skew.outcome_as_paired.value == 'non_compliant'
@@ -187,7 +191,7 @@ def test_silences_are_warned_of(good):
     stamps[x.size // 2:] += 30 * 10 ** 9
     limits = Limits.of(SETTINGS.norms)
     guarded = judged(x, stamps, 3600.0, limits)
-    drift, rest = drift_of(stamps, x, 0.1 * limits.sigma_max_deg)
+    drift, rest = describe_drift(stamps, x, 0.1 * limits.sigma_max_deg)
     found = diagnose(stamps, x, rs, SETTINGS, guarded, limits, drift=drift, rest=rest)
     assert found.correlation.stamps.silences == 1
     assert any(w.startswith('silence: the pairs fall silent 1 times, for up to 30.1 s')
@@ -196,7 +200,7 @@ def test_silences_are_warned_of(good):
 
 def test_ergodicity_is_filled_in_from_all_runs(good):
     found = run(*good)
-    runs = homogeneity([RunFigures(0.0, 1.0, 1.0, 20.0), RunFigures(0.1, 1.0, 1.0, 20.0)])
+    runs = examine_homogeneity([RunFigures(0.0, 1.0, 1.0, 20.0), RunFigures(0.1, 1.0, 1.0, 20.0)])
     changed = with_runs(found.assumptions, runs)
     assert [a.id for a in changed] == list('abcdefghij')
     assert changed[6].state == MET
@@ -212,7 +216,7 @@ def test_any_number_of_pairs_gives_figures_or_none(n, rng):
         for x in (np.zeros(n), np.full(n, 0.1), np.full(n, -180.0), rng.standard_normal(n)):
             for rs in (np.full(n, 10.0), np.arange(n) * 3.3 % 360.0):
                 found = run(x, rs)
-                json.dumps(plain(replace(found, signs=None)), allow_nan=False)
+                json.dumps(make_plain(replace(found, signs=None)), allow_nan=False)
                 assert len(found.assumptions) == 10
                 assert n >= 64 or not any(a.state == MET for a in found.assumptions
                                           if a.id != 'j')
@@ -279,5 +283,5 @@ def test_the_drift_left_in_is_that_of_the_block(rng):
     stamps = np.arange(4000) * 10 ** 8
     for slope in (0.0, 2e-4):
         x = slope * np.arange(4000) + rng.standard_normal(4000)
-        assert left_in_deg2(stamps, x) == drift_of(stamps, x, 0.1)[0].left_deg2
+        assert left_in_deg2(stamps, x) == describe_drift(stamps, x, 0.1)[0].left_deg2
     assert left_in_deg2(stamps[:0], x[:0]) == 0.0

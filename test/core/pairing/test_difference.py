@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.core.pairing.difference import difference
+from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Pairs
 
 
@@ -16,23 +16,23 @@ def pairs(ts, rs):
 
 
 def test_the_difference_goes_through_north():
-    assert difference(pairs([1.0, 359.0], [359.0, 1.0])).x_deg.tolist() == [2.0, -2.0]
+    assert subtract(pairs([1.0, 359.0], [359.0, 1.0])).x_deg.tolist() == [2.0, -2.0]
 
 
 @pytest.mark.parametrize('offset, ts, rs, x', [
     (1.5, 12.0, 10.0, 0.5), (179.9, 189.9, 10.0, 0.0), (-179.9, 190.1, 10.0, 0.0),
     (0.0, 190.0, 10.0, -180.0)])
 def test_the_installation_offset_is_removed(offset, ts, rs, x):
-    assert difference(pairs([ts], [rs]), offset).x_deg == pytest.approx([x], abs=1e-12)
+    assert subtract(pairs([ts], [rs]), offset).x_deg == pytest.approx([x], abs=1e-12)
 
 
 def test_the_centre_of_the_wrap_moves_the_cut():
     """Two sensors mounted back to back differ by 180 ± a little: no jump about a centre of 180."""
     back = pairs([190.1, 189.9], [10.0, 10.0])
-    assert difference(back, 0.0, 180.0).x_deg == pytest.approx([180.1, 179.9])
-    assert difference(back).x_deg == pytest.approx([-179.9, 179.9])
+    assert subtract(back, 0.0, 180.0).x_deg == pytest.approx([180.1, 179.9])
+    assert subtract(back).x_deg == pytest.approx([-179.9, 179.9])
 
 
 def test_what_is_not_finite_stays_so_and_nothing_gives_nothing():
-    assert np.isnan(difference(pairs([np.nan, 1.0], [1.0, np.inf])).x_deg).all()
-    assert len(difference(Pairs.empty())) == 0
+    assert np.isnan(subtract(pairs([np.nan, 1.0], [1.0, np.inf])).x_deg).all()
+    assert len(subtract(Pairs.empty())) == 0

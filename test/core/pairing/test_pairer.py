@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.core.pairing.difference import difference
+from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.ledger import Ledger
 from heading_intercompare.core.pairing.pairer import pair, Pairer
 from heading_intercompare.core.records import Headings, Pairs
@@ -156,9 +156,9 @@ def test_a_constant_added_to_both_headings_leaves_the_differences(method, ts, rs
     # Headings on a binary grid, so that the addition itself is exact.
     ts, rs = (Headings.of(s.stamp_ns, np.round(s.heading_deg * 1024) / 1024 % 360)
               for s in (ts, rs))
-    plain = difference(pair(ts, rs, rules(method, tolerance_s=0.3))[0])
+    plain = subtract(pair(ts, rs, rules(method, tolerance_s=0.3))[0])
     turned = [Headings.of(s.stamp_ns, (s.heading_deg + turn) % 360) for s in (ts, rs)]
-    x = difference(pair(*turned, rules(method, tolerance_s=0.3))[0])
+    x = subtract(pair(*turned, rules(method, tolerance_s=0.3))[0])
     assert np.array_equal(x.stamp_ns, plain.stamp_ns)
     assert np.abs(wrap180(x.x_deg - plain.x_deg)).max(initial=0.0) < 1e-12
 

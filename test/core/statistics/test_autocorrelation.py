@@ -18,10 +18,10 @@ from scipy.signal import lfilter
 
 from heading_intercompare.core.angles import unwrap_deg, wrap180
 from heading_intercompare.core.statistics.autocorrelation import (
-    allan_deviation,
-    autocorrelation,
-    correlation_times,
+    autocorrelate,
+    compute_allan_deviation,
     effective_size,
+    estimate_correlation_times,
     geyer_time,
     sokal_times,
 )
@@ -53,14 +53,14 @@ def nist_series():
 
 def test_autocorrelation_by_hand():
     """1, 2, 3 about 2: -1, 0, 1; power 2; lag 1: 0; lag 2: -1."""
-    assert autocorrelation([1.0, 2.0, 3.0], 5) == pytest.approx([1.0, 0.0, -0.5], abs=1e-15)
+    assert autocorrelate([1.0, 2.0, 3.0], 5) == pytest.approx([1.0, 0.0, -0.5], abs=1e-15)
 
 
 @pytest.mark.parametrize('n, lags', [(2, 1), (50, 49), (1001, 300), (150_000, 40),
                                      (300_001, 150_000)])
 def test_autocorrelation_agrees_with_the_definition(n, lags, rng):
     x = 170.0 + ar1(n, 12.0, rng)
-    got = autocorrelation(x, lags)
+    got = autocorrelate(x, lags)
     some = np.unique(np.linspace(0, lags, 25).astype(int))
     e = x - x.mean()
     expected = [np.dot(e[:n - k], e[k:]) / np.dot(e, e) for k in some]
@@ -69,17 +69,17 @@ def test_autocorrelation_agrees_with_the_definition(n, lags, rng):
 
 
 def test_autocorrelation_of_degenerate_series():
-    assert autocorrelation([], 3).size == 0
-    assert autocorrelation([7.5], 3).tolist() == [1.0]
-    assert autocorrelation([0.1] * 9, 3).tolist() == [1.0, 0.0, 0.0, 0.0]
+    assert autocorrelate([], 3).size == 0
+    assert autocorrelate([7.5], 3).tolist() == [1.0]
+    assert autocorrelate([0.1] * 9, 3).tolist() == [1.0, 0.0, 0.0, 0.0]
     with pytest.raises(ValueError, match='max_lag = -1'):
-        autocorrelation([1.0, 2.0], -1)
+        autocorrelate([1.0, 2.0], -1)
 
 
 def test_all_lags_that_the_decision_needs_fit_into_200_megabytes(rng):
     x = rng.standard_normal(4_320_000)
     tracemalloc.start()
-    autocorrelation(x, x.size // 4)
+    autocorrelate(x, x.size // 4)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < 200e6
@@ -99,7 +99,7 @@ def test_correlation_times_agree_with_the_definition(n, tau, rng):
             tau_2 += 2.0 * r[w] ** 2
         if w >= 10.0 * max(tau_1, tau_2, 1.0):
             break
-    got = correlation_times(x)
+    got = estimate_correlation_times(x)
     assert (got.n, got.window) == (n, w)
     assert (got.tau_1, got.tau_2) == pytest.approx((tau_1, tau_2), rel=1e-10)
     assert effective_size(x) == pytest.approx(n / max(tau_2, 1.0), rel=1e-10)
@@ -107,9 +107,9 @@ def test_correlation_times_agree_with_the_definition(n, tau, rng):
 
 def test_the_window_grows_beyond_the_first_lags_computed(rng):
     x = ar1(200_000, 2000.0, rng)
-    got = correlation_times(x)
+    got = estimate_correlation_times(x)
     assert got.window > 4096
-    r = autocorrelation(x, got.window)[1:]
+    r = autocorrelate(x, got.window)[1:]
     assert got.tau_2 == pytest.approx(1.0 + 2.0 * np.sum(r * r), rel=1e-10)
 
 
@@ -120,7 +120,7 @@ def test_correlation_times_of_ar1_are_those_of_theory(rng):
     Six standard errors sqrt(2 (2 W + 1) / n) of tau_1 (Sokal 1997); tau_2 scatters less.
     """
     phi = math.exp(-1.0 / 20.0)
-    got = correlation_times(ar1(400_000, 20.0, rng))
+    got = estimate_correlation_times(ar1(400_000, 20.0, rng))
     rel = 6.0 * math.sqrt(2.0 * (2 * got.window + 1) / got.n)
     assert rel < 0.4
     assert got.tau_1 == pytest.approx((1 + phi) / (1 - phi), rel=rel)
@@ -142,7 +142,7 @@ def test_geyer_sums_while_pairs_are_positive():
 
 def test_geyer_reaches_beyond_the_first_lags_computed(rng):
     x = np.cos(np.pi * np.arange(40_000) / 40_000) + 0.01 * rng.standard_normal(40_000)
-    r = autocorrelation(x, 39_999)
+    r = autocorrelate(x, 39_999)
     pairs = r.reshape(-1, 2).sum(axis=1)
     count = int(np.argmax(pairs <= 0.0))
     assert 2 * count > 4096
@@ -195,7 +195,7 @@ def test_correlation_of_real_logs_agrees_with_independent_programs(shared_data, 
     times = sokal_times(x)
     assert (x.size, times.window) == (expected['n'], expected['W'])
     assert x.mean() == pytest.approx(expected['mean'], rel=1e-9)
-    got = {'r1': autocorrelation(x, 1)[1], 'tau': times.tau_1, 'tau2': times.tau_2,
+    got = {'r1': autocorrelate(x, 1)[1], 'tau': times.tau_1, 'tau2': times.tau_2,
            'tau_geyer': geyer_time(x)}
     assert got == pytest.approx({name: expected[name] for name in got}, rel=1e-9)
 
@@ -204,8 +204,8 @@ def test_correlation_of_real_logs_agrees_with_independent_programs(shared_data, 
 
 def test_allan_deviation_of_the_nist_series():
     """NIST SP 1065, test suite of 1000 points: seven digits as printed."""
-    plain = allan_deviation(nist_series(), 1.0, m=[1, 10, 100], overlapping=False)
-    overlapped = allan_deviation(nist_series(), 1.0, [1.0, 10.0, 100.0])
+    plain = compute_allan_deviation(nist_series(), 1.0, m=[1, 10, 100], overlapping=False)
+    overlapped = compute_allan_deviation(nist_series(), 1.0, [1.0, 10.0, 100.0])
     assert [f'{v:.6e}' for v in plain.deviation] == \
         ['2.922319e-01', '9.965736e-02', '3.897804e-02']
     assert [f'{v:.6e}' for v in overlapped.deviation] == \
@@ -216,7 +216,7 @@ def test_allan_deviation_of_the_nist_series():
 
 def test_allan_deviation_by_hand():
     """0, 2, 4, 10: averages of two 1, 7: sqrt(36/2); steps of one 2, 2, 6: sqrt(44/3/2)."""
-    got = allan_deviation([0.0, 2.0, 4.0, 10.0], 4.0)
+    got = compute_allan_deviation([0.0, 2.0, 4.0, 10.0], 4.0)
     assert got.m.tolist() == [1, 2]
     assert got.tau_s.tolist() == [0.25, 0.5]
     assert got.deviation == pytest.approx([math.sqrt(44.0 / 6.0), math.sqrt(18.0)])
@@ -227,7 +227,7 @@ def test_overlapped_allan_deviation_agrees_with_the_definition(m, rng):
     x = 350.0 + ar1(700, 30.0, rng)
     means = np.array([x[i:i + m].mean() for i in range(x.size - m + 1)])
     expected = math.sqrt(0.5 * np.mean((means[m:] - means[:-m]) ** 2))
-    got = allan_deviation(x, 10.0, [m / 10.0])
+    got = compute_allan_deviation(x, 10.0, [m / 10.0])
     assert got.deviation == pytest.approx([expected], rel=1e-10)
 
 
@@ -236,26 +236,26 @@ def test_plain_allan_deviation_agrees_with_the_definition(m, rng):
     x = ar1(4096, 9.0, rng)
     means = [math.fsum(x[i:i + m]) / m for i in range(0, x.size - m + 1, m)]
     expected = math.fsum((b - a) ** 2 for a, b in zip(means, means[1:])) / (2 * len(means) - 2)
-    got = allan_deviation(x, 1.0, m=[m], overlapping=False)
+    got = compute_allan_deviation(x, 1.0, m=[m], overlapping=False)
     assert got.deviation ** 2 == pytest.approx([expected], rel=1e-9)
 
 
 def test_allan_deviation_of_white_noise_falls_with_the_root_of_time(rng):
     """As sigma / sqrt(m); six standard errors, 1 / sqrt(2 n / 3 m), of the overlapped form."""
     n = 200_000
-    got = allan_deviation(rng.standard_normal(n), 10.0, [0.1, 1.0, 10.0])
+    got = compute_allan_deviation(rng.standard_normal(n), 10.0, [0.1, 1.0, 10.0])
     for m, deviation in zip((1, 10, 100), got.deviation):
         assert abs(deviation * math.sqrt(m) - 1.0) < 6.0 / math.sqrt(2.0 * n / (3.0 * m))
 
 
 @pytest.mark.parametrize('x', [[], [1.0]])
 def test_allan_deviation_of_too_few_samples_is_empty(x):
-    got = allan_deviation(x, 1.0)
+    got = compute_allan_deviation(x, 1.0)
     assert (got.m.size, got.deviation.size, got.terms.size) == (0, 0, 0)
 
 
 def test_allan_deviation_leaves_out_times_that_the_record_does_not_hold():
-    got = allan_deviation(np.arange(10.0), 2.0, [0.1, 0.5, 0.5, 2.5, 3.0])
+    got = compute_allan_deviation(np.arange(10.0), 2.0, [0.1, 0.5, 0.5, 2.5, 3.0])
     assert got.m.tolist() == [1, 5]
     with pytest.raises(ValueError, match='rate_hz = 0.0'):
-        allan_deviation([1.0, 2.0], 0.0)
+        compute_allan_deviation([1.0, 2.0], 0.0)

@@ -20,10 +20,10 @@ from heading_intercompare.core.statistics.confidence_bounds import (
     rate_upper,
 )
 from heading_intercompare.core.statistics.variance_uncertainty import (
+    estimate_spread,
     excess,
     lower_bound,
     Spread,
-    spread,
     upper_bound,
 )
 
@@ -73,7 +73,7 @@ def test_confidence_does_not_know_a_slow_part_it_allows_for():
 
 
 def test_zero_residuals_are_within_any_limit():
-    found = spread(Cells.of(np.zeros(200)))
+    found = estimate_spread(Cells.of(np.zeros(200)))
     assert confidence(found, 1e-9) == 1.0 - LEAST_RISK
     assert duration_factor(found, 1.0, 1.2, 0.05, 0.05) == 1.0
 

@@ -13,9 +13,9 @@ import pytest
 from heading_intercompare.core.statistics.drift import (
     Detrended,
     drift_left_deg2,
+    fit_slope,
     remove_polynomial,
     select_order,
-    slope,
 )
 
 PAIRS = ['gyr1-s330', 'gyr1-seap', 's330-gyr1', 'seap-s330', 'adcp-seap', 'lgyr-lsep',
@@ -163,7 +163,7 @@ def test_the_drift_left_in_is_seldom_above_its_bound(rng):
 
 def test_slope_by_hand():
     """0, 1, 1 at 0, 1, 2 h: slope 1/2, residuals -1/6, 1/3, -1/6 and RSS 1/6."""
-    found = slope(stamps(3, 3600.0), [0.0, 1.0, 1.0])
+    found = fit_slope(stamps(3, 3600.0), [0.0, 1.0, 1.0])
     assert found.slope_deg_per_h == pytest.approx(0.5)
     assert found.intercept_deg == pytest.approx(1.0 / 6.0)
     assert found.u_naive_deg_per_h == pytest.approx(math.sqrt(1.0 / 12.0))
@@ -173,7 +173,7 @@ def test_slope_by_hand():
 @pytest.mark.parametrize('name', PAIRS)
 def test_slopes_of_real_logs_agree_with_independent_programs(name, real, golden):
     pairs, x = real(name)
-    found, expected = slope(pairs.stamp_ns, x), golden['pairs'][name]['drift']
+    found, expected = fit_slope(pairs.stamp_ns, x), golden['pairs'][name]['drift']
     got = {'slope_deg_per_h': found.slope_deg_per_h, 'intercept': found.intercept_deg,
            'se_naive': found.u_naive_deg_per_h, 'tau_resid': found.tau_samples,
            'se_corr': found.u_naive_deg_per_h * math.sqrt(max(1.0, found.tau_samples)),
@@ -185,20 +185,20 @@ def test_the_standard_error_of_a_slope_allows_for_correlation(ar1):
     """Scatter over its own standard error, 150 times: 1 within six standard errors and bias."""
     n = 5000
     z = [f.slope_deg_per_h / f.u_deg_per_h
-         for f in (slope(stamps(n), ar1(n, 10.0)) for _ in range(150))]
+         for f in (fit_slope(stamps(n), ar1(n, 10.0)) for _ in range(150))]
     assert np.std(z) == pytest.approx(1.0, abs=6.0 / math.sqrt(300.0))
 
 
 def test_slope_does_not_depend_on_the_date_or_the_mean(rng):
     x = rng.standard_normal(100)
     t = np.arange(100) * 10 ** 9
-    a, b = slope(t, x), slope(t + 17 * 10 ** 17, x + 40.0)
+    a, b = fit_slope(t, x), fit_slope(t + 17 * 10 ** 17, x + 40.0)
     assert b.slope_deg_per_h == pytest.approx(a.slope_deg_per_h, rel=1e-9)
     assert b.intercept_deg - 40.0 == pytest.approx(a.intercept_deg, abs=1e-12)
 
 
 def test_slope_of_too_few_samples():
-    assert slope([], []) is None
-    assert slope([5], [1.0]) is None
-    two = slope([0, 3_600_000_000_000], [1.0, 2.0])
+    assert fit_slope([], []) is None
+    assert fit_slope([5], [1.0]) is None
+    two = fit_slope([0, 3_600_000_000_000], [1.0, 2.0])
     assert (two.slope_deg_per_h, two.u_deg_per_h) == (1.0, None)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from heading_intercompare.core.statistics.ergodicity import homogeneity, RunFigures
+from heading_intercompare.core.statistics.ergodicity import examine_homogeneity, RunFigures
 
 
 def test_means_by_hand():
@@ -19,7 +19,7 @@ def test_means_by_hand():
 
     Between: (1.8 - 1)/(1.25 - 1.0625/1.25) = 0.8/0.4 = 2.
     """
-    found = homogeneity([RunFigures(0.0, 1.0, 5.0, 10.0), RunFigures(3.0, 4.0, 5.0, 10.0)])
+    found = examine_homogeneity([RunFigures(0.0, 1.0, 5.0, 10.0), RunFigures(3.0, 4.0, 5.0, 10.0)])
     assert found.m == 2
     assert found.weighted_mean_deg == pytest.approx(0.6)
     assert found.q == pytest.approx(1.8)
@@ -32,8 +32,8 @@ def test_means_by_hand():
 
 def test_variances_agree_with_bartlett_of_scipy(rng):
     samples = [s * rng.standard_normal(n) for s, n in ((1.0, 20), (1.5, 35), (0.8, 12))]
-    found = homogeneity([RunFigures(0.0, 1.0, float(np.var(s, ddof=1)), s.size - 1.0)
-                         for s in samples])
+    found = examine_homogeneity([RunFigures(0.0, 1.0, float(np.var(s, ddof=1)), s.size - 1.0)
+                                 for s in samples])
     expected = stats.bartlett(*samples)
     assert found.bartlett == pytest.approx(expected.statistic, rel=1e-9)
     assert found.bartlett_p == pytest.approx(expected.pvalue, rel=1e-9)
@@ -45,7 +45,7 @@ def test_runs_of_one_process_are_seldom_called_different(rng):
     for _ in range(400):
         runs = [RunFigures(0.1 * rng.standard_normal(), 0.01, rng.chisquare(20.0) / 20.0, 20.0)
                 for _ in range(6)]
-        found = homogeneity(runs)
+        found = examine_homogeneity(runs)
         means += not found.means_equal
         variances += not found.variances_equal
     assert max(means, variances) < 17
@@ -55,7 +55,7 @@ def test_a_mean_that_changes_from_run_to_run_is_measured(rng):
     """200 runs: the variance between has relative standard error sqrt(2/199) (1 + 0.01/0.04)."""
     runs = [RunFigures(0.2 * rng.standard_normal() + 0.1 * rng.standard_normal(), 0.01, 1.0, 30.0)
             for _ in range(200)]
-    found = homogeneity(runs)
+    found = examine_homogeneity(runs)
     assert found.means_equal is False
     assert found.between_variance_deg2 == pytest.approx(
         0.04, rel=6.0 * math.sqrt(2.0 / 199.0) * 1.25)
@@ -63,7 +63,7 @@ def test_a_mean_that_changes_from_run_to_run_is_measured(rng):
 
 def test_the_order_of_the_runs_does_not_matter(rng):
     runs = [RunFigures(*np.abs(rng.standard_normal(3)), 20.0) for _ in range(5)]
-    a, b = homogeneity(runs), homogeneity(runs[::-1])
+    a, b = examine_homogeneity(runs), examine_homogeneity(runs[::-1])
     assert (b.q, b.bartlett) == pytest.approx((a.q, a.bartlett), rel=1e-12)
 
 
@@ -72,6 +72,6 @@ ONE, FROZEN = RunFigures(0.0, 1.0, 1.0, 20.0), RunFigures(0.0, 0.0, 0.0, 9.0)
 
 @pytest.mark.parametrize('runs', [[], [ONE], [ONE, FROZEN]])
 def test_fewer_than_two_runs_are_not_compared(runs):
-    found = homogeneity(runs)
+    found = examine_homogeneity(runs)
     assert found.m == min(1, len(runs))
     assert (found.q, found.bartlett, found.means_equal) == (None, None, None)

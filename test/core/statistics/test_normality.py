@@ -13,12 +13,12 @@ from scipy import stats
 from heading_intercompare.core.statistics import normality as module
 from heading_intercompare.core.statistics.autocorrelation import effective_size
 from heading_intercompare.core.statistics.normality import (
-    anderson_darling,
+    apply_anderson_darling,
+    examine_normality,
+    measure_shape,
     moving_average_residual,
-    normality,
-    shape,
     symmetric_difference,
-    thinned,
+    thin,
 )
 
 PAIRS = ['gyr1-s330', 'gyr1-seap', 's330-gyr1', 'seap-s330', 'adcp-seap', 'lgyr-lsep',
@@ -29,7 +29,7 @@ PAIRS = ['gyr1-s330', 'gyr1-seap', 's330-gyr1', 'seap-s330', 'adcp-seap', 'lgyr-
 
 def test_shape_by_hand():
     """Eight values, half 0 and half 2: g_1 = 0, m_4/m_2^2 = 1, g_2 = -2."""
-    found = shape([0.0, 2.0] * 4)
+    found = measure_shape([0.0, 2.0] * 4)
     assert (found.skewness, found.excess_kurtosis) == (0.0, -2.0)
     assert found.kurtosis_z == pytest.approx(-2.0 * math.sqrt(8.0 / 24.0))
     assert found.jarque_bera == pytest.approx(4.0 / 3.0)
@@ -39,7 +39,7 @@ def test_shape_by_hand():
 
 def test_shape_agrees_with_scipy(rng):
     x = 100.0 + rng.gamma(3.0, 1.0, 300_000)
-    found = shape(x)
+    found = measure_shape(x)
     assert found.skewness == pytest.approx(stats.skew(x), rel=1e-9)
     assert found.excess_kurtosis == pytest.approx(stats.kurtosis(x), rel=1e-9)
     assert found.jarque_bera == pytest.approx(stats.jarque_bera(x).statistic, rel=1e-9)
@@ -47,28 +47,29 @@ def test_shape_agrees_with_scipy(rng):
 
 def test_shape_depends_neither_on_mean_nor_on_scale(rng):
     x = rng.standard_normal(1000)
-    assert shape(170.0 - 0.1 * x).skewness == pytest.approx(-shape(x).skewness, rel=1e-9)
-    assert shape(170.0 - 0.1 * x).p == pytest.approx(shape(x).p, rel=1e-9)
+    assert measure_shape(170.0 - 0.1 * x).skewness == pytest.approx(-measure_shape(x).skewness,
+                                                                    rel=1e-9)
+    assert measure_shape(170.0 - 0.1 * x).p == pytest.approx(measure_shape(x).p, rel=1e-9)
 
 
 def test_correlated_normal_values_are_normal_at_their_effective_size(ar1):
     """Of 200 at 1 %, 11 would be six standard errors too many; at the full n most reject."""
     runs = [ar1(4000, 20.0) for _ in range(200)]
-    effective = sum(shape(x, effective_size(x)).p < 0.01 for x in runs)
+    effective = sum(measure_shape(x, effective_size(x)).p < 0.01 for x in runs)
     assert effective < 11
-    assert sum(shape(x).p < 0.01 for x in runs) > 100
+    assert sum(measure_shape(x).p < 0.01 for x in runs) > 100
 
 
 @pytest.mark.parametrize('values', [[], [1.0], [0.3] * 7])
 def test_too_few_values_have_no_shape(values):
-    found = shape(values)
+    found = measure_shape(values)
     assert (found.n, found.skewness, found.p) == (len(values), None, None)
     assert (found.std_deg is None) == (len(values) < 2)
 
 
 def test_equal_values_have_no_shape():
-    assert shape(np.full(100, 0.1)).p is None
-    assert shape(np.full(100, 0.1)).std_deg == 0.0
+    assert measure_shape(np.full(100, 0.1)).p is None
+    assert measure_shape(np.full(100, 0.1)).std_deg == 0.0
 
 
 # --- distribution ---
@@ -80,7 +81,7 @@ def test_anderson_darling_agrees_with_its_integral(rng):
     f = (np.arange(2_000_000) + 0.5) / 2_000_000
     steps = np.searchsorted(stats.norm.cdf(z), f, side='right') / 60
     expected = 60 * np.mean((steps - f) ** 2 / (f * (1.0 - f)))
-    assert anderson_darling(x).statistic == pytest.approx(expected, rel=1e-4)
+    assert apply_anderson_darling(x).statistic == pytest.approx(expected, rel=1e-4)
 
 
 @pytest.mark.parametrize('level, statistic', [(0.15, 0.561), (0.10, 0.631), (0.05, 0.752),
@@ -89,33 +90,33 @@ def test_p_of_anderson_darling_has_its_published_quantiles(level, statistic, mon
     """D'Agostino & Stephens 1986, table 4.7, case 3, at n -> infinity; to 3 %."""
     n = 100_000
     x = np.sort(np.random.default_rng(1).standard_normal(n))
-    base = anderson_darling(x).statistic
+    base = apply_anderson_darling(x).statistic
     monkeypatch.setattr(module, 'log_ndtr', lambda z, f=module.log_ndtr: (
         f(z) - 0.5 * (statistic - base) / n))
-    found = anderson_darling(x)
+    found = apply_anderson_darling(x)
     assert found.statistic == pytest.approx(statistic, rel=1e-6)
     assert found.p == pytest.approx(level, rel=0.03)
 
 
 def test_far_values_do_not_overflow():
-    found = anderson_darling([0.0] * 999 + [1e6])
+    found = apply_anderson_darling([0.0] * 999 + [1e6])
     assert found.p == 3.7e-24
     assert math.isfinite(found.statistic)
 
 
 def test_no_anderson_darling_of_too_few_or_equal_values():
-    assert anderson_darling([]) is None
-    assert anderson_darling(np.arange(7.0)) is None
-    assert anderson_darling(np.full(20, 0.1)) is None
+    assert apply_anderson_darling([]) is None
+    assert apply_anderson_darling(np.arange(7.0)) is None
+    assert apply_anderson_darling(np.full(20, 0.1)) is None
 
 
 @pytest.mark.parametrize('name', PAIRS)
 def test_normality_of_real_logs_agrees_with_independent_programs(name, real, golden):
     _, x = real(name)
-    few, step = thinned(x)
+    few, step = thin(x)
     for values, expected in ((x, golden['pairs'][name]['normality']['full']),
                              (few, golden['pairs'][name]['normality']['thinned'])):
-        moments, distance = shape(values), anderson_darling(values)
+        moments, distance = measure_shape(values), apply_anderson_darling(values)
         got = {'g1': moments.skewness, 'g2': moments.excess_kurtosis, 'JB': moments.jarque_bera,
                'JB_p': moments.p, 'A2': distance.statistic, 'A2star': distance.adjusted,
                'A2_p': distance.p}
@@ -165,7 +166,7 @@ def test_a_run_of_normal_noise(rng):
     heading = 100.0 + 5.0 * np.sin(np.arange(n) / 300.0)
     ts = np.round(heading + 0.1 * rng.standard_normal(n), 1)
     rs = heading + 0.05 * rng.standard_normal(n)
-    found = normality(ts - rs, ts, rs, n_effective=n)
+    found = examine_normality(ts - rs, ts, rs, n_effective=n)
     assert found.difference.p > 1e-4
     assert found.thinned_n == -(-n // found.thinned_step)
     assert (found.ts_step_deg, found.rs_step_deg) == (pytest.approx(0.1), None)
@@ -176,10 +177,10 @@ def test_a_run_of_normal_noise(rng):
 
 def test_long_headings_are_looked_at_in_stretches(rng, monkeypatch):
     heading = rng.standard_normal(40_000)
-    whole = normality(heading, heading, heading, n_effective=1.0)
+    whole = examine_normality(heading, heading, heading, n_effective=1.0)
     monkeypatch.setattr(module, '_MOST', 16_000)
     monkeypatch.setattr(module, '_STRETCH', 1000)
-    parts = normality(heading, heading, heading, n_effective=1.0)
+    parts = examine_normality(heading, heading, heading, n_effective=1.0)
     assert parts.difference == whole.difference
     assert parts.ts_first_difference.n == 16 * 998
     assert parts.ts_first_difference.std_deg == pytest.approx(
@@ -188,6 +189,6 @@ def test_long_headings_are_looked_at_in_stretches(rng, monkeypatch):
 
 @pytest.mark.parametrize('n', [0, 1, 2, 7])
 def test_a_run_of_too_few_samples_is_not_tested(n):
-    found = normality(np.zeros(n), np.zeros(n), np.zeros(n), n_effective=float(n))
+    found = examine_normality(np.zeros(n), np.zeros(n), np.zeros(n), n_effective=float(n))
     assert (found.difference.p, found.anderson_darling, found.thinned_n) == (None, None, n)
     assert found.ts_first_difference.n == max(0, n - 2)

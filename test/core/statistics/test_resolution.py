@@ -9,24 +9,25 @@ import math
 import numpy as np
 import pytest
 
-from heading_intercompare.core.statistics.resolution import resolution
+from heading_intercompare.core.statistics.resolution import find_resolution
 
 
 @pytest.mark.parametrize('name, step_deg', [('gyr1', 0.01), ('s330', 0.01), ('adcp', 0.1),
                                             ('lgyr', 0.1), ('lsep', 0.01)])
 def test_steps_of_real_sensors(name, step_deg, logs):
-    assert resolution(logs[name].heading_deg).step_deg == pytest.approx(step_deg, rel=1e-9)
+    assert find_resolution(logs[name].heading_deg).step_deg == pytest.approx(step_deg, rel=1e-9)
 
 
 def test_values_of_the_gould_gyro_repeat_as_they_do_in_the_log(logs):
     heading = logs['lgyr'].heading_deg
-    assert resolution(heading).repeated_share == pytest.approx(np.mean(np.diff(heading) == 0.0))
+    assert find_resolution(heading).repeated_share == pytest.approx(np.mean(np.diff(
+        heading) == 0.0))
 
 
 @pytest.mark.parametrize('step_deg', [1.0, 0.1, 0.01, math.degrees(1e-4), 360.0 / 4096])
 def test_any_step_is_found_also_over_north(step_deg, rng):
     heading = np.cumsum(rng.standard_normal(3000))
-    found = resolution(np.rint(heading / step_deg) * step_deg % 360.0)
+    found = find_resolution(np.rint(heading / step_deg) * step_deg % 360.0)
     assert found.step_deg == pytest.approx(step_deg, rel=1e-6)
     assert found.variance_deg2 == pytest.approx(step_deg ** 2 / 12.0, rel=1e-5)
 
@@ -35,20 +36,20 @@ def test_rounding_of_a_sum_does_not_hide_the_step(rng):
     """The TS heading of pairs is RS + difference: off by some 1e-14."""
     heading = np.round(100.0 + 3.0 * np.sin(np.arange(2000) / 7.0), 2)
     rs = rng.uniform(0.0, 360.0, 2000)
-    found = resolution(rs + (heading - rs))
+    found = find_resolution(rs + (heading - rs))
     assert found.step_deg == pytest.approx(0.01, rel=1e-9)
     assert found.repeated_share == pytest.approx(np.mean(np.diff(heading) == 0.0))
 
 
 def test_continuous_headings_have_no_step(rng):
     for n in (30, 1000, 30_000):
-        assert resolution(np.cumsum(rng.standard_normal(n)) % 360.0).step_deg is None
+        assert find_resolution(np.cumsum(rng.standard_normal(n)) % 360.0).step_deg is None
 
 
 @pytest.mark.parametrize('heading, share', [([], None), ([5.0], None), ([5.0] * 30, 1.0),
                                             ([1.0, 2.0], 0.0)])
 def test_too_few_changes_show_no_step(heading, share):
-    found = resolution(heading)
+    found = find_resolution(heading)
     assert (found.n, found.step_deg, found.repeated_share) == (len(heading), None, share)
     assert found.variance_deg2 == 0.0
 

@@ -12,16 +12,16 @@ from scipy.stats import kendalltau
 
 from heading_intercompare.core.statistics.stationarity import (
     _bridge_tail,
-    kpss,
-    reverse_arrangements,
-    stationarity,
+    apply_kpss,
+    count_arrangements,
+    examine_stationarity,
 )
 
 # --- reverse arrangements ---
 
 def test_reverse_arrangements_by_hand():
     """Ten falling values: 45 pairs, expected 22.5, variance 10 25 9/72 = 31.25."""
-    found = reverse_arrangements(range(10, 0, -1))
+    found = count_arrangements(range(10, 0, -1))
     assert found.count == 45
     assert found.z == pytest.approx(22.5 / math.sqrt(31.25))
     assert found.p == pytest.approx(math.erfc(22.5 / math.sqrt(62.5)))
@@ -31,22 +31,22 @@ def test_the_count_is_that_of_kendall(rng):
     """The tau of Kendall is 1 - 4 A/(k (k - 1)) for values against their order."""
     z = rng.standard_normal(25)
     tau = kendalltau(np.arange(25), z).statistic
-    assert reverse_arrangements(z).count == pytest.approx((1.0 - tau) * 25 * 24 / 4.0)
+    assert count_arrangements(z).count == pytest.approx((1.0 - tau) * 25 * 24 / 4.0)
 
 
 def test_equal_values_have_no_trend():
-    assert reverse_arrangements(np.full(20, 0.3)).z == 0.0
+    assert count_arrangements(np.full(20, 0.3)).z == 0.0
 
 
 def test_the_statistic_depends_on_the_order_of_the_values_alone(rng):
     z = rng.standard_normal(30)
-    assert reverse_arrangements(z) == reverse_arrangements(np.exp(z))
-    assert reverse_arrangements(z[::-1]).z == pytest.approx(-reverse_arrangements(z).z)
+    assert count_arrangements(z) == count_arrangements(np.exp(z))
+    assert count_arrangements(z[::-1]).z == pytest.approx(-count_arrangements(z).z)
 
 
 def test_no_reverse_arrangements_of_too_few_values():
-    assert reverse_arrangements([]) is None
-    assert reverse_arrangements(range(9)) is None
+    assert count_arrangements([]) is None
+    assert count_arrangements(range(9)) is None
 
 
 # --- KPSS ---
@@ -76,7 +76,7 @@ def test_kpss_agrees_with_its_definition(rng):
     lags = int(12 * (80 / 100) ** 0.25)
     gamma = [np.sum(e[k:] * e[:80 - k]) / 80 for k in range(lags + 1)]
     long_run = gamma[0] + 2 * sum((1 - k / (lags + 1)) * gamma[k] for k in range(1, lags + 1))
-    found = kpss(z)
+    found = apply_kpss(z)
     assert found.lags == lags
     assert found.statistic == pytest.approx(np.sum(np.cumsum(e) ** 2) / 80 ** 2 / long_run)
 
@@ -84,30 +84,30 @@ def test_kpss_agrees_with_its_definition(rng):
 def test_a_step_is_no_constant_level(rng):
     """The kernel takes much of a step for long memory: without noise p is still 0.011."""
     z = rng.standard_normal(100) + 3.0 * (np.arange(100) >= 50)
-    assert kpss(z).p < 0.05
+    assert apply_kpss(z).p < 0.05
 
 
 def test_kpss_depends_neither_on_level_nor_on_scale(rng):
     z = rng.standard_normal(70)
-    assert kpss(5.0 - 3.0 * z).statistic == pytest.approx(kpss(z).statistic)
+    assert apply_kpss(5.0 - 3.0 * z).statistic == pytest.approx(apply_kpss(z).statistic)
 
 
 def test_no_kpss_of_too_few_or_equal_values():
-    assert kpss([]) is None
-    assert kpss(np.arange(19.0)) is None
-    assert kpss(np.full(50, 0.1)) is None
+    assert apply_kpss([]) is None
+    assert apply_kpss(np.arange(19.0)) is None
+    assert apply_kpss(np.full(50, 0.1)) is None
 
 
 # --- a run ---
 
 def test_stationary_errors_are_seldom_called_otherwise(ar1):
     """At 1 % of the Bonferroni p; 17 of 400 would be six standard errors too many."""
-    low = sum(stationarity(ar1(4000, 5.0), 1.0).least_p < 0.01 for _ in range(400))
+    low = sum(examine_stationarity(ar1(4000, 5.0), 1.0).least_p < 0.01 for _ in range(400))
     assert low < 17
 
 
 def test_a_trend_of_the_mean_is_seen(ar1):
-    found = stationarity(ar1(4000, 5.0) + np.linspace(-2.0, 2.0, 4000), 0.5)
+    found = examine_stationarity(ar1(4000, 5.0) + np.linspace(-2.0, 2.0, 4000), 0.5)
     assert found.mean_p < 0.001
     assert found.mean_z < 0.0
     assert found.kpss_p < 0.01
@@ -115,25 +115,25 @@ def test_a_trend_of_the_mean_is_seen(ar1):
 
 
 def test_a_growing_variance_is_seen(ar1):
-    found = stationarity(ar1(4000, 5.0) * np.linspace(1.0, 3.0, 4000), 1.0)
+    found = examine_stationarity(ar1(4000, 5.0) * np.linspace(1.0, 3.0, 4000), 1.0)
     assert found.square_p < 0.001
     assert found.mean_p > 0.001
 
 
 def test_the_level_of_the_differences_does_not_matter(rng):
     x = rng.standard_normal(1000)
-    a, b = stationarity(x, 1.0), stationarity(x + 179.0, 1.0)
+    a, b = examine_stationarity(x, 1.0), examine_stationarity(x + 179.0, 1.0)
     assert b.square_z == pytest.approx(a.square_z)
     assert b.kpss == pytest.approx(a.kpss, rel=1e-9)
 
 
 @pytest.mark.parametrize('n', [0, 1, 63])
 def test_too_few_samples_are_not_tested(n):
-    found = stationarity(np.zeros(n), 1.0)
+    found = examine_stationarity(np.zeros(n), 1.0)
     assert (found.blocks, found.mean_p, found.kpss, found.least_p) == (0, None, None, None)
 
 
 def test_equal_samples_have_no_trend_and_no_kpss():
-    found = stationarity(np.full(64, 0.3), 1.0)
+    found = examine_stationarity(np.full(64, 0.3), 1.0)
     assert (found.mean_z, found.square_z, found.kpss) == (0.0, 0.0, None)
     assert found.least_p == 1.0

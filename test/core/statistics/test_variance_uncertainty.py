@@ -14,11 +14,11 @@ from scipy.stats import chi2, norm, t as student
 from heading_intercompare.core.statistics.cells import Cells, CellValues
 from heading_intercompare.core.statistics.variance_uncertainty import (
     between_runs,
+    estimate_spread,
     excess,
     lower_bound,
     pool,
     Spread,
-    spread,
     upper_bound,
 )
 
@@ -97,7 +97,7 @@ def by_the_page(values, order, alpha):
 
 def test_variance_of_the_mean_by_hand():
     """S.1, S.2: power 12.8 everywhere over 128 cells is 0.1 a mode; D = 1 + 0.1."""
-    found = spread(record(FLAT, LOW))
+    found = estimate_spread(record(FLAT, LOW))
     assert found.mean_variance_deg2 == pytest.approx(0.1, rel=1e-12)
     assert found.d_deg2 == pytest.approx(1.1, rel=1e-12)
 
@@ -108,17 +108,17 @@ def test_the_standard_error_by_hand():
 
     s^2 = (32/128 + 6 * 0.1^2)(1 + 30/1280) = 0.31 * 1.0234375; nu = 2 * 1.1^2 / s^2.
     """
-    found = spread(record(FLAT, LOW))
+    found = estimate_spread(record(FLAT, LOW))
     assert found.s_deg2 == pytest.approx(math.sqrt(0.31 * 1.0234375), rel=1e-12)
     assert found.nu == pytest.approx(2.42 / 0.31 / 1.0234375, rel=1e-12)
-    late = spread(record(FLAT, [0.0] * 20 + [64.0] * 4 + [0.0] * 103))
+    late = estimate_spread(record(FLAT, [0.0] * 20 + [64.0] * 4 + [0.0] * 103))
     assert late.s_deg2 ** 2 == pytest.approx(
         1.0234375 * (64.0 * 4 / 24 / 128 + 0.06), rel=1e-12)
 
 
 def test_no_sum_of_squares_is_known_better_than_that_of_white_errors():
     """S.4: s^2 is at least 2 D^2 (1 + 30/n) / n, so nu is at most n / (1 + 30/n)."""
-    found = spread(record([0.0] * 127, [0.0] * 127))
+    found = estimate_spread(record([0.0] * 127, [0.0] * 127))
     assert found.s_deg2 ** 2 == pytest.approx(1.0234375 * 2.0 / 1280, rel=1e-12)
     assert found.nu == found.f == pytest.approx(1280.0 / 1.0234375)
 
@@ -129,26 +129,26 @@ def test_the_corner_by_hand():
 
     J = 2/pi * 480/30 = 32/pi = 10.19; f = 0.45 J / h; a quarter of it for k4 = 6.
     """
-    found, tails = (spread(record(FLAT, LOW, kurtosis=k4)) for k4 in (3.0, 6.0))
+    found, tails = (estimate_spread(record(FLAT, LOW, kurtosis=k4)) for k4 in (3.0, 6.0))
     assert found.corner_j == tails.corner_j == pytest.approx(32.0 / math.pi, rel=1e-12)
     assert found.f == pytest.approx(0.45 * 32.0 / math.pi / 0.9375, rel=1e-12)
     assert tails.f == pytest.approx(found.f / 4.0, rel=1e-12)
-    assert spread(record(FLAT, LOW, kurtosis=1.0)).f == found.f
+    assert estimate_spread(record(FLAT, LOW, kurtosis=1.0)).f == found.f
 
 
 def test_a_corner_below_eight_is_taken_for_eight():
     """All power in the first half-period: M = 16 - 64/.., P = 1, h = 1: 2/pi * 16/1 = 10.2."""
-    assert spread(record(FLAT, [32.0] * 2 + [0.0] * 125)).corner_j == \
+    assert estimate_spread(record(FLAT, [32.0] * 2 + [0.0] * 125)).corner_j == \
         pytest.approx(2.0 / math.pi * 16.0)
     # Lobes below the floor of the last quarter take area away.
     dented = [32.0] * 16 + [0.0] * 32 + [4.0] * 79
-    assert spread(record(FLAT, dented)).corner_j == 8.0
+    assert estimate_spread(record(FLAT, dented)).corner_j == 8.0
 
 
 def test_squares_without_a_slow_part_have_no_corner():
     """P = F gives h = 0, and P = 0 too: J is infinite, and f is nu."""
     for c in ([3.0] * 127, [0.0] * 127, [1.0] * 16 + [5.0] * 111):
-        found = spread(record(FLAT, c))
+        found = estimate_spread(record(FLAT, c))
         assert found.corner_j == math.inf and found.f == found.nu
 
 
@@ -157,7 +157,7 @@ def test_the_worst_window_counts():
     c = [32.0] * 16 + [2.0] * 48 + [20.0] * 31 + [0.0] * 32
     first = 2.0 / math.pi * 480.0 / 30.0
     whole = 2.0 / math.pi * (16 * 32.0 + 48 * 2.0 + 31 * 20.0) / 32.0
-    found = spread(record(FLAT, c))
+    found = estimate_spread(record(FLAT, c))
     assert whole > first and found.corner_j == pytest.approx(first, rel=1e-12)
 
 
@@ -168,18 +168,18 @@ def test_the_slow_part_by_hand():
     V_s = 4 * (64 - 12.8)/128 = 1.6; G = 25/8 * 1.6 = 5; where R > 45: 254.3 V_s.
     """
     a = [64.0] * 4 + [12.8] * 123
-    found = spread(record(a, LOW))
+    found = estimate_spread(record(a, LOW))
     assert found.r_slow == pytest.approx(5.0)
     assert found.slow_variance_deg2 == pytest.approx(1.6)
     assert found.slow_allowance_deg2 == pytest.approx(5.0)
-    steep = spread(record([640.0] * 4 + [12.8] * 123, LOW))
+    steep = estimate_spread(record([640.0] * 4 + [12.8] * 123, LOW))
     assert steep.slow_allowance_deg2 == pytest.approx(254.3 * 4.0 * (640.0 - 12.8) / 128)
-    alone = spread(record([64.0] * 4 + [0.0] * 123, LOW, rounding_deg=1e-13))
+    alone = estimate_spread(record([64.0] * 4 + [0.0] * 123, LOW, rounding_deg=1e-13))
     assert alone.r_slow == math.inf
     assert alone.slow_allowance_deg2 == pytest.approx(254.3 * 2.0)
-    silent = spread(record([0.0] * 127, LOW, rounding_deg=1e-13))
+    silent = estimate_spread(record([0.0] * 127, LOW, rounding_deg=1e-13))
     assert (silent.r_slow, silent.slow_allowance_deg2) == (0.0, 0.0)
-    quiet = spread(record([1.0] * 4 + [12.8] * 123, LOW))
+    quiet = estimate_spread(record([1.0] * 4 + [12.8] * 123, LOW))
     assert (quiet.slow_variance_deg2, quiet.slow_allowance_deg2) == (0.0, 0.0)
 
 
@@ -195,7 +195,7 @@ def test_a_polynomial_takes_its_modes_and_gives_them_back():
     v = (2 * 12.8 + 6 * 25.6)/8/128; the lowest four of them average 19.2: D = 1 + 3 * 0.15.
     """
     a = [1e6] * 2 + [12.8] * 2 + [25.6] * 123
-    found = spread(record(a, LOW), 2)
+    found = estimate_spread(record(a, LOW), 2)
     v = (2 * 12.8 + 6 * 25.6) / 8 / 128
     assert found.mean_variance_deg2 == pytest.approx(v, rel=1e-12)
     assert found.d_deg2 == pytest.approx(1.45, rel=1e-12)
@@ -233,7 +233,7 @@ def test_all_figures_agree_with_a_plain_program(n, order, law, rng):
     if law == 'slow':
         x += np.linspace(0.0, 3.0, n) ** 2
     cells = Cells.of(x)
-    found, expected = spread(cells, order), by_the_page(cells.values(), order, 0.03)
+    found, expected = estimate_spread(cells, order), by_the_page(cells.values(), order, 0.03)
     for name, value in expected.items():
         if name not in ('upper', 'lower'):
             assert getattr(found, name) == pytest.approx(value, rel=1e-9), name
@@ -265,7 +265,7 @@ def test_the_excess_is_smooth_falls_with_f_and_rises_as_the_risk_falls():
 @pytest.mark.parametrize('value', [0.0, 0.1, -179.99])
 @pytest.mark.parametrize('order', [0, 3])
 def test_equal_differences_have_bounds_of_zero(value, order):
-    found = spread(Cells.of(np.full(300, value)), order)
+    found = estimate_spread(Cells.of(np.full(300, value)), order)
     assert (found.d_deg2, found.s_deg2, found.cv) == (0.0, 0.0, 0.0)
     assert found.nu == found.f == 299.0 - order
     assert (upper_bound(found, 0.05), lower_bound(found, 0.05)) == (0.0, 0.0)
@@ -283,7 +283,7 @@ def test_equal_differences_have_bounds_of_zero(value, order):
          'denormal', 'squares that vanish', 'squares that are denormal', 'huge'])
 @pytest.mark.parametrize('order', [0, 2])
 def test_no_figure_is_ever_nan(x, order):
-    found = spread(Cells.of(x), order)
+    found = estimate_spread(Cells.of(x), order)
     both = pool([found, found])
     for one in (found, both):
         figures = [getattr(one, name) for name in (
@@ -297,19 +297,19 @@ def test_no_figure_is_ever_nan(x, order):
 
 def test_a_single_outlier_bounds_nothing():
     """One of 200 differences is all there is: the bound is infinite, not small."""
-    assert upper_bound(spread(Cells.of(np.append(np.zeros(199), 1e6))), 0.05) == math.inf
+    assert upper_bound(estimate_spread(Cells.of(np.append(np.zeros(199), 1e6))), 0.05) == math.inf
 
 
 def test_a_ramp_is_one_observation():
     """Nothing but a trend: its variance may be 254 times as large, or more."""
-    found = spread(Cells.of(np.linspace(-1.0, 1.0, 5000)))
+    found = estimate_spread(Cells.of(np.linspace(-1.0, 1.0, 5000)))
     assert found.slow_allowance_deg2 == pytest.approx(254.3 * found.slow_variance_deg2)
     assert upper_bound(found, 0.05) > 200.0 * found.d_deg2
 
 
 @pytest.mark.parametrize('n', [0, 1, 127])
 def test_too_few_differences_have_no_spread(n):
-    assert spread(Cells.of(np.arange(float(n)))) is None
+    assert estimate_spread(Cells.of(np.arange(float(n)))) is None
 
 
 # --- properties ---
@@ -322,7 +322,7 @@ VARIANCES = ('d_deg2', 'mean_variance_deg2', 's_deg2', 'low_deg2', 'middle_deg2'
 @pytest.mark.parametrize('scale', [2.0 ** -30, -8.0])
 def test_the_unit_does_not_matter(scale, rng):
     x = noise(3000, 30.0, rng)
-    a, b = spread(Cells.of(x)), spread(Cells.of(scale * x))
+    a, b = estimate_spread(Cells.of(x)), estimate_spread(Cells.of(scale * x))
     assert [getattr(a, n) for n in FIGURES] == [getattr(b, n) for n in FIGURES]
     assert [getattr(a, n) * scale ** 2 for n in VARIANCES] == \
         [getattr(b, n) for n in VARIANCES]
@@ -331,7 +331,7 @@ def test_the_unit_does_not_matter(scale, rng):
 def test_an_offset_does_not_matter(rng):
     """Steps of 2^-20 degree on 170 degrees are exact."""
     x = np.rint(noise(3000, 30.0, rng) * 2 ** 20) / 2 ** 20
-    a, b = spread(Cells.of(x)), spread(Cells.of(x + 170.0))
+    a, b = estimate_spread(Cells.of(x)), estimate_spread(Cells.of(x + 170.0))
     names = (*FIGURES, *VARIANCES)
     assert [getattr(a, n) for n in names] == \
         pytest.approx([getattr(b, n) for n in names], rel=1e-10)
@@ -339,7 +339,7 @@ def test_an_offset_does_not_matter(rng):
 
 def test_time_backwards_says_the_same(rng):
     x = noise(1024 * 4, 30.0, rng)
-    a, b = spread(Cells.of(x)), spread(Cells.of(x[::-1]))
+    a, b = estimate_spread(Cells.of(x)), estimate_spread(Cells.of(x[::-1]))
     names = (*FIGURES, *VARIANCES)
     assert [getattr(a, n) for n in names] == \
         pytest.approx([getattr(b, n) for n in names], rel=1e-9)
@@ -349,7 +349,7 @@ def test_white_errors_keep_nearly_all_their_degrees_of_freedom(rng):
     """Theory: D = 1, s = sqrt(2/n), v = 1/n; means of 300 within six of their standard errors."""
     n, found = 1000, []
     for _ in range(300):
-        one = spread(Cells.of(rng.standard_normal(n)))
+        one = estimate_spread(Cells.of(rng.standard_normal(n)))
         found.append((one.d_deg2, one.mean_variance_deg2))
     mean, error = np.mean(found, axis=0), np.std(found, axis=0) / math.sqrt(300)
     assert np.all(np.abs(mean - (1.0, 1.0 / n)) < 6.0 * error)
@@ -370,7 +370,7 @@ def test_equal_runs_together_are_known_better_by_the_root_of_their_number():
 
 
 def test_one_run_together_is_the_run(rng):
-    one = spread(Cells.of(noise(2000, 30.0, rng)))
+    one = estimate_spread(Cells.of(noise(2000, 30.0, rng)))
     both = pool([one])
     for name in (*FIGURES, *VARIANCES):
         assert getattr(both, name) == pytest.approx(getattr(one, name), rel=1e-12), name

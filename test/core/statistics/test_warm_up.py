@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
-from heading_intercompare.core.statistics.warm_up import mser5, warm_up
+from heading_intercompare.core.statistics.warm_up import fit_warm_up, mser5
 
 
 def stamps(n, step_s=1.0):
@@ -20,7 +20,7 @@ def stamps(n, step_s=1.0):
 def test_a_pure_warm_up_by_hand():
     """0.2 + exp(-t/300): within 0.02 deg after 300 ln 50 = 1173.6 s."""
     t = np.arange(4000.0)
-    found = warm_up(stamps(4000), 0.2 + np.exp(-t / 300.0), 0.02)
+    found = fit_warm_up(stamps(4000), 0.2 + np.exp(-t / 300.0), 0.02)
     assert found.preferred
     assert found.level_deg == pytest.approx(0.2, abs=1e-6)
     assert found.amplitude_deg == pytest.approx(1.0, rel=1e-5)
@@ -32,7 +32,7 @@ def test_a_pure_warm_up_by_hand():
 def test_the_amplitude_is_corrected_for_the_averaging_within_blocks():
     """A time constant of two blocks of 32: without the correction the amplitude is 1 % off."""
     t = np.arange(4000.0)
-    assert warm_up(stamps(4000), np.exp(-t / 64.0), 0.01).amplitude_deg == pytest.approx(
+    assert fit_warm_up(stamps(4000), np.exp(-t / 64.0), 0.01).amplitude_deg == pytest.approx(
         1.0, rel=1e-6)
 
 
@@ -40,7 +40,7 @@ def test_a_noisy_warm_up_agrees_with_the_fit_of_scipy(rng):
     """Both fits see the same noise; blocks differ from samples by less than the error of each."""
     t = np.arange(3600.0)
     x = -0.5 * np.exp(-t / 400.0) + 0.1 + 0.05 * rng.standard_normal(t.size)
-    found = warm_up(stamps(3600), x, 0.02)
+    found = fit_warm_up(stamps(3600), x, 0.02)
     expected, covariance = curve_fit(lambda t, a, b, tau: a + b * np.exp(-t / tau), t, x,
                                      (0.0, -1.0, 500.0))
     u = np.sqrt(np.diag(covariance))
@@ -51,52 +51,53 @@ def test_a_noisy_warm_up_agrees_with_the_fit_of_scipy(rng):
 
 def test_an_amplitude_within_the_tolerance_has_settled(rng):
     t = np.arange(3600.0)
-    found = warm_up(stamps(3600), 0.1 * np.exp(-t / 400.0) + 0.01 * rng.standard_normal(t.size),
-                    0.2)
+    found = fit_warm_up(stamps(3600),
+                        0.1 * np.exp(-t / 400.0) + 0.01 * rng.standard_normal(t.size),
+                        0.2)
     assert (found.settle_s, found.stabilization_s) == (0.0, 0.0)
 
 
 def test_a_warm_up_longer_than_the_run_leaves_nothing():
     t = np.arange(1000.0)
-    found = warm_up(stamps(1000), 5.0 * np.exp(-t / 600.0), 0.02)
+    found = fit_warm_up(stamps(1000), 5.0 * np.exp(-t / 600.0), 0.02)
     assert found.settle_s > found.span_s
     assert found.stabilization_s == found.span_s == 999.0
 
 
 def test_a_straight_line_is_no_warm_up(rng):
     t = np.arange(3600.0)
-    found = warm_up(stamps(3600), t / 3600.0 + 0.1 * rng.standard_normal(t.size), 0.02)
+    found = fit_warm_up(stamps(3600), t / 3600.0 + 0.1 * rng.standard_normal(t.size), 0.02)
     assert not found.preferred
     assert found.stabilization_s == 0.0
 
 
 def test_noise_is_hardly_ever_a_warm_up(ar1):
     """Correlated over 1/120 of the run; at most 1 %, so 9 of 200 would be five errors off."""
-    count = sum(warm_up(stamps(1200), 0.1 * ar1(1200, 10.0), 0.02).preferred
+    count = sum(fit_warm_up(stamps(1200), 0.1 * ar1(1200, 10.0), 0.02).preferred
                 for _ in range(200))
     assert count < 9
 
 
 def test_time_scales_with_the_step_of_the_stamps():
     x = np.exp(-np.arange(2000.0) / 150.0)
-    slow, fast = warm_up(stamps(2000), x, 0.02), warm_up(stamps(2000, 0.1), x, 0.02)
+    slow, fast = fit_warm_up(stamps(2000), x, 0.02), fit_warm_up(stamps(2000, 0.1), x, 0.02)
     assert fast.tau_s == pytest.approx(0.1 * slow.tau_s, rel=1e-7)
     assert fast.amplitude_deg == pytest.approx(slow.amplitude_deg, rel=1e-7)
 
 
 @pytest.mark.parametrize('n', [0, 1, 63])
 def test_no_warm_up_of_too_few_samples(n):
-    assert warm_up(stamps(n), np.zeros(n), 0.02) is None
+    assert fit_warm_up(stamps(n), np.zeros(n), 0.02) is None
 
 
 def test_constant_differences_have_no_warm_up():
-    assert not warm_up(stamps(100), np.full(100, 0.3), 0.02).preferred
+    assert not fit_warm_up(stamps(100), np.full(100, 0.3), 0.02).preferred
 
 
 @pytest.mark.parametrize('tolerance', [0.0, -1.0, math.nan])
 def test_a_tolerance_that_is_not_positive_is_refused(tolerance):
     with pytest.raises(ValueError, match='tolerance_deg = '):
-        warm_up([], [], tolerance)
+        fit_warm_up([], [], tolerance)
 
 
 def test_mser5_agrees_with_its_definition(rng):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.timing.bracketing_readings import (
-    brackets,
+    find_brackets,
     pairs_per_reading,
     readings_per_pair,
 )
@@ -22,7 +22,7 @@ def test_the_readings_are_where_the_lines_meet(rng):
     node = np.arange(0.0, 100.0, 1.0) + rng.uniform(-0.1, 0.1, 100)
     value = 359.0 + np.cumsum(rng.standard_normal(100))
     t = np.arange(2.0, 97.0, 0.1)
-    found = brackets(stamps_of(t), np.interp(t, node, value) % 360.0)
+    found = find_brackets(stamps_of(t), np.interp(t, node, value) % 360.0)
     inside = (node > t[0] + 0.2) & (node < t[-1] - 0.2)
     assert found.node_s.size == np.count_nonzero(inside)
     # Stamps are whole nanoseconds, and slopes of some degrees a second are known to that.
@@ -50,12 +50,12 @@ def test_a_sensor_as_fast_as_the_pairs_has_one_reading_a_pair(rng):
 
 @pytest.mark.parametrize('n', [0, 1, 2])
 def test_too_few_pairs_have_no_brackets(n):
-    assert brackets(np.arange(n), np.zeros(n)).first.size == 0
+    assert find_brackets(np.arange(n), np.zeros(n)).first.size == 0
     assert readings_per_pair(np.arange(n), np.zeros(n)) == 1
 
 
 def test_a_constant_heading_is_one_piece():
-    found = brackets(np.arange(10) * 10 ** 9, np.full(10, 3.0))
+    found = find_brackets(np.arange(10) * 10 ** 9, np.full(10, 3.0))
     assert (found.first.tolist(), found.last.tolist(), found.node_s.size) == ([0], [9], 0)
     assert readings_per_pair(np.arange(10) * 10 ** 9, np.full(10, 3.0)) == 1
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.core.pairing.difference import difference
+from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.timing.clock_drift import clock_drift
+from heading_intercompare.core.timing.clock_drift import estimate_clock_drift
 
 
 def stamps_of(t):
@@ -31,7 +31,7 @@ def judged(rng, slope_s_per_h, skew_s=0.0, *, span=7200.0, ts_hz=5.0, rs_hz=5.0,
     rs = heading(t_rs) + 0.05 * rng.standard_normal(t_rs.size)
     pairs, _ = pair(Headings.of(stamps_of(t), ts % 360.0),
                     Headings.of(stamps_of(t_rs), rs % 360.0))
-    return clock_drift(pairs.stamp_ns, difference(pairs).x_deg, pairs.rs_deg), pairs
+    return estimate_clock_drift(pairs.stamp_ns, subtract(pairs).x_deg, pairs.rs_deg), pairs
 
 
 @pytest.mark.parametrize('slope, skew, rs_hz', [
@@ -76,26 +76,26 @@ def test_a_ship_that_does_not_turn_shows_no_clock(rng):
     t = np.arange(36_000) / 10.0
     rs = 30.0 + 0.05 * rng.standard_normal(t.size)
     ts = 30.0 + 0.05 * rng.standard_normal(t.size)
-    assert clock_drift(stamps_of(t), wrap180(ts - rs), rs).kind == 'not_testable'
+    assert estimate_clock_drift(stamps_of(t), wrap180(ts - rs), rs).kind == 'not_testable'
 
 
 @pytest.mark.parametrize('name', ['gyr1-s330', 'seap-s330', 'lgyr-lsep'])
 def test_real_clocks_keep_step(name, real):
     pairs, x = real(name)
-    assert clock_drift(pairs.stamp_ns, x, pairs.rs_deg).kind != 'drifting'
+    assert estimate_clock_drift(pairs.stamp_ns, x, pairs.rs_deg).kind != 'drifting'
 
 
 @pytest.mark.parametrize('n', [0, 1, 2, 127, 300])
 def test_short_runs_are_not_testable(n):
-    found = clock_drift(np.arange(n) * 10 ** 8, np.zeros(n), np.arange(n) * 0.1)
+    found = estimate_clock_drift(np.arange(n) * 10 ** 8, np.zeros(n), np.arange(n) * 0.1)
     assert (found.kind, found.slope_s_per_h) == ('not_testable', None)
 
 
 def test_turning_and_shifting_change_nothing(rng):
     _, pairs = judged(rng, 1.0, span=1800.0)
-    x = difference(pairs).x_deg
-    here = clock_drift(pairs.stamp_ns, x, pairs.rs_deg)
-    there = clock_drift(pairs.stamp_ns + 10 ** 15, x, (pairs.rs_deg + 200.0) % 360.0)
+    x = subtract(pairs).x_deg
+    here = estimate_clock_drift(pairs.stamp_ns, x, pairs.rs_deg)
+    there = estimate_clock_drift(pairs.stamp_ns + 10 ** 15, x, (pairs.rs_deg + 200.0) % 360.0)
     assert there.slope_s_per_h == pytest.approx(here.slope_s_per_h, abs=1e-4)
     assert len(there.parts) == len(here.parts)
 
@@ -112,8 +112,9 @@ def test_steps_of_a_clock_are_found_with_size_and_time(steps, rng):
     def heading(at_s):
         return 40.0 * np.sin(at_s / 100.0) + np.sin(2.0 * np.pi * at_s / 8.0)
     rs = heading(t) + 0.05 * rng.standard_normal(t.size)
-    found = clock_drift(stamps_of(t), heading(t - late) + 0.1 * rng.standard_normal(t.size) - rs,
-                        rs)
+    found = estimate_clock_drift(stamps_of(t),
+                                 heading(t - late) + 0.1 * rng.standard_normal(t.size) - rs,
+                                 rs)
     assert found.kind == 'stepped' and len(found.steps) == len(steps)
     for step, (at_s, level_s) in zip(found.steps, steps):
         assert step.time_s == pytest.approx(at_s, abs=10.0)

@@ -10,7 +10,7 @@ import pytest
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.core.timing.interpolation_error import interpolation_error
+from heading_intercompare.core.timing.interpolation_error import estimate_interpolation_error
 
 RS_INTERPOLATED = Settings.from_mapping({'pairing': {'method': 'interpolate'}})
 
@@ -33,8 +33,9 @@ def judged(rng, *, rs_s, ts_s, size=1.0, period=8.0, noise=(0.0, 0.0), span=1800
     ts = true(t) + noise[0] * rng.standard_normal(t.size)
     pairs, _ = pair(Headings.of(stamps_of(t), ts % 360.0),
                     Headings.of(stamps_of(t_rs), rs % 360.0), RS_INTERPOLATED)
-    found = interpolation_error(pairs.stamp_ns, pairs.rs_deg, pairs.ts_deg,
-                                pairs.rs_variance_factor, interval_s=rs_s if known else None)
+    found = estimate_interpolation_error(pairs.stamp_ns, pairs.rs_deg, pairs.ts_deg,
+                                         pairs.rs_variance_factor, interval_s=rs_s if known
+                                         else None)
     return found, float(np.mean((np.interp(t, t_rs, true(t_rs)) - true(t)) ** 2))
 
 
@@ -96,14 +97,15 @@ def test_brackets_tell_the_interval_and_fewer_pairs_do_not(rng):
 
 
 def test_readings_taken_as_they_are_have_no_error():
-    found = interpolation_error(np.arange(9), np.zeros(9), np.zeros(9), np.ones(9))
+    found = estimate_interpolation_error(np.arange(9), np.zeros(9), np.zeros(9), np.ones(9))
     assert (found.kind, found.variance_deg2, found.upper_deg2) == ('none', 0.0, 0.0)
 
 
 @pytest.mark.parametrize('n', [0, 1, 2, 63, 66])
 def test_too_few_pairs_are_not_testable(n):
     t = np.arange(n) * 10 ** 9
-    found = interpolation_error(t, np.zeros(n), np.zeros(n), np.full(n, 0.5), interval_s=1.0)
+    found = estimate_interpolation_error(t, np.zeros(n), np.zeros(n), np.full(n, 0.5),
+                                         interval_s=1.0)
     assert found.kind == 'not_testable'
 
 
@@ -113,8 +115,9 @@ def test_turning_both_headings_changes_nothing(rng):
     other = 10.0 + 2.0 * np.sin(OMEGA * t)
     own = np.interp(t, node, 10.0 + 2.0 * np.sin(OMEGA * node))
     factor = np.full(t.size, 0.7)
-    here, there = (interpolation_error(stamps_of(t), (own + turn) % 360.0, (other + turn) % 360.0,
-                                       factor, interval_s=1.0) for turn in (0.0, 349.0))
+    here, there = (estimate_interpolation_error(stamps_of(t), (own + turn) % 360.0,
+                                                (other + turn) % 360.0,
+                                                factor, interval_s=1.0) for turn in (0.0, 349.0))
     assert there.variance_deg2 == pytest.approx(here.variance_deg2, rel=1e-6)
 
 
@@ -123,7 +126,7 @@ def test_turning_both_headings_changes_nothing(rng):
 def test_real_references_are_fast_enough(name, interval_s, real):
     """Between two good sensors, once a second in a sea, a fifth of the variance comes from it."""
     pairs, x = real(name)
-    found = interpolation_error(pairs.stamp_ns, pairs.rs_deg, pairs.ts_deg,
-                                pairs.rs_variance_factor, interval_s=interval_s)
+    found = estimate_interpolation_error(pairs.stamp_ns, pairs.rs_deg, pairs.ts_deg,
+                                         pairs.rs_variance_factor, interval_s=interval_s)
     assert found.kind == 'estimated' and not found.folded
     assert found.upper_deg2 < 0.3 * np.var(x)

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.core.timing.realignment import realigned
+from heading_intercompare.core.timing.realignment import realign
 
 S = 1_000_000_000
 
@@ -17,10 +17,10 @@ def test_differences_without_a_skew_by_hand():
     stamps = np.arange(4) * S
     rs = np.array([0.0, 2.0, 4.0, 8.0])
     ts = np.array([-3.0, -1.0, 1.0, 3.0])
-    kept, x, factor = realigned(stamps, ts - rs, rs, 1.5)
+    kept, x, factor = realign(stamps, ts - rs, rs, 1.5)
     assert kept.tolist() == [2 * S, 3 * S]
     assert (x.tolist(), factor) == ([0.0, 0.0], 0.5)
-    kept, x, _ = realigned(stamps, ts - rs, rs, -1.0)
+    kept, x, _ = realign(stamps, ts - rs, rs, -1.0)
     assert (kept.tolist(), x.tolist()) == ([0, S, 2 * S], [-5.0, -5.0, -7.0])
 
 
@@ -32,20 +32,20 @@ def test_no_heading_is_made_up_at_the_ends_or_over_a_gap(late_s, rng):
     def heading(at_s):
         return 350.0 + 2.0 * at_s + np.sin(at_s) ** 3
     rs = heading(t) % 360.0
-    kept, x, _ = realigned(np.rint(t * 1e9).astype(np.int64), heading(t - late_s) - heading(t),
-                           rs, late_s)
+    kept, x, _ = realign(np.rint(t * 1e9).astype(np.int64), heading(t - late_s) - heading(t),
+                         rs, late_s)
     assert t.size - kept.size == 14
     assert np.abs(x).max() < 0.02
 
 
 def test_a_skew_of_zero_changes_nothing(rng):
     stamps, x, rs = np.arange(9) * S, rng.standard_normal(9), np.linspace(0.0, 80.0, 9)
-    kept, same, factor = realigned(stamps, x, rs, 0.0)
+    kept, same, factor = realign(stamps, x, rs, 0.0)
     assert (kept.size, factor) == (9, 1.0)
     assert same == pytest.approx(x)
 
 
 @pytest.mark.parametrize('n', [0, 1])
 def test_nothing_is_left_of_nothing(n):
-    kept, x, factor = realigned(np.arange(n), np.zeros(n), np.zeros(n), 0.5)
+    kept, x, factor = realign(np.arange(n), np.zeros(n), np.zeros(n), 0.5)
     assert (kept.size, x.size, factor) == (0, 0, 1.0)

@@ -12,7 +12,7 @@ import pytest
 from heading_intercompare.core.angles import unwrap_deg, wrap180
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.timing import skew_scan
-from heading_intercompare.core.timing.skew_scan import scan
+from heading_intercompare.core.timing.skew_scan import scan_skew
 
 PAIRS = ['gyr1-s330', 'gyr1-seap', 's330-gyr1', 'seap-gyr1', 's330-seap', 'seap-s330',
          'adcp-gyr1', 'adcp-s330', 'adcp-seap', 'lgyr-lsep', 'lsep-lgyr']
@@ -29,7 +29,7 @@ def headings(yaw, n, rate_hz=10.0, late_s=0.0, noise=0.0, rng=None, phase_s=0.0)
 @pytest.mark.parametrize('name', PAIRS)
 def test_scans_of_real_logs_agree_with_independent_programs(name, logs, golden):
     ts, rs = (logs[part] for part in name.split('-'))
-    found = scan(ts, rs)
+    found = scan_skew(ts, rs)
     expected = golden['pairs'][name]['skew_scan']
     assert found.n == expected['n']
     assert found.skew_s == pytest.approx(expected['L_star'], abs=1e-9)
@@ -51,7 +51,7 @@ def test_the_scan_agrees_with_a_plain_loop(yaw, rng):
         x = [float(wrap180(ts.heading_deg[i] - np.interp(t[i] - 0.05 * k, t_ref, line)))
              for i in inside]
         deviations.append(np.std(x, ddof=1))
-    found = scan(ts, rs, 0.5, 0.05)
+    found = scan_skew(ts, rs, 0.5, 0.05)
     assert found.n == len(inside)
     assert found.curve_s == pytest.approx([0.05 * k for k in range(-10, 11)])
     assert found.curve_std_deg == pytest.approx(deviations, rel=1e-9)
@@ -66,7 +66,7 @@ def test_the_parabola_finds_the_minimum_between_grid_points():
     stamps = 10 ** 18 + np.arange(1001) * 10 ** 8
     rs = Headings.of(stamps, turn(t) % 360.0)
     ts = Headings.of(stamps, turn(t - 0.234) % 360.0)
-    assert scan(ts, rs, 1.0, 0.1).skew_s == pytest.approx(0.234, abs=1e-3)
+    assert scan_skew(ts, rs, 1.0, 0.1).skew_s == pytest.approx(0.234, abs=1e-3)
 
 
 def test_the_uncertainty_of_the_scan_is_that_of_its_errors(yaw, rng):
@@ -74,7 +74,7 @@ def test_the_uncertainty_of_the_scan_is_that_of_its_errors(yaw, rng):
     rs = headings(yaw, 3100, rate_hz=10.0)
     z = []
     for _ in range(40):
-        found = scan(headings(yaw, 3000, late_s=0.25, noise=0.1, rng=rng), rs, 0.5, 0.05)
+        found = scan_skew(headings(yaw, 3000, late_s=0.25, noise=0.1, rng=rng), rs, 0.5, 0.05)
         z.append((found.skew_s - 0.25) / found.u_s)
     assert np.std(z) == pytest.approx(1.0, abs=6.0 / math.sqrt(80.0))
 
@@ -84,25 +84,25 @@ def test_sensors_that_keep_step_draw_the_minimum_between_the_readings(yaw, rng):
     slow = Headings.of(np.arange(4000) * 10 ** 9 + 10 ** 18,
                        90.0 + 0.3 * np.sin(np.arange(4000) / 9.0))
     noisy = Headings.of(slow.stamp_ns, slow.heading_deg + 0.1 * rng.standard_normal(4000))
-    found = scan(slow, noisy, 2.0, 0.05)
+    found = scan_skew(slow, noisy, 2.0, 0.05)
     assert abs(found.skew_s) > 6.0 * found.u_s
     assert abs(found.skew_s) <= found.bias_s + 6.0 * found.u_s
     assert not found.well_determined
 
 
 def test_a_skew_beyond_the_range_is_at_its_edge(yaw):
-    found = scan(headings(yaw, 1500, late_s=1.0), headings(yaw, 1500), 0.3, 0.05)
+    found = scan_skew(headings(yaw, 1500, late_s=1.0), headings(yaw, 1500), 0.3, 0.05)
     assert found.at_edge
     assert found.skew_s == pytest.approx(0.3)
     assert not found.well_determined
-    assert scan(headings(yaw, 1500, late_s=1.0), headings(yaw, 1500), 1.5,
-                0.05).skew_s == pytest.approx(1.0, abs=5e-3)
+    assert scan_skew(headings(yaw, 1500, late_s=1.0), headings(yaw, 1500), 1.5,
+                     0.05).skew_s == pytest.approx(1.0, abs=5e-3)
 
 
 def test_turning_all_headings_changes_nothing(yaw, rng):
     ts, rs = headings(yaw, 900, late_s=0.2, noise=0.1, rng=rng), headings(yaw, 900)
     turned = [Headings.of(h.stamp_ns, (h.heading_deg + 257.0) % 360.0) for h in (ts, rs)]
-    a, b = scan(ts, rs, 0.5), scan(*turned, 0.5)
+    a, b = scan_skew(ts, rs, 0.5), scan_skew(*turned, 0.5)
     assert (b.skew_s, b.std_deg) == pytest.approx((a.skew_s, a.std_deg), rel=1e-7)
     assert b.mean_deg == pytest.approx(a.mean_deg, abs=1e-9)
 
@@ -113,7 +113,7 @@ def test_differences_about_180_degrees_are_wrapped(rng):
     stamps = np.arange(n) * 10 ** 8 + 10 ** 18
     rs = Headings.of(stamps, np.full(n, 10.0))
     noise = rng.standard_normal(n)
-    found = scan(Headings.of(stamps, 190.0 + noise), rs, 0.2, 0.1)
+    found = scan_skew(Headings.of(stamps, 190.0 + noise), rs, 0.2, 0.1)
     assert found.std_zero_deg > 100.0
     assert found.std_zero_deg == pytest.approx(
         wrap180(180.0 + noise[2:-2]).std(ddof=1), rel=1e-9)
@@ -121,15 +121,15 @@ def test_differences_about_180_degrees_are_wrapped(rng):
 
 def test_long_streams_are_searched_on_some_and_settled_on_all(yaw, rng, monkeypatch):
     ts, rs = headings(yaw, 5000, late_s=0.25, noise=0.3, rng=rng), headings(yaw, 5000)
-    every = scan(ts, rs, 0.5)
+    every = scan_skew(ts, rs, 0.5)
     monkeypatch.setattr(skew_scan, '_SEARCHED', 300)
-    assert scan(ts, rs, 0.5).skew_s == every.skew_s
+    assert scan_skew(ts, rs, 0.5).skew_s == every.skew_s
 
 
 def test_a_ship_that_does_not_turn_determines_no_skew(rng):
     stamps = np.arange(3000) * 10 ** 8
     ts, rs = (Headings.of(stamps, 90.0 + s * rng.standard_normal(3000)) for s in (0.1, 0.05))
-    found = scan(ts, rs, 1.0)
+    found = scan_skew(ts, rs, 1.0)
     assert not found.well_determined
     assert found.u_s is None
 
@@ -138,7 +138,7 @@ def test_readings_within_reach_of_a_silence_can_be_left_out(yaw):
     ts = headings(yaw, 1000)
     rs = headings(yaw, 1000)
     rs = rs[(np.arange(1000) < 400) | (np.arange(1000) >= 500)]
-    whole, parts = scan(ts, rs, 0.5), scan(ts, rs, 0.5, max_gap_s=3.0)
+    whole, parts = scan_skew(ts, rs, 0.5), scan_skew(ts, rs, 0.5, max_gap_s=3.0)
     assert (whole.n, parts.n) == (990, 880)
 
 
@@ -146,13 +146,13 @@ def test_readings_within_reach_of_a_silence_can_be_left_out(yaw):
 def test_too_few_readings_give_no_scan(n):
     """Thirty readings are three seconds; the range takes four."""
     some = Headings.of(np.arange(n) * 10 ** 8, np.zeros(n))
-    assert scan(some, some) is None
-    assert scan(some, Headings.empty()) is None
+    assert scan_skew(some, some) is None
+    assert scan_skew(some, Headings.empty()) is None
 
 
 def test_equal_readings_give_a_scan_without_a_finding():
     some = Headings.of(np.arange(200) * 10 ** 8, np.full(200, 5.0))
-    found = scan(some, some, 1.0)
+    found = scan_skew(some, some, 1.0)
     assert (found.std_deg, found.u_s, found.well_determined) == (0.0, None, False)
 
 
@@ -160,4 +160,4 @@ def test_equal_readings_give_a_scan_without_a_finding():
                                              (math.inf, 0.1), (math.nan, 0.1)])
 def test_a_range_or_step_that_makes_no_grid_is_refused(range_s, step_s):
     with pytest.raises(ValueError, match='range_s = '):
-        scan(Headings.empty(), Headings.empty(), range_s, step_s)
+        scan_skew(Headings.empty(), Headings.empty(), range_s, step_s)

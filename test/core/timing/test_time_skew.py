@@ -11,7 +11,7 @@ import pytest
 
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.timing.heading_track import Track
-from heading_intercompare.core.timing.time_skew import skew, skew_regression
+from heading_intercompare.core.timing.time_skew import estimate_skew, regress_skew
 
 PAIRS = ['gyr1-s330', 'gyr1-seap', 's330-gyr1', 'seap-gyr1', 's330-seap', 'adcp-gyr1',
          'adcp-s330', 'lgyr-lsep', 'lsep-lgyr']
@@ -57,7 +57,7 @@ def test_an_empty_track_covers_nothing():
 def test_regression_by_hand():
     """RS turns at 1, 2, 3 deg/s about 0.5, 1.5, 2.5 s; x = 0.5 - 0.2 w exactly."""
     rs = Headings.of(np.arange(4) * 10 ** 9, [0.0, 1.0, 3.0, 6.0])
-    found = skew_regression(np.array([5, 15, 25]) * 10 ** 8, [0.3, 0.1, -0.1], rs)
+    found = regress_skew(np.array([5, 15, 25]) * 10 ** 8, [0.3, 0.1, -0.1], rs)
     assert found.n == 3
     assert found.skew_s == pytest.approx(0.2)
     assert found.intercept_deg == pytest.approx(0.5)
@@ -68,7 +68,7 @@ def test_regression_by_hand():
 @pytest.mark.parametrize('name', PAIRS)
 def test_regressions_of_real_logs_agree_with_independent_programs(name, real, golden, logs):
     pairs, x = real(name)
-    found = skew_regression(pairs.stamp_ns, x, logs[name.split('-')[1]])
+    found = regress_skew(pairs.stamp_ns, x, logs[name.split('-')[1]])
     expected = golden['pairs'][name]['skew_reg']
     got = {'n': found.n, 'lag': found.skew_s, 'se_naive': found.u_naive_s,
            'intercept': found.intercept_deg, 'sd_resid': found.residual_std_deg,
@@ -79,9 +79,9 @@ def test_regressions_of_real_logs_agree_with_independent_programs(name, real, go
 
 def test_no_regression_without_turning_or_samples():
     rs = Headings.of(np.arange(10) * 10 ** 9, np.full(10, 5.0))
-    assert skew_regression(np.arange(10) * 10 ** 9, np.arange(10.0), rs) is None
-    assert skew_regression([], [], rs) is None
-    assert skew_regression([1], [1.0], Headings.empty()) is None
+    assert regress_skew(np.arange(10) * 10 ** 9, np.arange(10.0), rs) is None
+    assert regress_skew([], [], rs) is None
+    assert regress_skew([1], [1.0], Headings.empty()) is None
 
 
 # --- instrument ---
@@ -90,7 +90,7 @@ def test_a_skew_without_noise_is_found_to_a_millisecond(yaw):
     """Linear interpolation of a yaw of five seconds, read ten times a second, is left."""
     t = seconds(6000)
     rs = yaw(t)
-    found = skew(stamps(6000), yaw(t - 0.4) - rs, rs)
+    found = estimate_skew(stamps(6000), yaw(t - 0.4) - rs, rs)
     assert found.skew_s == pytest.approx(0.4, abs=1e-3)
     assert found.well_determined
     assert found.significant
@@ -101,8 +101,8 @@ def test_noise_attenuates_least_squares_but_not_the_instrument(yaw, rng):
     """Truth 0.25 s, noise of 0.1 and 0.05 deg: six standard uncertainties."""
     n, t = 20_000, seconds(20_000)
     rs = yaw(t) + 0.05 * rng.standard_normal(n)
-    found = skew(stamps(n), yaw(t - 0.25) + 0.1 * rng.standard_normal(n) - rs, rs,
-                 half_span_s=0.1)
+    found = estimate_skew(stamps(n), yaw(t - 0.25) + 0.1 * rng.standard_normal(n) - rs, rs,
+                          half_span_s=0.1)
     assert abs(found.skew_s - 0.25) < 6.0 * found.u_s
     assert found.u_s < 0.002
     assert found.ols_s < 0.25 - 6.0 * found.ols_u_s
@@ -117,7 +117,7 @@ def test_the_uncertainty_of_the_skew_survives_correlation(tau, ar1, yaw, rng):
     z = []
     for _ in range(60):
         rs = truth + 0.05 * rng.standard_normal(n)
-        found = skew(stamps(n), late + 0.1 * ar1(n, tau) - rs, rs)
+        found = estimate_skew(stamps(n), late + 0.1 * ar1(n, tau) - rs, rs)
         z.append((found.skew_s - 0.25) / found.u_s)
     assert np.std(z) == pytest.approx(1.0, abs=6.0 / math.sqrt(120.0))
     assert abs(np.mean(z)) < 6.0 / math.sqrt(60.0)
@@ -131,7 +131,7 @@ def test_the_skew_of_real_logs_is_that_of_the_scan(name, real, golden):
     Interpolating an RS that comes once a second shifts either by up to a hundredth.
     """
     pairs, x = real(name)
-    found = skew(pairs.stamp_ns, x, pairs.rs_deg)
+    found = estimate_skew(pairs.stamp_ns, x, pairs.rs_deg)
     expected = golden['pairs'][name]['skew_scan']['L_star']
     assert found.well_determined
     assert abs(found.skew_s - expected) < 4.0 * found.u_s + 0.02
@@ -140,7 +140,7 @@ def test_the_skew_of_real_logs_is_that_of_the_scan(name, real, golden):
 def test_the_skew_turns_sign_with_the_sensors(yaw, rng):
     n, t = 5000, seconds(5000)
     ts, rs = yaw(t - 0.3), yaw(t) + 0.05 * rng.standard_normal(n)
-    there, back = skew(stamps(n), ts - rs, rs), skew(stamps(n), rs - ts, ts)
+    there, back = estimate_skew(stamps(n), ts - rs, rs), estimate_skew(stamps(n), rs - ts, ts)
     assert back.skew_s == pytest.approx(-there.skew_s, abs=6.0 * there.u_s)
 
 
@@ -148,8 +148,8 @@ def test_turning_all_headings_or_mounting_the_ts_askew_changes_nothing(yaw, rng)
     n, t = 3000, seconds(3000)
     rs = yaw(t)
     x = yaw(t - 0.2) - rs + 0.05 * rng.standard_normal(n)
-    a = skew(stamps(n), x, rs)
-    b = skew(stamps(n), (x + 178.0 + 180.0) % 360.0 - 180.0, (rs + 263.0) % 360.0)
+    a = estimate_skew(stamps(n), x, rs)
+    b = estimate_skew(stamps(n), (x + 178.0 + 180.0) % 360.0 - 180.0, (rs + 263.0) % 360.0)
     assert b.skew_s == pytest.approx(a.skew_s, abs=1e-6)
     assert b.u_s == pytest.approx(a.u_s, rel=1e-6)
 
@@ -158,7 +158,7 @@ def test_frequent_pairs_are_averaged_to_the_same_skew(yaw, rng):
     """A hundred a second in averages of eight."""
     n, t = 60_000, seconds(60_000, 100.0)
     rs = yaw(t) + 0.05 * rng.standard_normal(n)
-    found = skew(stamps(n, 100.0), yaw(t - 0.25) + 0.1 * rng.standard_normal(n) - rs, rs)
+    found = estimate_skew(stamps(n, 100.0), yaw(t - 0.25) + 0.1 * rng.standard_normal(n) - rs, rs)
     assert n // 8 - 20 < found.n <= n // 8
     assert abs(found.skew_s - 0.25) < 6.0 * found.u_s
 
@@ -166,7 +166,7 @@ def test_frequent_pairs_are_averaged_to_the_same_skew(yaw, rng):
 def test_a_ship_that_does_not_turn_shows_no_skew(rng):
     n = 5000
     rs = 90.0 + 0.05 * rng.standard_normal(n)
-    found = skew(stamps(n), 90.0 + 0.1 * rng.standard_normal(n) - rs, rs)
+    found = estimate_skew(stamps(n), 90.0 + 0.1 * rng.standard_normal(n) - rs, rs)
     assert found.well_determined is False
     assert found.skew_s is None
     assert found.strength < 10.0
@@ -175,7 +175,7 @@ def test_a_ship_that_does_not_turn_shows_no_skew(rng):
 
 def test_a_skew_beyond_the_range_is_not_reported(yaw):
     t = seconds(3000)
-    found = skew(stamps(3000), yaw(t - 1.0) - yaw(t), yaw(t), range_s=0.5)
+    found = estimate_skew(stamps(3000), yaw(t - 1.0) - yaw(t), yaw(t), range_s=0.5)
     assert found.skew_s is None
     assert found.well_determined is False
 
@@ -187,21 +187,21 @@ def test_no_rate_is_taken_over_a_silence(yaw, rng):
     x = yaw(t - 0.25) - rs + 0.05 * rng.standard_normal(n)
     late = np.arange(n) >= n // 2
     turned = np.where(late, rs + 90.0, rs)
-    a = skew(stamps(n), x, rs)
-    b = skew(stamps(n) + late * 3_600_000_000_000, x, turned)
+    a = estimate_skew(stamps(n), x, rs)
+    b = estimate_skew(stamps(n) + late * 3_600_000_000_000, x, turned)
     assert abs(b.skew_s - a.skew_s) < a.u_s
     assert a.n - 15 < b.n < a.n
 
 
 @pytest.mark.parametrize('n', [0, 1, 63, 66])
 def test_too_few_pairs_give_no_skew(n, rng):
-    found = skew(stamps(n), rng.standard_normal(n), np.full(n, 3.0))
+    found = estimate_skew(stamps(n), rng.standard_normal(n), np.full(n, 3.0))
     assert (found.n, found.skew_s, found.largest_variance_deg2(2.0)) == (0, None, None)
 
 
 @pytest.mark.parametrize('x', [0.0, 0.3])
 def test_a_frozen_pair_gives_no_skew(x):
-    found = skew(stamps(200), np.full(200, x), np.full(200, 3.0))
+    found = estimate_skew(stamps(200), np.full(200, x), np.full(200, 3.0))
     assert found.skew_s is None
     assert found.well_determined is False
 
@@ -215,7 +215,7 @@ def test_a_skew_of_any_part_of_the_yaw_period_is_found(late_s, period_s, rng):
     def heading(at_s):
         return 5.0 * np.sin(at_s / 60.0) + np.sin(2.0 * np.pi * at_s / period_s)
     rs = heading(t) + 0.05 * rng.standard_normal(n)
-    found = skew(stamps(n), heading(t - late_s) + 0.1 * rng.standard_normal(n) - rs, rs)
+    found = estimate_skew(stamps(n), heading(t - late_s) + 0.1 * rng.standard_normal(n) - rs, rs)
     assert found.kind == 'found' and found.well_determined
     assert abs(found.skew_s - late_s) < 6.0 * found.u_s + 5e-3
 
@@ -227,7 +227,7 @@ def test_a_skew_beyond_the_range_has_its_size(late_s, rng):
     def heading(at_s):
         return 20.0 * np.sin(at_s / 60.0) + np.sin(2.0 * np.pi * at_s / 7.0)
     rs = heading(t) + 0.05 * rng.standard_normal(n)
-    found = skew(stamps(n), heading(t - late_s) + 0.1 * rng.standard_normal(n) - rs, rs)
+    found = estimate_skew(stamps(n), heading(t - late_s) + 0.1 * rng.standard_normal(n) - rs, rs)
     assert (found.kind, found.skew_s) == ('beyond', None)
     assert found.beyond_s == pytest.approx(late_s, abs=0.05)
 
@@ -236,7 +236,7 @@ def test_a_ship_that_moves_is_told_from_one_that_does_not(yaw, rng):
     """The TS stays at one heading: no skew fits."""
     n, t = 6000, seconds(6000)
     noise = 0.05 * rng.standard_normal((2, n))
-    moved = skew(stamps(n), 90.0 + noise[0] - yaw(t) - noise[1], yaw(t) + noise[1])
-    still = skew(stamps(n), noise[0] - noise[1], 90.0 + noise[1])
+    moved = estimate_skew(stamps(n), 90.0 + noise[0] - yaw(t) - noise[1], yaw(t) + noise[1])
+    still = estimate_skew(stamps(n), noise[0] - noise[1], 90.0 + noise[1])
     assert (moved.kind, still.kind) == ('no_fit', 'not_turned')
     assert 'the ship moved' in moved.why_not(2.0) and 'did not turn' in still.why_not(2.0)

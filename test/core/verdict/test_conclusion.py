@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from heading_intercompare.core.decision.coverage import coverage_of
-from heading_intercompare.core.decision.sequential import LookVerdict, standing
+from heading_intercompare.core.decision.sequential import find_standing, LookVerdict
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Risk
 from heading_intercompare.core.verdict.conclusion import (
@@ -20,7 +20,7 @@ from heading_intercompare.core.verdict.conclusion import (
     with_findings,
     with_looks,
 )
-from heading_intercompare.core.verdict.headline import headline, headline_with_looks
+from heading_intercompare.core.verdict.headline import add_looks, compose_headline
 from heading_intercompare.core.verdict.validity import DOUBTFUL, Finding, HOLDS, VOID
 
 C, I, N = Outcome.COMPLIANT, Outcome.INDETERMINATE, Outcome.NON_COMPLIANT
@@ -74,7 +74,7 @@ def test_the_worse_of_a_decision_at_a_look_and_the_end(looks, end, expected):
     ((C, I), (I, 'not_confirmed')), ((C, I, C), (C, 'x')), ((C, N), (N, 'x')),
     ((N, C), (N, 'x')), ((N, I), (N, 'x'))])
 def test_what_looks_leave_standing(looks, expected):
-    found = standing([look(k, outcome) for k, outcome in enumerate(looks, 1)])
+    found = find_standing([look(k, outcome) for k, outcome in enumerate(looks, 1)])
     assert expected == (None if found is None else (found.outcome, found.reason))
 
 
@@ -98,15 +98,15 @@ def test_what_makes_the_whole_comparison_void_made_a_look_void_too():
 def test_the_headline_of_a_run_that_was_looked_at(outcome, reason, said, line):
     looks = [LookVerdict(k, 4, 300.0 * k, each, 'x', DOUBTFUL, 'NON-COMPLIANT, DOUBTFUL: it')
              for k, each in enumerate(said, 1)]
-    assert headline_with_looks('END', outcome, reason, looks) == line
+    assert add_looks('END', outcome, reason, looks) == line
 
 
 def test_the_headline_says_why_there_is_no_certificate():
     covered = coverage_of(624.0, Risk())
-    assert headline(I, (), covered, 'all is said') == 'INDETERMINATE: all is said'
+    assert compose_headline(I, (), covered, 'all is said') == 'INDETERMINATE: all is said'
     doubt = [Finding('x', DOUBTFUL, 'it', '')]
-    assert headline(I, doubt, covered, 'why') == 'INDETERMINATE, DOUBTFUL: it'
-    assert headline(C, (), covered, 'why').startswith('COMPLIANT for errors')
+    assert compose_headline(I, doubt, covered, 'why') == 'INDETERMINATE, DOUBTFUL: it'
+    assert compose_headline(C, (), covered, 'why').startswith('COMPLIANT for errors')
 
 
 def test_every_reason_has_words():
@@ -124,4 +124,4 @@ def test_every_reason_has_words():
     (I, (HOLDS, VOID, VOID, DOUBTFUL), 'INDETERMINATE, VOID: it 1')])
 def test_the_headline_by_hand(outcome, effects, words):
     findings = [Finding('x', effect, f'it {k}', '') for k, effect in enumerate(effects)]
-    assert headline(outcome, findings, coverage_of(624.0, Risk())) == words
+    assert compose_headline(outcome, findings, coverage_of(624.0, Risk())) == words

@@ -11,7 +11,7 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.core.verdict.prepare import analysed
+from heading_intercompare.core.verdict.prepare import prepare_run
 
 S = 1_000_000_000
 
@@ -23,7 +23,7 @@ def taken(x, **names):
     run = RunSeries(S, settings)
     n = len(x)
     run.update(Pairs.of(S * np.arange(1, n + 1), 100.0 + np.asarray(x), np.full(n, 100.0)))
-    return analysed(run, Limits.of(settings.norms), settings)
+    return prepare_run(run, Limits.of(settings.norms), settings)
 
 
 def test_the_variance_by_hand():

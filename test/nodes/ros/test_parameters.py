@@ -9,13 +9,13 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.core.settings import declared, Settings, SettingsError, to_mapping
-from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, overrides
+from heading_intercompare.core.settings import list_settings, Settings, SettingsError, to_mapping
+from heading_intercompare.nodes.ros.parameters import declare, make_overrides, OVERRIDES
 
 
 def node_with(ros, values):
     """Return a node that was given values."""
-    return ros.add(Node, 'settings_node', **OVERRIDES, parameter_overrides=overrides(values))
+    return ros.add(Node, 'settings_node', **OVERRIDES, parameter_overrides=make_overrides(values))
 
 
 def test_without_values_all_take_their_defaults(ros):
@@ -25,7 +25,7 @@ def test_without_values_all_take_their_defaults(ros):
 def test_every_setting_becomes_a_described_read_only_parameter(ros):
     node = node_with(ros, {'norms.sigma_max_deg': 0.2})
     settings, = declare(node, Settings)
-    for rule in declared(Settings):
+    for rule in list_settings(Settings):
         descriptor = node.describe_parameter(rule.name)
         assert descriptor.read_only and descriptor.description == rule.help
         value = to_mapping(settings)[rule.name]
@@ -83,4 +83,4 @@ def test_parameters_of_ros_itself_are_not_unknown(ros):
 
 
 def test_none_is_left_out_of_overrides():
-    assert [p.name for p in overrides({'a': None, 'b': 1})] == ['b']
+    assert [p.name for p in make_overrides({'a': None, 'b': 1})] == ['b']

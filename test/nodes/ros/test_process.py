@@ -19,8 +19,8 @@ from heading_intercompare.core.verdict.verdict_document import SCHEMA
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.recorder import Recorder
-from heading_intercompare.nodes.ros.parameters import overrides
-from heading_intercompare.nodes.ros.process import run, Stop, words
+from heading_intercompare.nodes.ros.parameters import make_overrides
+from heading_intercompare.nodes.ros.process import error_words, run, Stop
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 from heading_intercompare.nodes.synchronizer import Synchronizer
@@ -31,7 +31,7 @@ from ..conftest import NORMS
 def signalled(make, *numbers, **values):
     """Return a maker whose node sends signals to its own process once it spins."""
     def made(context):
-        node = make(context=context, parameter_overrides=overrides({**NORMS, **values}))
+        node = make(context=context, parameter_overrides=make_overrides({**NORMS, **values}))
         waiting = list(numbers)
         every(node, 0.05, lambda: waiting and os.kill(os.getpid(), waiting.pop(0)))
         return node
@@ -75,7 +75,7 @@ def test_further_signals_do_not_disturb_the_end(tmp_path):
     (NmeaDriver, {'source': 'udp://127.0.0.1:10110', 'topic': ''}, "node: error: topic '': "),
 ])
 def test_a_mistake_is_one_line_and_exit_code_2(make, values, line, capfd):
-    make = partial(make, parameter_overrides=overrides({**NORMS, **values}))
+    make = partial(make, parameter_overrides=make_overrides({**NORMS, **values}))
     assert run('node', make, args=[]) == 2
     said = capfd.readouterr().err.strip().splitlines()
     assert said[-1].startswith(line)
@@ -95,8 +95,8 @@ def test_wrong_arguments_of_ros_are_one_line_and_exit_code_2(args, word, capfd):
 
 def test_a_name_that_ros_refuses_is_named():
     error = OSError(2, 'No such file or directory', 'a.log')
-    assert words(error) == 'a.log: No such file or directory'
-    assert words(ValueError('two\n  lines')) == 'two lines'
+    assert error_words(error) == 'a.log: No such file or directory'
+    assert error_words(ValueError('two\n  lines')) == 'two lines'
 
 
 def test_stop_restores_the_handlers_that_were_there():

@@ -13,7 +13,7 @@ import time
 import pytest
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
-from heading_intercompare.bags.rosbag2.provenance import notes_in
+from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.nodes.runtime.note_publisher import publish_note
 
@@ -49,7 +49,7 @@ def test_a_note_reaches_the_bag_that_is_recorded(tmp_path):
     assert recorder.returncode == 0 and 'note: course change' in said
     bag = BagReader(tmp_path / 'bag')
     assert bag.incomplete is None
-    assert [note.text for note in notes_in(bag)] == ['MV Example', 'course change']
+    assert [note.text for note in read_notes(bag)] == ['MV Example', 'course change']
     assert [(a.name, a.data) for a in bag.attachments()] == [
         ('mine.yaml', (tmp_path / 'mine.yaml').read_bytes())]
     stated = bag.metadata()['heading_intercompare']
