@@ -271,6 +271,17 @@ def test_what_a_door_offers_is_there_and_no_module_hides_it(room):
     assert set(names) <= set(dir(door))
 
 
+@pytest.mark.parametrize('room', ROOMS, ids=relative)
+def test_no_function_of_a_room_differs_from_a_class_in_case_only(room):
+    names = {ast.FunctionDef: set(), ast.ClassDef: set()}
+    for path in room.glob('*.py'):
+        for node in ast.parse(path.read_text('utf-8')).body:
+            if type(node) in names:
+                names[type(node)].add(node.name.lower().replace('_', ''))
+    # Like `field` and `Field` of dataclasses.
+    assert set.intersection(*names.values()) - {'setting'} == set()
+
+
 def test_a_door_loads_nothing_before_it_is_asked():
     code = ('import sys\n'
             'import heading_intercompare._doors\n'
