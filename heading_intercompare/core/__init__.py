@@ -4,7 +4,8 @@
 The path from headings to a verdict: no clock, thread, file or log.
 
 The rooms stand on each other in this order: `statistics`, `pairing`, `timing`,
-`decision`, `runs`, `conditions`, `diagnostics`, `verdict`; then `pipeline` and `offline` join them.
+`decision`, `runs`, `conditions`, `diagnostics`, `verdict`; then `pipeline` and `offline` join
+them.
 """
 
 from heading_intercompare._doors import door

@@ -78,9 +78,9 @@ def find_convention(x_deg: ArrayLike, rs_deg: ArrayLike, tolerance_deg: float = 
 
     Notes
     -----
-    The direction is told by `find_turn_direction`. A yaw taken for a heading, TS = 90 - heading, gives
-    'mirrored' with 90. The means are circular: nothing happens at the seam of the wrap; of more
-    than 131072 samples they are taken over so many, spread evenly.
+    The direction is told by `find_turn_direction`. A yaw taken for a heading, TS = 90 - heading,
+    gives 'mirrored' with 90. The means are circular: nothing happens at the seam of the wrap; of
+    more than 131072 samples they are taken over so many, spread evenly.
 
     References
     ----------

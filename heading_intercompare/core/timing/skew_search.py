@@ -17,7 +17,8 @@ from heading_intercompare.core.statistics.blocking import block_means, block_siz
 from .heading_track import Track
 from .skew_instrument import Fit, Instrument, LEAST_STRENGTH
 
-__all__ = ['coarser', 'Correlogram', 'correlogram', 'find_skew', 'has_turned', 'scatter_deg']
+__all__ = ['coarser', 'compute_correlogram', 'Correlogram', 'find_skew', 'has_turned',
+           'scatter_deg']
 
 _REACH_S = 60.0
 """Largest skew looked for at all, either way, seconds."""
@@ -94,7 +95,7 @@ def _rates(track: Track, t_s: np.ndarray, max_gap_s: float) -> np.ndarray:
     return np.where(good, rate - rate[good].mean(), 0.0) if good.any() else np.zeros(t_s.size)
 
 
-def correlogram(ts: Track, rs: Track, reach_s: float = _REACH_S,
+def compute_correlogram(ts: Track, rs: Track, reach_s: float = _REACH_S,
                 max_gap_s: float = 3.0) -> Correlogram:
     """
     Correlate the rates of turn of both sensors at all skews within reach.
@@ -148,7 +149,7 @@ def has_turned(rs: Track, max_gap_s: float = 3.0) -> bool:
     step = float(np.median(np.diff(rs.t_s)))
     # Rates that share a reading, or one interpolated, agree by their noise.
     shared_s = 2.0 * (_HALF_SPAN_STEPS * _GRID_S + step)
-    found = correlogram(rs, rs, shared_s + 20.0, max_gap_s)
+    found = compute_correlogram(rs, rs, shared_s + 20.0, max_gap_s)
     return float(np.abs(found.value[found.lag_s > shared_s]).max()) > _MOVED
 
 
@@ -187,7 +188,7 @@ def find_skew(instrument: Instrument, near_s: float, range_s: float,
 
     """
     if curve is None:
-        curve = correlogram(instrument.ts, instrument.rs, max_gap_s=instrument.max_gap_s)
+        curve = compute_correlogram(instrument.ts, instrument.rs, max_gap_s=instrument.max_gap_s)
     low, high = near_s - range_s, near_s + range_s
     best = _least(instrument, [near_s, *curve.starts(near_s, low, high)], low, high)
     if best is None:

@@ -12,7 +12,7 @@ from heading_intercompare.core.timing.heading_track import Track
 from heading_intercompare.core.timing.skew_instrument import Instrument
 from heading_intercompare.core.timing.skew_search import (
     coarser,
-    correlogram,
+    compute_correlogram,
     find_skew,
     has_turned,
 )
@@ -29,7 +29,7 @@ def test_the_correlogram_agrees_with_a_plain_loop(rng):
     """Rates over a second at quarters of one, about their means; the ends allowed for."""
     t = np.arange(0.0, 60.25, 0.25)
     ts, rs = rng.standard_normal((2, t.size)).cumsum(axis=1)
-    found = correlogram(track(t, ts), track(t, rs), 5.0)
+    found = compute_correlogram(track(t, ts), track(t, rs), 5.0)
     a, b = np.zeros(t.size), np.zeros(t.size)
     for rate, heading in ((a, ts), (b, rs)):
         rate[2:-2] = heading[4:] - heading[:-4]
@@ -48,7 +48,7 @@ def test_long_runs_are_correlated_in_segments(rng):
     def heading(at_s):
         return np.sin(1.1 * at_s) + 5.0 * np.sin(0.13 * at_s)
 
-    found = correlogram(track(t, heading(t - 7.25)), track(t, heading(t)))
+    found = compute_correlogram(track(t, heading(t - 7.25)), track(t, heading(t)))
     assert found.lag_s[np.argmax(found.value)] == 7.25
     assert found.value.max() == pytest.approx(1.0, abs=0.01)
 
@@ -56,7 +56,7 @@ def test_long_runs_are_correlated_in_segments(rng):
 def test_peaks_are_the_nearest_of_those_alike():
     t = np.arange(0.0, 1200.0, 0.25)
     ts, rs = (track(t, np.sin(np.pi * (t - late) / 4.0)) for late in (1.1, 0.0))
-    found = correlogram(ts, rs)
+    found = compute_correlogram(ts, rs)
     assert found.starts(0.0, -20.0, 20.0)[:3] == pytest.approx([1.1, -6.9, 9.1], abs=0.02)
     assert found.starts(0.0, -2.0, 0.5) == []
 
@@ -64,7 +64,7 @@ def test_peaks_are_the_nearest_of_those_alike():
 def test_sensors_that_stand_still_have_no_skew(rng):
     t = np.arange(0.0, 300.0, 0.25)
     still = track(t, np.full(t.size, 7.0))
-    assert not correlogram(still, still).value.any()
+    assert not compute_correlogram(still, still).value.any()
     noisy = [track(t, 0.1 * rng.standard_normal(t.size)) for _ in range(2)]
     assert find_skew(Instrument(*noisy, 0.5, 3.0), 0.0, 2.0) is None
     assert not has_turned(noisy[1]) and not has_turned(still)
