@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import wrap360
-from heading_intercompare.core.statistics.resolution import find_resolution
+from heading_intercompare.core.statistics.resolution import find_resolution, LOOKED_AT
 
 from .common_glitches import CommonGlitches, find_common_glitches
 from .common_noise import CommonNoise, find_common_noise
@@ -89,7 +89,7 @@ def find_one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
 
     """
     x, rs = (np.asarray(v, dtype=np.float64) for v in (x_deg, rs_deg))
-    steps = find_resolution(wrap360(x + rs)), find_resolution(rs)
+    steps = find_resolution(wrap360(x[:LOOKED_AT] + rs[:LOOKED_AT])), find_resolution(rs)
     return OneSource(
         find_same_source(x, rs, *steps, share),
         find_common_noise(stamp_ns, x, rs, rs_factor=None if interpolates_ts else factor,

@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import wrap180
 
-__all__ = ['find_resolution', 'Resolution']
+__all__ = ['find_resolution', 'LOOKED_AT', 'Resolution']
 
-_LOOKED_AT = 100_000
+LOOKED_AT = 100_000
+"""So many headings, from the first on, tell the step of a sensor."""
 _LEAST_STEP_DEG = 1e-7
 _LEAST_STEPS = 20
 _SHARE = 0.99
@@ -73,7 +74,7 @@ def find_resolution(heading_deg: ArrayLike) -> Resolution:
     (0.2, 0.0)
 
     """
-    heading = np.asarray(heading_deg, dtype=np.float64)[:_LOOKED_AT]
+    heading = np.asarray(heading_deg, dtype=np.float64)[:LOOKED_AT]
     if heading.size < 2:
         return Resolution(heading.size, None, None)
     changes = np.abs(wrap180(np.diff(heading)))

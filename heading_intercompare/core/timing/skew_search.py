@@ -96,7 +96,7 @@ def _rates(track: Track, t_s: np.ndarray, max_gap_s: float) -> np.ndarray:
 
 
 def compute_correlogram(ts: Track, rs: Track, reach_s: float = _REACH_S,
-                max_gap_s: float = 3.0) -> Correlogram:
+                        max_gap_s: float = 3.0) -> Correlogram:
     """
     Correlate the rates of turn of both sensors at all skews within reach.
 
@@ -178,9 +178,9 @@ def find_skew(instrument: Instrument, near_s: float, range_s: float,
     -----
     In a swell the estimate settles from within a quarter of a period, and a period away too. It
     starts at the skew expected and at the peaks of the correlogram, of many at the four where the
-    differences scatter least; of what settles within the
-    range the one is taken that scatters least about means of 64 s, and an earlier one unless the
-    scatter falls by 2 %. What settles beyond the range must scatter by 30 % less.
+    differences scatter least; of what settles within the range the one is taken that scatters
+    least about means of 64 s, and an earlier one unless the scatter falls by 2 %. What settles
+    beyond the range must scatter by 30 % less.
 
     References
     ----------

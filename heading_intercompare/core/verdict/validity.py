@@ -283,7 +283,7 @@ def _clocks(e: Examined) -> Finding:
         words, evidence = _unsteady(clock, e.data)
         t = (e.data.stamp_ns - e.data.stamp_ns[0]) / 1e9
         steady = _without(e, clock.late_s(t))
-        if steady is not e.outcome and e.outcome is not Outcome.COMPLIANT:
+        if steady is not e.outcome:
             return Finding('clocks', VOID, words,
                            f'{evidence}; with that taken out the outcome is {steady}')
         return Finding('clocks', HOLDS, '', f'{evidence}; the outcome is the same without')
@@ -295,12 +295,8 @@ def _clocks(e: Examined) -> Finding:
     figures = f'the skew is {estimate.skew_s:.3f} s (standard uncertainty {estimate.u_s:.3f} s)'
     if not estimate.significant:
         return Finding('clocks', HOLDS, '', figures)
-    aligned = _without(e, estimate.skew_s)
-    # A skew only adds to the variance: what complies with it complies without.
-    if aligned is e.outcome or e.outcome is Outcome.COMPLIANT:
-        return Finding('clocks', HOLDS, '', f'{figures}; the outcome is the same without it')
-    return Finding('clocks', DOUBTFUL, f'a skew of {estimate.skew_s:.2f} s decides, without it '
-                   f'{aligned}', f'{figures}; with it taken out the outcome is {aligned}')
+    words = f'a skew of {estimate.skew_s:.2f} s decides, without it'
+    return _weigh_skew(e, estimate.skew_s, words, figures)
 
 
 def _unsteady(clock: ClockDrift, data: PreparedRun) -> tuple[str, str]:
@@ -324,15 +320,26 @@ def _beyond(e: Examined, skew_s: float) -> Finding:
              'beyond alignment.skew_range_s')
     evidence = (f'the clocks may be off by more than {range_s:g} s (alignment.skew_range_s): '
                 f'the differences scatter least with a skew of about {skew_s:.1f} s')
+    return _weigh_skew(e, skew_s, f'{words}, without that', evidence)
+
+
+def _weigh_skew(e: Examined, skew_s: float, words: str, evidence: str) -> Finding:
+    """Judge a constant skew by what it could change; the words end with the other outcome."""
     aligned = _without(e, skew_s)
-    if aligned is e.outcome or e.outcome is Outcome.COMPLIANT:
+    if aligned is e.outcome:
         return Finding('clocks', HOLDS, '', f'{evidence}; the outcome is the same without it')
-    return Finding('clocks', DOUBTFUL, f'{words}, without that {aligned}',
+    return Finding('clocks', DOUBTFUL, f'{words} {aligned}',
                    f'{evidence}; with it taken out the outcome is {aligned}')
 
 
 def _without(e: Examined, late_s: float | np.ndarray) -> Outcome:
-    """Return the outcome with the RS read so much earlier."""
+    """
+    Return the outcome with the RS read so much earlier; that of the run if it complies.
+
+    A skew only adds to the variance: what complies with it complies without.
+    """
+    if e.outcome is Outcome.COMPLIANT:
+        return e.outcome
     return e.decided(*realign(e.data.stamp_ns, e.data.x_deg, e.data.rs_deg, late_s))
 
 
