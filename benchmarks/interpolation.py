@@ -81,8 +81,10 @@ def rejects(found: dict) -> bool:
 def rejection(replications: int, rng: np.random.Generator) -> Iterator[str]:
     """Yield rows: how often a sound TS of 10 Hz is rejected."""
     norms = {'norms.sigma_max_deg': 0.15, 'norms.sigma_ref_max_deg': 0.02}
+    rules = {method: Settings.from_mapping({**norms, 'pairing.method': method})
+             for method in ('interpolate', 'auto')}
     for rs_hz, yaw_deg, period_s, share in ((0.5, 1.0, 8.0, 0.0), (1.0, 2.0, 6.0, 0.7)):
-        count = {'interpolate': 0, 'auto': 0}
+        count = dict.fromkeys(rules, 0)
         for _ in range(replications):
             period = period_s * rng.uniform(0.95, 1.05)
             phase = rng.uniform(0.0, 2.0 * math.pi)
@@ -92,8 +94,7 @@ def rejection(replications: int, rng: np.random.Generator) -> Iterator[str]:
                 yaw = yaw_deg * np.sin(2.0 * math.pi * t_s / period + phase)
                 streams.append(headings(t_s, 100.0 + yaw
                                         + sigma_deg * rng.standard_normal(t_s.size)))
-            for method in count:
-                settings = Settings.from_mapping({**norms, 'pairing.method': method})
+            for method, settings in rules.items():
                 count[method] += rejects(figures(pair(*streams, settings)[0], settings))
         yield (f'RS {rs_hz:g} Hz, yaw {yaw_deg:g} deg in {period_s:g} s, TS at {share:g} of its '
                'norm: rejected ' + ', '.join(f'{method} {n / replications:.3f}'
@@ -104,6 +105,8 @@ def acceptance(ts_hz: float, rs_hz: float, errors, replications: int,
                rng: np.random.Generator) -> dict[str, float]:
     """Return how often a TS exactly at its norm is certified, and the mean factor of 'auto'."""
     span_s = max(LEAST_S, LEAST_PAIRS / min(ts_hz, rs_hz))
+    rules = {method: Settings.from_mapping({**NORMS, 'pairing.method': method})
+             for method in ('interpolate_ts', 'auto')}
     count = dict.fromkeys(('unfactored', 'interpolate_ts', 'auto', 'factor'), 0.0)
     for _ in range(replications):
         t_s = times_s(ts_hz, span_s, rng)
@@ -111,8 +114,7 @@ def acceptance(ts_hz: float, rs_hz: float, errors, replications: int,
         t_s = times_s(rs_hz, span_s, rng)
         rs = headings(t_s, 10.0 + M_LOW * REF_DEG * rng.standard_normal(t_s.size))
         before = None
-        for method in ('interpolate_ts', 'auto'):
-            settings = Settings.from_mapping({**NORMS, 'pairing.method': method})
+        for method, settings in rules.items():
             pairs, _ = pair(ts, rs, settings)
             if before is None or pairs != before:
                 found = figures(pairs, settings)

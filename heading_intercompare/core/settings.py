@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, is_dataclass, MISSING
 import difflib
+from functools import cache
 import math
 import types
 from typing import Any, get_args, get_origin, get_type_hints, Iterable, Iterator, Mapping, Union
@@ -89,19 +90,25 @@ def setting(default: Any, help: str, lo: float | None = None, hi: float | None =
                  metadata={'help': help, 'lo': lo, 'hi': hi, 'choices': tuple(choices)})
 
 
-def list_settings(settings_class: type, prefix: str = '') -> Iterator[Setting]:
-    """Yield the settings of a class and of the classes nested in it, with dotted names."""
-    hints = get_type_hints(settings_class)
+# To evaluate the annotations of a class takes 0.2 ms, and every settings object asks for them.
+_hints_of = cache(get_type_hints)
+
+
+@cache
+def list_settings(settings_class: type, prefix: str = '') -> tuple[Setting, ...]:
+    """Return the settings of a class and of the classes nested in it, with dotted names."""
+    found: list[Setting] = []
     for f in fields(settings_class):
-        hint = hints[f.name]
+        hint = _hints_of(settings_class)[f.name]
         if is_dataclass(hint):
-            yield from list_settings(hint, f'{prefix}{f.name}.')
+            found += list_settings(hint, f'{prefix}{f.name}.')
             continue
         union = get_origin(hint) in (Union, types.UnionType)
         default = f.default if f.default is not MISSING else None
-        yield Setting(prefix + f.name, default, f.metadata['help'],
-                      get_args(hint) if union else (hint,),
-                      f.metadata['lo'], f.metadata['hi'], f.metadata['choices'])
+        found.append(Setting(prefix + f.name, default, f.metadata['help'],
+                             get_args(hint) if union else (hint,),
+                             f.metadata['lo'], f.metadata['hi'], f.metadata['choices']))
+    return tuple(found)
 
 
 def _check_value(rule: Setting, value: Any) -> Any:
@@ -173,7 +180,7 @@ def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
 
 
 def _build(settings_class: type, values: Mapping[str, Any], prefix: str) -> Any:
-    hints = get_type_hints(settings_class)
+    hints = _hints_of(settings_class)
     given = {}
     for f in fields(settings_class):
         name = prefix + f.name
