@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # make demo       install into .venv and run the whole chain on simulated sensors
+# make quick      form, and the tests that need neither ROS nor other processes: while you work
 # make test       install into .venv and run everything that CI runs
+# make release    what goes before a release: hours of fuzz, and the tables of the decision rule
 # make test-pins  the tests with the versions of Ubuntu 24.04 (needs Python 3.12)
 # make docs       write what docs and config repeat of the sources: settings, list of modules
 # make format     sort imports and mend form
@@ -22,7 +24,12 @@ INSTALLED := setup.py setup.cfg pyproject.toml heading_intercompare/core/version
 PYTHON312 := $(shell for p in python3.12 "$$(pyenv prefix 3.12 2>/dev/null)/bin/python3.12"; do \
 	"$$p" -c 'import ensurepip, venv' 2>/dev/null && command -v "$$p" && break; done)
 
-.PHONY: demo test test-pins docs format clean help
+# Two workers; tests that run graphs stay together in one (conftest.py says which).
+WORKERS ?= 2
+TESTS := -m pytest --numprocesses $(WORKERS) --dist loadgroup --no-loadscope-reorder
+TABLES := A B E cells gaps drift rates runs means looks short
+
+.PHONY: demo quick test test-pins release docs format clean help
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -31,21 +38,33 @@ demo: .venv/.demo
 	@echo '== heading-intercompare demo --out demo_out'
 	$(BIN)/heading-intercompare demo --out demo_out
 
+quick: .venv/.test
+	@.ci/step form $(BIN)/ruff check .
+	@.ci/step 'quick tests' $(BIN)/python $(TESTS) -q -m 'not (slow or ros or process)' test $(PYTEST)
+
 test: .venv/.test
-	@echo '== 1/3 form'
-	$(BIN)/ruff check .
-	@echo '== 2/3 tests, examples in docstrings, installation with pip and with colcon'
-	$(BIN)/python -m pytest --durations=10 $(PYTEST)
+	@.ci/step '1/3 form' $(BIN)/ruff check .
+	@.ci/step '2/3 tests, examples in docstrings, installation with pip and with colcon' \
+		$(BIN)/python $(TESTS) --durations=10 $(PYTEST)
 ifeq ($(PYTHON312),)
 	@echo '== 3/3 left out: the tests with the versions of Ubuntu 24.04 need Python 3.12'
 else
-	@echo '== 3/3 the quick tests with the versions of Ubuntu 24.04'
-	@$(MAKE) --no-print-directory test-pins
+	@.ci/step '3/3 the quick tests with the versions of Ubuntu 24.04' \
+		$(MAKE) --no-print-directory test-pins
 endif
 
 test-pins: .venv-pins/.test
-	@echo '== tests with the versions of Ubuntu 24.04'
-	.venv-pins/bin/python -m pytest -m 'not slow or colcon' $(PYTEST)
+	.venv-pins/bin/python $(TESTS) -m 'not slow or colcon' $(PYTEST)
+
+release: test
+	@.ci/step 'large fuzz' env HYPOTHESIS_PROFILE=release $(BIN)/python $(TESTS) test/bags test/nodes
+	@.ci/step 'soak of 30 min' env HEADING_INTERCOMPARE_SOAK_S=1800 \
+		$(BIN)/python -m pytest test/nodes/test_soak.py
+	@for table in $(TABLES); do \
+		.ci/step "table $$table of the decision rule" \
+			$(BIN)/python benchmarks/decision_risk.py --keep --table $$table --jobs $(WORKERS) || exit 1; done
+	@.ci/step 'interpolation' $(BIN)/python benchmarks/interpolation.py --keep --replications 5000
+	@.ci/step 'sensors of one source' $(BIN)/python benchmarks/same_source.py --keep
 
 docs: .venv/.test
 	$(BIN)/python docs/generate.py

@@ -1,13 +1,44 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests need beside the package: skipped without it, but never where CI is set."""
+"""
+What holds for every test: what it needs beside the package, its deadline, its worker.
+
+Tests that need what is not installed are skipped, but never where CI is set.
+"""
 
 from __future__ import annotations
 
 from importlib.util import find_spec
 import os
+from pathlib import Path
+import signal
 
-import pytest
+# Before numpy is loaded: sums of several threads depend on their number in the last bits, and two
+# workers of pytest-xdist with a thread for each core would wait for each other.
+for name in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'):
+    os.environ.setdefault(name, '1')
+# Seconds for one test, read by pytest-timeout: what hangs fails, with the stack of every thread.
+os.environ.setdefault('PYTEST_TIMEOUT', '600')
+
+# What a shell starts in the background, or `nohup`, ignores these signals, and so would every
+# process that a test starts.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+import pytest  # noqa: E402
+
+try:
+    from hypothesis import HealthCheck, settings as hypothesis_settings
+except ImportError:
+    pass
+else:
+    # A slow machine is no fault of the code; what never ends meets the deadline of its test.
+    hypothesis_settings.register_profile(
+        'quick', max_examples=100, derandomize=True, deadline=None,
+        suppress_health_check=[HealthCheck.too_slow])
+    hypothesis_settings.register_profile(
+        'release', hypothesis_settings.get_profile('quick'), max_examples=3000, derandomize=False)
+    hypothesis_settings.load_profile(os.environ.get('HYPOTHESIS_PROFILE', 'quick'))
 
 OPTIONAL = ('rclpy', 'serial', 'hypothesis', 'rosbags', 'mcap_ros2', 'pybag',
             'isal', 'distributed', 'threadpoolctl')
@@ -24,6 +55,23 @@ def pytest_configure():
     if MISSING and os.environ.get('CI', '').lower() not in ('', '0', 'false'):
         raise pytest.UsageError(f'CI is set and {", ".join(MISSING)} is not installed: '
                                 'the tests that need it would be skipped')
+
+
+def _group(item: pytest.Item) -> str:
+    """Return which tests share a worker: those that run graphs, and those of one module."""
+    path = Path(item.path).relative_to(Path(__file__).parent)
+    return 'graphs' if path.is_relative_to('test/nodes') else str(path)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items):
+    """Mark the tests that run nodes, and say which tests share a worker of pytest-xdist."""
+    for item in items:
+        if 'ros' in getattr(item, 'fixturenames', ()):
+            item.add_marker('ros')
+        item.add_marker(pytest.mark.xdist_group(_group(item)))
+    # The longest group begins first, and no worker is left with it at the end.
+    items.sort(key=lambda item: _group(item) != 'graphs')
 
 
 def pytest_report_header():

@@ -44,7 +44,8 @@ setup(
         'serial': ['pyserial>=3.5'],
         'fast': ['isal>=1.5'],
         'dask': ['distributed>=2024.2', 'threadpoolctl>=3'],
-        'test': ['pytest>=7.4', 'hypothesis>=6', 'rosbags', 'mcap-ros2-support', 'pybag-sdk'],
+        'test': ['pytest>=7.4', 'pytest-xdist>=3.4', 'pytest-timeout>=2.2', 'hypothesis>=6',
+                 'rosbags', 'mcap-ros2-support', 'pybag-sdk'],
         'dev': ['ruff', 'colcon-common-extensions'],
     },
     entry_points={

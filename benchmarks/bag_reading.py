@@ -36,6 +36,7 @@ import tempfile
 from time import perf_counter
 from typing import Callable, Iterable, Iterator
 
+import history
 import lz4.frame
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer as McapWriter
@@ -277,13 +278,14 @@ def main() -> int:
     parser.add_argument('--compression', nargs='+', default=['zstd', 'lz4', 'none'])
     parser.add_argument('--peers', type=int, default=100_000, metavar='N',
                         help='messages after which slow readers are stopped')
+    history.add_option(parser)
     options = parser.parse_args()
     print('ours and alone in ns a heading; how many times longer others take; how many times '
           'longer we take\nthan chunks alone, with the file in memory and from disk; the most '
           'memory')
     print(f'{"bag":8s}{"type":20s}{"packed":8s}{"ours":>6s}{"alone":>7s}{"mcap":>8s}'
           f'{"rosbags":>9s}{"decoded":>9s}{"chunks":>8s}{"disk":>6s}{"peak MB":>9s}')
-    broken = []
+    broken, figures = [], {}
     for name in options.bags:
         for type_name in options.types:
             for compression in options.compression:
@@ -307,6 +309,10 @@ def main() -> int:
                       + ''.join(f'{times[each]:{width}.1f}' for each, width in (
                           ('mcap', 8), ('rosbags', 9), ('decoded', 9)))
                       + f'{share:8.2f}{on_disk:6.2f}{memory:9.0f}', flush=True)
+                row = f'{name}, {type_name.split("/")[-1]}, {compression}'
+                figures |= {f'{row}: mcap / ours': times['mcap'],
+                            f'{row}: rosbags / ours': times['decoded'],
+                            f'{row}: ours / chunks': share}
                 held = on_disk if (type_name, compression) == LIGHTEST else share
                 if (times['mcap'] < MCAP_LEAST or times['decoded'] < ROSBAGS_LEAST
                         or held > CHUNKS_MOST):
@@ -315,6 +321,8 @@ def main() -> int:
           f'chunks at most {CHUNKS_MOST:.0f} (QuaternionStamped uncompressed: disk)')
     for each in broken:
         print(f'broken for {each}')
+    if options.keep:
+        history.keep('bag_reading', figures)
     return 1 if broken else 0
 
 

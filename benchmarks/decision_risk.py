@@ -25,6 +25,7 @@ import re
 import sys
 from time import perf_counter
 
+import history
 import numpy as np
 from risk_campaigns import Campaign, CAMPAIGNS
 from risk_measures import COLUMNS, measure_row, Result
@@ -77,16 +78,21 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument('--seed', type=int, default=2026)
     parser.add_argument('--alpha', type=float, default=0.05, help='nominal risk of each side')
     parser.add_argument('--jobs', type=int, default=1, help='processes; changes no figure')
+    history.add_option(parser)
     given = parser.parse_args(arguments)
-    failed = 0
+    failed, figures = 0, {}
     for table in given.table:
         tasks = [(table, row.name, given.seed, given.replications, given.alpha)
                  for row in rows_of(table) if re.search(given.rows, row.name)]
         heads = columns(table)
         print(f'| {" | ".join(heads)} |\n|{"---|" * len(heads)}', flush=True)
-        failed += _print(tasks, given.jobs)
+        found = _print(tasks, given.jobs)
+        figures |= {f'{table}: rows': len(tasks), f'{table}: rows that fail': found}
+        failed += found
         print(flush=True)
     print(f'{failed} rows fail', file=sys.stderr)
+    if given.keep:
+        history.keep('decision_risk', figures)
     return int(failed > 0)
 
 

@@ -22,6 +22,7 @@ import math
 import sys
 from typing import Iterator
 
+import history
 import numpy as np
 from scipy.signal import lfilter
 
@@ -143,10 +144,11 @@ def main() -> int:
     parser.add_argument('--rates', type=float, nargs='+', default=RATES_HZ)
     parser.add_argument('--errors', nargs='+', choices=ERRORS, default=list(ERRORS))
     parser.add_argument('--seed', type=int, default=1)
+    history.add_option(parser)
     arguments = parser.parse_args()
     for row in rejection(arguments.replications, np.random.default_rng(arguments.seed)):
         print(row, flush=True)
-    failed = 0
+    failed, figures = 0, {}
     print('errors  TS Hz  RS Hz  unfactored  interpolate_ts  auto   factor      n')
     for name in arguments.errors:
         errors = ERRORS[name]
@@ -162,10 +164,13 @@ def main() -> int:
                     found = acceptance(ts_hz, rs_hz, errors, n, rng)
                 bad = fails(found['auto'], n)
                 failed += bad
+                figures[f'{name}, {ts_hz:g} / {rs_hz:g} Hz: certified'] = found['auto']
                 print(f'{name}   {ts_hz:5g}  {rs_hz:5g}       {found["unfactored"]:.3f}'
                       f'           {found["interpolate_ts"]:.3f}  {found["auto"]:.3f}'
                       f'   {found["factor"]:.3f}  {n:5d}{"  FAILS" if bad else ""}', flush=True)
     print(f'{failed} rows of the default fail')
+    if arguments.keep:
+        history.keep('interpolation', figures)
     return 1 if failed else 0
 
 

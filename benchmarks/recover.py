@@ -35,6 +35,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 from bag_reading import file_of, IMU, timed, WRITERS
+import history
 import lz4.frame
 from mcap.reader import NonSeekingReader
 from mcap.writer import Writer as McapWriter
@@ -165,13 +166,14 @@ def main() -> int:
     parser.add_argument('--peer', type=int, default=50_000, metavar='N',
                         help='messages after which copying with mcap is stopped')
     parser.add_argument('--folder', help='where the bags are written; else that of tempfile')
+    history.add_option(parser)
     options = parser.parse_args()
     print('seconds of recovering, of reading all chunks, of copying the file, of recovering with '
           'all\ncompressed anew; how many times longer we take than chunks, than chunks and a '
           'copy, and mcap\nthan we; the most memory')
     print(f'{"bag":7s}{"packed":7s}{"messages":>9s}{"MB":>6s}{"recover":>9s}{"chunks":>8s}'
           f'{"copy":>7s}{"anew":>7s}{"/chunks":>9s}{"/both":>7s}{"mcap":>7s}{"peak MB":>9s}')
-    broken = []
+    broken, figures = [], {}
     for name in options.bags:
         for packed in options.compression:
             with tempfile.TemporaryDirectory(dir=options.folder) as folder:
@@ -180,6 +182,8 @@ def main() -> int:
             print(f'{name:7s}{packed:7s}{found.messages:9d}{found.size / 1e6:6.0f}'
                   f'{found.ours:9.2f}{found.chunks:8.2f}{found.copy:7.2f}{found.anew:7.2f}'
                   f'{of_chunks:9.2f}{of_both:7.2f}{of_mcap:7.1f}{found.memory:9.0f}', flush=True)
+            figures |= {f'{name}, {packed}: ours / chunks': of_chunks,
+                        f'{name}, {packed}: mcap / ours': of_mcap}
             if (of_mcap < MCAP_LEAST or of_both > COPY_MOST
                     or (packed == 'zstd' and of_chunks > CHUNKS_MOST)):
                 broken.append(f'{name} {packed}')
@@ -187,6 +191,8 @@ def main() -> int:
           f'mcap at least {MCAP_LEAST:.0f}')
     for each in broken:
         print(f'broken for {each}')
+    if options.keep:
+        history.keep('recover', figures)
     return 1 if broken else 0
 
 

@@ -23,6 +23,7 @@ import re
 import sys
 from typing import Callable
 
+import history
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
@@ -294,7 +295,9 @@ def main(arguments: list[str]) -> int:
     parser.add_argument('--runs', type=int, default=200)
     parser.add_argument('--rows', default='', help='regular expression of the rows wanted')
     parser.add_argument('--seed', type=int, default=0)
+    history.add_option(parser)
     options = parser.parse_args(arguments)
+    figures = {}
     print(f'{"TS":36s} {"runs":>5s} {"testable":>8s} {"common":>6s} {"noise":>5s} '
           f'{"glitch":>6s} {"doubt":>5s} {"q50":>6s} {"max":>6s}')
     for number, (name, (kind, how)) in enumerate(ROWS.items()):
@@ -312,6 +315,9 @@ def main(arguments: list[str]) -> int:
               f'{kinds.count("suspected"):5d} '
               f'{np.median(values) if values else math.nan:6.3f} '
               f'{max(values, default=math.nan):6.3f}', flush=True)
+        figures[f'{name}: found'] = kinds.count('common') / len(kinds)
+    if options.keep:
+        history.keep('same_source', figures)
     return 0
 
 

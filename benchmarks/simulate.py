@@ -22,6 +22,8 @@ import sys
 import tempfile
 from time import perf_counter
 
+import history
+
 SCENARIO = """\
 title: Benchmark
 duration_s: {duration_s}
@@ -56,12 +58,19 @@ def main() -> int:
     parser.add_argument('--hours', type=float, nargs='+', default=[1.0, 12.0])
     parser.add_argument('--rate-hz', type=float, default=100.0)
     parser.add_argument('--model', default='dtg_precision')
+    history.add_option(parser)
     arguments = parser.parse_args()
+    figures = {}
     print('simulated    took  simulated/took  peak memory       bag')
     for hours in sorted(arguments.hours):
         took_s, peak_mb, size = measure(3600.0 * hours, arguments.rate_hz, arguments.model)
         print(f'{hours:7.2f} h {took_s:5.1f} s {3600.0 * hours / took_s:15.0f} '
               f'{peak_mb:9.0f} MB {size / 1e6:6.0f} MB')
+        row = f'{arguments.model}, {arguments.rate_hz:g} Hz, {hours:g} h'
+        figures |= {f'{row}: simulated / taken': 3600.0 * hours / took_s,
+                    f'{row}: peak MB': peak_mb, f'{row}: bag MB': size / 1e6}
+    if arguments.keep:
+        history.keep('simulate', figures)
     return 0
 
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-import signal
 import tempfile
 
 import numpy as np
@@ -15,9 +14,6 @@ import pytest
 os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'
 os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'OFF')
 os.environ.setdefault('ROS_LOG_DIR', tempfile.mkdtemp(prefix='heading_intercompare_log_'))
-
-# What a shell runs in the background ignores Ctrl-C, and so would all that is started by a test.
-signal.signal(signal.SIGINT, signal.default_int_handler)
 
 ROOT = Path(__file__).resolve().parent.parent
 

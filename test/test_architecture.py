@@ -65,6 +65,19 @@ ORDER = {
 # Who looks for something in a room reads the names of its modules.
 MOST_MODULES = 12
 
+# Tests of more than one module, or of what is no module: a path of the product, a file format,
+# real data. Every other module of tests is named after the module it tests, and lies where that
+# lies.
+TESTS_OF_SEVERAL = {
+    'ahrs/test_commands', 'ahrs/test_pictures', 'ahrs/test_recovery', 'ahrs/test_scenarios',
+    'bags/rosbag2/test_third_parties', 'bags/test_fuzz', 'cli/test_bag_commands',
+    'cli/test_catalogue', 'cli/test_origin', 'cli/test_real_logs', 'cli/test_usage',
+    'nodes/test_graph_processes', 'nodes/test_launch', 'nodes/test_real_logs_over_udp',
+    'nodes/test_recorder_process', 'nodes/test_soak',
+    'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_equations',
+    'test_examples', 'test_packaging', 'test_settings',
+}
+
 # Core is a function of its input: it reads no clock, file or network, and says nothing.
 FORBIDDEN_IN_CORE = {'asyncio', 'concurrent', 'datetime', 'io', 'logging', 'multiprocessing', 'os',
                      'pathlib', 'queue', 'random', 'sched', 'shutil', 'signal', 'socket',
@@ -367,6 +380,19 @@ def test_a_module_fits_one_reading():
     limit = {relative(p): LONGEST_NODE if folder_of(p) == 'nodes' and '\ndef main('
              in p.read_text('utf-8') else LONGEST_MODULE for p in MODULES}
     assert {name: n for name, n in lines.items() if n > limit[name]} == {}
+
+
+def test_a_module_of_tests_lies_where_the_module_lies_that_it_tests():
+    theirs = {str(p.relative_to(ROOT / 'test').with_suffix(''))
+              for p in (ROOT / 'test').rglob('test_*.py')}
+    mirrored = {str(p.relative_to(PACKAGE).with_name('test_' + p.stem)) for p in MODULES}
+    assert theirs - mirrored == TESTS_OF_SEVERAL
+    assert not TESTS_OF_SEVERAL & mirrored
+
+
+def test_a_room_has_tests():
+    tested = {str(p.parent.relative_to(ROOT / 'test')) for p in (ROOT / 'test').rglob('test_*.py')}
+    assert {str(p.parent.relative_to(PACKAGE)) for p in MODULES} <= tested
 
 
 def test_a_source_file_says_whose_it_is_and_under_what_licence():

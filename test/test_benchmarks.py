@@ -25,6 +25,7 @@ sys.path.insert(0, str(BENCHMARKS))
 import decision_risk  # noqa: E402
 import error_processes as processes  # noqa: E402
 from former_rule import former_rule  # noqa: E402
+import history  # noqa: E402
 import plain_rule  # noqa: E402
 from risk_campaigns import CAMPAIGNS  # noqa: E402
 from risk_rows import ROWS  # noqa: E402
@@ -51,6 +52,25 @@ def test_a_table_is_printed(table, capsys):
     assert len({line.count('|') for line in lines}) == 1
 
 
+def test_figures_that_are_kept_are_shown_as_a_trend(tmp_path):
+    kept = tmp_path / 'history.jsonl'
+    for ratio in (1.0, 2.0, 1.5):
+        history.keep('recover', {'mcap / ours': ratio, 'peak MB': 80.0}, kept)
+    history.keep('other', {'share': 0.5}, kept)
+    history.keep('nothing', {}, kept)
+    runs = history.read_runs(kept)
+    assert [run['benchmark'] for run in runs] == ['recover', 'recover', 'recover', 'other']
+    assert [line.split() for line in history.describe_trend(runs, 'recover')] == [
+        ['mcap', '/', 'ours', '3', '1', '1.5', '▁█▅'], ['peak', 'MB', '3', '80', '80', '▁▁▁']]
+
+
+def test_a_damaged_history_is_refused_with_its_line(tmp_path):
+    kept = tmp_path / 'history.jsonl'
+    kept.write_text('{"benchmark": "x", "figures": {"a": 1}}\n{"benchmark": "x"}\n', 'utf-8')
+    with pytest.raises(ValueError, match='history.jsonl, line 2: is no run of a benchmark'):
+        history.read_runs(kept)
+
+
 @pytest.mark.parametrize('row, kinds', [
     ('copy, white', {'common'}), ('glitches, copy', {'common', 'suspected'}),
     ('independent, perfect TS', {'independent', 'not_testable'}),
@@ -67,6 +87,7 @@ def test_names_of_rows_are_unique_for_they_are_seeds():
         assert len(names) == len(set(names))
 
 
+@pytest.mark.process
 def test_a_row_does_not_depend_on_other_rows_or_processes(capsys):
     outputs = []
     for more in (['--rows', '^AR.1., [23]0$', '--jobs', '2'], ['--rows', '^AR.1., 30$']):

@@ -171,6 +171,7 @@ def interrupted(command: list[str], environment: dict[str, str], cwd: Path) -> t
             process.wait()
 
 
+@pytest.mark.process
 @pytest.mark.colcon
 @pytest.mark.slow
 def test_colcon_builds_a_package_whose_nodes_start_and_end(source, tmp_path):

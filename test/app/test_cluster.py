@@ -34,6 +34,8 @@ distributed = pytest.importorskip('distributed', reason='distributed is not inst
 threadpoolctl = pytest.importorskip('threadpoolctl', reason='threadpoolctl is not installed')
 from heading_intercompare.app import cluster as module  # noqa: E402
 
+pytestmark = pytest.mark.process
+
 S = 1_000_000_000
 N = 20_000
 NORMS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1, 'risk.min_duration_s': 0.0}

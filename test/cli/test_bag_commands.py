@@ -356,6 +356,7 @@ def alone(tmp_path):
     return ['--config', str(file)]
 
 
+@pytest.mark.process
 def test_the_space_bar_pauses_and_ctrl_c_leaves_the_terminal_as_it_was(bag, alone):
     with Person('replay', str(bag), *alone, '--start-paused') as person:
         person.sees(r'trial: paused at 0\.000 s of 119\.900 s; space: pause, resume')
@@ -374,6 +375,7 @@ def test_the_space_bar_pauses_and_ctrl_c_leaves_the_terminal_as_it_was(bag, alon
         assert termios.tcgetattr(person.program) == person.before
 
 
+@pytest.mark.process
 def test_at_its_end_and_after_an_error_the_terminal_is_as_it_was(bag, alone):
     for options, code in ((['--rate', '0'], 0), (['--remap', 'x:=y'], 2)):
         with Person('replay', str(bag), *alone, *options) as person:

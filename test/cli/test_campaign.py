@@ -69,6 +69,7 @@ def processes(monkeypatch):
     monkeypatch.setattr(campaign, '_WORTH_BYTES', 0)
 
 
+@pytest.mark.process
 def test_several_processes_judge_as_one_does(bags, capsys, monkeypatch):
     serial, _ = judged(capsys, *bags)
     monkeypatch.setattr(campaign, '_WORTH_BYTES', 0)
@@ -258,6 +259,7 @@ def test_what_a_cluster_does_not_do_is_refused_before_a_file_is_touched(
     assert not (tmp_path / 'new').exists()
 
 
+@pytest.mark.process
 def test_a_process_that_dies_is_no_end_of_the_others():
     """An exit code 3 instead of an answer: what a process killed for want of memory leaves."""
     broken = Future()
@@ -278,6 +280,7 @@ def entered(gate, process) -> int:
     raise AssertionError(f'ended with {process.returncode}')
 
 
+@pytest.mark.process
 @pytest.mark.parametrize('number, code', [
     (signal.SIGINT, 130), (signal.SIGTERM, -signal.SIGTERM), (signal.SIGKILL, -signal.SIGKILL)])
 def test_no_process_outlives_the_command(tmp_path, number, code):

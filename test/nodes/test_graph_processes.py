@@ -27,6 +27,8 @@ from .conftest import NORMS
 from .launch_files import nodes
 from .test_graph import assert_same, log, offline
 
+pytestmark = pytest.mark.process
+
 # A domain of its own for each process that tests, so that their graphs do not see each other.
 DOMAIN = 1 + os.getpid() % 100
 

@@ -23,6 +23,8 @@ import pytest
 from heading_intercompare.app.compare_verdicts import find_differences
 from heading_intercompare.cli import main
 
+pytestmark = pytest.mark.process
+
 pytest.importorskip('rclpy')
 
 SPEED = 20.0

@@ -17,6 +17,8 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from .launch_files import Node
 from .test_graph_processes import DOMAIN, Processes
 
+pytestmark = pytest.mark.process
+
 TOPICS = ('/ts/heading', '/rs/heading')
 RATE_HZ = 1000
 

@@ -455,6 +455,7 @@ COMMAND = ('-m', 'heading_intercompare', 'replay', '{}', '--rate', '0', '--remap
            '/ts/heading:=/gyro/heading')
 
 
+@pytest.mark.process
 @pytest.mark.slow
 @pytest.mark.parametrize('arguments', [NODE, COMMAND], ids=['node', 'command'])
 def test_another_process_hears_it_under_the_new_name(arguments, tmp_path, monkeypatch):

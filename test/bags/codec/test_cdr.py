@@ -138,7 +138,6 @@ WORDS = st.text(st.characters(exclude_categories=['Cs'], exclude_characters='\0'
 
 
 @hypothesis.given(WORDS, st.lists(st.tuples(WORDS, WORDS), max_size=4))
-@hypothesis.settings(max_examples=100, deadline=None)
 def test_strings_of_any_length_come_back(name, pairs):
     values = [{'key': key, 'value': value} for key, value in pairs]
     message = {'header': {'stamp': {'sec': 1, 'nanosec': 2}, 'frame_id': name},

@@ -73,7 +73,6 @@ COMPONENT = st.floats(-2.0, 2.0) | st.sampled_from([0.0, np.nan, np.inf, 1e200])
 
 @pytest.mark.parametrize('type_name', HEADING_TYPES)
 @hypothesis.given(st.data())
-@hypothesis.settings(max_examples=40, deadline=None)
 def test_many_messages_at_once_are_the_single_ones_to_the_bit(type_name, data):
     rows = data.draw(st.lists(st.tuples(
         st.text('ab/ü', max_size=12), st.integers(0, 2**31 * 10**9 - 1),

@@ -49,7 +49,6 @@ PARTS = st.lists(st.tuples(st.integers(0, 3), st.integers(0, 40)), max_size=20)
 
 
 @hypothesis.given(PARTS, st.randoms())
-@hypothesis.settings(max_examples=200, deadline=None)
 def test_index_and_walk_find_the_same_messages(parts, random):
     data, offsets = records(parts)
     random.shuffle(offsets)
@@ -57,7 +56,6 @@ def test_index_and_walk_find_the_same_messages(parts, random):
 
 
 @hypothesis.given(PARTS, st.data())
-@hypothesis.settings(max_examples=300, deadline=None)
 def test_a_wrong_index_does_no_harm(parts, data):
     content, offsets = records(parts)
     wrong = data.draw(st.lists(st.sampled_from(offsets or [0]), max_size=25)

@@ -21,7 +21,8 @@ from heading_intercompare.bags.parallel.decoding import Decoder
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.core.records import Headings
 
-pytestmark = pytest.mark.skipif(sys.platform != 'linux', reason='there are no helpers')
+pytestmark = [pytest.mark.process,
+              pytest.mark.skipif(sys.platform != 'linux', reason='there are no helpers')]
 
 BOTH = {'/ts/heading': 'enu', '/rs/heading': 'ned'}
 

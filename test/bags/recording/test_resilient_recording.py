@@ -406,6 +406,7 @@ while True:
 """
 
 
+@pytest.mark.process
 @pytest.mark.parametrize('after_s', [0.3, 1.37])
 def test_killed_at_any_moment_at_most_a_second_is_lost(tmp_path, after_s):
     process = subprocess.Popen([sys.executable, '-c', SENDER, str(tmp_path / 'bag')])
@@ -501,6 +502,7 @@ print(bag.faults, bag.lost, bag.written)
 """
 
 
+@pytest.mark.process
 def test_files_that_the_system_refuses_to_let_grow_are_followed_by_others(tmp_path):
     done = subprocess.run([sys.executable, '-c', LIMITED, str(tmp_path / 'bag')], timeout=60,
                           capture_output=True, text=True, check=True)

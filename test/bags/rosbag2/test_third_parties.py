@@ -200,6 +200,7 @@ def javascript(tmp_path_factory):
     return folder
 
 
+@pytest.mark.process
 @pytest.mark.slow
 def test_the_libraries_of_foxglove_decode_every_message(bag, javascript):
     done = subprocess.run(['node', 'read.js', str(bag / 'bag_0.mcap')], cwd=javascript,
@@ -211,6 +212,7 @@ def test_the_libraries_of_foxglove_decode_every_message(bag, javascript):
     assert len(expected) == 352 and theirs == expected
 
 
+@pytest.mark.process
 @pytest.mark.slow
 @pytest.mark.parametrize('chunks', ['chunks', 'none'])
 def test_what_the_library_of_foxglove_writes_is_read(tmp_path, javascript, chunks):

@@ -99,6 +99,7 @@ def test_a_name_that_is_no_text_is_written_as_it_is_escaped(pairs, tmp_path, cap
     assert capfd.readouterr().err.endswith('caf\\udce9.csvx: No such file or directory\n')
 
 
+@pytest.mark.process
 def test_a_fault_of_the_program_does_not_end_with_the_code_of_a_verdict():
     code = ('from heading_intercompare.cli import main; '
             'from heading_intercompare.cli.commands import norms; '

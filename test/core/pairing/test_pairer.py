@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from hypothesis import given, settings as hypothesis_settings, strategies as st
+from hypothesis import given, strategies as st
 import numpy as np
 import pytest
 
@@ -129,7 +129,6 @@ def test_the_ledger_accounts_for_every_reading(method, ts, rs):
 
 
 @pytest.mark.parametrize('method', METHODS)
-@hypothesis_settings(max_examples=60)
 @given(ts=sorted_streams, rs=sorted_streams, data=st.data())
 def test_chunks_and_order_of_arrival_do_not_matter(method, ts, rs, data):
     # Streams of up to 80 s: several stretches, each watched for 4 s.

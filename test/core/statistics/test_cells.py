@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 import tracemalloc
 
-from hypothesis import given, settings as hypothesis_settings, strategies as st
+from hypothesis import given, strategies as st
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -224,7 +224,6 @@ def test_the_chunks_do_not_matter_to_the_bit(n, stamped, rng):
 
 @given(st.lists(st.integers(0, 400), max_size=12), st.integers(0, 2 ** 32),
        st.sampled_from([None, *STEPS]))
-@hypothesis_settings(max_examples=60, deadline=None)
 def test_any_chunks_give_the_same_values_to_the_bit(sizes, seed, kind):
     rng = np.random.default_rng(seed)
     n = sum(sizes) + 130

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 
 from geometry_msgs.msg import PoseWithCovarianceStamped, QuaternionStamped, TwistStamped
-from hypothesis import given, settings as hypothesis_settings, strategies as st
+from hypothesis import given, strategies as st
 from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
@@ -32,7 +32,6 @@ from heading_intercompare.nodes.ros.messages import (
 STAMPS = st.integers(0, 2 ** 31 * 10 ** 9 - 1)
 DEGREES = st.floats(0.0, 360.0, exclude_max=True)
 RATES = st.one_of(st.floats(-30.0, 30.0), st.just(math.nan))
-quickly = hypothesis_settings(max_examples=60, deadline=None)
 
 
 def sent(message):
@@ -47,7 +46,6 @@ def decoded(type_name, convention, messages):
     return decode_headings(type_name, convention, b''.join(data), ends[:-1], ends[1:])
 
 
-@quickly
 @given(st.lists(st.tuples(STAMPS, st.one_of(DEGREES, st.just(math.nan)),
                           st.floats(0.0, 10.0), RATES), max_size=5))
 def test_a_published_heading_arrives_and_is_the_message_that_bags_write(rows):
@@ -136,7 +134,6 @@ def test_no_messages_give_the_empty_chunk():
     assert pair_messages(Pairs.empty()) == []
 
 
-@quickly
 @given(st.lists(st.tuples(STAMPS, DEGREES, DEGREES, st.integers(-60 * 10 ** 9, 60 * 10 ** 9),
                           st.floats(0.5, 1.0), st.floats(0.5, 1.0)), max_size=5))
 def test_published_pairs_arrive_to_the_bit_and_are_what_bags_write(rows):

@@ -27,6 +27,8 @@ from heading_intercompare.nodes.synchronizer import Synchronizer
 
 from ..conftest import NORMS
 
+pytestmark = pytest.mark.process
+
 
 def signalled(make, *numbers, **values):
     """Return a maker whose node sends signals to its own process once it spins."""

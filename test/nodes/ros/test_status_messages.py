@@ -8,7 +8,7 @@ import json
 import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from hypothesis import given, settings as hypothesis_settings, strategies as st
+from hypothesis import given, strategies as st
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
@@ -37,7 +37,6 @@ KEYS = ['paired', 'ts_paired', 'ts_used', 'ts_unpaired', 'ts_pending', 'rs_used'
         'rs_pending',
         *(f'{s}_rejected.{r}' for s in ('ts', 'rs') for r in REASONS)]
 COUNTS = st.dictionaries(st.sampled_from(KEYS), st.integers(1, 2 ** 40), max_size=6)
-quickly = hypothesis_settings(max_examples=60, deadline=None)
 
 
 def sent(message):
@@ -61,7 +60,6 @@ def judged():
     return comparison
 
 
-@quickly
 @given(COUNTS, st.lists(st.tuples(st.integers(1, 2 ** 62), COUNTS), max_size=3,
                         unique_by=lambda s: s[0]),
        st.integers(1, 2 ** 31 * 10 ** 9 - 1), st.booleans())
@@ -95,7 +93,6 @@ def test_a_mark_arrives_with_its_stamp(kind):
     assert marks_from(sent(marker_message(kind, 123_456_789_012))) == [(kind, 123_456_789_012)]
 
 
-@quickly
 @given(st.dictionaries(st.text(max_size=8).filter(lambda t: '\0' not in t), st.one_of(
     st.none(), st.booleans(), st.integers(-2 ** 63, 2 ** 63), st.floats(allow_nan=False),
     st.text(max_size=8).filter(lambda t: '\0' not in t)), max_size=6))

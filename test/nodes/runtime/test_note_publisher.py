@@ -17,6 +17,8 @@ from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.nodes.runtime.note_publisher import publish_note
 
+pytestmark = pytest.mark.process
+
 # A domain of its own for each process that tests, so that their graphs do not see each other.
 DOMAIN = 1 + os.getpid() % 100
 
