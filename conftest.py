@@ -57,21 +57,24 @@ def pytest_configure():
                                 'the tests that need it would be skipped')
 
 
+_GRAPHS = 'test/nodes'
+
+
 def _group(item: pytest.Item) -> str:
-    """Return which tests share a worker: those that run graphs, and those of one module."""
+    """Return which tests share a worker: those of nodes, and those of one module."""
     path = Path(item.path).relative_to(Path(__file__).parent)
-    return 'graphs' if path.is_relative_to('test/nodes') else str(path)
+    return _GRAPHS if path.is_relative_to(_GRAPHS) else str(path)
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
     """Mark the tests that run nodes, and say which tests share a worker of pytest-xdist."""
     for item in items:
-        if 'ros' in getattr(item, 'fixturenames', ()):
+        if _group(item) == _GRAPHS:
             item.add_marker('ros')
         item.add_marker(pytest.mark.xdist_group(_group(item)))
     # The longest group begins first, and no worker is left with it at the end.
-    items.sort(key=lambda item: _group(item) != 'graphs')
+    items.sort(key=lambda item: _group(item) != _GRAPHS)
 
 
 def pytest_report_header():

@@ -39,7 +39,6 @@ def resident_bytes() -> int:
 
 
 @pytest.mark.slow
-@pytest.mark.ros
 @pytest.mark.timeout(SOAK_S + 600.0)
 def test_nothing_is_lost_and_the_memory_does_not_grow(tmp_path):
     seen: list[tuple[int, int]] = []
