@@ -15,21 +15,13 @@ from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.messages import (
-    heading_messages,
-    headings_from,
-    pairs_from,
-    PAIRS_TYPES,
-)
-from heading_intercompare.nodes.ros.status_messages import (
-    ledger_from,
-    ledger_message,
-    marker_message,
-)
+from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
 from heading_intercompare.nodes.synchronizer import Synchronizer
+
+from .typed import heading_messages, headings_from, ledger_from, marker_message, pairs_from
 
 T0_NS = 1_700_000_000_000_000_000
 
@@ -108,8 +100,7 @@ def test_a_burst_of_pairs_does_not_overrun_who_takes_them(ros, rng):
     ts, rs = stream(rng, 100.0, 25.0), stream(rng, 10.0, 25.1)
     for lo in range(0, len(ts), 500):
         send(sensors[0], ts[lo:lo + 500])
-        ros.spin_until(lambda lo=lo: ledger_from(ledger_message(
-            node._pairer.ledger))[0].total.received('ts') == lo + 500)
+        ros.spin_until(lambda lo=lo: node._pairer.ledger.total.received('ts') == lo + 500)
     send(sensors[1], rs)
     finish(ros, node, sensors, ledgers)
     ros.spin_until(lambda: intake.received == 2500)

@@ -12,8 +12,7 @@ from __future__ import annotations
 import struct
 from typing import Any, Mapping
 
-from heading_intercompare.bags.errors import BagError
-
+from .errors import MessageError
 from .fields import CODES, Field, SEQUENCE, short_name
 from .schemas import definitions_of
 
@@ -43,7 +42,7 @@ class _Encoder:
         fields = self._definitions[name]
         unknown = message.keys() - {f.name for f in fields}
         if unknown:
-            raise BagError(f'{name} has no field {min(unknown)!r}')
+            raise MessageError(f'{name} has no field {min(unknown)!r}')
         for field in fields:
             self._field(name, field, message.get(field.name))
 
@@ -55,8 +54,8 @@ class _Encoder:
             if field.size == SEQUENCE:
                 self._put('I', len(values))
             elif len(values) != field.size:
-                raise BagError(f'{owner}.{field.name} has {len(values)} elements instead of '
-                               f'{field.size}')
+                raise MessageError(f'{owner}.{field.name} has {len(values)} elements instead of '
+                                   f'{field.size}')
         if field.type not in CODES:
             for each in values:
                 self.message(field.type, each or {})
@@ -69,7 +68,7 @@ class _Encoder:
             try:
                 self._put(CODES[field.type], *(0 if v is None else v for v in values))
             except struct.error as error:
-                raise BagError(f'{owner}.{field.name} = {value!r}: {error}') from None
+                raise MessageError(f'{owner}.{field.name} = {value!r}: {error}') from None
 
 
 class _Decoder:
@@ -78,17 +77,20 @@ class _Decoder:
     def __init__(self, type_name: str, data: bytes) -> None:
         order = _BYTE_ORDER.get(bytes(data[:2]))
         if order is None or len(data) < 4:
-            raise BagError(f'{type_name} message does not start as CDR: {bytes(data[:4])!r}')
+            raise MessageError(f'{type_name} message does not start as CDR: {bytes(data[:4])!r}')
         self._type_name = type_name
         self._definitions = definitions_of(type_name)
         self._order = order
         self._body = memoryview(data)[4:]
         self._at = 0
 
+    def _cut(self) -> MessageError:
+        return MessageError(f'{self._type_name} message ends early: {len(self._body) + 4} bytes')
+
     def _skip(self, size: int) -> int:
         start, self._at = self._at, self._at + size
         if self._at > len(self._body):
-            raise BagError(f'{self._type_name} message ends early: {len(self._body) + 4} bytes')
+            raise self._cut()
         return start
 
     def _get(self, code: str, count: int) -> tuple:
@@ -111,7 +113,7 @@ class _Decoder:
         if count == SEQUENCE:
             count = self._get('I', 1)[0]
         if count > len(self._body):
-            raise BagError(f'{self._type_name} message ends early: {len(self._body) + 4} bytes')
+            raise self._cut()
         if field.type not in CODES:
             values = [self.message(field.type) for _ in range(count)]
         elif field.type == 'string':
@@ -134,7 +136,7 @@ def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
 
     Raises
     ------
-    BagError
+    MessageError
         For a field that the type does not have, or a value that does not fit.
 
     Examples
@@ -161,7 +163,7 @@ def decode(type_name: str, data: bytes) -> dict[str, Any]:
 
     Raises
     ------
-    BagError
+    MessageError
         If the message is shorter than its type says.
 
     Examples
