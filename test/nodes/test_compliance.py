@@ -284,3 +284,21 @@ def test_a_look_at_the_run_in_progress_that_decides_is_a_verdict_but_no_report(r
     shown = {pair.key: pair.value for pair in progress.values}
     assert (shown['look'], shown['looks'], shown['outcome']) == ('1', '2', 'compliant')
     assert graph.reports() == []
+
+
+def test_pairs_and_ledgers_that_cannot_be_read_are_counted(ros, rng):
+    graph = Graph(ros)
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    good = pair_messages(some_pairs(rng, 0, 4))
+    for data in (good[0], b'\0\3' + good[1][2:], good[2][:40], good[3]):
+        graph.pairs.publish(data)
+    graph.ledger.publish(encode_statuses(T0_NS, [Status('segment 0', OK, '', {'paired': 'two'})]))
+
+    def said(part):
+        return {s.message for m in states for s in m.status if s.name == f'compliance: {part}'}
+    ros.spin_until(lambda: '2 messages refused: geometry_msgs/msg/TwistStamped message of 40 '
+                   'bytes is too short' in said('pairs'))
+    ros.spin_until(lambda: "1 messages refused: ledger: paired = 'two' must be an integer"
+                   in said('pairs/ledger'))
+    assert graph.node.n_pairs == 4
+    assert graph.node._compliance.newest_ns == T0_NS + 3 * S_NS
