@@ -9,6 +9,7 @@ behind those four. For single messages; `heading_messages` treats whole chunks a
 
 from __future__ import annotations
 
+from functools import lru_cache
 import struct
 from typing import Any, Mapping
 
@@ -20,6 +21,15 @@ __all__ = ['decode', 'encode']
 
 _LITTLE = b'\x00\x01\x00\x00'
 _BYTE_ORDER = {b'\x00\x00': '>', b'\x00\x01': '<'}
+#: Lengths of strings and sequences, by byte order.
+_LENGTH = {order: struct.Struct(f'{order}I') for order in '<>'}
+_SIZE = {code: struct.calcsize(f'<{code}') for code in CODES.values()}
+
+
+@lru_cache(maxsize=None)
+def _names(type_name: str, name: str) -> frozenset[str]:
+    """Return the names of the fields of one of the types that a type is made of."""
+    return frozenset(field.name for field in definitions_of(type_name)[name])
 
 
 def _padding(position: int, size: int) -> int:
@@ -30,29 +40,34 @@ class _Encoder:
     """Appends fields to a little-endian body."""
 
     def __init__(self, type_name: str) -> None:
+        self._type_name = type_name
         self._definitions = definitions_of(type_name)
         self.body = bytearray()
 
     def _put(self, code: str, *values: Any) -> None:
-        size = struct.calcsize(code)
-        self.body += bytes(_padding(len(self.body), size))
+        self.body += bytes(_padding(len(self.body), _SIZE[code]))
         self.body += struct.pack(f'<{len(values)}{code}', *values)
 
+    def _put_length(self, length: int) -> None:
+        self.body += bytes(_padding(len(self.body), 4)) + _LENGTH['<'].pack(length)
+
     def message(self, name: str, message: Mapping[str, Any]) -> None:
-        fields = self._definitions[name]
-        unknown = message.keys() - {f.name for f in fields}
-        if unknown:
-            raise MessageError(f'{name} has no field {min(unknown)!r}')
-        for field in fields:
+        known = _names(self._type_name, name)
+        if not known.issuperset(message):
+            raise MessageError(f'{name} has no field {min(message.keys() - known)!r}')
+        for field in self._definitions[name]:
             self._field(name, field, message.get(field.name))
 
     def _field(self, owner: str, field: Field, value: Any) -> None:
+        if field.type == 'string' and field.size is None:
+            self._string(value)
+            return
         if field.size is None:
             values = [value]
         else:
             values = [None] * max(field.size, 0) if value is None else list(value)
             if field.size == SEQUENCE:
-                self._put('I', len(values))
+                self._put_length(len(values))
             elif len(values) != field.size:
                 raise MessageError(f'{owner}.{field.name} has {len(values)} elements instead of '
                                    f'{field.size}')
@@ -61,14 +76,17 @@ class _Encoder:
                 self.message(field.type, each or {})
         elif field.type == 'string':
             for each in values:
-                data = (each or '').encode() + b'\0'
-                self._put('I', len(data))
-                self.body += data
+                self._string(each)
         elif values:
             try:
                 self._put(CODES[field.type], *(0 if v is None else v for v in values))
             except struct.error as error:
                 raise MessageError(f'{owner}.{field.name} = {value!r}: {error}') from None
+
+    def _string(self, value: str | None) -> None:
+        data = (value or '').encode() + b'\0'
+        self._put_length(len(data))
+        self.body += data
 
 
 class _Decoder:
@@ -81,6 +99,7 @@ class _Decoder:
         self._type_name = type_name
         self._definitions = definitions_of(type_name)
         self._order = order
+        self._unpack_length = _LENGTH[order].unpack_from
         self._body = memoryview(data)[4:]
         self._at = 0
 
@@ -93,14 +112,18 @@ class _Decoder:
             raise self._cut()
         return start
 
+    def _length(self) -> int:
+        self._at += _padding(self._at, 4)
+        return self._unpack_length(self._body, self._skip(4))[0]
+
     def _get(self, code: str, count: int) -> tuple:
-        size = struct.calcsize(code)
+        size = _SIZE[code]
         self._at += _padding(self._at, size)
         start = self._skip(size * count)
         return struct.unpack_from(f'{self._order}{count}{code}', self._body, start)
 
     def _string(self) -> str:
-        length = self._get('I', 1)[0]
+        length = self._length()
         start = self._skip(length)
         data = bytes(self._body[start:self._at]).removesuffix(b'\0')
         return data.decode(errors='replace')
@@ -109,9 +132,11 @@ class _Decoder:
         return {f.name: self._field(f) for f in self._definitions[name]}
 
     def _field(self, field: Field) -> Any:
+        if field.type == 'string' and field.size is None:
+            return self._string()
         count = 1 if field.size is None else field.size
         if count == SEQUENCE:
-            count = self._get('I', 1)[0]
+            count = self._length()
         if count > len(self._body):
             raise self._cut()
         if field.type not in CODES:

@@ -60,8 +60,9 @@ def _rows(type_name: str, stamp_ns: np.ndarray, frame_id: str, reals: np.ndarray
     if beyond.any():
         raise MessageError(f'stamp {stamp_ns[np.argmax(beyond)]} ns does not fit a ROS message, '
                            'which ends in January 2038')
-    rows = np.empty((len(stamp_ns), len(_template(type_name, frame_id))), np.uint8)
-    rows[:] = _template(type_name, frame_id)
+    template = _template(type_name, frame_id)
+    rows = np.empty((len(stamp_ns), len(template)), np.uint8)
+    rows[:] = template
     stamps = np.empty((len(rows), 2), '<u4')
     stamps[:, 0], stamps[:, 1] = sec.astype('<i4').view('<u4'), nanosec
     rows[:, 4:12] = stamps.view(np.uint8)
@@ -170,7 +171,7 @@ def encode_pairs(pairs: Pairs, frame_id: str = '') -> np.ndarray:
 
 def pair_messages(pairs: Pairs) -> list[bytes]:
     """Return the messages of `encode_pairs` one by one, to be published."""
-    return split_rows(encode_pairs(pairs))
+    return split_rows(encode_pairs(pairs)) if len(pairs) else []
 
 
 _HEADER = np.dtype([('order', '<u2'), ('options', '<u2'), ('sec', '<i4'), ('nanosec', '<u4'),
