@@ -43,20 +43,20 @@ from mcap.writer import CompressionType, Writer as McapWriter
 import numpy as np
 import zstandard
 
-from heading_intercompare.bags.codec.cdr import encode
-from heading_intercompare.bags.codec.heading_messages import (
-    encode_imu,
-    encode_pairs,
-    IMU,
-    PAIRS_TYPE,
-)
-from heading_intercompare.bags.codec.schemas import shipped_schema
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.cli.campaign import count_cores, MOST_READERS
 from heading_intercompare.core.angles import quaternion_from_heading
 from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.messages.cdr import encode
+from heading_intercompare.messages.heading_messages import (
+    encode_imu,
+    encode_pairs,
+    IMU,
+    PAIRS_TYPE,
+)
+from heading_intercompare.messages.schemas import shipped_schema
 
 TOPICS = ('/ts/heading', '/rs/heading')
 FRAMES = ('gyro_ts', 'rs')

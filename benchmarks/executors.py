@@ -20,16 +20,16 @@ import subprocess
 import sys
 import time
 
-import numpy as np
 import rclpy
 from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import Imu
 
-from heading_intercompare.bags.codec.heading_messages import decode_headings, IMU
+from heading_intercompare.core.angles import heading_from_quaternion
+from heading_intercompare.core.records import Headings
+from heading_intercompare.messages.heading_messages import IMU, read_headings
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
-from heading_intercompare.nodes.ros.messages import headings_from
 
 TOPICS = ('ts/heading', 'rs/heading')
 START_S = 3.0
@@ -66,6 +66,14 @@ def publish(rate_hz: float, seconds: float) -> None:
     rclpy.try_shutdown()
 
 
+def headings_of_objects(messages: list[Imu]) -> Headings:
+    """Return the headings of message objects."""
+    quaternions = [(m.orientation.x, m.orientation.y, m.orientation.z, m.orientation.w)
+                   for m in messages]
+    return Headings.of([m.header.stamp.sec * 1_000_000_000 + m.header.stamp.nanosec
+                        for m in messages], heading_from_quaternion(*zip(*quaternions), 'enu'))
+
+
 class Count:
     """Latencies and losses of what was taken, and the headings made of it."""
 
@@ -81,10 +89,9 @@ class Count:
             return
         messages = [message for message, _ in taken]
         if self.raw:
-            ends = np.cumsum([0] + [len(m) for m in messages])
-            headings = decode_headings(IMU, 'enu', b''.join(messages), ends[:-1], ends[1:])
+            headings, _ = read_headings(IMU, 'enu', messages)
         else:
-            headings = headings_from(messages, 'enu')
+            headings = headings_of_objects(messages)
         now_ns = time.monotonic_ns()
         self.latency_s += [(now_ns - ns) / 1e9 for ns in headings.stamp_ns.tolist()]
         for _, info in taken:

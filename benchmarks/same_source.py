@@ -29,6 +29,7 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
 from heading_intercompare.core.conditions.one_source import find_one_source, OneSource
+from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.runs.run_series import RunSeries
@@ -162,7 +163,7 @@ def judged(run: Run, ts_t: np.ndarray, ts: np.ndarray) -> OneSource:
     pairs, _ = pair(Headings.of(stamps(ts_t), ts % 360.0),
                     Headings.of(stamps(run.t + run.jitter), run.rs % 360.0), run.settings)
     taken = RunSeries(0, run.settings)
-    taken.update(pairs)
+    taken.update(pairs, subtract(pairs))
     return find_one_source(taken.stamp_ns.values, taken.x_deg.values, taken.rs_deg.values,
                            factor=taken.factor.values, interpolates_ts=taken.interpolates_ts,
                            share=run.settings.detectors.same_source_share)

@@ -10,7 +10,6 @@ import hashlib
 from pathlib import Path
 from typing import Any, Callable, Sequence
 
-from heading_intercompare.bags.codec.cdr import decode
 from heading_intercompare.bags.csv.pairs_csv import read_pairs_csv
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import mcap_files
@@ -24,13 +23,12 @@ from heading_intercompare.core.pipeline import Compliance, Intercomparison
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
+from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
+from heading_intercompare.messages.status_messages import STATUS_TYPE
 
 from .run_table import RunTable
 
 __all__ = ['analyze_input', 'sha256']
-
-MARKER_TOPIC = 'compliance/marker'
-_MARKER_TYPE = 'diagnostic_msgs/msg/DiagnosticArray'
 
 
 def analyze_input(path: str, settings: Settings, table: RunTable | None,
@@ -186,13 +184,10 @@ def _set_marks(comparison: Intercomparison, reader: BagReader) -> None:
     topics = [t for t in reader.topics if t.lstrip('/') == MARKER_TOPIC]
     for message in reader.messages(topics) if topics else ():
         try:
-            if message.type_name != _MARKER_TYPE:
-                raise BagError(f'is {message.type_name}, must be {_MARKER_TYPE}')
-            mark = decode(message.type_name, message.data)
-            stamp = mark['header']['stamp']
-            stamp_ns = stamp['sec'] * 1_000_000_000 + stamp['nanosec']
-            for status in mark['status']:
-                comparison.mark(status['message'], stamp_ns)
+            if message.type_name != STATUS_TYPE:
+                raise BagError(f'is {message.type_name}, must be {STATUS_TYPE}')
+            for kind, stamp_ns in decode_marks(message.data):
+                comparison.mark(kind, stamp_ns)
         except ValueError as error:
             raise BagError(f'topic {message.topic!r}: {error}; with --runs no mark counts',
                            reader.path) from error

@@ -82,15 +82,16 @@ class Compliance:
         """Take pairs in stamp order; runs that end with them are judged."""
         if not len(pairs):
             return
+        differences = subtract(pairs, self.settings.installation_offset_deg,
+                               self.settings.wrap_center_deg)
         for piece in self._cutter.update(pairs.stamp_ns):
             if piece.key != self._run_key:
                 self._end_run()
                 self._run = RunSeries(piece.cut_ns, self.settings, self._look,
                                       self._keeper())
                 self._run_key = piece.key
-            self._run.update(pairs[piece.lo:piece.hi])
-        self._rolling.update(subtract(pairs, self.settings.installation_offset_deg,
-                                      self.settings.wrap_center_deg))
+            self._run.update(pairs[piece.lo:piece.hi], differences[piece.lo:piece.hi])
+        self._rolling.update(differences)
         self.newest_ns = int(pairs.stamp_ns[-1])
         self._end_run_if_cut()
 

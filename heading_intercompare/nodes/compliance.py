@@ -15,21 +15,19 @@ from heading_intercompare.bags.recording.spool import Spool
 from heading_intercompare.core.decision.coverage import least_duration_words
 from heading_intercompare.core.pipeline import Compliance as PureCompliance
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.messages.heading_messages import read_pairs
+from heading_intercompare.messages.ledger_messages import decode_ledger
+from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKER_TOPIC, MARKS
+from heading_intercompare.messages.status_messages import encode_figures, WARN
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.messages import pairs_from, PAIRS_TYPES
+from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.ros.status_messages import (
-    figures_message,
-    ledger_from,
-    marker_message,
-    MARKS,
-    marks_from,
-    WARN,
-)
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
+from heading_intercompare.nodes.runtime.raw_subscription import subscribe
 from heading_intercompare.nodes.runtime.reporting import Reporting
 
 from .settings import ComplianceNode, Taking
@@ -55,13 +53,14 @@ class Compliance(Node):
         self._reporting = Reporting(self, self._compliance, self._own, self._health)
         self._pairs = Intake(self, 'pairs', PAIRS_TYPES, qos.PAIRS, self._health,
                              stale_s=taking.stale_s)
-        self._marker = self.create_publisher(DiagnosticArray, 'compliance/marker', qos.MARKER)
+        self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
         self._rolling = self.create_publisher(DiagnosticArray, 'compliance/rolling', qos.STATUS)
         self._run = self.create_publisher(DiagnosticArray, 'compliance/run', qos.STATUS)
-        for topic, callback, profile in (('compliance/marker', self._mark, qos.MARKER),
-                                         ('pairs/ledger', self._book, qos.LEDGER)):
-            self.create_subscription(DiagnosticArray, topic, callback, profile,
-                                     event_callbacks=self._health.of_subscription(topic))
+        for topic, profile, read, act in (
+                (MARKER_TOPIC, qos.MARKER, decode_marks, self._mark),
+                ('pairs/ledger', qos.LEDGER, decode_ledger,
+                 lambda found: self._reporting.book(*found))):
+            subscribe(self, DiagnosticArray, topic, profile, self._health, read, act)
         for name in ('start', 'stop'):
             self.create_service(Trigger, f'~/{name}_run',
                                 lambda _, response, kind=name: self._command(kind, response))
@@ -82,12 +81,14 @@ class Compliance(Node):
         return self._pairs.received
 
     @property
-    def report(self) -> str | None:
-        """The last report, JSON; None before the first."""
-        return self._reporting.report
+    def verdict(self) -> Verdict | None:
+        """The verdict of the last report; None before the first."""
+        return self._reporting.verdict
 
     def _drain(self) -> None:
-        self._compliance.update(pairs_from([message for message, _ in self._pairs.take()]))
+        pairs, refused = read_pairs([message for message, _ in self._pairs.take()])
+        self._pairs.refuse(refused)
+        self._compliance.update(pairs)
         self._reporting.look(self._pairs.last_sequence)
         if self._end_s is not None and not self.ended:
             self._finish_if_complete()
@@ -97,15 +98,12 @@ class Compliance(Node):
 
     def _beat(self) -> None:
         newest_ns = self._compliance.newest_ns or 0
-        self._rolling.publish(figures_message('rolling', self._compliance.rolling_figures(),
-                                              newest_ns))
-        self._run.publish(figures_message('run', self._compliance.run_figures(), newest_ns))
+        self._rolling.publish(encode_figures('rolling', self._compliance.rolling_figures(),
+                                             newest_ns))
+        self._run.publish(encode_figures('run', self._compliance.run_figures(), newest_ns))
 
-    def _book(self, message: DiagnosticArray) -> None:
-        self._reporting.book(*ledger_from(message))
-
-    def _mark(self, message: DiagnosticArray) -> None:
-        for kind, stamp_ns in marks_from(message):
+    def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
+        for kind, stamp_ns in marks:
             if kind in MARKS:
                 self._set_mark(kind, stamp_ns)
             else:
@@ -122,7 +120,7 @@ class Compliance(Node):
         self._drain()
         stamp_ns = self._compliance.newest_ns or 0
         self._set_mark(kind, stamp_ns)
-        self._marker.publish(marker_message(kind, stamp_ns))
+        self._marker.publish(encode_mark(kind, stamp_ns))
         response.success, response.message = True, f'{kind} behind the pair of {stamp_ns} ns'
         self._reporting.look(self._pairs.last_sequence)
         return response

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
-import json
 import os
 import threading
 from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
@@ -22,6 +21,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.ros.process import end, spin_nodes, Stop
 
@@ -99,7 +99,7 @@ def _beside(executor: SingleThreadedExecutor) -> Iterator[Future]:
 def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                  output: str | None = None, report_dir: str | None = None,
                  own: Mapping[str, Mapping[str, Any]] | None = None, private: bool = False,
-                 progress: Callable[[int], None] = lambda n_pairs: None) -> dict[str, Any]:
+                 progress: Callable[[int], None] = lambda n_pairs: None) -> Verdict:
     """
     Run sources, synchronizer and compliance until all sources are through, or a signal comes.
 
@@ -122,8 +122,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
 
     Returns
     -------
-    dict
-        The last report, as `compliance/report` has it.
+    Verdict
+        That of the last report.
 
     Raises
     ------
@@ -158,4 +158,4 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         executor.add_node(compliance)
         # Sources first, then who takes their headings, then the verdict, then who records it.
         end(executor, [*running, others[-1], compliance, *others[:-1]])
-        return json.loads(compliance.report)
+        return compliance.verdict

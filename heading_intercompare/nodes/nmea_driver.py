@@ -15,11 +15,11 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.messages.heading_messages import imu_messages
+from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.messages import heading_messages
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolve_topic
 from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.ros.status_messages import OK, WARN
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.publishing import all_acknowledged, Allowance, Audience
@@ -102,7 +102,7 @@ class NmeaDriver(Node):
         self._waiting += [headings[lo:lo + _PIECE] for lo in range(0, len(headings), _PIECE)]
 
     def _publish(self, headings: Headings) -> None:
-        messages = heading_messages(headings, self._frame_id)
+        messages = imu_messages(headings, self._frame_id)
         for message in messages:
             self._publisher.publish(message)
         self._allowance.spend(len(messages))

@@ -29,9 +29,9 @@ from heading_intercompare.bags.rosbag2.provenance import (
 )
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.ros.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.recorded_topics import make_intakes, report_files, text_of

@@ -16,13 +16,14 @@ from std_srvs.srv import Trigger
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.paced_replay import Replay
 from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.messages.marks import MARKER_TOPIC
+from heading_intercompare.messages.stamps import encode_clock
+from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.message_stamps import clock_message
-from heading_intercompare.nodes.ros.messages import HEADING_TYPES
+from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.remapping import published_names
-from heading_intercompare.nodes.ros.status_messages import OK, WARN
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.publishing import all_acknowledged, Allowance, Audience
@@ -32,7 +33,6 @@ from .settings import ReplayerNode, Sending
 __all__ = ['main', 'Replayer']
 
 _TICK_S = 0.02
-_MARKER = 'compliance/marker'
 # Synchronizer and compliance; who replays without them waits for this long.
 _MARK_READERS = 2
 _MARK_WAIT_S = 5.0
@@ -51,7 +51,7 @@ class Replayer(Node):
         self.done = self.ended = self._begun = False
         self._health = Health(self)
         self._reader = BagReader(own.bag)
-        topics = [settings.ts_topic, settings.rs_topic, _MARKER]
+        topics = [settings.ts_topic, settings.rs_topic, MARKER_TOPIC]
         names = published_names(self, topics + ['/clock'] * own.clock, remapped)
         # Nothing is read yet, but what is no heading is refused.
         self._reader.headings(dict.fromkeys(topics[:2], 'enu'))
@@ -64,7 +64,7 @@ class Replayer(Node):
         self._replay = Replay(
             self._reader, [*self._headings], rate=own.rate, start_s=own.start_s,
             duration_s=own.duration_s, loop=own.loop, paused=own.start_paused, clock_ns=clock_ns)
-        self._marker = self.create_publisher(DiagnosticArray, _MARKER, qos.MARKER)
+        self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
         self._time = self.create_publisher(Clock, '/clock', qos.CLOCK) if own.clock else None
         self._audience = Audience(self, [*self._headings.values()], sending.subscribers,
                                   self._health)
@@ -101,7 +101,7 @@ class Replayer(Node):
 
     def _publish_marks(self) -> None:
         """Publish all marks before any heading: they work by stamp, and late ones would not."""
-        topics = [name for name in self._reader.topics if name.lstrip('/') == _MARKER]
+        topics = [name for name in self._reader.topics if name.lstrip('/') == MARKER_TOPIC]
         for message in self._reader.messages(topics) if topics else ():
             self._marker.publish(message.data)
             self._marks += 1
@@ -128,7 +128,7 @@ class Replayer(Node):
             self._allowance.spend(1)
             self.published += 1
         if self._time:
-            self._time.publish(clock_message(self._replay.shown_ns))
+            self._time.publish(encode_clock(self._replay.shown_ns))
         if self._replay.over:
             all_acknowledged(self._headings.values())
             self.done = True

@@ -21,11 +21,11 @@ from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation, Trial
 from heading_intercompare.bags.rosbag2.provenance import TRUTH_TOPIC
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.heading_messages import imu_messages
+from heading_intercompare.messages.status_messages import LEVELS, OK
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.messages import heading_messages
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolve_topic
 from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.ros.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.publishing import all_acknowledged, Allowance, Audience
@@ -37,7 +37,6 @@ __all__ = ['main', 'SensorSimulator']
 _TICK_S = 0.05
 # As fast as possible, so much is simulated at a time.
 _STEP_S = 0.5
-_LEVELS = {'ok': OK, 'warn': WARN, 'error': ERROR}
 
 
 class SensorSimulator(Node):
@@ -97,12 +96,13 @@ class SensorSimulator(Node):
 
     def _publish(self, chunk: SimulatedChunk) -> None:
         """Publish the truth, the readings of both sensors in their order, and their state."""
-        for message in heading_messages(chunk.truth, self._frames['truth']):
+        for message in imu_messages(chunk.truth, self._frames['truth']):
             self._publishers_of['truth'].publish(message)
         for role, readings, statuses in (('ts', chunk.ts_readings, chunk.ts_statuses),
                                          ('rs', chunk.rs_readings, chunk.rs_statuses)):
-            messages = heading_messages(readings.headings, self._frames[role],
-                                        readings.sigma_deg, readings.rate_deg_s)
+            messages = imu_messages(readings.headings, self._frames[role],
+                                    sigma_deg=readings.sigma_deg,
+                                    turn_rate_deg_s=readings.rate_deg_s)
             for message in messages:
                 self._publishers_of[role].publish(message)
             self._allowance.spend(len(messages))
@@ -112,7 +112,7 @@ class SensorSimulator(Node):
     def _report(self, role: str, status: AhrsStatus) -> None:
         """State mode, progress and built-in tests of an AHRS; log what has happened."""
         said = describe_condition(status)
-        self._health.note(role, _LEVELS[said.level], said.words, log=False, **said.figures)
+        self._health.note(role, LEVELS[said.level], said.words, log=False, **said.figures)
         if status.message:
             self.get_logger().info(f'{role}: {status.message}, {status.t_s:.1f} s of the trial')
 

@@ -15,21 +15,19 @@ from rclpy.node import Node
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.heading_messages import pair_messages, read_headings
+from heading_intercompare.messages.ledger_messages import encode_ledger
+from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC, MARKS
+from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.messages import HEADING_TYPES, headings_from, pair_messages
+from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.ros.status_messages import (
-    ledger_message,
-    MARKS,
-    marks_from,
-    OK,
-    WARN,
-)
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
 from heading_intercompare.nodes.runtime.publishing import all_acknowledged
+from heading_intercompare.nodes.runtime.raw_subscription import subscribe
 
 from .settings import SynchronizerNode, Taking
 
@@ -61,11 +59,12 @@ class Synchronizer(Node):
                                 stale_s=taking.stale_s), convention) for topic, convention in
                         ((settings.ts_topic, settings.ts_convention),
                          (settings.rs_topic, settings.rs_convention))]
-        self.create_subscription(DiagnosticArray, 'compliance/marker', self._mark, qos.MARKER)
+        subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self._health, decode_marks,
+                  self._mark)
         self._open_at_s = time.monotonic() + self._own.startup_wait_s
         for intake, _ in self._inputs:
             intake.open = False
-        self._waiting: deque[TwistStamped] = deque()
+        self._waiting: deque[bytes] = deque()
         self._flushed = False
         self._end_s: float | None = None
         every(self, taking.drain_period_s, self._drain)
@@ -89,18 +88,24 @@ class Synchronizer(Node):
                 intake.open = True
 
     def _take(self) -> Sequence[Headings]:
-        return [headings_from([message for message, _ in intake.take()], convention)
-                for intake, convention in self._inputs]
+        return [self._read(intake, convention) for intake, convention in self._inputs]
+
+    @staticmethod
+    def _read(intake: Intake, convention: str) -> Headings:
+        messages = [message for message, _ in intake.take()]
+        headings, refused = read_headings(intake.type_name, convention, messages)
+        intake.refuse(refused)
+        return headings
 
     def _beat(self) -> None:
-        self._ledger.publish(ledger_message(self._pairer.ledger, final=self.ended))
+        self._ledger.publish(encode_ledger(self._pairer.ledger, final=self.ended))
         counts = self._pairer.ledger.total.counts
         rejected = sum(n for key, n in counts.items() if 'rejected' in key)
         self._health.note('pairing', WARN if rejected else OK,
                           f'{rejected} readings rejected' if rejected else 'pairing', **counts)
 
-    def _mark(self, message: DiagnosticArray) -> None:
-        for kind, stamp_ns in marks_from(message):
+    def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
+        for kind, stamp_ns in marks:
             if kind in MARKS:
                 self._pairer.ledger.cut(stamp_ns + 1)
         self._beat()

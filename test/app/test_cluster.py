@@ -25,10 +25,10 @@ import pytest
 from heading_intercompare import Headings, Settings
 from heading_intercompare.app.compare_verdicts import find_differences
 from heading_intercompare.app.job import Job
-from heading_intercompare.bags.codec.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.cli import campaign, main
+from heading_intercompare.messages.heading_messages import encode_imu, IMU
 
 distributed = pytest.importorskip('distributed', reason='distributed is not installed')
 threadpoolctl = pytest.importorskip('threadpoolctl', reason='threadpoolctl is not installed')

@@ -7,10 +7,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.codec.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.records import Headings
+from heading_intercompare.messages.heading_messages import encode_imu, IMU
 
 START_NS = 1_406_851_200_000_000_000
 

@@ -27,9 +27,6 @@ import numpy as np
 import pytest
 import zstandard
 
-from heading_intercompare.bags.codec.cdr import encode
-from heading_intercompare.bags.codec.heading_messages import encode_imu, IMU
-from heading_intercompare.bags.codec.schemas import shipped_schema
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.recovery.recover_bag import recover
@@ -37,6 +34,9 @@ from heading_intercompare.bags.recovery.scanner import Salvage, Sound
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.records import Headings
+from heading_intercompare.messages.cdr import encode
+from heading_intercompare.messages.heading_messages import encode_imu, IMU
+from heading_intercompare.messages.schemas import shipped_schema
 
 from .mcap_bytes import assert_exact, record, sent
 

@@ -21,12 +21,12 @@ import pytest
 
 from heading_intercompare import Headings, Settings
 from heading_intercompare.app import job
-from heading_intercompare.bags.codec.cdr import encode
-from heading_intercompare.bags.codec.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.parallel import decode_workers
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.cli import campaign, main
+from heading_intercompare.messages.cdr import encode
+from heading_intercompare.messages.heading_messages import encode_imu, IMU
 
 S = 1_000_000_000
 NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1',

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from heading_intercompare import Headings
-from heading_intercompare.bags.codec.heading_messages import encode_imu
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.provenance import Notes
 from heading_intercompare.cli import main
+from heading_intercompare.messages.heading_messages import encode_imu
 
 S = 1_000_000_000
 T0 = 1_406_851_200 * S

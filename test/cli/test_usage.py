@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 from heading_intercompare import Headings
-from heading_intercompare.bags.codec.cdr import encode
-from heading_intercompare.bags.codec.heading_messages import encode_imu
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.cli import main
 from heading_intercompare.core.version import VERSION
+from heading_intercompare.messages.cdr import encode
+from heading_intercompare.messages.heading_messages import encode_imu
 
 S = 1_000_000_000
 T0 = 1_400_000_000 * S

@@ -17,18 +17,14 @@ from heading_intercompare.core import pipeline
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.messages.heading_messages import pair_messages
+from heading_intercompare.messages.ledger_messages import encode_ledger
+from heading_intercompare.messages.status_messages import encode_statuses, OK, Status
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.messages import pair_messages
-from heading_intercompare.nodes.ros.status_messages import (
-    ledger_message,
-    marker_message,
-    marks_from,
-    status,
-    status_array,
-)
 
 from .conftest import NORMS
+from .typed import marker_message, marks_from
 
 T0_NS = 1_700_000_000_000_000_000
 S_NS = 1_000_000_000
@@ -71,7 +67,7 @@ class Graph:
     def book(self, counts, final=False, more=()):
         """Publish a ledger."""
         segments = [LedgerSegment(None, counts), *(LedgerSegment(ns, c) for ns, c in more)]
-        self.ledger.publish(ledger_message(Ledger.from_segments(segments, T0_NS), final))
+        self.ledger.publish(encode_ledger(Ledger.from_segments(segments, T0_NS), final))
 
     def call(self, name):
         """Call a service of the node."""
@@ -88,7 +84,7 @@ class Graph:
     def end(self):
         """End the node as its process would; return the last report."""
         self.ros.end(self.node)
-        report = json.loads(self.node.report)
+        report = self.node.verdict.to_dict()
         self.ros.spin_until(lambda: report in self.reports())
         return report
 
@@ -137,7 +133,7 @@ def test_the_end_waits_for_the_pairs_that_the_final_ledger_knows(ros, rng):
     assert not graph.node.ended
     graph.send(pairs[100:])
     ros.spin_until(lambda: graph.node.ended)
-    assert json.loads(graph.node.report)['runs'][0]['n'] == 200
+    assert graph.node.verdict.to_dict()['runs'][0]['n'] == 200
 
 
 def test_a_synchronizer_that_has_gone_is_not_waited_for(ros, rng):
@@ -146,7 +142,7 @@ def test_a_synchronizer_that_has_gone_is_not_waited_for(ros, rng):
     ros.plain.destroy_publisher(graph.pairs)
     graph.node.end()
     ros.spin_until(lambda: graph.node.ended, timeout_s=3.0)
-    assert json.loads(graph.node.report)['runs'][0]['n'] == 100
+    assert graph.node.verdict.to_dict()['runs'][0]['n'] == 100
 
 
 def test_without_pairs_the_end_still_gives_a_report(ros):
@@ -214,7 +210,7 @@ def test_the_services_cut_behind_the_newest_pair_and_leave_marks(ros, rng):
 def test_a_mark_that_is_neither_start_nor_stop_is_a_warning(ros):
     graph = Graph(ros)
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
-    graph.marker.publish(status_array(T0_NS, [status('marker', b'\0', 'pause')]))
+    graph.marker.publish(encode_statuses(T0_NS, [Status('marker', OK, 'pause')]))
     ros.spin_until(lambda: any("mark 'pause' is neither start nor stop" in s.message
                                for m in states for s in m.status))
 
@@ -288,3 +284,21 @@ def test_a_look_at_the_run_in_progress_that_decides_is_a_verdict_but_no_report(r
     shown = {pair.key: pair.value for pair in progress.values}
     assert (shown['look'], shown['looks'], shown['outcome']) == ('1', '2', 'compliant')
     assert graph.reports() == []
+
+
+def test_pairs_and_ledgers_that_cannot_be_read_are_counted(ros, rng):
+    graph = Graph(ros)
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    good = pair_messages(some_pairs(rng, 0, 4))
+    for data in (good[0], b'\0\3' + good[1][2:], good[2][:40], good[3]):
+        graph.pairs.publish(data)
+    graph.ledger.publish(encode_statuses(T0_NS, [Status('segment 0', OK, '', {'paired': 'two'})]))
+
+    def said(part):
+        return {s.message for m in states for s in m.status if s.name == f'compliance: {part}'}
+    ros.spin_until(lambda: '2 messages refused: geometry_msgs/msg/TwistStamped message of 40 '
+                   'bytes is too short' in said('pairs'))
+    ros.spin_until(lambda: "1 messages refused: ledger: paired = 'two' must be an integer"
+                   in said('pairs/ledger'))
+    assert graph.node.n_pairs == 4
+    assert graph.node._compliance.newest_ns == T0_NS + 3 * S_NS

@@ -22,10 +22,10 @@ from heading_intercompare.nodes.graph import intercompare, Source
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.replayer import Replayer
-from heading_intercompare.nodes.ros.messages import heading_messages, headings_from
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 
 from .conftest import NORMS
+from .typed import heading_messages, headings_from
 
 TRIAL = {'duration_s': 120.0, 'seed': 5, 'ts.white_deg': 0.1, 'ts.rate_hz': 10.0,
          'rs.rate_hz': 4.0, 'rs.phase_s': 0.03, 'rs.white_deg': 0.02, 'rs.dropout': 0.1,
@@ -64,7 +64,7 @@ def trial(tmp_path_factory):
     """Return the live verdict on a simulated trial, and its bag."""
     bag = str(tmp_path_factory.mktemp('trial') / 'bag')
     live = intercompare([Source(SensorSimulator, 'sensor_simulator', TRIAL)], NORMS, output=bag,
-                        private=True)
+                        private=True).to_dict()
     return live, bag
 
 
@@ -79,7 +79,7 @@ def test_with_a_slow_rs_the_live_verdict_is_that_of_the_recording(tmp_path):
     bag = str(tmp_path / 'bag')
     live = intercompare([Source(SensorSimulator, 'sensor_simulator',
                                 {**TRIAL, 'rs.rate_hz': 1.0, 'speed': 40.0})],
-                        NORMS, output=bag, private=True)
+                        NORMS, output=bag, private=True).to_dict()
     pairing = live['runs'][0]['pairing']
     assert pairing['paired'] > 90 and pairing['rs_variance_factor'] == 1.0
     assert pairing['ts_received'] == (pairing['ts_paired'] + pairing['ts_used']
@@ -122,7 +122,7 @@ def test_an_error_of_the_judge_ends_the_graph(monkeypatch):
 def test_a_replay_at_any_rate_gives_the_live_verdict(trial, rate):
     live, bag = trial
     replayed = intercompare([Source(Replayer, 'replayer', {'bag': bag, 'rate': rate})], NORMS,
-                            private=True)
+                            private=True).to_dict()
     assert_same(replayed, live)
 
 
@@ -179,7 +179,7 @@ def test_two_logs_are_played_in_step_and_every_reading_is_accounted_for(tmp_path
     """60 s each, 8 s apart, at 100 times the speed: out of step they would not pair."""
     bag = str(tmp_path / 'bag')
     live = intercompare(drivers(tmp_path), {**NORMS, 'pairing.max_wait_s': 0.3}, output=bag,
-                        private=True)
+                        private=True).to_dict()
     run, = live['runs']
     assert (run['pairing']['ts_received'], run['pairing']['rs_received']) == (300, 300)
     assert run['pairing']['paired'] == 259
@@ -200,4 +200,4 @@ def test_a_mistake_in_one_node_leaves_nothing_running(tmp_path):
     with pytest.raises(SettingsError, match='unknown parameter'):
         intercompare([*sources, Source(NmeaDriver, 'third', {'sourse': 'x'})], NORMS)
     assert os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] == before
-    assert intercompare(sources, NORMS, private=True)['runs'][0]['n'] == 259
+    assert intercompare(sources, NORMS, private=True).runs[0].n == 259

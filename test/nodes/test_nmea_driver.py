@@ -15,7 +15,8 @@ from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.drivers.settings import DriverError
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.messages import headings_from
+
+from .typed import headings_from
 
 
 def sentence(heading):

@@ -22,10 +22,11 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.version import VERSION
+from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.messages import heading_messages, headings_from
-from heading_intercompare.nodes.ros.status_messages import ERROR, marker_message, OK, WARN
+
+from .typed import heading_messages, headings_from, marker_message
 
 REPORT = json.dumps({'runs': [{'start_ns': 5, 'end_ns': 9}]})
 
@@ -149,7 +150,7 @@ def test_the_true_heading_is_recorded_and_nothing_is_wrong_without_it(ros, tmp_p
     node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
     ros.spin_until(lambda: any('operator/note' in s.name for m in states for s in m.status))
-    levels = {s.name.partition(': ')[2]: s.level for m in states for s in m.status}
+    levels = {s.name.partition(': ')[2]: s.level[0] for m in states for s in m.status}
     assert levels['operator/note'] == levels['truth/heading'] == OK
     assert levels['ts/heading'] == WARN
     truth = sensor_of(ros, 'truth/heading')
@@ -244,7 +245,7 @@ def test_a_disk_that_fails_is_an_error_and_nothing_is_lost_when_it_works_again(
         ros.spin_until(lambda: any('No space left on device' in s.message
                                    for m in states for s in m.status))
     ros.spin_until(lambda: node.written == 20)
-    ros.spin_until(lambda: of_bag(states)[-1].level == WARN)
+    ros.spin_until(lambda: of_bag(states)[-1].level[0] == WARN)
     assert of_bag(states)[-1].message == 'recording again after 1 fault'
     bag = finish(ros, node, sensor)
     assert bag.topics['/ts/heading'].count == 20
@@ -283,7 +284,7 @@ def test_a_folder_that_is_removed_is_an_error_at_once_and_recording_goes_on(
     ros.spin_until(lambda: node.written == 10)
     # At once, for something may be written into it meanwhile.
     shutil.rmtree((tmp_path / 'bag').rename(tmp_path / 'removed'))
-    ros.spin_until(lambda: any(s.level == ERROR and 'No such file' in s.message
+    ros.spin_until(lambda: any(s.level[0] == ERROR and 'No such file' in s.message
                                for m in states for s in m.status), timeout_s=2.0)
     for message in sent[10:]:
         sensor.publish(message)
@@ -295,7 +296,7 @@ def test_a_folder_that_is_removed_is_an_error_at_once_and_recording_goes_on(
     said = f'{20 - len(kept)} messages in files that were taken away'
     assert capfd.readouterr().err.count(said) == 2  # When it goes on, and at the end.
     state = of_bag(states)[-1]
-    assert (state.level, state.message) == (WARN, f'recording again after 1 fault; {said}')
+    assert (state.level[0], state.message) == (WARN, f'recording again after 1 fault; {said}')
     assert figures(state)['messages'] == '20'
     losses = bag.metadata()['recording']
     assert losses['absent'] == str(20 - len(kept)) and losses['faults'] == '1'
@@ -314,5 +315,5 @@ def test_the_recorded_message_is_the_one_that_was_published(ros, tmp_path):
     ros.spin_until(lambda: node.written == 1)
     stored, = finish(ros, node, marker).messages()
     assert len(stored.data) == len(serialize_message(message))
-    from heading_intercompare.bags.codec.cdr import decode
+    from heading_intercompare.messages.cdr import decode
     assert decode(stored.type_name, stored.data)['status'][0]['message'] == 'stop'

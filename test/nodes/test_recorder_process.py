@@ -26,7 +26,7 @@ SENDER = """
 import sys, time
 import numpy as np, rclpy
 from sensor_msgs.msg import Imu
-from heading_intercompare.bags.codec.heading_messages import encode_imu
+from heading_intercompare.messages.heading_messages import encode_imu
 from heading_intercompare.core.records import Headings
 from heading_intercompare.nodes.ros import qos
 

@@ -18,27 +18,30 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 from std_srvs.srv import Trigger
 
-from heading_intercompare.bags.codec.heading_messages import encode_imu
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.cli import main
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.messages.heading_messages import encode_imu
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.replayer import Replayer
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.message_stamps import stamp_ns
-from heading_intercompare.nodes.ros.messages import headings_from
 from heading_intercompare.nodes.ros.parameters import make_overrides
-from heading_intercompare.nodes.ros.status_messages import ledger_from, marker_message, marks_from
 from heading_intercompare.nodes.synchronizer import Synchronizer
 
 from .conftest import NORMS, Ros
 from .test_graph import assert_same
+from .typed import headings_from, ledger_from, marker_message, marks_from
 
 T0_NS = 1_700_000_000_000_000_000
 HEADINGS = Headings.of(T0_NS + np.arange(300) * 10 ** 8, np.arange(300) % 360.0)
+
+
+def stamp_of(time):
+    """Return a stamp in nanoseconds."""
+    return time.sec * 10 ** 9 + time.nanosec
 
 
 def bag_of(path, marks=(), ts_topic='/ts/heading', noise_deg=None):
@@ -125,7 +128,7 @@ def test_the_clock_of_the_recording_can_be_published(ros, tmp_path):
     node = ros.ours(Replayer, bag=bag_of(tmp_path / 'bag'), rate=30.0, clock=True)
     listeners(ros)
     ros.spin_until(lambda: node.done)
-    shown = [stamp_ns(m.clock) for m in heard]
+    shown = [stamp_of(m.clock) for m in heard]
     assert len(shown) > 10 and shown == sorted(shown)
     assert T0_NS <= shown[0] and shown[-1] - T0_NS == pytest.approx(30e9, rel=0.1)
 
@@ -273,7 +276,7 @@ def test_it_can_start_paused_with_its_clock_standing(ros, tmp_path):
     clock.ns += 9_000_000_000
     shown.clear()
     ros.spin_until(lambda: len(shown) > 5)
-    assert {stamp_ns(m.clock) for m in shown} == {T0_NS + 5 + 2 * 10 ** 9}
+    assert {stamp_of(m.clock) for m in shown} == {T0_NS + 5 + 2 * 10 ** 9}
     assert (node.published, ts) == (0, [])
     assert asked(ros, 'resume')[1] == 'resumed at 2.000 s of 29.900 s'
     clock.ns += 10 ** 8
@@ -281,7 +284,7 @@ def test_it_can_start_paused_with_its_clock_standing(ros, tmp_path):
     asked(ros, 'pause')
     shown.clear()
     ros.spin_until(lambda: len(shown) > 5)
-    assert {stamp_ns(m.clock) for m in shown} == {T0_NS + 5 + 21 * 10 ** 8}
+    assert {stamp_of(m.clock) for m in shown} == {T0_NS + 5 + 21 * 10 ** 8}
 
 
 def test_the_clock_does_not_run_ahead_of_messages_that_are_held_up(ros, tmp_path):
@@ -291,7 +294,7 @@ def test_the_clock_does_not_run_ahead_of_messages_that_are_held_up(ros, tmp_path
                     max_rate_hz=500.0)
     ts, _ = listeners(ros)
     ros.spin_until(lambda: node.done)
-    times = [stamp_ns(m.clock) for m in shown]
+    times = [stamp_of(m.clock) for m in shown]
     assert times == sorted(times) and len(set(times)) > 20
     assert max(times) <= T0_NS + 5 + 29_900_000_000
 
@@ -409,7 +412,7 @@ def test_paused_and_remapped_and_faster_the_verdict_is_that_of_analyze(
         asked(ros, 'toggle_paused')
     ros.spin_until(lambda: node.done)
     ros.end(node, synchronizer, compliance)
-    replayed, analyzed = json.loads(compliance.report), offline(bag, capsys)
+    replayed, analyzed = compliance.verdict.to_dict(), offline(bag, capsys)
     assert [run['n'] for run in analyzed['runs']] == [101, 149]
     assert BagReader(bag).topics['/ts/heading'].count == sum(
         run['pairing']['ts_received'] for run in replayed['runs'])

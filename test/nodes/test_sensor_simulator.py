@@ -16,10 +16,11 @@ from heading_intercompare.ahrs.plans import EVENTS
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.messages.status_messages import ERROR, OK
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.messages import heading_messages, headings_from
-from heading_intercompare.nodes.ros.status_messages import ERROR, OK
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
+
+from .typed import heading_messages, headings_from
 
 TRIAL = {'duration_s': 20.0, 'ts.rate_hz': 10.0, 'rs.rate_hz': 4.0, 'ts.white_deg': 0.1,
          'legs': '0 350 10; 10 20 10'}
@@ -83,7 +84,7 @@ def called(ros, kind, name, **request):
 def values(heard, part):
     """Return the figures of each status of a part on /diagnostics, its words and level."""
     return [{**{pair.key: pair.value for pair in status.values}, 'words': status.message,
-             'level': status.level} for message in heard for status in message.status
+             'level': status.level[0]} for message in heard for status in message.status
             if status.name == f'sensor_simulator: {part}']
 
 

@@ -14,22 +14,16 @@ from sensor_msgs.msg import Imu
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.messages.heading_messages import IMU, imu_messages
+from heading_intercompare.messages.marks import encode_mark
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.messages import (
-    heading_messages,
-    headings_from,
-    pairs_from,
-    PAIRS_TYPES,
-)
-from heading_intercompare.nodes.ros.status_messages import (
-    ledger_from,
-    ledger_message,
-    marker_message,
-)
+from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
 from heading_intercompare.nodes.synchronizer import Synchronizer
+
+from .typed import heading_messages, headings_from, ledger_from, marker_message, pairs_from
 
 T0_NS = 1_700_000_000_000_000_000
 
@@ -108,8 +102,7 @@ def test_a_burst_of_pairs_does_not_overrun_who_takes_them(ros, rng):
     ts, rs = stream(rng, 100.0, 25.0), stream(rng, 10.0, 25.1)
     for lo in range(0, len(ts), 500):
         send(sensors[0], ts[lo:lo + 500])
-        ros.spin_until(lambda lo=lo: ledger_from(ledger_message(
-            node._pairer.ledger))[0].total.received('ts') == lo + 500)
+        ros.spin_until(lambda lo=lo: node._pairer.ledger.total.received('ts') == lo + 500)
     send(sensors[1], rs)
     finish(ros, node, sensors, ledgers)
     ros.spin_until(lambda: intake.received == 2500)
@@ -191,3 +184,42 @@ def test_the_convention_of_an_input_is_honoured(ros):
 def test_a_wrong_setting_ends_the_node_before_it_begins(ros):
     with pytest.raises(SettingsError, match='unknown parameter'):
         ros.ours(Synchronizer, tolerance_s=0.1)
+
+
+def big_endian(message):
+    """Return an Imu message as a computer of the other byte order sends it."""
+    typesys = pytest.importorskip('rosbags.typesys')
+    store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
+    return bytes(store.serialize_cdr(store.deserialize_cdr(message, IMU), IMU,
+                                     little_endian=False))
+
+
+def test_either_byte_order_is_paired_and_other_encodings_are_counted(ros, rng):
+    """Of ten readings three are in parameter lists or XCDR2, and the other ones big-endian."""
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    node, sensors, pairs, ledgers = graph(ros)
+    headings = stream(rng, 10.0, 1.0)
+    for i, message in enumerate(imu_messages(headings, 'x')):
+        foreign = {3: b'\0\3', 5: b'\0\7', 8: b'\0\x0b'}.get(i)
+        sensors[0].publish(big_endian(message) if foreign is None else foreign + message[2:])
+        sensors[1].publish(message)
+    ros.spin_until(lambda: any(
+        s.message == '3 messages refused: sensor_msgs/msg/Imu message does not start as CDR'
+        and {v.key: v.value for v in s.values}['refused'] == '3'
+        for m in states for s in m.status if s.name == 'synchronizer: ts/heading'))
+    ledger = finish(ros, node, sensors, ledgers)
+    assert ledger.total.received('ts') == 7 and ledger.total.received('rs') == 10
+    sound = np.delete(np.arange(10), [3, 5, 8])
+    ros.spin_until(lambda: len(pairs) == len(sound))
+    assert pairs_from(pairs).ts_deg.tolist() == arrived(headings).heading_deg[sound].tolist()
+
+
+def test_a_mark_that_cannot_be_read_is_counted_and_changes_nothing(ros):
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    node, _, _, _ = graph(ros)
+    marker = ros.plain.create_publisher(DiagnosticArray, 'compliance/marker', qos.MARKER)
+    ros.spin_until(lambda: marker.get_subscription_count() == 1)
+    marker.publish(b'\0\7' + encode_mark('start', T0_NS)[2:])
+    ros.spin_until(lambda: any(s.message.startswith('1 messages refused: diagnostic_msgs/msg/')
+                               for m in states for s in m.status))
+    assert len(node._pairer.ledger.segments) == 1

@@ -11,7 +11,7 @@ import os
 from typing import Callable, Iterable, Iterator
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.core.angles import wrap180
+from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Pairs
 
 __all__ = ['COLUMNS', 'PairsCsvWriter', 'read_pairs_csv', 'write_pairs_csv']
@@ -186,7 +186,7 @@ class PairsCsvWriter:
     def write(self, pairs: Pairs) -> None:
         """Append a row per pair; the installation offset is not removed from the difference."""
         columns = (pairs.stamp_ns, pairs.ts_deg, pairs.rs_deg,
-                   wrap180(pairs.ts_deg - pairs.rs_deg, self._center_deg),
+                   subtract(pairs, wrap_center_deg=self._center_deg).x_deg,
                    pairs.lag_ns / _SECOND_NS, pairs.rs_variance_factor, pairs.ts_variance_factor)
         for row in zip(*(column.tolist() for column in columns)):
             self._file.write(','.join(map(repr, row)) + '\n')

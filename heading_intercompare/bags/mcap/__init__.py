@@ -14,7 +14,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'index_records': ('message_index',),
     'mcap_file': ('mcap_files', 'NeverBegun', 'Part', 'Stretch'),
     'message_batch': ('Records', 'Rows'),
-    'message_blocks': ('Block', 'block_of', 'ENTRY_BYTES', 'gather', 'HEAD', 'INDEX_LEAST',
+    'message_blocks': ('Block', 'block_of', 'ENTRY_BYTES', 'HEAD', 'INDEX_LEAST',
                        'MESSAGE_HEAD', 'Record'),
     'record_stream': ('MAGIC', 'parse_record', 'RecordStream'),
     'record_validity': ('find_attached', 'is_disguised', 'is_formed', 'SMALL'),

@@ -16,11 +16,11 @@ from typing import Callable, NamedTuple
 
 from mcap.opcode import Opcode
 import numpy as np
-from numpy.typing import DTypeLike
 
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.messages.byte_columns import gather
 
-__all__ = ['Block', 'block_of', 'ENTRY_BYTES', 'gather', 'HEAD', 'INDEX_HEAD', 'INDEX_LEAST',
+__all__ = ['Block', 'block_of', 'ENTRY_BYTES', 'HEAD', 'INDEX_HEAD', 'INDEX_LEAST',
            'measure_whole', 'MESSAGE_HEAD', 'MESSAGE_HEADS', 'Record', 'walk']
 
 #: Opcode and length of a record.
@@ -47,32 +47,6 @@ class Record(NamedTuple):
     opcode: int
     start: int
     length: int
-
-
-def _plain(dtype: np.dtype) -> np.dtype:
-    """Return the type as bytes: numpy copies those at once, but structures field by field."""
-    return np.dtype(f'V{dtype.itemsize}') if dtype.names or dtype.shape else dtype
-
-
-def gather(data: bytes, kind: DTypeLike, at: np.ndarray) -> np.ndarray:
-    """
-    Return the values at byte offsets of some data, aligned or not.
-
-    Parameters
-    ----------
-    data : bytes
-        Where the values are.
-    kind : dtype
-        What they are, with its byte order; several in a row if it has a shape.
-    at : ndarray of int64, shape (n,)
-        Where each of them starts; it must lie within the data.
-
-    """
-    dtype = np.dtype(kind)
-    plain = _plain(dtype)
-    everywhere = np.ndarray(max(len(data) - dtype.itemsize + 1, 0), plain, data, 0, (1,))
-    found = everywhere[at]
-    return found.view(dtype.base).reshape(-1, *dtype.shape)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,12 +9,13 @@ from typing import Iterator, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
-from heading_intercompare.bags.codec.heading_messages import decode_headings
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import Part, Stretch
 from heading_intercompare.bags.mcap.message_blocks import Block
 from heading_intercompare.bags.mcap.record_stream import RecordStream
 from heading_intercompare.core.records import Headings
+from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.heading_messages import decode_headings
 
 __all__ = ['Decoded', 'Decoder', 'Found', 'Kind']
 
@@ -110,8 +111,8 @@ class Decoder:
         for block in part.blocks_of(self._opened(number), begin, end):
             try:
                 found = [_find_headings(block, *each) for each in zip(self._kinds, self._places)]
-            except BagError as error:
-                raise error.at(part.path, block.offset) from None
+            except MessageError as error:
+                raise BagError(error.problem, part.path, block.offset) from None
             yield Decoded(len(block.start), found)
 
     def stretch(self, number: int, stretch: Stretch) -> list[Decoded] | None:

@@ -14,7 +14,6 @@ from typing import BinaryIO, Iterable, Mapping
 import numpy as np
 
 from heading_intercompare.bags.checked_text import utf8
-from heading_intercompare.bags.codec.schemas import Schema, schema_of
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter
 from heading_intercompare.bags.mcap.message_batch import Rows
@@ -27,6 +26,8 @@ from heading_intercompare.bags.rosbag2.bag_yaml import (
 )
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.version import VERSION
+from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.schemas import Schema, schema_of
 
 from .disk_sync import replace_file, Syncing
 
@@ -82,7 +83,7 @@ class BagWriter:
     Examples
     --------
     >>> import tempfile
-    >>> from heading_intercompare.bags.codec.cdr import encode
+    >>> from heading_intercompare.messages.cdr import encode
     >>> folder = tempfile.TemporaryDirectory()
     >>> with BagWriter(folder.name + '/trial') as bag:
     ...     _ = bag.add_topic('/remark', 'std_msgs/msg/String')
@@ -210,7 +211,10 @@ class BagWriter:
                 raise BagError(f'topic {name} is {self._rows[name][1].type_name} already, it '
                                f'cannot be {type_name} too', self.path)
             return self._rows[name][0]
-        schema, qos = schema or schema_of(type_name), qos or Qos()
+        try:
+            schema, qos = schema or schema_of(type_name), qos or Qos()
+        except MessageError as error:
+            raise BagError(error.problem) from None
         row = TopicRow(name, type_name, schema.type_hash, qos)
         number = self._define(self._chunks, row, schema, numbers)
         self._rows[name] = number, row, schema, numbers

@@ -16,8 +16,6 @@ from mcap import records as mcap
 from mcap.opcode import Opcode
 import numpy as np
 
-from heading_intercompare.bags.codec.fields import full_name
-from heading_intercompare.bags.codec.schemas import Schema
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.chunk_runs import Chunk, ChunkRun, ChunkRuns
 from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter
@@ -28,6 +26,8 @@ from heading_intercompare.bags.mcap.message_blocks import Block, block_of, HEAD,
 from heading_intercompare.bags.mcap.record_stream import parse_record
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
+from heading_intercompare.messages.fields import full_name
+from heading_intercompare.messages.schemas import Schema
 
 from .inventory import Inventory, Kind, Piece, split_epochs
 from .scanner import Salvage

@@ -10,7 +10,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'bag_yaml': ('bag_metadata', 'find_absent_parts', 'metadata_file', 'PartInfo', 'Qos',
                  'TopicRow'),
     'paced_replay': ('Replay',),
-    'provenance': ('describe_origin', 'is_note', 'note_lines', 'NOTE_TOPIC', 'NOTE_TYPE', 'Notes',
+    'provenance': ('describe_origin', 'is_note', 'note_lines', 'NOTE_TOPIC', 'Notes',
                    'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC', 'TRUTH_TOPIC'),
     'sequence_gaps': ('Numbering',),
 })

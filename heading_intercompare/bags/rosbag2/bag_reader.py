@@ -11,9 +11,6 @@ import os
 from pathlib import Path
 from typing import Iterable, Iterator, Mapping, NamedTuple, Sequence
 
-from heading_intercompare.bags.codec.fields import full_name
-from heading_intercompare.bags.codec.heading_messages import HEADING_TYPES
-from heading_intercompare.bags.codec.schemas import layout_problem
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import mcap_files, NeverBegun, Part
 from heading_intercompare.bags.parallel.by_minute import Window
@@ -21,6 +18,9 @@ from heading_intercompare.bags.parallel.decode_workers import can_fork, decode_s
 from heading_intercompare.bags.parallel.decoding import Decoded, Decoder, Kind
 from heading_intercompare.bags.parallel.prefetch import run_ahead
 from heading_intercompare.core.records import Headings
+from heading_intercompare.messages.fields import full_name
+from heading_intercompare.messages.heading_messages import HEADING_TYPES
+from heading_intercompare.messages.schemas import layout_problem
 
 from .bag_yaml import find_absent_parts, Qos
 

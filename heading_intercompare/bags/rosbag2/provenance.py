@@ -13,18 +13,20 @@ from datetime import datetime, timezone
 import re
 from typing import Callable, Mapping, NamedTuple
 
-from heading_intercompare.bags.codec.cdr import decode
+from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.version import VERSION
+from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.texts import decode_text, TEXT_TYPE
 
 from .bag_reader import BagReader
 
-__all__ = ['describe_origin', 'is_note', 'Note', 'note_lines', 'NOTE_TOPIC', 'NOTE_TYPE', 'Notes',
+__all__ = ['describe_origin', 'is_note', 'Note', 'note_lines', 'NOTE_TOPIC', 'Notes',
            'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC', 'TRUTH_TOPIC']
 
 RECORD = 'heading_intercompare'
 """The metadata record with version, settings and sources."""
 
-NOTE_TOPIC, NOTE_TYPE = 'operator/note', 'std_msgs/msg/String'
+NOTE_TOPIC = 'operator/note'
 REPORT_TOPIC = 'compliance/report'
 TRUTH_TOPIC = 'truth/heading'
 """Topic of the true heading, which only a simulator knows."""
@@ -145,12 +147,22 @@ def is_note(name: str) -> bool:
 
 
 def read_texts(bag: BagReader, topic: str) -> list[tuple[int, str]]:
-    """Return the messages of a topic of `NOTE_TYPE`, each with its time of receipt; [] if none."""
+    """
+    Return the texts of a topic, each with its time of receipt; [] if it is absent or no text.
+
+    Raises
+    ------
+    OSError, BagError
+        If they cannot be read.
+
+    """
     found = next((name for name, info in bag.topics.items() if name.lstrip('/') == topic
-                  and info.type_name == NOTE_TYPE and info.count), None)
-    return [] if found is None else [
-        (message.log_time_ns, decode(NOTE_TYPE, message.data)['data'])
-        for message in bag.messages([found])]
+                  and info.type_name == TEXT_TYPE and info.count), None)
+    try:
+        return [] if found is None else [(message.log_time_ns, decode_text(message.data))
+                                         for message in bag.messages([found])]
+    except MessageError as error:
+        raise BagError(error.problem) from None
 
 
 def read_notes(bag: BagReader) -> list[Note]:

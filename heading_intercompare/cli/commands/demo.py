@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
         write(offline, out / name, [sketch])
     print(verdict_text(offline))
     print(f'\nprotocol: {out / "report.html"}')
-    return _compare({'live': live, 'replayed': replayed, 'offline': offline})
+    return _compare({'live': live.to_dict(), 'replayed': replayed.to_dict(), 'offline': offline})
 
 
 def _compare(verdicts: dict[str, dict[str, Any]]) -> int:

@@ -11,7 +11,6 @@ import numpy as np
 
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.inputs import sha256
-from heading_intercompare.bags.codec.heading_messages import encode_imu
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.provenance import describe_origin, Notes, RECORD
 from heading_intercompare.cli.terminal.progress import Progress
@@ -19,6 +18,7 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import from_mapping
 from heading_intercompare.drivers.logs import LogReader
 from heading_intercompare.drivers.settings import DriverSettings, SENTENCES
+from heading_intercompare.messages.heading_messages import encode_imu
 
 from .analyze import add_settings_arguments
 from .note import add_note_argument, read_notes

@@ -58,10 +58,10 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.quiet:
         print(f'note: {least_duration_words(settings.risk)}', file=sys.stderr)
     with Progress(output, arguments.quiet) as progress:
-        report = intercompare(
+        verdict = intercompare(
             [Source(NmeaDriver, name, driver) for name, driver in drivers.items()],
             {k: v for k, v in settings.to_mapping().items() if v is not None},
             output=output, report_dir=config.sections.get('compliance', {}).get('report_dir'),
             own={**config.sections, 'recorder': recorder},
             progress=lambda n: progress.show(f'{n:,} pairs'))
-    return conclude(report, arguments)
+    return conclude(verdict.to_dict(), arguments)

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-import json
 import time
 from typing import Iterator, Sequence
 
@@ -19,8 +18,6 @@ from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.scenarios import read_scenario, ScenarioFile
-from heading_intercompare.bags.codec.cdr import encode
-from heading_intercompare.bags.codec.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.rosbag2.provenance import (
@@ -32,6 +29,13 @@ from heading_intercompare.bags.rosbag2.provenance import (
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.messages.heading_messages import encode_imu, IMU
+from heading_intercompare.messages.status_messages import (
+    encode_statuses,
+    LEVELS,
+    Status,
+    STATUS_TYPE,
+)
 
 from .analyze import add_settings_arguments
 from .note import add_note_argument, read_notes
@@ -39,8 +43,6 @@ from .note import add_note_argument, read_notes
 __all__ = ['add_arguments', 'run']
 
 DIAGNOSTICS = '/diagnostics'
-DIAGNOSTIC_ARRAY = 'diagnostic_msgs/msg/DiagnosticArray'
-_LEVELS = {'ok': 0, 'warn': 1, 'error': 2}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -90,7 +92,7 @@ def _begin(path: str, source: ScenarioFile, topics: dict[str, str],
     bag = BagWriter(path)
     for topic in topics.values():
         bag.add_topic(topic, IMU)
-    bag.add_topic(DIAGNOSTICS, DIAGNOSTIC_ARRAY, Qos(depth=10))
+    bag.add_topic(DIAGNOSTICS, STATUS_TYPE, Qos(depth=10))
     bag.metadata(RECORD, describe_origin(settings))
     Notes(bag.metadata).add(notes, time.time_ns())
     bag.metadata('scenario', {
@@ -137,17 +139,7 @@ def _status_rows(role: str, statuses: Sequence[AhrsStatus], latency_s: float, st
     for number, status in enumerate(statuses, first):
         said = describe_condition(status)
         ns = start_ns + round(status.t_s * 1e9)
-        sec, nanosec = divmod(ns, 10**9)
-        message = encode(DIAGNOSTIC_ARRAY, {
-            'header': {'stamp': {'sec': sec, 'nanosec': nanosec}},
-            'status': [{
-                'level': _LEVELS[said.level], 'name': f'sensor_simulator: {role}',
-                'message': said.words,
-                'values': [{'key': name, 'value': _text(value)}
-                           for name, value in said.figures.items()]}]})
+        message = encode_statuses(ns, [Status(f'sensor_simulator: {role}', LEVELS[said.level],
+                                              said.words, said.figures)])
         yield Rows(DIAGNOSTICS, np.frombuffer(message, np.uint8).reshape(1, -1),
                    [ns + round(latency_s * 1e9)], None, number)
-
-
-def _text(value: str | int | float) -> str:
-    return value if isinstance(value, str) else json.dumps(value)

@@ -10,7 +10,6 @@ import numpy as np
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.sequential import Look, Looks
-from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Differences, Pairs
 from heading_intercompare.core.settings import Norms, Settings
 from heading_intercompare.core.statistics.cells import Cells
@@ -30,7 +29,7 @@ class RunSeries:
     cut_ns : int
         Where the run was cut.
     settings : Settings
-        Installation offset, wrap centre, stabilisation and plan of looks are used.
+        Stabilisation and plan of looks are used.
     on_look : callable, optional
         ``on_look(run, look, looks)`` is called when one of so many looks is due, with the run
         holding just the differences that belong to it.
@@ -66,8 +65,6 @@ class RunSeries:
         self.x_deg = Column(np.float64, keep, self._tails.take)
         self.rs_deg = Column(np.float64, keep)
         self.factor = Column(np.float32, keep)
-        self._offset_deg = settings.installation_offset_deg
-        self._center_deg = settings.wrap_center_deg
         rule = settings.runs.stabilization_s
         self._stabilization_ns = 0 if rule == 'auto' else round(rule * 1e9)
         self._moments = Moments()
@@ -83,15 +80,14 @@ class RunSeries:
     def __len__(self) -> int:
         return len(self.x_deg)
 
-    def update(self, pairs: Pairs) -> Differences:
-        """Take pairs of this run; return the differences that are analysed."""
+    def update(self, pairs: Pairs, x: Differences) -> Differences:
+        """Take pairs of this run and their differences; return those that are analysed."""
         if not len(pairs):
             return Differences.empty()
         if self.start_ns is None:
             self.start_ns = int(pairs.stamp_ns[0])
         self.end_ns = int(pairs.stamp_ns[-1])
         self.n_input += len(pairs)
-        x = subtract(pairs, self._offset_deg, self._center_deg)
         settling = pairs.stamp_ns < self.start_ns + self._stabilization_ns
         finite = np.isfinite(x.x_deg)
         self.n_stabilization += int(np.count_nonzero(settling & finite))

@@ -33,7 +33,7 @@ class Unwatched(CallbackGroup):
 
 
 def take_all(subscription: Subscription) -> list[tuple[Any, Mapping[str, int]]]:
-    """Return the messages that have come, each with its info."""
+    """Return the messages that have come, raw or not, each with its info."""
     taken = []
     with subscription.handle:
         while (one := subscription.handle.take_message(subscription.msg_type,

@@ -9,6 +9,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'intake': ('Intake',),
     'note_publisher': ('publish_note',),
     'publishing': ('all_acknowledged', 'Allowance', 'Audience'),
+    'raw_subscription': ('subscribe',),
     'recorded_topics': ('make_intakes', 'report_files', 'text_of'),
     'reporting': ('Reporting',),
     'source_thread': ('Reading',),

@@ -6,13 +6,19 @@ from __future__ import annotations
 
 from typing import Any, Callable
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import qos_policy_name_from_kind
 
+from heading_intercompare.messages.status_messages import (
+    encode_statuses,
+    ERROR,
+    OK,
+    Status,
+    WARN,
+)
 from heading_intercompare.nodes.ros.qos import STATUS
-from heading_intercompare.nodes.ros.status_messages import ERROR, OK, status, status_array, WARN
 from heading_intercompare.nodes.ros.steady_timer import every
 
 __all__ = ['Health']
@@ -31,8 +37,8 @@ class Health:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._parts: dict[str, DiagnosticStatus] = {}
-        self._latched: dict[str, DiagnosticStatus] = {}
+        self._parts: dict[str, Status] = {}
+        self._latched: dict[str, Status] = {}
         self._refreshers: list[Callable[[], None]] = []
         self._ending = False
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', STATUS)
@@ -47,7 +53,7 @@ class Health:
         """Have a function called each second, before the parts are published."""
         self._refreshers.append(refresh)
 
-    def note(self, part: str, level: bytes, message: str, *, latch: bool = False,
+    def note(self, part: str, level: int, message: str, *, latch: bool = False,
              log: bool = True, **values: Any) -> None:
         """
         State how a part is; a worse state than before is published at once.
@@ -56,7 +62,7 @@ class Health:
         ----------
         part : str
             What is spoken of: an input, a file.
-        level : bytes
+        level : int
             `OK`, `WARN` or `ERROR`.
         message : str
             The state in words.
@@ -70,7 +76,7 @@ class Health:
 
         """
         before = self._parts.get(part)
-        now = status(f'{self._node.get_name()}: {part}', level, message, values)
+        now = Status(f'{self._node.get_name()}: {part}', level, message, values)
         self._parts[part] = now
         latched = self._latched.get(part)
         if latch and level != OK and (latched is None or level >= latched.level):
@@ -91,14 +97,14 @@ class Health:
         """Publish all parts as they are."""
         now_ns = self._node.get_clock().now().nanoseconds
         shown = {**self._parts, **self._latched}
-        self._publisher.publish(status_array(now_ns, shown.values()))
+        self._publisher.publish(encode_statuses(now_ns, shown.values()))
 
     def _beat(self) -> None:
         for refresh in self._refreshers:
             refresh()
         self.publish()
 
-    def _log(self, level: bytes, text: str, first: bool) -> None:
+    def _log(self, level: int, text: str, first: bool) -> None:
         logger = self._node.get_logger()
         if level == ERROR:
             logger.error(text)

@@ -5,16 +5,16 @@
 from __future__ import annotations
 
 import time
-from typing import Any, Mapping
+from typing import Mapping, Sequence
 
 from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility, QoSProfile
 from rclpy.subscription import Subscription
 
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
+from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
 from heading_intercompare.nodes.ros.parameters import resolve_topic
-from heading_intercompare.nodes.ros.status_messages import ERROR, OK, WARN
 
 from .health import Health
 
@@ -23,7 +23,7 @@ __all__ = ['Intake']
 
 class Intake:
     """
-    The messages of one topic.
+    The messages of one topic, as bytes.
 
     Parameters
     ----------
@@ -39,8 +39,6 @@ class Intake:
         Where the state of this input is shown.
     stale_s : float, optional
         Silence after which the state is a warning.
-    raw : bool
-        Take bytes instead of messages.
     sole : bool
         More than one publisher is an error.
     needed : bool
@@ -54,6 +52,8 @@ class Intake:
         Type taken; None while there is no subscription.
     received, last_sequence : int
         Messages taken, number of the newest at its publisher.
+    refused : int
+        Messages that could not be read.
     publishers : int
         Publishers seen at the last `look`.
     open : bool
@@ -68,11 +68,10 @@ class Intake:
     """
 
     def __init__(self, node: Node, topic: str, types: Mapping[str, type], qos: QoSProfile,
-                 health: Health, *, stale_s: float | None = None, raw: bool = False,
-                 sole: bool = True, needed: bool = True) -> None:
+                 health: Health, *, stale_s: float | None = None, sole: bool = True,
+                 needed: bool = True) -> None:
         self._node, self._topic, self._types, self._qos = node, topic, types, qos
-        self._health, self._stale_s, self._raw, self._sole = health, stale_s, raw, sole
-        self._needed = needed
+        self._health, self._stale_s, self._sole, self._needed = health, stale_s, sole, needed
         self.full_name = resolve_topic(node, topic)
         self._subscription: Subscription | None = None
         self._group = Unwatched()
@@ -80,11 +79,12 @@ class Intake:
         self._beat_s, self._beat_n, self._latency_s = self._newest_s, 0, 0.0
         self.type_name: str | None = None
         self.open = True
-        self.received = self.last_sequence = self.publishers = 0
+        self.received = self.last_sequence = self.refused = self.publishers = 0
+        self._why_refused = ''
         self._numbering = Numbering()
         health.before_beat(self._note)
 
-    def take(self) -> list[tuple[Any, Mapping[str, int]]]:
+    def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
         """Return what has come since the last call, each message with its info."""
         if self._subscription is None:
             self.look()
@@ -100,6 +100,12 @@ class Intake:
             self._newest_s = time.monotonic()
             self._latency_s = (info['received_timestamp'] - info['source_timestamp']) / 1e9
         return taken
+
+    def refuse(self, problems: Sequence[str]) -> None:
+        """Count messages that could not be read, each with what is wrong with it."""
+        if problems:
+            self.refused += len(problems)
+            self._why_refused = problems[-1]
 
     @property
     def lost(self) -> int:
@@ -132,7 +138,7 @@ class Intake:
     def _subscribe(self, type_name: str) -> None:
         self._subscription = self._node.create_subscription(
             self._types[type_name], self._topic, lambda message: None, self._qos,
-            callback_group=self._group, raw=self._raw)
+            callback_group=self._group, raw=True)
         self.type_name = type_name
 
     def _note(self) -> None:
@@ -144,10 +150,13 @@ class Intake:
             level, words = WARN if self._needed else OK, f'no publisher on {self._topic}'
         elif not wrong and self._stale_s is not None and age_s > self._stale_s:
             level, words = WARN, f'silent for more than {self._stale_s:g} s'
-        elif not wrong and self.lost:
-            level, words = WARN, f'{self.lost} messages lost on the way'
+        elif not wrong and (self.lost or self.refused):
+            level, words = WARN, '; '.join(filter(None, [
+                self.lost and f'{self.lost} messages lost on the way',
+                self.refused and f'{self.refused} messages refused: {self._why_refused}']))
         rate_hz = (self.received - self._beat_n) / max(now_s - self._beat_s, 1e-3)
         self._beat_s, self._beat_n = now_s, self.received
         self._health.note(self._topic, level, words, type=self.type_name,
                           publishers=self.publishers, received=self.received, lost=self.lost,
-                          rate_hz=rate_hz, age_s=age_s, latency_s=self._latency_s)
+                          refused=self.refused or None, rate_hz=rate_hz, age_s=age_s,
+                          latency_s=self._latency_s)

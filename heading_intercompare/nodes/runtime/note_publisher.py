@@ -14,6 +14,7 @@ from std_msgs.msg import String
 
 from heading_intercompare.bags.rosbag2.provenance import NOTE_TOPIC
 from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.messages.texts import encode_text
 from heading_intercompare.nodes.ros.process import spin_nodes
 from heading_intercompare.nodes.ros.qos import NOTE
 
@@ -49,7 +50,7 @@ def publish_note(text: str, patience_s: float = _PATIENCE_S) -> None:
                         f'nobody listens to {NOTE_TOPIC}: is a bag being recorded, on this '
                         'network and in this ROS_DOMAIN_ID?')
                 executor.spin_once(0.05)
-            publisher.publish(String(data=text))
+            publisher.publish(encode_text(text))
             if not all_acknowledged([publisher]):
                 raise SettingsError(f'a listener to {NOTE_TOPIC} has not confirmed the note')
     finally:

@@ -11,7 +11,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
-from heading_intercompare.nodes.ros.status_messages import OK, WARN
+from heading_intercompare.messages.status_messages import OK, WARN
 
 from .health import Health
 

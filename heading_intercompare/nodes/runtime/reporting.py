@@ -19,17 +19,16 @@ from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.pairing.ledger import Ledger
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.verdict.verdict_document import Verdict
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.status_messages import (
-    ERROR,
-    OK,
+from heading_intercompare.messages.status_messages import ERROR, OK, WARN
+from heading_intercompare.messages.texts import encode_text
+from heading_intercompare.messages.verdict_messages import (
+    encode_verdict,
     OUTCOME_LEVELS,
-    report_message,
     verdict_level,
-    verdict_message,
-    WARN,
 )
+from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.settings import ComplianceNode
+from heading_intercompare.report.json import render
 
 from .health import Health
 
@@ -57,8 +56,8 @@ class Reporting:
         The ledger is the final one.
     paired : int
         Pairs that the ledger knows of.
-    report : str or None
-        The last report.
+    verdict : Verdict or None
+        That of the last report.
     closed : bool
         The last report is out.
 
@@ -74,7 +73,9 @@ class Reporting:
         self._ledger: Ledger | None = None
         self._seen: tuple[int, LookVerdict | None] = (0, None)
         self._due: tuple[int, float] | None = None
-        self.final, self.paired, self.report, self.closed = False, 0, None, False
+        self.final, self.paired, self.closed = False, 0, False
+        self.verdict: Verdict | None = None
+        self._said = ''
         if own.report_dir is not None:
             os.makedirs(own.report_dir, exist_ok=True)
 
@@ -108,15 +109,15 @@ class Reporting:
         """Publish and write the report, unless it says nothing new."""
         self._due = None
         verdict = self._compliance.verdict(self._ledger)
-        report = report_message(verdict)
-        if report.data == self.report:
+        report = render(verdict.to_dict())
+        if report == self._said:
             return
-        self.report = report.data
+        self.verdict, self._said = verdict, report
         self._health.note('ledger', OK if complete else WARN,
                           'complete' if complete else 'the last report lacks the whole ledger')
         self._announce(verdict)
-        self._report.publish(report)
-        self._write(report.data)
+        self._report.publish(encode_text(report))
+        self._write(report)
 
     def _announce(self, verdict: Verdict) -> None:
         """Publish the verdict."""
@@ -132,7 +133,7 @@ class Reporting:
                           '; '.join(words for _, words in said), latch=True, log=False,
                           runs=len(verdict.runs))
         self._node.get_logger().info(f'verdict on {said[-1][1]}')
-        self._verdict.publish(verdict_message(verdict, self._compliance.newest_ns or 0, early))
+        self._verdict.publish(encode_verdict(verdict, self._compliance.newest_ns or 0, early))
 
     def _write(self, text: str) -> None:
         if self._own.report_dir is None:

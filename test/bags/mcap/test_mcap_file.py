@@ -22,7 +22,6 @@ from mcap import records as mcap
 from mcap.writer import CompressionType, IndexType, Writer
 import pytest
 
-from heading_intercompare.bags.codec.cdr import encode
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.index_records import build_ending
 from heading_intercompare.bags.mcap.message_blocks import Record
@@ -30,6 +29,7 @@ from heading_intercompare.bags.mcap.record_stream import RecordStream
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.messages.cdr import encode
 
 STRING = 'std_msgs/msg/String'
 DEFINED = schema(1) + channel(1, '/a')

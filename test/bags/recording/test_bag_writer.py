@@ -14,9 +14,6 @@ from mcap.stream_reader import StreamReader
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.codec.cdr import decode, encode
-from heading_intercompare.bags.codec.heading_messages import IMU
-from heading_intercompare.bags.codec.schemas import schema_of, TYPE_HASHES
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter
 from heading_intercompare.bags.recording import bag_writer, disk_sync
@@ -25,6 +22,9 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.messages.cdr import decode, encode
+from heading_intercompare.messages.heading_messages import IMU
+from heading_intercompare.messages.schemas import schema_of, TYPE_HASHES
 
 STRING = 'std_msgs/msg/String'
 

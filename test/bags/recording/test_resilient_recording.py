@@ -17,7 +17,6 @@ import time
 
 import pytest
 
-from heading_intercompare.bags.codec.cdr import decode, encode
 from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter
 from heading_intercompare.bags.recording import bag_writer, disk_sync
 from heading_intercompare.bags.recording.bag_writer import BagWriter
@@ -25,6 +24,7 @@ from heading_intercompare.bags.recording.resilient_recording import Recording
 from heading_intercompare.bags.recovery.recover_bag import recover
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
+from heading_intercompare.messages.cdr import decode, encode
 
 STRING = 'std_msgs/msg/String'
 MB = 1_000_000
@@ -390,7 +390,7 @@ def test_a_bag_is_split_by_size_and_by_duration(tmp_path, disk, settings):
 
 SENDER = """
 import sys, time
-from heading_intercompare.bags.codec.cdr import encode
+from heading_intercompare.messages.cdr import encode
 from heading_intercompare.bags.recording.resilient_recording import Recording
 
 bag = Recording(sys.argv[1])
@@ -485,7 +485,7 @@ def test_a_sync_that_fails_is_a_fault(tmp_path, disk, monkeypatch):
 
 LIMITED = """
 import random, resource, sys
-from heading_intercompare.bags.codec.cdr import encode
+from heading_intercompare.messages.cdr import encode
 from heading_intercompare.bags.recording.resilient_recording import Recording
 from heading_intercompare.bags.settings import BagSettings
 

@@ -15,8 +15,6 @@ from mcap.stream_reader import breakup_chunk, StreamReader
 from mcap.writer import Writer
 import pytest
 
-from heading_intercompare.bags.codec.cdr import encode
-from heading_intercompare.bags.codec.heading_messages import IMU
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.recovery.recover_bag import recover
@@ -24,6 +22,8 @@ from heading_intercompare.bags.recovery.scanner import Salvage
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.settings import BagSettings
+from heading_intercompare.messages.cdr import encode
+from heading_intercompare.messages.heading_messages import IMU
 
 from ..mcap_bytes import (
     assert_exact,

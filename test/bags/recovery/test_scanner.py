@@ -10,11 +10,11 @@ from mcap.writer import CompressionType, Writer
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.codec.cdr import encode
 from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter
 from heading_intercompare.bags.mcap.message_blocks import HEAD
 from heading_intercompare.bags.mcap.record_stream import MAGIC
 from heading_intercompare.bags.recovery.scanner import Gap, Salvage
+from heading_intercompare.messages.cdr import encode
 
 N = 36
 PER_CHUNK = 8

@@ -12,12 +12,12 @@ from mcap.writer import CompressionType, Writer
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.codec.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
+from heading_intercompare.messages.heading_messages import encode_imu, IMU
 
 
 @pytest.fixture

@@ -10,9 +10,6 @@ from mcap.writer import CompressionType, IndexType, Writer
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.codec.cdr import encode
-from heading_intercompare.bags.codec.heading_messages import encode_imu, HEADING_TYPES, IMU
-from heading_intercompare.bags.codec.schemas import shipped_schema
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_check import check_bag
@@ -21,6 +18,9 @@ from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.angles import quaternion_from_heading, wrap180
 from heading_intercompare.core.records import Headings
+from heading_intercompare.messages.cdr import encode
+from heading_intercompare.messages.heading_messages import encode_imu, HEADING_TYPES, IMU
+from heading_intercompare.messages.schemas import shipped_schema
 
 STRING = 'std_msgs/msg/String'
 BOTH = {'/ts/heading': 'enu', '/rs/heading': 'enu'}
@@ -141,7 +141,7 @@ def test_all_accepted_types_are_read_from_bags_of_mcap_ros2(tmp_path, type_name)
 
 def filled(type_name: str, message: dict) -> dict:
     """Return a message with the fields that mcap_ros2 would miss."""
-    from heading_intercompare.bags.codec.cdr import decode
+    from heading_intercompare.messages.cdr import decode
     message = {k: v for k, v in message.items() if k != 'child_frame_id' or 'Odom' in type_name}
     return decode(type_name, encode(type_name, message))
 

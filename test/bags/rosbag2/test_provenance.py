@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import pytest
 
-from heading_intercompare.bags.codec.cdr import encode
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.recovery.recover_bag import recover
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
@@ -14,12 +13,13 @@ from heading_intercompare.bags.rosbag2.provenance import (
     describe_origin,
     is_note,
     Note,
-    NOTE_TYPE,
     Notes,
     read_notes,
     read_texts,
 )
 from heading_intercompare.core.version import VERSION
+from heading_intercompare.messages.cdr import encode
+from heading_intercompare.messages.texts import TEXT_TYPE
 
 S = 1_000_000_000
 NOW = 1_700_000_000 * S
@@ -100,9 +100,9 @@ def test_a_recorder_that_is_killed_leaves_the_notes_it_had(tmp_path):
 
 def test_notes_that_another_program_recorded_are_read_from_their_messages(tmp_path):
     with BagWriter(tmp_path / 'bag') as bag:
-        bag.add_topic('/operator/note', NOTE_TYPE)
+        bag.add_topic('/operator/note', TEXT_TYPE)
         for i, text in enumerate(['calm sea', '2014-08-01T00:05:00Z turn']):
-            bag.write('/operator/note', encode(NOTE_TYPE, {'data': text}), NOW + i)
+            bag.write('/operator/note', encode(TEXT_TYPE, {'data': text}), NOW + i)
     reader = BagReader(tmp_path / 'bag')
     assert read_notes(reader) == [Note(1406851500 * S, 'turn'), Note(NOW, 'calm sea')]
     assert read_texts(reader, 'operator/note') == [(NOW, 'calm sea'),

@@ -12,18 +12,18 @@ import subprocess
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.codec.cdr import decode, encode
-from heading_intercompare.bags.codec.heading_messages import (
-    encode_imu,
-    encode_pairs,
-    IMU,
-    PAIRS_TYPE,
-)
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.messages.cdr import decode, encode
+from heading_intercompare.messages.heading_messages import (
+    encode_imu,
+    encode_pairs,
+    IMU,
+    PAIRS_TYPE,
+)
 
 STATUS = 'diagnostic_msgs/msg/DiagnosticArray'
 START_NS = 1_406_851_200_000_000_000

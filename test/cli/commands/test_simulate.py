@@ -13,12 +13,12 @@ import pytest
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.app.scenarios import read_scenario
-from heading_intercompare.bags.codec.cdr import decode
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.cli import main
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.version import VERSION
+from heading_intercompare.messages.cdr import decode
 
 TRIAL = """\
 title: A trial of the test

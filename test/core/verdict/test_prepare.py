@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Settings
@@ -22,7 +23,8 @@ def taken(x, **names):
         **{k.replace('__', '.'): v for k, v in names.items()}})
     run = RunSeries(S, settings)
     n = len(x)
-    run.update(Pairs.of(S * np.arange(1, n + 1), 100.0 + np.asarray(x), np.full(n, 100.0)))
+    pairs = Pairs.of(S * np.arange(1, n + 1), 100.0 + np.asarray(x), np.full(n, 100.0))
+    run.update(pairs, subtract(pairs))
     return prepare_run(run, Limits.of(settings.norms), settings)
 
 

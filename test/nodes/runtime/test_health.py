@@ -11,8 +11,8 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
+from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.qos import STATUS
-from heading_intercompare.nodes.ros.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.runtime.health import Health
 
 
@@ -28,7 +28,7 @@ def health_of(ros):
 
 def states(message):
     """Return level and message by name."""
-    return {s.name: (s.level, s.message) for s in message.status}
+    return {s.name: (s.level[0], s.message) for s in message.status}
 
 
 def test_a_node_is_heard_once_a_second(ros):

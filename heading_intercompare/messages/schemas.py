@@ -17,8 +17,7 @@ from pathlib import Path
 import sys
 from typing import Callable
 
-from heading_intercompare.bags.errors import BagError
-
+from .errors import MessageError
 from .fields import CODES, Definitions, definitions_in, leaves, short_name
 
 __all__ = ['DEFINITIONS', 'definitions_of', 'layout_problem', 'Schema', 'schema_of',
@@ -160,7 +159,7 @@ def schema_of(type_name: str) -> Schema:
 
     Raises
     ------
-    BagError
+    MessageError
         If the type is neither installed nor known to this module.
 
     Examples
@@ -177,8 +176,8 @@ def schema_of(type_name: str) -> Schema:
     try:
         return shipped_schema(type_name)
     except LookupError:
-        raise BagError(f'message type {type_name!r} is not installed and not one of '
-                       f'{", ".join(TYPE_HASHES)}') from None
+        raise MessageError(f'message type {type_name!r} is not installed and not one of '
+                           f'{", ".join(TYPE_HASHES)}') from None
 
 
 @lru_cache(maxsize=None)
@@ -204,7 +203,7 @@ def layout_problem(type_name: str, encoding: str, text: str) -> str | None:
     name = short_name(type_name)
     try:
         theirs = list(leaves(name, definitions_in(name, text)))
-    except BagError as error:
+    except MessageError as error:
         return error.problem
     ours = list(leaves(name, definitions_of(type_name)))
     for (path, *kind), (their_path, *their_kind) in zip(ours, theirs):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import re
 from typing import Iterator, Mapping
 
-from heading_intercompare.bags.errors import BagError
+from .errors import MessageError
 
 __all__ = ['CODES', 'Definitions', 'Field', 'SEQUENCE', 'definitions_in', 'full_name', 'leaves',
            'short_name']
@@ -68,7 +68,7 @@ def _fields(package: str, text: str) -> Iterator[Field]:
             continue
         match = _FIELD.match(line)
         if match is None:
-            raise BagError(f'message definition of package {package!r}: cannot read {line!r}')
+            raise MessageError(f'message definition of package {package!r}: cannot read {line!r}')
         if match['constant']:
             continue
         kind = short_name(match['type'])
@@ -94,7 +94,7 @@ def definitions_in(type_name: str, text: str) -> Definitions:
 
     Raises
     ------
-    BagError
+    MessageError
         If a line is neither a field, a constant nor a comment.
 
     """
@@ -116,12 +116,12 @@ def leaves(type_name: str, definitions: Definitions,
 
     Raises
     ------
-    BagError
+    MessageError
         If a type is not defined, or contains itself.
 
     """
     if type_name not in definitions or not depth:
-        raise BagError(f'message type {type_name} is not defined in the schema')
+        raise MessageError(f'message type {type_name} is not defined in the schema')
     for field in definitions[type_name]:
         if field.type in CODES:
             yield field.name, CODES[field.type], field.size

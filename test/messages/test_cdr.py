@@ -8,9 +8,9 @@ from importlib import import_module
 
 import pytest
 
-from heading_intercompare.bags.codec.cdr import decode, encode
-from heading_intercompare.bags.codec.schemas import shipped_schema, TYPE_HASHES
-from heading_intercompare.bags.errors import BagError
+from heading_intercompare.messages.cdr import decode, encode
+from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.schemas import shipped_schema, TYPE_HASHES
 
 hypothesis = pytest.importorskip('hypothesis')
 st = hypothesis.strategies
@@ -112,14 +112,14 @@ def test_absent_fields_are_zero():
 def test_a_message_cut_anywhere_is_refused(type_name):
     data = encode(type_name, MESSAGES[type_name])
     for size in range(len(data)):
-        with pytest.raises(BagError, match='ends early|does not start as CDR'):
+        with pytest.raises(MessageError, match='ends early|does not start as CDR'):
             decode(type_name, data[:size])
 
 
 def test_a_sequence_that_claims_to_be_endless_is_refused():
     data = bytearray(encode('diagnostic_msgs/msg/DiagnosticArray', {}))
     data[-4:] = b'\xff' * 4
-    with pytest.raises(BagError, match='ends early'):
+    with pytest.raises(MessageError, match='ends early'):
         decode('diagnostic_msgs/msg/DiagnosticArray', bytes(data))
 
 
@@ -130,7 +130,7 @@ def test_a_sequence_that_claims_to_be_endless_is_refused():
     ({'orientation': {'x': 'east'}}, 'east'),
 ])
 def test_a_message_that_does_not_fit_its_type_is_refused(message, problem):
-    with pytest.raises(BagError, match=problem):
+    with pytest.raises(MessageError, match=problem):
         encode('sensor_msgs/msg/Imu', message)
 
 

@@ -11,16 +11,16 @@ import sys
 
 import pytest
 
-from heading_intercompare.bags.codec import schemas
-from heading_intercompare.bags.codec.fields import definitions_in, leaves, short_name
-from heading_intercompare.bags.codec.schemas import (
+from heading_intercompare.messages import schemas
+from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.fields import definitions_in, leaves, short_name
+from heading_intercompare.messages.schemas import (
     DEFINITIONS,
     layout_problem,
     schema_of,
     shipped_schema,
     TYPE_HASHES,
 )
-from heading_intercompare.bags.errors import BagError
 
 IMU = 'sensor_msgs/msg/Imu'
 
@@ -88,7 +88,7 @@ def test_without_ros_the_shipped_definitions_are_used(without_ros):
 
 
 def test_a_type_of_which_nothing_is_known_is_refused(without_ros):
-    with pytest.raises(BagError, match="'sensor_msgs/msg/Joy' is not installed"):
+    with pytest.raises(MessageError, match="'sensor_msgs/msg/Joy' is not installed"):
         schema_of('sensor_msgs/msg/Joy')
 
 

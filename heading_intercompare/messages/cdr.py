@@ -9,11 +9,11 @@ behind those four. For single messages; `heading_messages` treats whole chunks a
 
 from __future__ import annotations
 
+from functools import lru_cache
 import struct
 from typing import Any, Mapping
 
-from heading_intercompare.bags.errors import BagError
-
+from .errors import MessageError
 from .fields import CODES, Field, SEQUENCE, short_name
 from .schemas import definitions_of
 
@@ -21,6 +21,15 @@ __all__ = ['decode', 'encode']
 
 _LITTLE = b'\x00\x01\x00\x00'
 _BYTE_ORDER = {b'\x00\x00': '>', b'\x00\x01': '<'}
+#: Lengths of strings and sequences, by byte order.
+_LENGTH = {order: struct.Struct(f'{order}I') for order in '<>'}
+_SIZE = {code: struct.calcsize(f'<{code}') for code in CODES.values()}
+
+
+@lru_cache(maxsize=None)
+def _names(type_name: str, name: str) -> frozenset[str]:
+    """Return the names of the fields of one of the types that a type is made of."""
+    return frozenset(field.name for field in definitions_of(type_name)[name])
 
 
 def _padding(position: int, size: int) -> int:
@@ -31,45 +40,53 @@ class _Encoder:
     """Appends fields to a little-endian body."""
 
     def __init__(self, type_name: str) -> None:
+        self._type_name = type_name
         self._definitions = definitions_of(type_name)
         self.body = bytearray()
 
     def _put(self, code: str, *values: Any) -> None:
-        size = struct.calcsize(code)
-        self.body += bytes(_padding(len(self.body), size))
+        self.body += bytes(_padding(len(self.body), _SIZE[code]))
         self.body += struct.pack(f'<{len(values)}{code}', *values)
 
+    def _put_length(self, length: int) -> None:
+        self.body += bytes(_padding(len(self.body), 4)) + _LENGTH['<'].pack(length)
+
     def message(self, name: str, message: Mapping[str, Any]) -> None:
-        fields = self._definitions[name]
-        unknown = message.keys() - {f.name for f in fields}
-        if unknown:
-            raise BagError(f'{name} has no field {min(unknown)!r}')
-        for field in fields:
+        known = _names(self._type_name, name)
+        if not known.issuperset(message):
+            raise MessageError(f'{name} has no field {min(message.keys() - known)!r}')
+        for field in self._definitions[name]:
             self._field(name, field, message.get(field.name))
 
     def _field(self, owner: str, field: Field, value: Any) -> None:
+        if field.type == 'string' and field.size is None:
+            self._string(value)
+            return
         if field.size is None:
             values = [value]
         else:
             values = [None] * max(field.size, 0) if value is None else list(value)
             if field.size == SEQUENCE:
-                self._put('I', len(values))
+                self._put_length(len(values))
             elif len(values) != field.size:
-                raise BagError(f'{owner}.{field.name} has {len(values)} elements instead of '
-                               f'{field.size}')
+                raise MessageError(f'{owner}.{field.name} has {len(values)} elements instead of '
+                                   f'{field.size}')
         if field.type not in CODES:
             for each in values:
                 self.message(field.type, each or {})
         elif field.type == 'string':
             for each in values:
-                data = (each or '').encode() + b'\0'
-                self._put('I', len(data))
-                self.body += data
+                self._string(each)
         elif values:
             try:
                 self._put(CODES[field.type], *(0 if v is None else v for v in values))
             except struct.error as error:
-                raise BagError(f'{owner}.{field.name} = {value!r}: {error}') from None
+                raise MessageError(f'{owner}.{field.name} = {value!r}: {error}') from None
+
+    def _string(self, value: str | None) -> None:
+        data = (value or '').encode() + b'\0'
+        self._put_length(len(data))
+        self.body += data
 
 
 class _Decoder:
@@ -78,27 +95,35 @@ class _Decoder:
     def __init__(self, type_name: str, data: bytes) -> None:
         order = _BYTE_ORDER.get(bytes(data[:2]))
         if order is None or len(data) < 4:
-            raise BagError(f'{type_name} message does not start as CDR: {bytes(data[:4])!r}')
+            raise MessageError(f'{type_name} message does not start as CDR: {bytes(data[:4])!r}')
         self._type_name = type_name
         self._definitions = definitions_of(type_name)
         self._order = order
+        self._unpack_length = _LENGTH[order].unpack_from
         self._body = memoryview(data)[4:]
         self._at = 0
+
+    def _cut(self) -> MessageError:
+        return MessageError(f'{self._type_name} message ends early: {len(self._body) + 4} bytes')
 
     def _skip(self, size: int) -> int:
         start, self._at = self._at, self._at + size
         if self._at > len(self._body):
-            raise BagError(f'{self._type_name} message ends early: {len(self._body) + 4} bytes')
+            raise self._cut()
         return start
 
+    def _length(self) -> int:
+        self._at += _padding(self._at, 4)
+        return self._unpack_length(self._body, self._skip(4))[0]
+
     def _get(self, code: str, count: int) -> tuple:
-        size = struct.calcsize(code)
+        size = _SIZE[code]
         self._at += _padding(self._at, size)
         start = self._skip(size * count)
         return struct.unpack_from(f'{self._order}{count}{code}', self._body, start)
 
     def _string(self) -> str:
-        length = self._get('I', 1)[0]
+        length = self._length()
         start = self._skip(length)
         data = bytes(self._body[start:self._at]).removesuffix(b'\0')
         return data.decode(errors='replace')
@@ -107,11 +132,13 @@ class _Decoder:
         return {f.name: self._field(f) for f in self._definitions[name]}
 
     def _field(self, field: Field) -> Any:
+        if field.type == 'string' and field.size is None:
+            return self._string()
         count = 1 if field.size is None else field.size
         if count == SEQUENCE:
-            count = self._get('I', 1)[0]
+            count = self._length()
         if count > len(self._body):
-            raise BagError(f'{self._type_name} message ends early: {len(self._body) + 4} bytes')
+            raise self._cut()
         if field.type not in CODES:
             values = [self.message(field.type) for _ in range(count)]
         elif field.type == 'string':
@@ -134,7 +161,7 @@ def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
 
     Raises
     ------
-    BagError
+    MessageError
         For a field that the type does not have, or a value that does not fit.
 
     Examples
@@ -161,7 +188,7 @@ def decode(type_name: str, data: bytes) -> dict[str, Any]:
 
     Raises
     ------
-    BagError
+    MessageError
         If the message is shorter than its type says.
 
     Examples

@@ -7,33 +7,33 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.codec.cdr import decode, encode
-from heading_intercompare.bags.codec.heading_messages import (
-    decode_headings,
-    encode_imu,
-    encode_pairs,
-    HEADING_TYPES,
-    IMU,
-    PAIRS_TYPE,
-)
-from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.angles import (
     heading_from_quaternion,
     quaternion_from_heading,
     wrap180,
 )
 from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.messages.byte_columns import join_messages
+from heading_intercompare.messages.cdr import decode, encode
+from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.heading_messages import (
+    decode_headings,
+    decode_pairs,
+    encode_imu,
+    encode_pairs,
+    HEADING_TYPES,
+    IMU,
+    imu_messages,
+    pair_messages,
+    PAIRS_TYPE,
+    read_headings,
+    read_pairs,
+)
 
 hypothesis = pytest.importorskip('hypothesis')
 st = hypothesis.strategies
 
 STAMP_NS = 1_406_851_200_183_000_000
-
-
-def joined(messages: list[bytes]) -> tuple[bytes, np.ndarray, np.ndarray]:
-    """Return messages one behind the other, and where each is."""
-    size = np.array([len(m) for m in messages], np.int64)
-    return b''.join(messages), np.cumsum(size) - size, np.cumsum(size)
 
 
 def message(type_name: str, frame: str, stamp_ns: int, q: tuple, covariance: float = 0.0) -> dict:
@@ -79,7 +79,7 @@ def test_many_messages_at_once_are_the_single_ones_to_the_bit(type_name, data):
         st.tuples(*[COMPONENT] * 4), st.sampled_from([0.0, -1.0, 1e-4])), max_size=12))
     convention = data.draw(st.sampled_from(['enu', 'ned']))
     messages = [encode(type_name, message(type_name, *row)) for row in rows]
-    assert decode_headings(type_name, convention, *joined(messages)) == one_by_one(
+    assert decode_headings(type_name, convention, *join_messages(messages)) == one_by_one(
         type_name, convention, messages)
 
 
@@ -88,7 +88,7 @@ def test_equal_messages_are_the_single_ones_to_the_bit(type_name, rng):
     quaternions = rng.normal(size=(500, 4)).tolist()
     messages = [encode(type_name, message(type_name, 'gyro', STAMP_NS + i, q))
                 for i, q in enumerate(quaternions)]
-    assert decode_headings(type_name, 'enu', *joined(messages)) == one_by_one(
+    assert decode_headings(type_name, 'enu', *join_messages(messages)) == one_by_one(
         type_name, 'enu', messages)
 
 
@@ -102,7 +102,7 @@ def test_both_byte_orders_may_be_mixed(type_name, rng):
     for i in range(0, 20, 3):
         theirs = store.deserialize_cdr(messages[i], type_name)
         messages[i] = bytes(store.serialize_cdr(theirs, type_name, little_endian=False))
-    assert decode_headings(type_name, 'enu', *joined(messages)) == expected
+    assert decode_headings(type_name, 'enu', *join_messages(messages)) == expected
 
 
 @pytest.mark.parametrize('type_name', HEADING_TYPES)
@@ -110,22 +110,22 @@ def test_a_message_that_is_too_short_is_refused_with_its_place(type_name):
     whole = encode(type_name, message(type_name, 'gyro', STAMP_NS, (0.0, 0.0, 0.0, 1.0)))
     needed = 4 + 8 + 4 + 8
     for size in (0, 3, needed - 8, needed, needed + 16):
-        with pytest.raises(BagError, match=f'{size} bytes is too short') as caught:
-            decode_headings(type_name, 'enu', *joined([whole, whole[:size], whole]))
+        with pytest.raises(MessageError, match=f'{size} bytes is too short') as caught:
+            decode_headings(type_name, 'enu', *join_messages([whole, whole[:size], whole]))
         assert caught.value.offset == len(whole)
 
 
 def test_a_frame_name_that_claims_to_be_endless_is_refused():
     data = bytearray(encode(IMU, {}))
     data[12:16] = b'\xff' * 4
-    with pytest.raises(BagError, match='too short'):
-        decode_headings(IMU, 'enu', *joined([bytes(data)]))
+    with pytest.raises(MessageError, match='too short'):
+        decode_headings(IMU, 'enu', *join_messages([bytes(data)]))
 
 
 def test_bytes_that_are_not_cdr_are_refused():
     whole = encode(IMU, {})
-    with pytest.raises(BagError, match='does not start as CDR'):
-        decode_headings(IMU, 'enu', *joined([whole, b'\x0a\x00' + whole[2:]]))
+    with pytest.raises(MessageError, match='does not start as CDR'):
+        decode_headings(IMU, 'enu', *join_messages([whole, b'\x0a\x00' + whole[2:]]))
 
 
 def test_no_messages_give_no_headings():
@@ -168,7 +168,7 @@ def test_a_rate_of_turn_that_is_not_given_is_unknown(rng):
 def test_headings_come_back_from_imu_messages(rng):
     chunk = imu_chunk(rng)
     rows = encode_imu(chunk, 'ts')
-    back = decode_headings(IMU, 'enu', *joined([row.tobytes() for row in rows]))
+    back = decode_headings(IMU, 'enu', *join_messages([row.tobytes() for row in rows]))
     assert np.array_equal(back.stamp_ns, chunk.stamp_ns)
     assert np.isnan(back.heading_deg[-1])
     assert np.abs(wrap180(back.heading_deg - chunk.heading_deg)[:-1]).max() < 1e-12
@@ -176,9 +176,9 @@ def test_headings_come_back_from_imu_messages(rng):
 
 def test_reading_and_writing_again_changes_nothing(rng):
     rows = encode_imu(imu_chunk(rng), 'ts')
-    once = decode_headings(IMU, 'enu', *joined([row.tobytes() for row in rows]))
+    once = decode_headings(IMU, 'enu', *join_messages([row.tobytes() for row in rows]))
     again = encode_imu(once, 'ts')
-    twice = decode_headings(IMU, 'enu', *joined([row.tobytes() for row in again]))
+    twice = decode_headings(IMU, 'enu', *join_messages([row.tobytes() for row in again]))
     assert np.nanmax(np.abs(wrap180(twice.heading_deg - once.heading_deg))) < 1e-12
 
 
@@ -189,7 +189,7 @@ def test_no_headings_give_no_messages():
 
 @pytest.mark.parametrize('stamp_ns', [2**31 * 10**9, -2**31 * 10**9 - 1])
 def test_a_stamp_beyond_the_range_of_ros_is_refused(stamp_ns):
-    with pytest.raises(BagError, match=str(stamp_ns)):
+    with pytest.raises(MessageError, match=str(stamp_ns)):
         encode_imu(Headings.of([STAMP_NS, stamp_ns], [1.0, 2.0]), 'ts')
 
 
@@ -203,3 +203,112 @@ def test_pairs_are_twists_to_the_bit():
             'twist': {'linear': {'x': [-0.75, 1.0][i], 'y': [0.25, 9.0][i], 'z': [359.5, 10.0][i]},
                       'angular': {'x': [0.0, -0.003][i], 'y': [0.5, 1.0][i],
                                   'z': [1.0, 0.75][i]}}})
+
+
+def pair_rows(rng, n=20):
+    """Return pairs of which no two are alike."""
+    return Pairs.of(STAMP_NS + np.arange(n), *rng.uniform(0.0, 360.0, (2, n)),
+                    rng.integers(-10**9, 10**9, n), *rng.uniform(0.5, 1.0, (2, n)))
+
+
+def test_pairs_come_back_to_the_bit(rng):
+    pairs = pair_rows(rng)
+    assert decode_pairs(*join_messages(pair_messages(pairs))) == pairs
+
+
+def big_endian(messages: list[bytes], type_name: str) -> list[bytes]:
+    """Return messages as a computer of the other byte order sends them."""
+    typesys = pytest.importorskip('rosbags.typesys')
+    store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
+    return [bytes(store.serialize_cdr(store.deserialize_cdr(data, type_name), type_name,
+                                      little_endian=False)) for data in messages]
+
+
+@pytest.mark.parametrize('every', [1, 3])
+def test_pairs_of_either_byte_order_may_be_mixed(rng, every):
+    pairs = pair_rows(rng)
+    messages = pair_messages(pairs)
+    messages[::every] = big_endian(messages[::every], PAIRS_TYPE)
+    assert decode_pairs(*join_messages(messages)) == pairs
+
+
+def test_pairs_of_a_version_that_did_not_interpolate_the_ts_have_a_factor_of_1():
+    data = encode(PAIRS_TYPE, {'header': {'stamp': {'nanosec': 3}}, 'twist': {
+        'linear': {'x': 1.5, 'y': 359.5, 'z': 1.0}, 'angular': {'y': 1.0}}})
+    assert read_pairs([data]) == (Pairs.of([3], [1.0], [359.5]), [])
+
+
+@pytest.mark.parametrize('lag_s', [np.nan, np.inf, -1e10])
+def test_a_pair_whose_lag_is_no_time_is_refused(lag_s):
+    sound = pair_messages(Pairs.of([3], [1.0], [359.5]))[0]
+    data = encode(PAIRS_TYPE, {'twist': {'angular': {'x': lag_s}}})
+    pairs, refused = read_pairs([sound, data])
+    assert len(pairs) == 1 and refused == [f'{PAIRS_TYPE} message has a lag of {lag_s} s']
+
+
+#: What a message may start with instead of CDR, and which way of serializing that is.
+FOREIGN = {b'\x00\x02': 'PL_CDR, big-endian', b'\x00\x03': 'PL_CDR, little-endian',
+           b'\x00\x06': 'XCDR2, big-endian', b'\x00\x07': 'XCDR2, little-endian',
+           b'\x00\x09': 'delimited XCDR2', b'\x00\x0b': 'PL_XCDR2',
+           b'\x00\x11': 'XCDR2 of earlier versions', b'\x01\x00': 'none', b'\xff\xff': 'none'}
+
+
+@pytest.mark.parametrize('start', FOREIGN, ids=FOREIGN.values())
+@pytest.mark.parametrize('type_name', HEADING_TYPES)
+def test_messages_that_are_serialized_otherwise_are_refused_and_the_others_read(
+        type_name, start, rng):
+    messages = [encode(type_name, message(type_name, 'gyro', STAMP_NS + i, tuple(q)))
+                for i, q in enumerate(rng.normal(size=(5, 4)).tolist())]
+    expected, _ = read_headings(type_name, 'enu', [messages[i] for i in (0, 2, 4)])
+    for i in (1, 3):
+        messages[i] = start + messages[i][2:]
+    headings, refused = read_headings(type_name, 'enu', messages)
+    assert headings == expected
+    assert refused == [f'{type_name} message does not start as CDR'] * 2
+
+
+@pytest.mark.parametrize('start', FOREIGN, ids=FOREIGN.values())
+def test_pairs_that_are_serialized_otherwise_are_refused_and_the_others_read(start, rng):
+    pairs = pair_rows(rng, 5)
+    messages = pair_messages(pairs)
+    messages[2] = start + messages[2][2:]
+    found, refused = read_pairs(messages)
+    assert found == pairs[np.array([0, 1, 3, 4])]
+    assert refused == [f'{PAIRS_TYPE} message does not start as CDR']
+
+
+@pytest.mark.parametrize('type_name', HEADING_TYPES)
+def test_a_chunk_of_big_endian_messages_is_read(type_name, rng):
+    messages = [encode(type_name, message(type_name, 'gyro', STAMP_NS + i, tuple(q)))
+                for i, q in enumerate(rng.normal(size=(5, 4)).tolist())]
+    assert read_headings(type_name, 'ned', big_endian(messages, type_name)) == (
+        one_by_one(type_name, 'ned', messages), [])
+
+
+def test_a_message_that_is_cut_is_refused_and_the_others_read(rng):
+    pairs = pair_rows(rng, 3)
+    messages = pair_messages(pairs)
+    messages[0], messages[2] = messages[0][:-1], b''
+    found, refused = read_pairs(messages)
+    assert found == pairs[1:2]
+    assert [words.split(' of ')[1] for words in refused] == ['67 bytes is too short',
+                                                            '0 bytes is too short']
+
+
+def test_no_message_makes_no_chunk_of_any_type():
+    assert read_headings(IMU, 'enu', []) == (Headings.empty(), [])
+    assert read_pairs([]) == (Pairs.empty(), [])
+    assert imu_messages(Headings.empty(), 'ts') == []
+    assert pair_messages(Pairs.empty()) == []
+
+
+def test_single_messages_are_the_rows_of_a_chunk(rng):
+    chunk = imu_chunk(rng)
+    assert imu_messages(chunk, 'ts', sigma_deg=0.1, turn_rate_deg_s=2.0) == [
+        row.tobytes() for row in encode_imu(chunk, 'ts', sigma_deg=0.1, turn_rate_deg_s=2.0)]
+
+
+def test_a_reading_whose_stamp_no_message_can_hold_is_left_out_with_what_it_claims():
+    headings = Headings.of([-1, 5, 2**31 * 10**9], [1.0, 2.0, 3.0])
+    assert imu_messages(headings, 'ts', sigma_deg=[0.1, 0.2, 0.3]) == imu_messages(
+        headings[1:2], 'ts', sigma_deg=0.2)

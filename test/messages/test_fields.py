@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import pytest
 
-from heading_intercompare.bags.codec.fields import definitions_in, Field, leaves, SEQUENCE
-from heading_intercompare.bags.errors import BagError
+from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.fields import definitions_in, Field, leaves, SEQUENCE
 
 TEXT = """# A comment, and a constant
 byte OK=0
@@ -47,10 +47,10 @@ def test_leaves_are_the_primitive_fields_in_the_order_of_the_wire():
 
 def test_a_type_that_contains_itself_is_refused():
     found = definitions_in('a_msgs/Loop', 'Loop inner\n')
-    with pytest.raises(BagError, match='a_msgs/Loop'):
+    with pytest.raises(MessageError, match='a_msgs/Loop'):
         list(leaves('a_msgs/Loop', found))
 
 
 def test_a_line_that_is_no_field_is_refused():
-    with pytest.raises(BagError, match='};'):
+    with pytest.raises(MessageError, match='};'):
         definitions_in('a_msgs/Odd', '};\n')

@@ -1,0 +1,50 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Bytes to columns and back: values at any offsets, single messages to chunks."""
+
+from __future__ import annotations
+
+from typing import Sequence
+
+import numpy as np
+from numpy.typing import DTypeLike
+
+__all__ = ['gather', 'join_messages', 'split_rows']
+
+
+def _plain(dtype: np.dtype) -> np.dtype:
+    """Return the type as bytes: numpy copies those at once, but structures field by field."""
+    return np.dtype(f'V{dtype.itemsize}') if dtype.names or dtype.shape else dtype
+
+
+def gather(data: bytes, kind: DTypeLike, at: np.ndarray) -> np.ndarray:
+    """
+    Return the values at byte offsets of some data, aligned or not.
+
+    Parameters
+    ----------
+    data : bytes
+        Where the values are.
+    kind : dtype
+        What they are, with its byte order; several in a row if it has a shape.
+    at : ndarray of int64, shape (n,)
+        Where each of them starts; it must lie within the data.
+
+    """
+    dtype = np.dtype(kind)
+    plain = _plain(dtype)
+    everywhere = np.ndarray(max(len(data) - dtype.itemsize + 1, 0), plain, data, 0, (1,))
+    found = everywhere[at]
+    return found.view(dtype.base).reshape(-1, *dtype.shape)
+
+
+def join_messages(messages: Sequence[bytes]) -> tuple[bytes, np.ndarray, np.ndarray]:
+    """Return n >= 0 messages one behind the other, the first byte of each, and that behind it."""
+    ends = np.cumsum([0, *map(len, messages)], dtype=np.int64)
+    return b''.join(messages), ends[:-1], ends[1:]
+
+
+def split_rows(rows: np.ndarray) -> list[bytes]:
+    """Return rows of uint8, shape (n, size), as n messages."""
+    data, size = rows.tobytes(), rows.shape[1]
+    return [data[at:at + size] for at in range(0, len(data), size)]

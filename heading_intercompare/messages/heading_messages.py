@@ -1,0 +1,373 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Whole chunks of headings and pairs as messages and back.
+
+A chunk of n messages is n rows of bytes. Decoding gathers each field of all messages with one
+numpy call, wherever the messages lie and however long their frame names are. Either byte order is
+read; what does not start as plain CDR is refused.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache, partial
+from typing import Callable, Sequence, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from heading_intercompare.core import angles
+from heading_intercompare.core.pairing.difference import subtract
+from heading_intercompare.core.records import Headings, Pairs
+
+from .byte_columns import gather, join_messages, split_rows
+from .cdr import encode
+from .errors import MessageError
+from .stamps import TIME_LIMIT_NS
+
+__all__ = ['decode_headings', 'decode_pairs', 'encode_imu', 'encode_pairs', 'HEADING_TYPES',
+           'imu_messages', 'IMU', 'pair_messages', 'PAIRS_TYPE', 'read_headings', 'read_pairs']
+
+IMU = 'sensor_msgs/msg/Imu'
+PAIRS_TYPE = 'geometry_msgs/msg/TwistStamped'
+_QUATERNION_STAMPED = 'geometry_msgs/msg/QuaternionStamped'
+_ODOMETRY = 'nav_msgs/msg/Odometry'
+
+#: Bytes between the strings of each accepted type and its quaternion.
+HEADING_TYPES = {
+    IMU: 0,
+    _QUATERNION_STAMPED: 0,
+    'geometry_msgs/msg/PoseWithCovarianceStamped': 24,
+    _ODOMETRY: 24,
+}
+
+_UNKNOWN = -1.0
+#: Orientation, angular velocity and linear acceleration, each with its covariance.
+_IMU_REALS = 4 + 9 + 3 + 9 + 3 + 9
+_SECOND_NS = 1_000_000_000
+
+
+@lru_cache(maxsize=64)
+def _template(type_name: str, frame_id: str) -> np.ndarray:
+    """Return a message that is zero but for its frame."""
+    return np.frombuffer(encode(type_name, {'header': {'frame_id': frame_id}}), np.uint8)
+
+
+def _rows(type_name: str, stamp_ns: np.ndarray, frame_id: str, reals: np.ndarray) -> np.ndarray:
+    """Return messages of a header and then nothing but reals, shape (n, number of reals)."""
+    sec, nanosec = np.divmod(stamp_ns, _SECOND_NS)
+    beyond = (sec < -2**31) | (sec >= 2**31)
+    if beyond.any():
+        raise MessageError(f'stamp {stamp_ns[np.argmax(beyond)]} ns does not fit a ROS message, '
+                           'which ends in January 2038')
+    template = _template(type_name, frame_id)
+    rows = np.empty((len(stamp_ns), len(template)), np.uint8)
+    rows[:] = template
+    stamps = np.empty((len(rows), 2), '<u4')
+    stamps[:, 0], stamps[:, 1] = sec.astype('<i4').view('<u4'), nanosec
+    rows[:, 4:12] = stamps.view(np.uint8)
+    rows[:, rows.shape[1] - 8 * reals.shape[1]:] = reals.view(np.uint8)
+    return rows
+
+
+def _align(position, size: int):
+    """Return the next place that a power of two divides."""
+    return (position + (size - 1)) & -size
+
+
+def encode_imu(headings: Headings, frame_id: str, *, sigma_deg: ArrayLike = 0.0,
+               turn_rate_deg_s: ArrayLike | None = None) -> np.ndarray:
+    """
+    Return headings as sensor_msgs/msg/Imu messages.
+
+    Parameters
+    ----------
+    headings : Headings
+        n readings; nan marks those that the sensor calls invalid.
+    frame_id : str
+        Frame of the header.
+    sigma_deg : array_like, scalar or shape (n,)
+        Standard deviation of the heading, degrees; 0 when unknown.
+    turn_rate_deg_s : array_like, scalar or shape (n,), optional
+        Rate of turn, degrees a second, positive to starboard; nan where unknown.
+
+    Returns
+    -------
+    ndarray of uint8, shape (n, size)
+        One CDR message a row. ENU: yaw = 90 - heading; `orientation_covariance[8]` in square
+        radians, its `[0]` -1 and the quaternion zero for an invalid heading;
+        `angular_velocity.z` minus the rate of turn, rad/s, its covariance `[0]` -1 when unknown;
+        linear acceleration covariance `[0]` -1.
+
+    Raises
+    ------
+    MessageError
+        If a stamp is beyond the range of builtin_interfaces/Time.
+
+    """
+    reals = np.zeros((len(headings), _IMU_REALS), '<f8')
+    valid = np.isfinite(headings.heading_deg)
+    z, w = angles.quaternion_from_heading(np.where(valid, headings.heading_deg, 0.0))
+    reals[:, 2], reals[:, 3] = z * valid, w * valid
+    reals[:, 4] = np.where(valid, 0.0, _UNKNOWN)
+    reals[:, 12] = np.where(valid, np.radians(sigma_deg) ** 2, 0.0)
+    if turn_rate_deg_s is None:
+        reals[:, 16] = _UNKNOWN
+    else:
+        turning = np.isfinite(turn_rate_deg_s)
+        reals[:, 15] = np.where(turning, -np.radians(turn_rate_deg_s), 0.0)
+        reals[:, 16] = np.where(turning, 0.0, _UNKNOWN)
+    reals[:, 28] = _UNKNOWN
+    return _rows(IMU, headings.stamp_ns, frame_id, reals)
+
+
+def imu_messages(headings: Headings, frame_id: str, *, sigma_deg: ArrayLike = 0.0,
+                 turn_rate_deg_s: ArrayLike | None = None) -> list[bytes]:
+    """
+    Return the messages of `encode_imu` one by one, to be published.
+
+    A reading is left out whose stamp is before 1970 or beyond the range of a message.
+    """
+    fits = (headings.stamp_ns >= 0) & (headings.stamp_ns < TIME_LIMIT_NS)
+    if not fits.all():
+        sigma_deg, turn_rate_deg_s = (
+            None if column is None else np.broadcast_to(column, fits.shape)[fits]
+            for column in (sigma_deg, turn_rate_deg_s))
+        headings = headings[fits]
+    return split_rows(encode_imu(headings, frame_id, sigma_deg=sigma_deg,
+                                 turn_rate_deg_s=turn_rate_deg_s))
+
+
+def encode_pairs(pairs: Pairs, frame_id: str = '') -> np.ndarray:
+    """
+    Return pairs as geometry_msgs/msg/TwistStamped messages.
+
+    Parameters
+    ----------
+    pairs : Pairs
+        n pairs.
+    frame_id : str
+        Frame of the header.
+
+    Returns
+    -------
+    ndarray of uint8, shape (n, size)
+        One CDR message a row, with the stamp of the pair. Linear: TS - RS wrapped, RS heading,
+        TS heading, degrees; angular: lag in seconds, variance factors of RS and TS.
+
+    Raises
+    ------
+    MessageError
+        If a stamp is beyond the range of builtin_interfaces/Time.
+
+    """
+    columns = (subtract(pairs).x_deg, pairs.rs_deg, pairs.ts_deg,
+               pairs.lag_ns / _SECOND_NS, pairs.rs_variance_factor, pairs.ts_variance_factor)
+    reals = np.empty((len(pairs), len(columns)), '<f8')
+    for number, column in enumerate(columns):
+        reals[:, number] = column
+    return _rows(PAIRS_TYPE, pairs.stamp_ns, frame_id, reals)
+
+
+def pair_messages(pairs: Pairs) -> list[bytes]:
+    """Return the messages of `encode_pairs` one by one, to be published."""
+    return split_rows(encode_pairs(pairs)) if len(pairs) else []
+
+
+_HEADER = np.dtype([('order', '<u2'), ('options', '<u2'), ('sec', '<i4'), ('nanosec', '<u4'),
+                    ('length', '<u4')])
+#: The byte order in a header: 0, 0 for big-endian and 0, 1 for little-endian, read as `order`.
+_BIG, _LITTLE = 0x0000, 0x0100
+#: Of a quaternion x, y, z, w; of an Imu also the first covariance: whether there is one.
+_QUATERNION, _IMU_ORIENTATION = np.dtype(('<f8', 4)), np.dtype(('<f8', 5))
+#: Of a Twist the linear and the angular velocity.
+_TWIST = np.dtype(('<f8', 6))
+#: Lags beyond do not fit an int64 of nanoseconds.
+_MOST_LAG_S = 9e9
+
+_Chunk = TypeVar('_Chunk', Headings, Pairs)
+#: Data, first byte and size of each message of one byte order, and their headers, to a chunk.
+_DecodeOne = Callable[[bytes, np.ndarray, np.ndarray, np.ndarray], _Chunk]
+
+
+def _check_size(type_name: str, start: np.ndarray, size: np.ndarray, least: ArrayLike) -> None:
+    """Refuse messages that are shorter than the bytes of their fields."""
+    short = size < least
+    if short.any():
+        first = int(np.argmax(short))
+        raise MessageError(f'{type_name} message of {size[first]} bytes is too short',
+                           offset=int(start[first]))
+
+
+def _decode(type_name: str, data: bytes, start: np.ndarray, stop: np.ndarray,
+            decode_one: _DecodeOne) -> _Chunk:
+    """Return the chunk in a stretch of bytes, of messages of either byte order."""
+    size = stop - start
+    _check_size(type_name, start, size, _HEADER.itemsize)
+    header = gather(data, _HEADER, start)
+    little = header['order'] == _LITTLE
+    if little.all():
+        return decode_one(data, start, size, header)
+    strange = ~little & (header['order'] != _BIG)
+    if strange.any():
+        raise MessageError(f'{type_name} message does not start as CDR',
+                           offset=int(start[np.argmax(strange)]))
+    which = np.flatnonzero(little), np.flatnonzero(~little)
+    parts = [decode_one(data, start[at], size[at], header[at].view(_HEADER.newbyteorder(sign)))
+             for at, sign in zip(which, '<>')]
+    return type(parts[0]).concatenate(parts)[np.argsort(np.concatenate(which))]
+
+
+def _end_of_strings(header: np.ndarray) -> tuple[str, np.ndarray | int]:
+    """Return the byte order of messages, and where the names of their frames end."""
+    sign = '>' if header.dtype['length'].byteorder == '>' else '<'
+    length = header['length'].astype(np.int64)
+    if length.size and (length == length[0]).all():
+        length = length[0]
+    return sign, length + (_HEADER.itemsize - 4)
+
+
+def _stamps(header: np.ndarray) -> np.ndarray:
+    """Return the stamps of headers, nanoseconds."""
+    stamp_ns = header['sec'].astype(np.int64) * _SECOND_NS
+    stamp_ns += header['nanosec']
+    return stamp_ns
+
+
+def decode_headings(type_name: str, convention: str, data: bytes, start: np.ndarray,
+                    stop: np.ndarray) -> Headings:
+    """
+    Return the headings in a stretch of bytes that holds messages.
+
+    Parameters
+    ----------
+    type_name : str
+        A key of `HEADING_TYPES`.
+    convention : {'enu', 'ned'}
+        World axes of the orientations.
+    data : bytes
+        Any bytes that hold the messages.
+    start, stop : ndarray of int64, shape (n,)
+        First byte of each message and the byte behind its last.
+
+    Returns
+    -------
+    Headings
+        In the order of `start`; nan where the quaternion is zero or not finite, or where an Imu
+        says by `orientation_covariance[0] = -1` that it has no orientation.
+
+    Raises
+    ------
+    MessageError
+        If a message is too short for its type or does not start as CDR; the offset is that in
+        `data`.
+
+    """
+    return _decode(type_name, data, start, stop, partial(_headings, type_name, convention))
+
+
+def _headings(type_name: str, convention: str, data: bytes, start: np.ndarray, size: np.ndarray,
+              header: np.ndarray) -> Headings:
+    """Return the headings in messages of one byte order."""
+    sign, end = _end_of_strings(header)
+    if type_name == _ODOMETRY:
+        end = _align(end, 4) + 4
+        _check_size(type_name, start, size, end + 4)
+        end = end + gather(data, f'{sign}u4', start + end)
+    at = _align(end, 8) + 4 + HEADING_TYPES[type_name]
+    kind = (_IMU_ORIENTATION if type_name == IMU else _QUATERNION).newbyteorder(sign)
+    _check_size(type_name, start, size, at + kind.itemsize)
+    x, y, z, w, *covariance = gather(data, kind, start + at).T
+    heading_deg = angles.heading_from_quaternion(x, y, z, w, convention)
+    if covariance:
+        heading_deg[covariance[0] == _UNKNOWN] = np.nan
+    return Headings(_stamps(header), heading_deg)
+
+
+def decode_pairs(data: bytes, start: np.ndarray, stop: np.ndarray) -> Pairs:
+    """
+    Return the pairs in a stretch of bytes that holds messages of `encode_pairs`, to the bit.
+
+    Parameters
+    ----------
+    data : bytes
+        Any bytes that hold the messages.
+    start, stop : ndarray of int64, shape (n,)
+        First byte of each message and the byte behind its last.
+
+    Returns
+    -------
+    Pairs
+        In the order of `start`. Earlier versions left the factor of the TS at 0, as they did not
+        interpolate it: that is 1.
+
+    Raises
+    ------
+    MessageError
+        If a message is too short, does not start as CDR, or has a lag that is no time; the offset
+        is that in `data`.
+
+    """
+    return _decode(PAIRS_TYPE, data, start, stop, _pairs)
+
+
+def _pairs(data: bytes, start: np.ndarray, size: np.ndarray, header: np.ndarray) -> Pairs:
+    """Return the pairs in messages of one byte order."""
+    sign, end = _end_of_strings(header)
+    at = _align(end, 8) + 4
+    _check_size(PAIRS_TYPE, start, size, at + _TWIST.itemsize)
+    _, rs_deg, ts_deg, lag_s, rs_factor, ts_factor = np.array(
+        gather(data, _TWIST.newbyteorder(sign), start + at).T, np.float64, order='C')
+    endless = ~(np.abs(lag_s) < _MOST_LAG_S)
+    if endless.any():
+        first = int(np.argmax(endless))
+        raise MessageError(f'{PAIRS_TYPE} message has a lag of {lag_s[first]} s',
+                           offset=int(start[first]))
+    return Pairs(_stamps(header), ts_deg, rs_deg, np.rint(lag_s * 1e9).astype(np.int64),
+                 rs_factor, np.where(ts_factor == 0.0, 1.0, ts_factor))
+
+
+def _read_sound(decode: Callable[..., _Chunk], messages: Sequence[bytes],
+                kind: type[_Chunk]) -> tuple[_Chunk, list[str]]:
+    """Return the chunk of the messages that can be read, and what is wrong with the others."""
+    if not messages:
+        return kind.empty(), []
+    try:
+        return decode(*join_messages(messages)), []
+    except MessageError:
+        pass
+    chunks, refused = [], []
+    for message in messages:
+        try:
+            chunks.append(decode(*join_messages([message])))
+        except MessageError as error:
+            refused.append(error.problem)
+    return kind.concatenate(chunks), refused
+
+
+def read_headings(type_name: str, convention: str,
+                  messages: Sequence[bytes]) -> tuple[Headings, list[str]]:
+    """
+    Return the headings in single messages as they were published.
+
+    Parameters
+    ----------
+    type_name, convention
+        As for `decode_headings`.
+    messages : sequence of bytes
+        n >= 0, in the order in which they came.
+
+    Returns
+    -------
+    headings : Headings
+        To the bit what `decode_headings` makes of the recorded messages.
+    refused : list of str
+        What is wrong with each message that cannot be read.
+
+    """
+    return _read_sound(partial(decode_headings, type_name, convention), messages, Headings)
+
+
+def read_pairs(messages: Sequence[bytes]) -> tuple[Pairs, list[str]]:
+    """Return the pairs in single messages, and what is wrong with each that cannot be read."""
+    return _read_sound(decode_pairs, messages, Pairs)

@@ -1,0 +1,51 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The ledger of a pairing as a message and back."""
+
+from __future__ import annotations
+
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
+
+from .errors import MessageError
+from .status_messages import decode_statuses, encode_statuses, OK, Status
+
+__all__ = ['decode_ledger', 'encode_ledger']
+
+_SEGMENT = 'segment'
+
+
+def encode_ledger(ledger: Ledger, final: bool = False) -> bytes:
+    """Return a ledger: its total, then its segments, stamped with the newest reading."""
+    total = Status('ledger', OK, 'final' if final else 'so far',
+                   {'final': final, **ledger.total.counts})
+    segments = [Status(f'{_SEGMENT} {number}', OK, '', {'start_ns': s.start_ns, **s.counts})
+                for number, s in enumerate(ledger.segments)]
+    return encode_statuses(ledger.newest_ns or 0, [total, *segments])
+
+
+def _integer(key: str, text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise MessageError(f'ledger: {key} = {text[:40]!r} must be an integer') from None
+
+
+def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
+    """
+    Return the ledger in a message of `encode_ledger`, and whether it is the final one.
+
+    Raises
+    ------
+    MessageError
+        If it is damaged or counts what is no number.
+
+    """
+    newest_ns, statuses = decode_statuses(data)
+    segments, final = [], False
+    for one in statuses:
+        values = dict(one.values)
+        final = final or values.pop('final', '') == 'true'
+        if one.name.startswith(_SEGMENT):
+            counts = {key: _integer(key, text) for key, text in values.items()}
+            segments.append(LedgerSegment(counts.pop('start_ns', None), counts))
+    return Ledger.from_segments(segments, newest_ns or None), final

@@ -1,0 +1,24 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Marks that start and stop runs, as messages and back."""
+
+from __future__ import annotations
+
+from .status_messages import decode_statuses, encode_statuses, OK, Status
+
+__all__ = ['decode_marks', 'encode_mark', 'MARKER_TOPIC', 'MARKS']
+
+MARKER_TOPIC = 'compliance/marker'
+
+MARKS = ('start', 'stop')
+
+
+def encode_mark(kind: str, ns: int) -> bytes:
+    """Return a mark, 'start' or 'stop', stamped with the newest pair, as `STATUS_TYPE`."""
+    return encode_statuses(ns, [Status('marker', OK, kind)])
+
+
+def decode_marks(data: bytes) -> list[tuple[str, int]]:
+    """Return kind and stamp, nanoseconds, of the marks in a message; MessageError if damaged."""
+    ns, statuses = decode_statuses(data)
+    return [(one.message, ns) for one in statuses]

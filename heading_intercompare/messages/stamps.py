@@ -1,0 +1,34 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Nanoseconds to the stamps of messages and back."""
+
+from __future__ import annotations
+
+from typing import Mapping
+
+from .cdr import encode
+
+__all__ = ['CLOCK_TYPE', 'encode_clock', 'stamp_fields', 'stamp_ns', 'TIME_LIMIT_NS']
+
+CLOCK_TYPE = 'rosgraph_msgs/msg/Clock'
+
+TIME_LIMIT_NS = 2 ** 31 * 1_000_000_000
+"""No stamp of a ROS message reaches this (January 2038)."""
+
+_SECOND_NS = 1_000_000_000
+
+
+def stamp_ns(fields: Mapping[str, int]) -> int:
+    """Return the fields of a stamp in nanoseconds."""
+    return fields['sec'] * _SECOND_NS + fields['nanosec']
+
+
+def stamp_fields(ns: int) -> dict[str, int]:
+    """Return nanoseconds as the fields of a stamp."""
+    sec, nanosec = divmod(int(ns), _SECOND_NS)
+    return {'sec': sec, 'nanosec': nanosec}
+
+
+def encode_clock(ns: int) -> bytes:
+    """Return a time as rosgraph_msgs/msg/Clock."""
+    return encode(CLOCK_TYPE, {'clock': stamp_fields(ns)})

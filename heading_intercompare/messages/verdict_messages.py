@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Verdicts as diagnostic messages."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from heading_intercompare.core.decision.sequential import LookVerdict
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.verdict.validity import DOUBTFUL, VOID
+from heading_intercompare.core.verdict.verdict_document import make_plain, RunVerdict, Verdict
+
+from .status_messages import encode_statuses, ERROR, OK, Status, WARN
+
+__all__ = ['encode_verdict', 'OUTCOME_LEVELS', 'verdict_level']
+
+OUTCOME_LEVELS = {Outcome.COMPLIANT: OK, Outcome.INDETERMINATE: WARN,
+                  Outcome.NON_COMPLIANT: ERROR}
+
+
+def _run_values(run: RunVerdict) -> dict[str, Any]:
+    names = ('start_ns', 'end_ns', 'duration_s', 'n', 'mean_deg', 'std_deg', 'variance_deg2',
+             'max_abs_deg', 'outcome', 'reason', 'paper_outcome')
+    findings = {f'validity.{found.condition}': found.effect for found in run.validity}
+    return {**{name: getattr(run, name) for name in names}, 'nu': run.guarded.nu,
+            'headline': run.headline, 'validity': run.validity_effect, **findings}
+
+
+def verdict_level(outcome: Outcome, effect: str) -> int:
+    """Return the level of a verdict: OK only for a certificate that nothing puts in doubt."""
+    level = OUTCOME_LEVELS[outcome]
+    return WARN if level == OK and effect in (DOUBTFUL, VOID) else level
+
+
+def encode_verdict(verdict: Verdict, ns: int, early: LookVerdict | None = None) -> bytes:
+    """Return a verdict: the conclusion, each run with its reason, a look at the one going on."""
+    whole = Status('verdict', verdict_level(verdict.outcome, verdict.validity_effect),
+                   verdict.headline,
+                   {'outcome': verdict.outcome, 'paper_outcome': verdict.paper_outcome,
+                    'validity': verdict.validity_effect, 'runs': len(verdict.runs)})
+    runs = [Status(f'run {run.run}', verdict_level(run.outcome, run.validity_effect),
+                   run.reason, _run_values(run))
+            for run in verdict.runs]
+    looks = [] if early is None else [Status('run in progress', OUTCOME_LEVELS[early.outcome],
+                                             early.reason, make_plain(early))]
+    return encode_statuses(ns, [whole, *runs, *looks])

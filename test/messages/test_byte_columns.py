@@ -1,0 +1,31 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Values at any bytes, and chunks of single messages."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from heading_intercompare.messages.byte_columns import gather, join_messages, split_rows
+
+
+def test_values_are_gathered_wherever_they_are_in_either_byte_order():
+    data = b'x' + (7).to_bytes(4, 'little') + b'yz' + (9).to_bytes(4, 'little')
+    assert gather(data, '<u4', np.array([7, 1])).tolist() == [9, 7]
+    assert gather(data, '>u4', np.array([1])).tolist() == [7 << 24]
+
+
+def test_messages_of_any_length_are_joined_and_found_again():
+    data, start, stop = join_messages([b'ab', b'', b'c'])
+    assert [data[lo:hi] for lo, hi in zip(start, stop)] == [b'ab', b'', b'c']
+
+
+def test_no_messages_are_joined_to_nothing():
+    data, start, stop = join_messages([])
+    assert (data, len(start), len(stop)) == (b'', 0, 0)
+    assert start.dtype == stop.dtype == np.int64
+
+
+def test_rows_are_split_into_messages():
+    assert split_rows(np.array([[1, 2], [3, 4]], np.uint8)) == [b'\1\2', b'\3\4']
+    assert split_rows(np.empty((0, 8), np.uint8)) == []

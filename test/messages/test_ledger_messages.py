@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Ledgers as messages."""
+
+from __future__ import annotations
+
+import pytest
+
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment, REASONS
+from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.ledger_messages import decode_ledger, encode_ledger
+from heading_intercompare.messages.status_messages import (
+    decode_statuses,
+    encode_statuses,
+    OK,
+    Status,
+)
+
+hypothesis = pytest.importorskip('hypothesis')
+st = hypothesis.strategies
+
+KEYS = ['paired', 'ts_paired', 'ts_used', 'ts_unpaired', 'ts_pending', 'rs_used', 'rs_unused',
+        'rs_pending',
+        *(f'{s}_rejected.{r}' for s in ('ts', 'rs') for r in REASONS)]
+COUNTS = st.dictionaries(st.sampled_from(KEYS), st.integers(1, 2 ** 40), max_size=6)
+
+
+@hypothesis.settings(max_examples=60, deadline=None)
+@hypothesis.given(COUNTS, st.lists(st.tuples(st.integers(1, 2 ** 62), COUNTS), max_size=3,
+                                   unique_by=lambda s: s[0]),
+                  st.integers(1, 2 ** 31 * 10 ** 9 - 1), st.booleans())
+def test_a_ledger_arrives_as_it_was(first, others, newest_ns, final):
+    segments = (LedgerSegment(None, dict(sorted(first.items()))),
+                *(LedgerSegment(ns, dict(sorted(counts.items())))
+                  for ns, counts in sorted(others, key=lambda s: s[0])))
+    ledger = Ledger.from_segments(segments, newest_ns)
+    back, said_final = decode_ledger(encode_ledger(ledger, final))
+    assert back.segments == segments
+    assert (back.newest_ns, said_final) == (newest_ns, final)
+    assert back.paired == ledger.paired
+
+
+def test_a_ledger_of_nothing_arrives_as_it_was():
+    back, final = decode_ledger(encode_ledger(Ledger()))
+    assert (back.segments, back.newest_ns, final) == (Ledger().segments, None, False)
+
+
+def test_a_ledger_shows_its_total_first():
+    segments = [LedgerSegment(None, {'paired': 3, 'rs_used': 3}), LedgerSegment(5, {'paired': 4})]
+    _, (total, *others) = decode_statuses(encode_ledger(Ledger.from_segments(segments, 9)))
+    assert total == Status('ledger', OK, 'so far', {'final': 'false', 'paired': '7',
+                                                    'rs_used': '3'})
+    assert [(one.name, one.values.get('start_ns')) for one in others] == [
+        ('segment 0', None), ('segment 1', '5')]
+
+
+def test_a_count_that_is_no_number_is_refused():
+    data = encode_statuses(1, [Status('segment 0', OK, '', {'paired': 'many'})])
+    with pytest.raises(MessageError, match="ledger: paired = 'many' must be an integer"):
+        decode_ledger(data)
+
+
+def test_a_ledger_that_is_cut_is_refused():
+    with pytest.raises(MessageError, match='ends early'):
+        decode_ledger(encode_ledger(Ledger())[:-5])

@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Verdicts as messages."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from heading_intercompare.core.pipeline import Intercomparison
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.status_messages import decode_statuses, ERROR, OK
+from heading_intercompare.messages.verdict_messages import encode_verdict
+
+
+def judged():
+    """Return the verdict on two runs."""
+    stamps = np.concatenate((np.arange(1, 201), np.arange(400, 601))) * 10 ** 9 + 10 ** 18
+    comparison = Intercomparison(Settings.from_mapping(
+        {'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}}))
+    comparison.update(ts=Headings.of(stamps, 90.0 + 0.1 * np.sin(np.arange(401) * 2.0)),
+                      rs=Headings.of(stamps, np.full(401, 90.0)))
+    comparison.finish()
+    return comparison.verdict()
+
+
+def test_a_verdict_says_what_was_found_and_why():
+    verdict = judged()
+    ns, (whole, *runs) = decode_statuses(encode_verdict(verdict, 10 ** 18))
+    assert (ns, whole.message) == (10 ** 18, verdict.headline)
+    assert whole.values['outcome'] == verdict.outcome.value
+    assert whole.values['runs'] == '2'
+    assert [run.message for run in runs] == [run.reason for run in verdict.runs]
+    assert float(runs[0].values['variance_deg2']) == verdict.runs[0].variance_deg2
+
+
+def test_a_non_compliant_verdict_is_an_error_and_a_compliant_one_is_not():
+    settings = {'norms': {'sigma_max_deg': 0.01, 'sigma_ref_max_deg': 0.01}}
+    stamps = np.arange(1, 2001) * 10 ** 9
+    levels = []
+    course_deg = 90.0 + 30.0 * np.sin(np.arange(2000) / 50.0)
+    for amplitude_deg in (0.001, 5.0):
+        comparison = Intercomparison(Settings.from_mapping(settings))
+        noise_deg = np.random.default_rng(1).standard_normal((2, 2000))
+        comparison.update(ts=Headings.of(stamps, course_deg + amplitude_deg * noise_deg[0]),
+                          rs=Headings.of(stamps, course_deg + 0.001 * noise_deg[1]))
+        comparison.finish()
+        levels.append(decode_statuses(encode_verdict(comparison.verdict(), 0))[1][0].level)
+    assert levels == [OK, ERROR]
