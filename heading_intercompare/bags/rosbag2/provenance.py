@@ -11,12 +11,13 @@ from __future__ import annotations
 
 from datetime import datetime, timezone
 import re
-from typing import Callable, Mapping, NamedTuple
+from typing import Callable, Mapping, NamedTuple, TYPE_CHECKING
 
 from heading_intercompare.bags.codec.cdr import decode
 from heading_intercompare.core.version import VERSION
 
-from .bag_reader import BagReader
+if TYPE_CHECKING:
+    from .bag_reader import BagReader
 
 __all__ = ['describe_origin', 'is_note', 'Note', 'note_lines', 'NOTE_TOPIC', 'NOTE_TYPE', 'Notes',
            'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC', 'TRUTH_TOPIC']

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Ledger, marks, figures and verdicts to diagnostic messages and back; every field is typed here.
+Ledger, marks and figures to diagnostic messages and back; every field is typed here.
 
 Numbers are bare texts with the unit in the key, so that tools can plot them; integers stay
 integers, reals are written so that they read back to the bit.
@@ -9,28 +9,18 @@ integers, reals are written so that they read back to the bit.
 
 from __future__ import annotations
 
-import json
 from typing import Any, Iterable, Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from std_msgs.msg import String
 
-from heading_intercompare.core.decision.sequential import LookVerdict
-from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
-from heading_intercompare.core.verdict.validity import DOUBTFUL, VOID
-from heading_intercompare.core.verdict.verdict_document import make_plain, RunVerdict, Verdict
 
 from .message_stamps import stamp_ns, time_message
 
 __all__ = ['ERROR', 'figures_message', 'ledger_from', 'ledger_message', 'marker_message',
-           'MARKS', 'marks_from', 'OK', 'OUTCOME_LEVELS', 'report_message', 'run_table', 'status',
-           'status_array', 'verdict_level', 'verdict_message', 'WARN']
+           'MARKS', 'marks_from', 'OK', 'status', 'status_array', 'WARN']
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
-
-OUTCOME_LEVELS = {Outcome.COMPLIANT: OK, Outcome.INDETERMINATE: WARN,
-                  Outcome.NON_COMPLIANT: ERROR}
 
 MARKS = ('start', 'stop')
 
@@ -98,44 +88,3 @@ def marks_from(message: DiagnosticArray) -> list[tuple[str, int]]:
 def figures_message(name: str, figures: Mapping[str, Any], ns: int) -> DiagnosticArray:
     """Return figures of the window or of the run in progress; absent ones are left out."""
     return status_array(ns, [status(name, OK, 'figures, not a verdict', figures)])
-
-
-def _run_values(run: RunVerdict) -> dict[str, Any]:
-    names = ('start_ns', 'end_ns', 'duration_s', 'n', 'mean_deg', 'std_deg', 'variance_deg2',
-             'max_abs_deg', 'outcome', 'reason', 'paper_outcome')
-    findings = {f'validity.{found.condition}': found.effect for found in run.validity}
-    return {**{name: getattr(run, name) for name in names}, 'nu': run.guarded.nu,
-            'headline': run.headline, 'validity': run.validity_effect, **findings}
-
-
-def verdict_level(outcome: Outcome, effect: str) -> bytes:
-    """Return the level of a verdict: OK only for a certificate that nothing puts in doubt."""
-    level = OUTCOME_LEVELS[outcome]
-    return WARN if level == OK and effect in (DOUBTFUL, VOID) else level
-
-
-def verdict_message(verdict: Verdict, ns: int,
-                    early: LookVerdict | None = None) -> DiagnosticArray:
-    """Return a verdict: the conclusion, each run with its reason, a look at the one going on."""
-    whole = status('verdict', verdict_level(verdict.outcome, verdict.validity_effect),
-                   verdict.headline,
-                   {'outcome': verdict.outcome, 'paper_outcome': verdict.paper_outcome,
-                    'validity': verdict.validity_effect, 'runs': len(verdict.runs)})
-    runs = [status(f'run {run.run}', verdict_level(run.outcome, run.validity_effect),
-                   run.reason, _run_values(run))
-            for run in verdict.runs]
-    looks = [] if early is None else [status('run in progress', OUTCOME_LEVELS[early.outcome],
-                                             early.reason, make_plain(early))]
-    return status_array(ns, [whole, *runs, *looks])
-
-
-def report_message(verdict: Verdict) -> String:
-    """Return the verdict as JSON, the text that `analyze --json` writes."""
-    return String(data=json.dumps(verdict.to_dict(), indent=1, ensure_ascii=False,
-                                  allow_nan=False) + '\n')
-
-
-def run_table(report: str) -> str:
-    """Return the runs of a report as the table that `analyze --runs` reads: [start, stop) ns."""
-    rows = [f'{run["start_ns"]},{run["end_ns"] + 1}' for run in json.loads(report)['runs']]
-    return '\n'.join(['start,stop', *rows]) + '\n'

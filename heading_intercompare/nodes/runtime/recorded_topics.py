@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -25,12 +26,11 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.messages import HEADING_TYPES, PAIRS_TYPES
 from heading_intercompare.nodes.ros.parameters import resolve_topic
-from heading_intercompare.nodes.ros.status_messages import run_table
 
 from .health import Health
 from .intake import Intake
 
-__all__ = ['make_intakes', 'Recorded', 'report_files', 'text_of']
+__all__ = ['make_intakes', 'Recorded', 'report_files', 'run_table', 'text_of']
 
 _STATUS = {'diagnostic_msgs/msg/DiagnosticArray': DiagnosticArray}
 _TEXT = {'std_msgs/msg/String': String}
@@ -88,6 +88,12 @@ def text_of(data: bytes) -> str:
         return decode(NOTE_TYPE, data)['data']
     except BagError:
         return ''
+
+
+def run_table(report: str) -> str:
+    """Return the runs of a report as the table that `analyze --runs` reads: [start, stop) ns."""
+    rows = [f'{run["start_ns"]},{run["end_ns"] + 1}' for run in json.loads(report)['runs']]
+    return '\n'.join(['start,stop', *rows]) + '\n'
 
 
 def report_files(report: str) -> list[tuple[str, str, bytes]]:

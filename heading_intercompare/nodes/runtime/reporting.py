@@ -20,14 +20,12 @@ from heading_intercompare.core.pairing.ledger import Ledger
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.status_messages import (
-    ERROR,
-    OK,
+from heading_intercompare.nodes.ros.status_messages import ERROR, OK, WARN
+from heading_intercompare.nodes.ros.verdict_messages import (
     OUTCOME_LEVELS,
     report_message,
     verdict_level,
     verdict_message,
-    WARN,
 )
 from heading_intercompare.nodes.settings import ComplianceNode
 

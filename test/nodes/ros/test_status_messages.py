@@ -1,10 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Ledgers, marks, figures and verdicts as messages."""
+"""Ledgers, marks and figures as messages."""
 
 from __future__ import annotations
 
-import json
 import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -12,25 +11,17 @@ from hypothesis import given, settings as hypothesis_settings, strategies as st
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
-from std_msgs.msg import String
 
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment, REASONS
-from heading_intercompare.core.pipeline import Intercomparison
-from heading_intercompare.core.records import Headings
-from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.ros.status_messages import (
-    ERROR,
     figures_message,
     ledger_from,
     ledger_message,
     marker_message,
     marks_from,
     OK,
-    report_message,
-    run_table,
     status,
     status_array,
-    verdict_message,
 )
 
 KEYS = ['paired', 'ts_paired', 'ts_used', 'ts_unpaired', 'ts_pending', 'rs_used', 'rs_unused',
@@ -48,17 +39,6 @@ def sent(message):
 def values(one):
     """Return the values of a status as a mapping."""
     return {pair.key: pair.value for pair in one.values}
-
-
-def judged():
-    """Return a comparison of two runs, ended."""
-    stamps = np.concatenate((np.arange(1, 201), np.arange(400, 601))) * 10 ** 9 + 10 ** 18
-    comparison = Intercomparison(Settings.from_mapping(
-        {'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}}))
-    comparison.update(ts=Headings.of(stamps, 90.0 + 0.1 * np.sin(np.arange(401) * 2.0)),
-                      rs=Headings.of(stamps, np.full(401, 90.0)))
-    comparison.finish()
-    return comparison
 
 
 @quickly
@@ -81,8 +61,8 @@ def test_a_ledger_of_nothing_arrives_as_it_was():
     assert (back.segments, back.newest_ns, final) == (Ledger().segments, None, False)
 
 
-def test_a_ledger_shows_its_total_first():
-    ledger = judged().pairer.ledger
+def test_a_ledger_shows_its_total_first(judged):
+    ledger = judged.pairer.ledger
     message = ledger_message(ledger)
     assert values(message.status[0]) == {'final': 'false', 'paired': '401', 'rs_used': '401',
                                          'ts_paired': '401'}
@@ -116,46 +96,6 @@ def test_figures_arrive_and_read_back_to_the_bit(figures):
 def test_a_number_of_numpy_is_written_as_a_bare_number():
     one = status('x', OK, '', {'mean_deg': np.float64(0.25), 'n': np.int64(7)})
     assert values(one) == {'mean_deg': '0.25', 'n': '7'}
-
-
-def test_a_verdict_says_what_was_found_and_why():
-    verdict = judged().verdict()
-    message = sent(verdict_message(verdict, 10 ** 18))
-    whole, *runs = message.status
-    assert whole.message == verdict.headline
-    assert values(whole)['outcome'] == verdict.outcome.value
-    assert values(whole)['runs'] == '2'
-    assert [run.message for run in runs] == [run.reason for run in verdict.runs]
-    assert float(values(runs[0])['variance_deg2']) == verdict.runs[0].variance_deg2
-
-
-def test_a_non_compliant_verdict_is_an_error_and_a_compliant_one_is_not():
-    settings = {'norms': {'sigma_max_deg': 0.01, 'sigma_ref_max_deg': 0.01}}
-    stamps = np.arange(1, 2001) * 10 ** 9
-    levels = []
-    course_deg = 90.0 + 30.0 * np.sin(np.arange(2000) / 50.0)
-    for amplitude_deg in (0.001, 5.0):
-        comparison = Intercomparison(Settings.from_mapping(settings))
-        noise_deg = np.random.default_rng(1).standard_normal((2, 2000))
-        comparison.update(ts=Headings.of(stamps, course_deg + amplitude_deg * noise_deg[0]),
-                          rs=Headings.of(stamps, course_deg + 0.001 * noise_deg[1]))
-        comparison.finish()
-        levels.append(verdict_message(comparison.verdict(), 0).status[0].level)
-    assert levels == [OK, ERROR]
-
-
-def test_a_report_is_the_json_of_the_verdict():
-    verdict = judged().verdict()
-    report = sent(report_message(verdict))
-    assert isinstance(report, String)
-    assert json.loads(report.data) == verdict.to_dict()
-
-
-def test_the_run_table_of_a_report_cuts_the_same_runs():
-    lines = run_table(report_message(judged().verdict()).data).splitlines()
-    assert lines == ['start,stop',
-                     f'{10 ** 18 + 10 ** 9},{10 ** 18 + 200 * 10 ** 9 + 1}',
-                     f'{10 ** 18 + 400 * 10 ** 9},{10 ** 18 + 600 * 10 ** 9 + 1}']
 
 
 def test_a_status_array_holds_its_stamp_and_statuses():
