@@ -38,7 +38,7 @@ setup(
     ],
     zip_safe=False,
     python_requires='>=3.10',
-    install_requires=['numpy>=1.22', 'scipy>=1.8', 'mcap>=1.2', 'lz4', 'zstandard', 'pyyaml>=5.4'],
+    install_requires=['numpy>=1.22', 'scipy>=1.9', 'mcap>=1.2', 'lz4', 'zstandard', 'pyyaml>=5.4'],
     extras_require={
         'ros': ['ros-jazzy-rclpy', 'ros-jazzy-common-interfaces', 'ros-jazzy-rmw-fastrtps-cpp'],
         'serial': ['pyserial>=3.5'],

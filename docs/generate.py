@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Write what the sources already say: the parameter file, docs/settings.md, the list of modules.
+Write what the sources already say: parameter file, docs/settings.md, list of modules, doors.
 
-Run it after a setting or a module was added or changed: ``make docs``. The tests compare the
-files with what this would write.
+Run it after a setting, a module or a name of a door was added or changed: ``make docs``. The
+tests compare the files with what this would write.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 import textwrap
-from typing import Any, Iterator, Mapping, NamedTuple
+from typing import Any, Iterator, Mapping, NamedTuple, Sequence
 
 from heading_intercompare.ahrs.settings import Scenario, Sensor
 from heading_intercompare.bags.settings import BagSettings
@@ -33,6 +33,15 @@ ROOT = Path(__file__).resolve().parent.parent
 YAML = ROOT / 'config' / 'heading_intercompare.yaml'
 ARCHITECTURE = ROOT / 'docs' / 'ARCHITECTURE.md'
 TABLES = ROOT / 'docs' / 'settings.md'
+DOORS = sorted((ROOT / 'heading_intercompare').rglob('__init__.py'))
+
+#: Columns of a line of source, with its end.
+LINE = 100
+#: Where in a door the part begins that is written here.
+DOOR = """\
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+"""
 
 
 class Section(NamedTuple):
@@ -226,8 +235,32 @@ def architecture(text: str) -> str:
     return head + mark + table + rest[rest.index('<!-- end of modules -->'):]
 
 
+def _offer(module: str, names: Sequence[str]) -> str:
+    """Return the import of names that are public where they are imported."""
+    aliases = [f'{name} as {name}' for name in names]
+    line = f'    from .{module} import {", ".join(aliases)}\n'
+    if len(line) <= LINE:
+        return line
+    rows = ''.join(f'        {alias},\n' for alias in aliases)
+    return f'    from .{module} import (\n{rows}    )\n'
+
+
+def door(text: str) -> str:
+    """Return the `__init__` of a room with what its door offers spelt out for type checkers."""
+    calls = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call)
+             and getattr(node.func, 'id', '') == 'door']
+    if not calls:
+        return text
+    modules = ast.literal_eval(calls[0].args[1])
+    return text.partition(DOOR)[0] + DOOR + ''.join(
+        _offer(module, names) for module, names in modules.items())
+
+
 if __name__ == '__main__':
     YAML.write_text(parameter_file(), 'utf-8')
     TABLES.write_text(tables(), 'utf-8')
     ARCHITECTURE.write_text(architecture(ARCHITECTURE.read_text('utf-8')), 'utf-8')
-    print('wrote', *(str(p.relative_to(ROOT)) for p in (YAML, TABLES, ARCHITECTURE)))
+    for path in DOORS:
+        path.write_text(door(path.read_text('utf-8')), 'utf-8')
+    print('wrote', *(str(p.relative_to(ROOT)) for p in (YAML, TABLES, ARCHITECTURE)),
+          'and the doors')

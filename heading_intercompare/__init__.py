@@ -7,16 +7,34 @@ A tested sensor (TS) is compared with a reference sensor (RS) of the same ship. 
 `analyze`; the settings are those of the configuration file, by name.
 """
 
-from heading_intercompare.core.diagnostics.three_cornered_hat import three_cornered_hat
-from heading_intercompare.core.offline import analyze
-from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.pairing.pairer import pair, Pairer
-from heading_intercompare.core.pipeline import Compliance, Intercomparison, join
-from heading_intercompare.core.records import Differences, Headings, Pairs
-from heading_intercompare.core.settings import Settings, SettingsError
-from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
+from typing import TYPE_CHECKING
+
+from heading_intercompare._doors import door
 from heading_intercompare.core.version import VERSION as __version__
 
-__all__ = ['analyze', 'Compliance', 'Differences', 'Headings', 'Intercomparison', 'join',
-           'Outcome', 'pair', 'Pairer', 'Pairs', 'RunVerdict', 'Settings', 'SettingsError',
-           'three_cornered_hat', 'Verdict', '__version__']
+__getattr__, __dir__, __all__ = door(__name__, {
+    'core.diagnostics.three_cornered_hat': ('three_cornered_hat',),
+    'core.offline': ('analyze',),
+    'core.outcome': ('Outcome',),
+    'core.pairing.pairer': ('pair', 'Pairer'),
+    'core.pipeline': ('Compliance', 'Intercomparison', 'join'),
+    'core.records': ('Differences', 'Headings', 'Pairs'),
+    'core.settings': ('Settings', 'SettingsError'),
+    'core.verdict.verdict_document': ('RunVerdict', 'Verdict'),
+})
+__all__ += ['__version__']
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .core.diagnostics.three_cornered_hat import three_cornered_hat as three_cornered_hat
+    from .core.offline import analyze as analyze
+    from .core.outcome import Outcome as Outcome
+    from .core.pairing.pairer import pair as pair, Pairer as Pairer
+    from .core.pipeline import (
+        Compliance as Compliance,
+        Intercomparison as Intercomparison,
+        join as join,
+    )
+    from .core.records import Differences as Differences, Headings as Headings, Pairs as Pairs
+    from .core.settings import Settings as Settings, SettingsError as SettingsError
+    from .core.verdict.verdict_document import RunVerdict as RunVerdict, Verdict as Verdict

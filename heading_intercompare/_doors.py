@@ -25,14 +25,16 @@ def door(room: str, modules: Mapping[str, Sequence[str]]
     Returns
     -------
     tuple
-        `__getattr__`, `__dir__` and `__all__` of the package.
+        `__getattr__`, `__dir__` and `__all__` of the package; what it adds to the last, its
+        `__dir__` names too.
 
     """
     where = {name: module for module, names in modules.items() for name in names}
+    offered = sorted(where)
 
     def get(name: str) -> Any:
         if name not in where:
             raise AttributeError(f'module {room!r} has no attribute {name!r}')
         return getattr(import_module(f'{room}.{where[name]}'), name)
 
-    return get, lambda: sorted(where), sorted(where)
+    return get, lambda: offered, offered

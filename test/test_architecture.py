@@ -8,6 +8,8 @@ import ast
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
+import pickle
+import pydoc
 import re
 import subprocess
 import sys
@@ -36,7 +38,7 @@ ALLOWED = {
     '_doors': Allowed(set(), set()),
     'core': Allowed(set(), {'numpy', 'scipy'}),
     'drivers': Allowed({'core'}, {'numpy', 'serial'}),
-    'ahrs': Allowed({'core'}, {'numpy', 'scipy'}),
+    'ahrs': Allowed({'core'}, {'numpy'}),
     'messages': Allowed({'core'}, {'numpy'}),
     'bags': Allowed({'core', 'messages'}, {'numpy', 'mcap', 'lz4', 'zstandard', 'isal'}),
     'report': Allowed({'core'}, {'numpy'}),
@@ -63,6 +65,9 @@ ORDER = {
               'nmea_driver', 'sensor_simulator', 'graph'),
     'cli': ('terminal', 'outputs', 'campaign', 'node_command', 'commands', 'program'),
 }
+
+# They take headings and pass them on, and start as fast as a plain node.
+NEED_NO_SCIPY = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'recorder', 'replayer')
 
 # Who looks for something in a room reads the names of its modules.
 MOST_MODULES = 12
@@ -310,33 +315,63 @@ def test_a_door_loads_nothing_before_it_is_asked():
         'bags', 'bags.mcap', 'nodes', 'nodes.ros')]
 
 
+def test_the_package_offers_its_names_in_every_way_of_asking():
+    package, taken = import_module('heading_intercompare'), {}
+    exec('from heading_intercompare import *', taken)
+    assert {*package.__all__} == {*dir(package)} == {*taken} - {'__builtins__'}
+    assert taken['Settings'] is package.Settings
+    assert pickle.loads(pickle.dumps(package.Settings())) == package.Settings()
+    assert all(name in pydoc.render_doc(package) for name in package.__all__)
+
+
 def test_a_door_says_which_name_it_has_not():
     with pytest.raises(AttributeError, match="'heading_intercompare.core' has no attribute 'no'"):
         import_module('heading_intercompare.core').no()
 
 
-def test_importing_the_package_loads_neither_ros_nor_an_edge():
-    code = ('import sys, heading_intercompare\n'
-            'names = {m for m in sys.modules}\n'
-            'edges = {f"heading_intercompare.{e}" for e in sys.argv[1:]}\n'
-            'print(sorted(m for m in names if m in edges or m.startswith("rclpy")))')
-    edges = sorted(set(ALLOWED) - {'core', '__init__', '_doors'})
-    done = subprocess.run([sys.executable, '-c', code, *edges], cwd=ROOT, check=True,
-                          capture_output=True, text=True)
-    assert done.stdout.strip() == '[]'
+def loaded(code: str) -> set[str]:
+    """Return the modules that a process has loaded when it has run some code."""
+    done = subprocess.run([sys.executable, '-c', f'{code}\nimport sys\nprint(*sys.modules)'],
+                          cwd=ROOT, check=True, capture_output=True, text=True)
+    return {*done.stdout.splitlines()[-1].split()}
 
 
-def test_the_command_line_answers_without_loading_ros():
-    code = ('import sys\n'
-            'from heading_intercompare.cli import main\n'
+def test_importing_the_package_loads_neither_numbers_nor_ros_nor_an_edge():
+    edges = {*ALLOWED} - {'core', '__init__', '_doors'}
+    assert loaded('import heading_intercompare') & {
+        'numpy', 'scipy', 'rclpy', *(f'heading_intercompare.{edge}' for edge in edges)} == set()
+
+
+@pytest.mark.parametrize('question', ['--version', '--help'])
+def test_the_command_line_answers_without_loading_numbers_or_ros(question):
+    code = ('from heading_intercompare.cli import main\n'
             'try:\n'
-            '    main(["--version"])\n'
+            f'    main(["{question}"])\n'
             'except SystemExit:\n'
-            '    pass\n'
-            'print("rclpy" in sys.modules)')
-    done = subprocess.run([sys.executable, '-c', code], cwd=ROOT, check=True,
-                          capture_output=True, text=True)
-    assert done.stdout.split()[-1] == 'False'
+            '    pass')
+    assert loaded(code) & {'numpy', 'scipy', 'rclpy', 'yaml'} == set()
+
+
+@pytest.mark.parametrize('name', ['core.records', 'core.pairing.pairer', 'drivers.nmea',
+                                  'drivers.sources', 'bags.rosbag2.bag_reader', 'bags.recording',
+                                  'cli.program', *(f'nodes.{node}' for node in NEED_NO_SCIPY)])
+def test_who_only_takes_and_passes_on_headings_loads_no_scipy(name):
+    if name.startswith('nodes.'):
+        pytest.importorskip('rclpy')
+    assert 'scipy' not in loaded(f'import heading_intercompare.{name}')
+
+
+@pytest.mark.parametrize('name', ['core.offline', 'core.diagnostics.three_cornered_hat'])
+def test_a_part_of_scipy_is_loaded_when_it_is_used(name):
+    parts = {f'scipy.{part}' for part in ('special', 'optimize', 'fft', 'ndimage', 'interpolate',
+                                          'signal', 'linalg', 'stats')}
+    assert loaded(f'import heading_intercompare.{name}') & parts == set()
+
+
+@pytest.mark.parametrize('path', MODULES, ids=relative)
+def test_no_module_imports_a_part_of_scipy(path):
+    names = {name for _, name in imports(path.read_text('utf-8'), package_of(path))}
+    assert {name for name in names if name.startswith('scipy.')} == set()
 
 
 def table_of_the_docs() -> dict[str, Allowed]:

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Use cases of the command line, without arguments and without output."""
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -13,3 +15,17 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'run_table': ('assign_runs', 'read_run_table', 'RunTable'),
     'scenarios': ('read_scenario', 'ScenarioFile'),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .cluster import Cluster as Cluster
+    from .compare_verdicts import find_differences as find_differences
+    from .config import load_config as load_config, settings_for as settings_for
+    from .inputs import analyze_input as analyze_input, sha256 as sha256
+    from .job import Job as Job, Judged as Judged
+    from .run_table import (
+        assign_runs as assign_runs,
+        read_run_table as read_run_table,
+        RunTable as RunTable,
+    )
+    from .scenarios import read_scenario as read_scenario, ScenarioFile as ScenarioFile

@@ -7,6 +7,8 @@ The rooms stand on each other in this order: `mcap`, `parallel`, `rosbag2`, `rec
 `recovery`; `csv` stands beside them.
 """
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -14,3 +16,9 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'errors': ('BagError',),
     'settings': ('BagSettings',),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .checked_text import decimal as decimal, utf8 as utf8
+    from .errors import BagError as BagError
+    from .settings import BagSettings as BagSettings

@@ -8,6 +8,8 @@ The rooms stand on each other in this order: `statistics`, `pairing`, `timing`,
 them.
 """
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -22,3 +24,39 @@ __getattr__, __dir__, __all__ = door(__name__, {
                  'SettingsError', 'to_mapping'),
     'version': ('VERSION',),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .angles import (
+        circular_mean as circular_mean,
+        heading_from_quaternion as heading_from_quaternion,
+        quaternion_from_heading as quaternion_from_heading,
+        unwrap_deg as unwrap_deg,
+        wrap180 as wrap180,
+        wrap360 as wrap360,
+    )
+    from .offline import analyze as analyze, judge_aligned as judge_aligned
+    from .outcome import Outcome as Outcome, worst as worst
+    from .pipeline import (
+        Compliance as Compliance,
+        Intercomparison as Intercomparison,
+        join as join,
+    )
+    from .records import Differences as Differences, Headings as Headings, Pairs as Pairs
+    from .settings import (
+        Checked as Checked,
+        Detectors as Detectors,
+        explain_unknown as explain_unknown,
+        flatten as flatten,
+        from_mapping as from_mapping,
+        list_settings as list_settings,
+        Norms as Norms,
+        Pairing as Pairing,
+        Risk as Risk,
+        RunCutting as RunCutting,
+        setting as setting,
+        Settings as Settings,
+        SettingsError as SettingsError,
+        to_mapping as to_mapping,
+    )
+    from .version import VERSION as VERSION

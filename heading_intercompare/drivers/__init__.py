@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bytes of NMEA sentences and csv, from wherever, to headings."""
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -10,3 +12,14 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'settings': ('DriverError', 'DriverSettings', 'SENTENCES'),
     'sources': ('FileSource', 'open_source', 'Source'),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .logs import LogReader as LogReader
+    from .nmea import NmeaDecoder as NmeaDecoder
+    from .settings import (
+        DriverError as DriverError,
+        DriverSettings as DriverSettings,
+        SENTENCES as SENTENCES,
+    )
+    from .sources import FileSource as FileSource, open_source as open_source, Source as Source

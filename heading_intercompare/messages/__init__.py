@@ -7,6 +7,8 @@ Headings and pairs are whole chunks in columns (`heading_messages`); the others 
 (`cdr`).
 """
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -15,7 +17,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'errors': ('MessageError',),
     'fields': ('full_name',),
     'heading_messages': ('decode_headings', 'encode_imu', 'encode_pairs', 'HEADING_TYPES',
-                         'imu_messages', 'IMU', 'pair_messages', 'PAIRS_TYPE', 'read_headings',
+                         'IMU', 'imu_messages', 'pair_messages', 'PAIRS_TYPE', 'read_headings',
                          'read_pairs'),
     'ledger_messages': ('decode_ledger', 'encode_ledger'),
     'marks': ('decode_marks', 'encode_mark', 'MARKER_TOPIC', 'MARKS'),
@@ -26,3 +28,50 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'texts': ('decode_text', 'encode_text', 'TEXT_TYPE'),
     'verdict_messages': ('encode_verdict', 'OUTCOME_LEVELS', 'verdict_level'),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .byte_columns import join_messages as join_messages, split_rows as split_rows
+    from .cdr import decode as decode, encode as encode
+    from .errors import MessageError as MessageError
+    from .fields import full_name as full_name
+    from .heading_messages import (
+        decode_headings as decode_headings,
+        encode_imu as encode_imu,
+        encode_pairs as encode_pairs,
+        HEADING_TYPES as HEADING_TYPES,
+        IMU as IMU,
+        imu_messages as imu_messages,
+        pair_messages as pair_messages,
+        PAIRS_TYPE as PAIRS_TYPE,
+        read_headings as read_headings,
+        read_pairs as read_pairs,
+    )
+    from .ledger_messages import decode_ledger as decode_ledger, encode_ledger as encode_ledger
+    from .marks import (
+        decode_marks as decode_marks,
+        encode_mark as encode_mark,
+        MARKER_TOPIC as MARKER_TOPIC,
+        MARKS as MARKS,
+    )
+    from .schemas import layout_problem as layout_problem, Schema as Schema, schema_of as schema_of
+    from .stamps import encode_clock as encode_clock
+    from .status_messages import (
+        encode_figures as encode_figures,
+        encode_statuses as encode_statuses,
+        ERROR as ERROR,
+        OK as OK,
+        Status as Status,
+        STATUS_TYPE as STATUS_TYPE,
+        WARN as WARN,
+    )
+    from .texts import (
+        decode_text as decode_text,
+        encode_text as encode_text,
+        TEXT_TYPE as TEXT_TYPE,
+    )
+    from .verdict_messages import (
+        encode_verdict as encode_verdict,
+        OUTCOME_LEVELS as OUTCOME_LEVELS,
+        verdict_level as verdict_level,
+    )

@@ -6,6 +6,8 @@ The nodes of ROS 2, and their graph in one process.
 A module here is an executable; what they share is in `ros` and `runtime`.
 """
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -15,3 +17,11 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'sensor_simulator': ('SensorSimulator',),
     'settings': ('ComplianceNode',),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .graph import intercompare as intercompare, Source as Source
+    from .nmea_driver import NmeaDriver as NmeaDriver
+    from .replayer import Replayer as Replayer
+    from .sensor_simulator import SensorSimulator as SensorSimulator
+    from .settings import ComplianceNode as ComplianceNode

@@ -2,9 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pairs and ensembles as comma-separated values."""
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'ensembles_csv': ('EnsemblesCsvWriter',),
     'pairs_csv': ('PairsCsvWriter', 'read_pairs_csv'),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .ensembles_csv import EnsemblesCsvWriter as EnsemblesCsvWriter
+    from .pairs_csv import PairsCsvWriter as PairsCsvWriter, read_pairs_csv as read_pairs_csv

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Headings decoded minute by minute, by several processes."""
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -10,3 +12,14 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'decoding': ('Decoded', 'Decoder', 'Kind'),
     'prefetch': ('run_ahead',),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .by_minute import Window as Window
+    from .decode_workers import (
+        can_fork as can_fork,
+        decode_stretches as decode_stretches,
+        Task as Task,
+    )
+    from .decoding import Decoded as Decoded, Decoder as Decoder, Kind as Kind
+    from .prefetch import run_ahead as run_ahead

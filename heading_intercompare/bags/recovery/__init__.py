@@ -2,8 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Damaged bags: what is sound of them into a new one."""
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'recover_bag': ('recover', 'Recovered'),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .recover_bag import recover as recover, Recovered as Recovered

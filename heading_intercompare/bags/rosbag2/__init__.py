@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whole bags read: topics, headings, checks, origin, replay."""
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -14,3 +16,30 @@ __getattr__, __dir__, __all__ = door(__name__, {
                    'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC', 'TRUTH_TOPIC'),
     'sequence_gaps': ('Numbering',),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .bag_check import BagCheck as BagCheck, check_bag as check_bag
+    from .bag_reader import Attachment as Attachment, BagReader as BagReader
+    from .bag_yaml import (
+        bag_metadata as bag_metadata,
+        find_absent_parts as find_absent_parts,
+        metadata_file as metadata_file,
+        PartInfo as PartInfo,
+        Qos as Qos,
+        TopicRow as TopicRow,
+    )
+    from .paced_replay import Replay as Replay
+    from .provenance import (
+        describe_origin as describe_origin,
+        is_note as is_note,
+        note_lines as note_lines,
+        NOTE_TOPIC as NOTE_TOPIC,
+        Notes as Notes,
+        read_notes as read_notes,
+        read_texts as read_texts,
+        RECORD as RECORD,
+        REPORT_TOPIC as REPORT_TOPIC,
+        TRUTH_TOPIC as TRUTH_TOPIC,
+    )
+    from .sequence_gaps import Numbering as Numbering

@@ -11,14 +11,15 @@ from __future__ import annotations
 
 from datetime import datetime, timezone
 import re
-from typing import Callable, Mapping, NamedTuple
+from typing import Callable, Mapping, NamedTuple, TYPE_CHECKING
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.texts import decode_text, TEXT_TYPE
 
-from .bag_reader import BagReader
+if TYPE_CHECKING:
+    from .bag_reader import BagReader
 
 __all__ = ['describe_origin', 'is_note', 'Note', 'note_lines', 'NOTE_TOPIC', 'Notes',
            'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC', 'TRUTH_TOPIC']

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The terminal: progress, keys, tables, streams that may be closed."""
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -10,3 +12,10 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'standard_streams': ('safe_stderr', 'safe_stdout'),
     'verdict_table': ('verdict_text',),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .keyboard import Keyboard as Keyboard
+    from .progress import Progress as Progress
+    from .standard_streams import safe_stderr as safe_stderr, safe_stdout as safe_stdout
+    from .verdict_table import verdict_text as verdict_text

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.ndimage import median_filter
+import scipy
 
 from heading_intercompare.core.angles import unwrap_deg
 from heading_intercompare.core.statistics.resolution import find_resolution
@@ -159,7 +159,7 @@ def _share(large: np.ndarray, at: np.ndarray, reach: int) -> np.ndarray:
 def _glitches(stamps: np.ndarray, rs: np.ndarray,
               step_s: float) -> tuple[np.ndarray, np.ndarray]:
     """Return where the RS has glitches, the first reading of each, and their sizes, degrees."""
-    off = rs - median_filter(rs, 2 * _BESIDE + 1, mode='nearest')
+    off = rs - scipy.ndimage.median_filter(rs, 2 * _BESIDE + 1, mode='nearest')
     size = np.abs(off)
     outer = float(np.quantile(size[::max(1, size.size // _LOOKED_AT)], _QUANTILE))
     beyond = outer / math.log(10.0) * (math.log(0.1 * size.size) + _SURPLUS)

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
+import scipy
 
 from heading_intercompare.core.angles import unwrap_deg
 from heading_intercompare.core.timing.bracketing_readings import (
@@ -263,7 +263,7 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
             even = t[0] + (t[-1] - t[0]) / (length - 1) * slower * np.arange(
                 int((length - 1) / slower) + 1)
         if slower > _SLOWER or np.abs(t - even).max() > _UNEVEN * step:
-            both = CubicSpline(t, both)(even)
+            both = scipy.interpolate.CubicSpline(t, both)(even)
         own.append(both[:, 0])
         other.append(both[:, 1])
         if f is not None:

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Norms and decision rules: figures of a run, or of several, against limits."""
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -17,3 +19,44 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'sequential': ('find_standing', 'Look', 'Looks', 'LookVerdict', 'rejecting',
                    'risk_at_the_end'),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .campaign import (
+        CAMPAIGN_REASONS as CAMPAIGN_REASONS,
+        conclude_every_run as conclude_every_run,
+        conclude_sensor as conclude_sensor,
+        judge_together as judge_together,
+        Together as Together,
+    )
+    from .coverage import (
+        Coverage as Coverage,
+        coverage_of as coverage_of,
+        least_duration_words as least_duration_words,
+        SENSOR_CLASSES as SENSOR_CLASSES,
+        span_words as span_words,
+    )
+    from .criteria import (
+        apply_variance_criterion as apply_variance_criterion,
+        CountCriterion as CountCriterion,
+        Limits as Limits,
+        TotalError as TotalError,
+        VarianceCriterion as VarianceCriterion,
+    )
+    from .gk import apply_gk as apply_gk, Printed as Printed
+    from .guarded import (
+        decide as decide,
+        Evidence as Evidence,
+        gather_evidence as gather_evidence,
+        Guarded as Guarded,
+        REASONS as REASONS,
+    )
+    from .norm_presets import PRESETS as PRESETS, sigma_max_deg as sigma_max_deg
+    from .sequential import (
+        find_standing as find_standing,
+        Look as Look,
+        Looks as Looks,
+        LookVerdict as LookVerdict,
+        rejecting as rejecting,
+        risk_at_the_end as risk_at_the_end,
+    )

@@ -15,8 +15,7 @@ from typing import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
-from scipy.special import erfcx, ndtr, ndtri
+import scipy
 
 __all__ = ['coverage_factor', 'density', 'ERROR_MODELS', 'ErrorModel', 'tail', 'ts_factor']
 
@@ -54,7 +53,7 @@ class ErrorModel:
 
 
 def _normal_factor(p: float) -> float:
-    return float(-ndtri(0.5 * (1.0 - p)))
+    return float(-scipy.special.ndtri(0.5 * (1.0 - p)))
 
 
 def _uniform_factor(p: float) -> float:
@@ -68,7 +67,7 @@ def _phi(z: np.ndarray) -> np.ndarray:
 def _partial_expectation(z: np.ndarray) -> np.ndarray:
     """Return H(z) = phi(z) - z Q(z) without cancellation for negative z."""
     y = np.minimum(np.abs(z), 1e3)
-    h = _phi(y) * (1.0 - y * math.sqrt(0.5 * math.pi) * erfcx(y / math.sqrt(2.0)))
+    h = _phi(y) * (1.0 - y * math.sqrt(0.5 * math.pi) * scipy.special.erfcx(y / math.sqrt(2.0)))
     return np.maximum(-z, 0.0) + h
 
 
@@ -79,7 +78,7 @@ def _mixed_tail(normal: float, uniform: float, k: np.ndarray) -> np.ndarray:
         return np.maximum(0.0, 1.0 - k / w)
     h, z = w / normal, k / normal
     if h < 2.0:
-        return ndtr(-(z[..., np.newaxis] + h * _NODES)) @ _WEIGHTS
+        return scipy.special.ndtr(-(z[..., np.newaxis] + h * _NODES)) @ _WEIGHTS
     return (_partial_expectation(z - h) - _partial_expectation(z + h)) / h
 
 
@@ -89,7 +88,8 @@ def _mixed_density(normal: float, uniform: float, z: np.ndarray) -> np.ndarray:
         return np.where(z <= w, 0.5 / w, 0.0)
     if w < 1e-6 * normal:
         return _phi(z / normal) / normal
-    return (ndtr(-(z - w) / normal) - ndtr(-(z + w) / normal)) / (2.0 * w)
+    low, high = scipy.special.ndtr(-(z + w) / normal), scipy.special.ndtr(-(z - w) / normal)
+    return (high - low) / (2.0 * w)
 
 
 def _mixed_factor(normal: float, uniform: float, p: float) -> float:
@@ -101,7 +101,8 @@ def _mixed_factor(normal: float, uniform: float, p: float) -> float:
     def excess(k: float) -> float:
         return float(_mixed_tail(normal, uniform, np.asarray(k))) / (1.0 - p) - 1.0
 
-    return brentq(excess, 0.0, _SQRT3 * uniform + 40.0 * normal, xtol=1e-15, rtol=1e-15)
+    return scipy.optimize.brentq(excess, 0.0, _SQRT3 * uniform + 40.0 * normal, xtol=1e-15,
+                                 rtol=1e-15)
 
 
 def _half_widths(ts: float, rs: float) -> tuple[float, float]:
@@ -137,7 +138,7 @@ def _trapezoid_density(ts: float, rs: float, z: np.ndarray) -> np.ndarray:
 ERROR_MODELS: dict[str, ErrorModel] = {
     'NN': ErrorModel('TS normal, RS normal',
                      lambda ts, rs, p: _normal_factor(p),
-                     lambda ts, rs, k: 2.0 * ndtr(-k),
+                     lambda ts, rs, k: 2.0 * scipy.special.ndtr(-k),
                      lambda ts, rs, z: _phi(z),
                      _normal_factor),
     'UN': ErrorModel('TS uniform, RS normal',

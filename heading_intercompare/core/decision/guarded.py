@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 import math
 
-from scipy.special import stdtrit
+import scipy
 
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Risk
@@ -295,7 +295,7 @@ def _variance_outcome(found: Spread, lower: float, upper: float, drift_left_deg2
 
 def _bias(evidence: Evidence, found: Spread) -> dict[str, float | tuple[float, float] | bool]:
     u = math.sqrt(found.mean_variance_deg2 + evidence.offset_u_deg ** 2)
-    half = -float(stdtrit(MEAN_DOF, 0.025)) * u
+    half = -float(scipy.special.stdtrit(MEAN_DOF, 0.025)) * u
     low, up = evidence.mean_deg - half, evidence.mean_deg + half
     return {'bias_u_deg': u, 'bias_interval_deg': (low, up),
             'bias_significant': not low <= 0.0 <= up}

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What else the pairs of a run say: findings and assumptions."""
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -10,3 +12,22 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'run_diagnostics': ('diagnose', 'Diagnostics', 'SETTLED_SHARE', 'with_runs'),
     'run_findings': ('Allan', 'Correlation', 'describe_drift', 'Drift', 'left_in_deg2', 'RunSkew'),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .assumptions import Assumption as Assumption
+    from .deviation import HeadingDependence as HeadingDependence
+    from .run_diagnostics import (
+        diagnose as diagnose,
+        Diagnostics as Diagnostics,
+        SETTLED_SHARE as SETTLED_SHARE,
+        with_runs as with_runs,
+    )
+    from .run_findings import (
+        Allan as Allan,
+        Correlation as Correlation,
+        describe_drift as describe_drift,
+        Drift as Drift,
+        left_in_deg2 as left_in_deg2,
+        RunSkew as RunSkew,
+    )

@@ -10,7 +10,7 @@ from typing import Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import fdtrc
+import scipy
 
 from heading_intercompare.core.angles import unwrap_deg, wrap360
 from heading_intercompare.core.statistics.autocorrelation import sokal_times
@@ -227,4 +227,4 @@ def _joint(beta: np.ndarray, covariance: np.ndarray,
     q = beta.size
     square = float(z @ np.linalg.lstsq(standard, z, rcond=None)[0])
     f = square * (dof - q + 1) / (dof * q)
-    return f, float(fdtrc(q, dof - q + 1, f))
+    return f, float(scipy.special.fdtrc(q, dof - q + 1, f))

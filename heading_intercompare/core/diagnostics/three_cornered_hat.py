@@ -10,7 +10,7 @@ from typing import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import nnls
+import scipy
 
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.records import Headings
@@ -143,7 +143,7 @@ def three_cornered_hat(heading_deg: ArrayLike, stamp_ns: ArrayLike | None = None
     variances = squares.sum(axis=1) / (n - 1)
     solve = np.linalg.pinv(design)
     estimate = solve @ variances
-    point, _ = nnls(design, variances)
+    point, _ = scipy.optimize.nnls(design, variances)
     return Hats(n, pairs, tuple(variances.tolist()), tuple(estimate.tolist()),
                 _intervals(estimate, solve, squares), tuple(
                     math.sqrt(v) if v >= 0.0 else None for v in estimate.tolist()),

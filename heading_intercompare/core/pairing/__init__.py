@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Headings of two sensors to pairs and differences, every reading accounted for."""
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -12,3 +14,12 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'pairer': ('pair', 'Pairer'),
     'pending_readings': ('is_rising',),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .difference import subtract as subtract
+    from .direction import typical_step_ns as typical_step_ns
+    from .ensembles import Ensembles as Ensembles, Ensembling as Ensembling
+    from .ledger import Ledger as Ledger, LedgerSegment as LedgerSegment, REASONS as REASONS
+    from .pairer import pair as pair, Pairer as Pairer
+    from .pending_readings import is_rising as is_rising

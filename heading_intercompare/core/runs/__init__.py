@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs: where they begin and end, and what is kept of them."""
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -11,3 +13,11 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'run_cutter': ('RunCutter',),
     'run_series': ('RunSeries',),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .growing_columns import Keep as Keep
+    from .live_figures import compute_figures as compute_figures
+    from .rolling_window import Rolling as Rolling
+    from .run_cutter import RunCutter as RunCutter
+    from .run_series import RunSeries as RunSeries

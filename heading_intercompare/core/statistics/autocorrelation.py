@@ -9,7 +9,7 @@ from typing import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.fft import irfft, next_fast_len, rfft
+import scipy
 
 __all__ = ['AllanDeviation', 'autocorrelate', 'compute_allan_deviation', 'CorrelationTimes',
            'effective_size', 'estimate_correlation_times', 'geyer_time', 'sokal_times']
@@ -70,14 +70,14 @@ def _correlation(e: np.ndarray, m: int) -> np.ndarray:
     if power == 0.0:
         return np.concatenate(([1.0], np.zeros(m)))
     step = min(e.size, max(m, _SEGMENT))
-    size = next_fast_len(step + m, real=True)
+    size = scipy.fft.next_fast_len(step + m, real=True)
     spectrum = np.zeros(size // 2 + 1, dtype=np.complex128)
     for lo in range(0, e.size, step):
-        left = rfft(e[lo:lo + step], size)
+        left = scipy.fft.rfft(e[lo:lo + step], size)
         np.conjugate(left, out=left)
-        left *= rfft(e[lo:lo + step + m], size)
+        left *= scipy.fft.rfft(e[lo:lo + step + m], size)
         spectrum += left
-    r = irfft(spectrum, size)[:m + 1] / power
+    r = scipy.fft.irfft(spectrum, size)[:m + 1] / power
     r[0] = 1.0
     return r
 

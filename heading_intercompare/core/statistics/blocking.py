@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import stdtrit
+import scipy
 
 __all__ = ['block_means', 'block_size', 'sum_covariance', 'student_95']
 
@@ -105,4 +105,4 @@ def sum_covariance(terms: ArrayLike) -> tuple[np.ndarray, int]:
 
 def student_95(dof: float) -> float:
     """Return the factor of a standard uncertainty that gives a 95 % interval."""
-    return -float(stdtrit(dof, 0.025)) if dof > 0 else math.inf
+    return -float(scipy.special.stdtrit(dof, 0.025)) if dof > 0 else math.inf

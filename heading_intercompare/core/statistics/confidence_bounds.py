@@ -8,8 +8,7 @@ import math
 from typing import Callable
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import betaincinv, stdtrit
+import scipy
 
 from .variance_uncertainty import excess, lower_bound, Spread, upper_bound
 
@@ -62,7 +61,8 @@ def _risk_where_zero(f: Callable[[float], float]) -> float:
     low = math.log(LEAST_RISK)
     if f(LEAST_RISK) >= 0.0:
         return LEAST_RISK
-    return math.exp(brentq(lambda t: f(math.exp(t)), low, math.log(0.5), xtol=1e-13))
+    return math.exp(scipy.optimize.brentq(lambda t: f(math.exp(t)), low, math.log(0.5),
+                                          xtol=1e-13))
 
 
 def mean_confidence(found: Spread, sigma_deg: float, low_deg: float,
@@ -128,7 +128,7 @@ def duration_factor(found: Spread, accept_deg2: float, reject_deg2: float,
     """
     d, s = found.d_deg2, found.s_deg2
     if d > reject_deg2:
-        t = -float(stdtrit(found.student_dof, alpha_producer))
+        t = -float(scipy.special.stdtrit(found.student_dof, alpha_producer))
         a = (t * found.cv / math.log(d / reject_deg2)) ** 2
         # The root of r^2 = a (r + 1 / f), from exp(-t cv sqrt((1 + 1 / (r f)) / r)).
         return max(1.0, 0.5 * (a + math.sqrt(a * a + 4.0 * a / found.f)))
@@ -145,7 +145,9 @@ def duration_factor(found: Spread, accept_deg2: float, reject_deg2: float,
     if missing(0.0) <= 0.0:
         return 1.0
     longest = math.log(_LONGEST)
-    return math.exp(brentq(missing, 0.0, longest)) if missing(longest) < 0.0 else math.inf
+    if not missing(longest) < 0.0:
+        return math.inf
+    return math.exp(scipy.optimize.brentq(missing, 0.0, longest))
 
 
 def rate_lower(k: float, trials: float, alpha: float) -> float:
@@ -164,9 +166,9 @@ def rate_lower(k: float, trials: float, alpha: float) -> float:
     Clopper & Pearson 1934 with real arguments; S.14 of ``docs/risk.md``.
 
     """
-    return float(betaincinv(k, trials - k + 1.0, alpha)) if k > 0.0 else 0.0
+    return float(scipy.special.betaincinv(k, trials - k + 1.0, alpha)) if k > 0.0 else 0.0
 
 
 def rate_upper(k: float, trials: float, alpha: float) -> float:
     """Return the upper confidence bound of a rate, S.14; see `rate_lower`."""
-    return float(betaincinv(k + 1.0, trials - k, 1.0 - alpha)) if k < trials else 1.0
+    return float(scipy.special.betaincinv(k + 1.0, trials - k, 1.0 - alpha)) if k < trials else 1.0

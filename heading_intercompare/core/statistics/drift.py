@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike
-from scipy.special import stdtrit
+import scipy
 
 from .autocorrelation import sokal_times
 from .blocking import block_means, block_size, student_95
@@ -266,7 +266,7 @@ def drift_left_deg2(rest: Detrended) -> float | None:
         return None
     r = math.sqrt(math.fsum(c * c / (2 * k + 1) for k, c in enumerate(fit.coefficients_deg)
                             if k > 0))
-    t = -float(stdtrit(MEAN_DOF, 0.05))
+    t = -float(scipy.special.stdtrit(MEAN_DOF, 0.05))
     return (r + t * math.sqrt(found.mean_variance_deg2)) ** 2
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import math
 from typing import Sequence
 
-from scipy.special import chdtrc
+import scipy
 
 __all__ = ['examine_homogeneity', 'Homogeneity', 'RunFigures']
 
@@ -120,6 +120,6 @@ def examine_homogeneity(runs: Sequence[RunFigures]) -> Homogeneity:
     correction = 1.0 + (math.fsum(1.0 / r.nu for r in runs) - 1.0 / nu) / (3.0 * (m - 1))
     bartlett = max(0.0, math.fsum(r.nu * math.log(pooled / r.variance_deg2) for r in runs)
                    / correction)
-    q_p, bartlett_p = float(chdtrc(m - 1, q)), float(chdtrc(m - 1, bartlett))
+    q_p, bartlett_p = (float(scipy.special.chdtrc(m - 1, z)) for z in (q, bartlett))
     return Homogeneity(m, mean, q, q_p, math.sqrt(q / (m - 1)), between, bartlett, bartlett_p,
                        q_p >= SIGNIFICANT, bartlett_p >= SIGNIFICANT)

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import log_ndtr
+import scipy
 
 from heading_intercompare.core.angles import unwrap_deg, wrap180
 
@@ -149,7 +149,8 @@ def apply_anderson_darling(values: ArrayLike) -> AndersonDarling | None:
         return None
     z = (x - x.mean()) / x.std(ddof=1)
     odd = 2.0 * np.arange(1, n + 1) - 1.0
-    statistic = -n - float(np.mean(odd * (log_ndtr(z) + log_ndtr(-z[::-1]))))
+    logs = scipy.special.log_ndtr(z) + scipy.special.log_ndtr(-z[::-1])
+    statistic = -n - float(np.mean(odd * logs))
     a = statistic * (1.0 + 0.75 / n + 2.25 / (n * n))
     if a >= 10.0:
         p = 3.7e-24

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import gammaln, kve, ndtr
+import scipy
 
 from .blocking import block_means, block_size
 
@@ -73,7 +73,7 @@ def count_arrangements(values: ArrayLike) -> Arrangements | None:
     count = (float(np.count_nonzero(z[row] > z[column]))
              + 0.5 * float(np.count_nonzero(z[row] == z[column])))
     deviation = (count - 0.25 * k * (k - 1)) / math.sqrt(k * (2 * k + 5) * (k - 1) / 72.0)
-    return Arrangements(count, deviation, float(2.0 * ndtr(-abs(deviation))))
+    return Arrangements(count, deviation, float(2.0 * scipy.special.ndtr(-abs(deviation))))
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,8 +151,8 @@ def _bridge_tail(value: float) -> float:
         return 0.0
     j = np.arange(25.0)
     u = (4.0 * j + 1.0) ** 2 / (16.0 * value)
-    terms = (np.exp(gammaln(j + 0.5) - gammaln(j + 1.0) - 2.0 * u) * np.sqrt(4.0 * j + 1.0)
-             * kve(0.25, u))
+    logs = scipy.special.gammaln(j + 0.5) - scipy.special.gammaln(j + 1.0)
+    terms = np.exp(logs - 2.0 * u) * np.sqrt(4.0 * j + 1.0) * scipy.special.kve(0.25, u)
     return min(1.0, max(0.0, 1.0 - float(terms.sum()) / (math.pi ** 1.5 * math.sqrt(value))))
 
 

@@ -15,8 +15,7 @@ import math
 from typing import Sequence
 
 import numpy as np
-from scipy.fft import dct
-from scipy.special import gammaincinv, ndtr, stdtrit
+import scipy
 
 from .cells import Cells, CellValues
 
@@ -165,7 +164,7 @@ def estimate_spread(cells: Cells | CellValues, order: int = 0) -> Spread | None:
 
 def _power(values: np.ndarray, floor: float = 0.0) -> np.ndarray:
     """Return the power at 1, 2, ... half-periods; means below the floor times K are rounding."""
-    power = dct(values, type=2, norm='ortho')[1:] ** 2
+    power = scipy.fft.dct(values, type=2, norm='ortho')[1:] ** 2
     return np.where(power < floor * values.size, 0.0, power)
 
 
@@ -211,10 +210,10 @@ def excess(f: float, alpha: float, student_dof: int = _STUDENT_DOF) -> float:
     [1.8, 2.2, 3.0, 8.0]
 
     """
-    t = -float(stdtrit(student_dof, alpha))
+    t = -float(scipy.special.stdtrit(student_dof, alpha))
     if f > _MANY:
         return t + math.sqrt(8.0 / f) * (2.0 * t * t + 1.0) / 6.0
-    quantile = 2.0 * float(gammaincinv(0.5 * f, float(ndtr(-t))))
+    quantile = 2.0 * float(scipy.special.gammaincinv(0.5 * f, float(scipy.special.ndtr(-t))))
     return math.sqrt(0.5 * f) * (f / quantile - 1.0) if quantile > 0.0 else math.inf
 
 
@@ -247,7 +246,7 @@ def upper_bound(found: Spread, alpha: float) -> float:
 def lower_bound(found: Spread, alpha: float) -> float:
     """Return the lower confidence bound of the variance, square degrees; S.11."""
     cv = found.cv * math.sqrt(1.0 + 1.0 / found.f)
-    return found.d_deg2 * math.exp(float(stdtrit(found.student_dof, alpha)) * cv)
+    return found.d_deg2 * math.exp(float(scipy.special.stdtrit(found.student_dof, alpha)) * cv)
 
 
 def pool(runs: Sequence[Spread]) -> Spread:
@@ -311,7 +310,7 @@ def between_runs(runs: Sequence[Spread], means_deg: Sequence[float], alpha: floa
     together = pool(runs)
     centre = math.fsum(means_deg) / m
     between = math.fsum((mean - centre) ** 2 for mean in means_deg) / (m - 1)
-    quantile = 2.0 * float(gammaincinv(0.5 * (m - 1), alpha))
+    quantile = 2.0 * float(scipy.special.gammaincinv(0.5 * (m - 1), alpha))
     inside = math.fsum(r.n * r.mean_variance_deg2 for r in runs) / together.n
     within = excess(together.f, alpha, together.student_dof) * together.s_deg2 \
         if together.s_deg2 > 0.0 else 0.0

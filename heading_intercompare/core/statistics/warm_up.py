@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import minimize_scalar
+import scipy
 
 from .drift import average_blocks, bic_of, rounding_floor, select_order
 
@@ -118,8 +118,9 @@ def fit_warm_up(stamp_ns: ArrayLike, x_deg: ArrayLike, tolerance_deg: float) -> 
     squares = fit(grid)[0]
     best = int(np.argmin(squares))
     bounds = grid[max(best - 1, 0)], grid[min(best + 1, _GRID - 1)]
-    found = minimize_scalar(lambda g: float(fit(np.array([g]))[0][0]), bounds=bounds,
-                            method='bounded', options={'xatol': 1e-10})
+    found = scipy.optimize.minimize_scalar(
+        lambda g: float(fit(np.array([g]))[0][0]), bounds=bounds, method='bounded',
+        options={'xatol': 1e-10})
     log_tau = found.x if found.fun < squares[best] else grid[best]
     rss, b, a = (float(v[0]) for v in fit(np.array([log_tau])))
     tau = math.exp(log_tau)

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import stdtrit
+import scipy
 
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.statistics.blocking import student_95
@@ -315,7 +315,7 @@ def _line(found: list[SkewOfPart], middle_s: float) -> ClockDrift:
     scatter = float(w @ (d - level - slope * (t - t0)) ** 2) / dof
     u_slope = math.sqrt(max(1.0, scatter) / power)
     half = student_95(dof) * u_slope
-    drifting = abs(slope) > -float(stdtrit(dof, 0.5 * _RISK)) * u_slope
+    drifting = abs(slope) > -float(scipy.special.stdtrit(dof, 0.5 * _RISK)) * u_slope
     rate2 = float(np.mean([one.rate_std_deg_s ** 2 for one in found]))
     return ClockDrift('drifting' if drifting else 'steady', tuple(found),
                       level + slope * (middle_s / 3600.0 - t0), slope, u_slope,

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run judged at its end, and the verdict on all runs."""
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -11,3 +13,22 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'validity': ('DOUBTFUL', 'VOID'),
     'verdict_document': ('make_plain', 'RunVerdict', 'SCHEMA', 'Verdict'),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .conclusion import ALL_REASONS as ALL_REASONS
+    from .headline import OUTCOME_WORDS as OUTCOME_WORDS
+    from .judge import (
+        compare_runs as compare_runs,
+        conclude_campaign as conclude_campaign,
+        judge_run as judge_run,
+        look_at as look_at,
+        RunResult as RunResult,
+    )
+    from .validity import DOUBTFUL as DOUBTFUL, VOID as VOID
+    from .verdict_document import (
+        make_plain as make_plain,
+        RunVerdict as RunVerdict,
+        SCHEMA as SCHEMA,
+        Verdict as Verdict,
+    )

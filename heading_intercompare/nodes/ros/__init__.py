@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """ROS for the nodes: message types, parameters, quality of service, processes."""
 
+from typing import TYPE_CHECKING
+
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
@@ -14,3 +16,24 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'remapping': ('published_names',),
     'steady_timer': ('every',),
 })
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .batches import take_all as take_all, Unwatched as Unwatched
+    from .message_types import (
+        HEADING_TYPES as HEADING_TYPES,
+        PAIRS_TYPES as PAIRS_TYPES,
+        STATUS_TYPES as STATUS_TYPES,
+        TEXT_TYPES as TEXT_TYPES,
+        TRUTH_TYPES as TRUTH_TYPES,
+    )
+    from .parameters import (
+        declare as declare,
+        make_overrides as make_overrides,
+        OVERRIDES as OVERRIDES,
+        resolve_topic as resolve_topic,
+    )
+    from .process import end as end, run as run, spin_nodes as spin_nodes, Stop as Stop
+    from .qos import NOTE as NOTE, STATUS as STATUS
+    from .remapping import published_names as published_names
+    from .steady_timer import every as every

@@ -1,0 +1,15 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Texts that the recorder keeps as files."""
+
+from __future__ import annotations
+
+from heading_intercompare.nodes.ros.verdict_messages import report_message
+from heading_intercompare.nodes.runtime.recorded_topics import run_table
+
+
+def test_the_run_table_of_a_report_cuts_the_same_runs(judged):
+    lines = run_table(report_message(judged.verdict()).data).splitlines()
+    assert lines == ['start,stop',
+                     f'{10 ** 18 + 10 ** 9},{10 ** 18 + 200 * 10 ** 9 + 1}',
+                     f'{10 ** 18 + 400 * 10 ** 9},{10 ** 18 + 600 * 10 ** 9 + 1}']
