@@ -42,6 +42,7 @@ from mcap.writer import CompressionType, Writer as McapWriter
 import numpy as np
 import zstandard
 
+from heading_intercompare.app.campaign import count_cores, MOST_READERS
 from heading_intercompare.bags.codec.cdr import encode
 from heading_intercompare.bags.codec.heading_messages import (
     encode_imu,
@@ -53,7 +54,6 @@ from heading_intercompare.bags.codec.schemas import shipped_schema
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.cli.campaign import count_cores, MOST_READERS
 from heading_intercompare.core.angles import quaternion_from_heading
 from heading_intercompare.core.records import Headings, Pairs
 

@@ -59,7 +59,7 @@ ORDER = {
              'recording', 'recovery', 'csv'),
     'nodes': ('settings', 'ros', 'runtime', 'synchronizer', 'compliance', 'recorder', 'replayer',
               'nmea_driver', 'sensor_simulator', 'graph'),
-    'cli': ('terminal', 'outputs', 'campaign', 'node_command', 'commands', 'program'),
+    'cli': ('terminal', 'node_command', 'commands', 'program'),
 }
 
 # Who looks for something in a room reads the names of its modules.

@@ -5,15 +5,17 @@
 from __future__ import annotations
 
 import argparse
-from contextlib import ExitStack
+from concurrent.futures import Executor
+from contextlib import ExitStack, nullcontext
 from pathlib import Path
 import sys
-from typing import Any, Mapping
+from typing import Any, ContextManager, Mapping
 
+from heading_intercompare.app.campaign import judge_inputs
 from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
 from heading_intercompare.app.run_table import assign_runs, read_run_table
-from heading_intercompare.cli.campaign import judge_inputs, positive
-from heading_intercompare.cli.outputs import check_outputs, name_file, open_tables
+from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.cli.terminal.verdict_table import verdict_text
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.pipeline import join
@@ -54,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         'is TS - RS')
     parser.add_argument('--ensemble-s', metavar='S', type=float, default=120.0,
                         help='length of an ensemble in seconds (default: 120)')
-    parser.add_argument('--jobs', metavar='N', type=positive,
+    parser.add_argument('--jobs', metavar='N', type=_positive,
                         help='processes for several large INPUTs, or to read one (default: one '
                         'for each core)')
     parser.add_argument('--dask', metavar='ADDRESS', help='judge the INPUTs on the workers of a '
@@ -70,15 +72,18 @@ def run(arguments: argparse.Namespace) -> int:
                             ts_topic=arguments.ts, rs_topic=arguments.rs)
     Limits.of(settings.norms, settings.model)
     _check_options(arguments)
-    check_outputs(arguments)
+    outputs = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
+                      arguments.ensemble_s)
+    check_outputs(outputs, arguments.inputs, config=arguments.config, runs=arguments.runs)
     table, elsewhere = None, []
     if arguments.runs:
         table, elsewhere = assign_runs(read_run_table(arguments.runs), arguments.inputs)
-    with ExitStack() as files:
-        takers = [files.enter_context(file).write for file in open_tables(arguments, settings)]
+    with (ExitStack() as files, Progress(_label(arguments), arguments.quiet) as progress,
+          _cluster(arguments.dask) as executor):
+        takers = [files.enter_context(file).write for file in open_tables(outputs, settings)]
         judged = judge_inputs(arguments.inputs, settings, table, takers=takers,
                               sketched=bool(arguments.report), jobs=arguments.jobs,
-                              dask=arguments.dask, quiet=arguments.quiet)
+                              executor=executor, progress=progress.show)
     results = [result for each in judged for result in each.results]
     verdict = join(results, settings, [each.description for each in judged],
                    incomplete=any(each.error or each.no_run for each in judged)).to_dict()
@@ -91,6 +96,31 @@ def run(arguments: argparse.Namespace) -> int:
         with name_file(arguments.report):
             write(verdict, arguments.report, [each.sketch for each in judged if each.sketch])
     return code
+
+
+def _positive(text: str) -> int:
+    """Return a number of processes from the command line."""
+    if not text.isascii() or not text.isdigit() or not int(text):
+        raise argparse.ArgumentTypeError(f'{text!r} is not a whole number above 0')
+    return int(text)
+
+
+def _label(arguments: argparse.Namespace) -> str:
+    """Return what is judged, as the progress calls it."""
+    alone = len(arguments.inputs) == 1 and arguments.dask is None
+    return arguments.inputs[0] if alone else f'{len(arguments.inputs)} inputs'
+
+
+def _cluster(address: str | None) -> ContextManager[Executor | None]:
+    """Return the workers of a Dask cluster, whose library need not be installed."""
+    if address is None:
+        return nullcontext()
+    try:
+        from heading_intercompare.app.cluster import open_cluster
+    except ModuleNotFoundError as error:
+        raise ValueError(f'--dask {address}: no module {error.name}: install '
+                         'heading_intercompare[dask]') from error
+    return open_cluster(address)
 
 
 def _check_options(arguments: argparse.Namespace) -> None:
