@@ -32,7 +32,7 @@ class Allowed(NamedTuple):
 # The table of docs/ARCHITECTURE.md, "Who may import whom". A file beside the folders is a row
 # like a folder; `cli` may be either.
 ALLOWED = {
-    '__init__': Allowed({'core'}, set()),
+    '__init__': Allowed({'core', 'bags', 'app'}, set()),
     '_doors': Allowed(set(), set()),
     'core': Allowed(set(), {'numpy', 'scipy'}),
     'drivers': Allowed({'core'}, {'numpy', 'serial'}),
@@ -198,7 +198,7 @@ def test_a_module_imports_only_what_its_folder_may(path):
     ('nodes', 'from scipy import signal'),
     ('nodes', 'from heading_intercompare.cli import main'),
     ('report', 'from heading_intercompare.nodes.ros import messages'),
-    ('__init__', 'from .bags.reader import BagReader'),
+    ('__init__', 'from .drivers.nmea import NmeaDecoder'),
     ('helpers', 'import math'),
     ('cli', 'from distributed import Client'),
     ('_doors', 'from heading_intercompare.core import angles'),
@@ -297,6 +297,18 @@ def test_a_door_loads_nothing_before_it_is_asked():
 def test_a_door_says_which_name_it_has_not():
     with pytest.raises(AttributeError, match="'heading_intercompare.core' has no attribute 'no'"):
         import_module('heading_intercompare.core').no()
+
+
+def test_the_package_offers_the_same_to_who_runs_it_and_to_who_completes_names():
+    tree = ast.parse((PACKAGE / '__init__.py').read_text('utf-8'))
+    seen = {alias.name: node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)
+            and node.level == 0 for alias in node.names}
+    package = import_module('heading_intercompare')
+    offered = {name: getattr(package, name).__module__
+               for name in package.__all__ if name != '__version__'}
+    assert offered == {name: seen[name] for name in offered}
+    assert set(seen) - set(offered) == {'TYPE_CHECKING', 'door', 'VERSION'}
+    assert set(package.__all__) <= {*dir(package), '__version__'}
 
 
 def test_importing_the_package_loads_neither_ros_nor_an_edge():

@@ -5,6 +5,7 @@
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
+    'analysis': ('analyze_bag', 'analyze_bags', 'judge_bags', 'Judgement'),
     'campaign': ('judge_inputs',),
     'cluster': ('open_cluster',),
     'compare_verdicts': ('find_differences',),

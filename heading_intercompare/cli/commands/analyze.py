@@ -11,14 +11,12 @@ from pathlib import Path
 import sys
 from typing import Any, ContextManager, Mapping
 
-from heading_intercompare.app.campaign import judge_inputs
+from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
-from heading_intercompare.app.run_table import assign_runs, read_run_table
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.cli.terminal.verdict_table import verdict_text
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.pipeline import join
 from heading_intercompare.report import json, write, WRITERS
 
 __all__ = ['add_arguments', 'add_settings_arguments', 'add_verdict_arguments', 'conclude', 'run']
@@ -75,26 +73,19 @@ def run(arguments: argparse.Namespace) -> int:
     outputs = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
                       arguments.ensemble_s)
     check_outputs(outputs, arguments.inputs, config=arguments.config, runs=arguments.runs)
-    table, elsewhere = None, []
-    if arguments.runs:
-        table, elsewhere = assign_runs(read_run_table(arguments.runs), arguments.inputs)
     with (ExitStack() as files, Progress(_label(arguments), arguments.quiet) as progress,
           _cluster(arguments.dask) as executor):
         takers = [files.enter_context(file).write for file in open_tables(outputs, settings)]
-        judged = judge_inputs(arguments.inputs, settings, table, takers=takers,
-                              sketched=bool(arguments.report), jobs=arguments.jobs,
-                              executor=executor, progress=progress.show)
-    results = [result for each in judged for result in each.results]
-    verdict = join(results, settings, [each.description for each in judged],
-                   incomplete=any(each.error or each.no_run for each in judged)).to_dict()
-    notes = [note for each in judged for note in each.notes]
-    notes += [f'{arguments.runs}: source {source} is none of the INPUTs' for source in elsewhere]
-    for note in notes:
+        judged = judge_bags(arguments.inputs, settings, runs=arguments.runs or None,
+                            takers=takers, sketched=bool(arguments.report), jobs=arguments.jobs,
+                            executor=executor, progress=progress.show)
+    for note in judged.notes:
         print(f'note: {note}', file=sys.stderr)
+    verdict = judged.verdict.to_dict()
     code = conclude(verdict, arguments)
     if arguments.report:
         with name_file(arguments.report):
-            write(verdict, arguments.report, [each.sketch for each in judged if each.sketch])
+            write(verdict, arguments.report, judged.sketches)
     return code
 
 
