@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from concurrent.futures import Future, ThreadPoolExecutor
 import hashlib
 from pathlib import Path
@@ -18,7 +17,7 @@ from heading_intercompare.bags.recording.recorder_losses import RECORDING, tell_
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.core.offline import judge_aligned
-from heading_intercompare.core.pairing.ledger import Ledger
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pairing.pending_readings import is_rising
 from heading_intercompare.core.pipeline import Compliance, Intercomparison
 from heading_intercompare.core.records import Headings, Pairs
@@ -111,9 +110,9 @@ def _analyze_csv(path: str, name: str, settings: Settings,
         ledger.receive('rs', pairs.stamp_ns)
         rises = is_rising(pairs.stamp_ns, newest_ns)
         for stream in ('ts', 'rs'):
-            ledger.add(f'{stream}_rejected.stamp_not_increasing', pairs.stamp_ns[~rises])
+            ledger.add(LedgerKey.rejected(stream, 'stamp_not_increasing'), pairs.stamp_ns[~rises])
         pairs = pairs[rises]
-        for key in ('paired', 'ts_paired', 'rs_used'):
+        for key in (LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED):
             ledger.add(key, pairs.stamp_ns)
         if len(pairs):
             newest_ns = int(pairs.stamp_ns[-1])
@@ -166,19 +165,17 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
 def _say_why_no_run(ledger: Ledger, settings: Settings,
                     runs: Sequence[tuple[int, int]] | None) -> str:
     """Say why no run came of an input, and what became of its readings."""
-    counts = Counter()
-    for segment in ledger.segments:
-        counts.update(segment.counts)
-    received = {stream: sum(segment.received(stream) for segment in ledger.segments)
-                for stream in ('ts', 'rs')}
-    rejected = [f'{n} {key[:2].upper()} {key.partition(".")[2]}' for key, n in counts.items()
-                if '_rejected.' in key]
+    total = ledger.total
+    # In the order in which they came to be known.
+    keys = dict.fromkeys(key for segment in ledger.segments for key in segment.counts)
+    rejected = [f'{total.counts[key]} {key.stream.upper()} {key.reason}' for key in keys
+                if key.reason]
     why = ('the table of runs has no row for it' if runs is not None and not runs else
-           'no pair was made' if not counts['paired'] else
+           'no pair was made' if not ledger.paired else
            'none of its pairs is in a run of at least runs.min_duration_s = '
            f'{settings.runs.min_duration_s:g} s')
-    return (f'{why}; {received["ts"]} TS and {received["rs"]} RS readings received, '
-            f'{counts["paired"]} paired, rejected: {", ".join(rejected) or "none"}')
+    return (f'{why}; {total.received("ts")} TS and {total.received("rs")} RS readings received, '
+            f'{ledger.paired} paired, rejected: {", ".join(rejected) or "none"}')
 
 
 def _set_marks(comparison: Intercomparison, reader: BagReader) -> None:

@@ -10,7 +10,7 @@ from typing import Any, Callable, Iterable, Mapping, Sequence
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.sequential import find_standing, Look, LookVerdict
 from heading_intercompare.core.pairing.difference import subtract
-from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.runs.growing_columns import Keep
 from heading_intercompare.core.runs.live_figures import compute_figures
@@ -180,8 +180,8 @@ class Compliance:
         if not results:
             return []
         if ledger is None:
-            shares = [LedgerSegment(cut_ns, dict.fromkeys(('paired', 'ts_paired', 'rs_used'),
-                                                          r.verdict.n_input))
+            keys = LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED
+            shares = [LedgerSegment(cut_ns, dict.fromkeys(keys, r.verdict.n_input))
                       for r, cut_ns in self._finished]
             inside = shares
         else:

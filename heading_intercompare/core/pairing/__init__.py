@@ -8,7 +8,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'difference': ('subtract',),
     'direction': ('typical_step_ns',),
     'ensembles': ('Ensembles', 'Ensembling'),
-    'ledger': ('Ledger', 'LedgerSegment', 'REASONS'),
+    'ledger': ('Ledger', 'LedgerKey', 'LedgerSegment', 'REASONS'),
     'pairer': ('pair', 'Pairer'),
     'pending_readings': ('is_rising',),
 })

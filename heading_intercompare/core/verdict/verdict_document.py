@@ -21,7 +21,7 @@ from heading_intercompare.core.diagnostics.assumptions import Assumption
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
 from heading_intercompare.core.outcome import Outcome, worst
-from heading_intercompare.core.pairing.ledger import LedgerSegment, REASONS
+from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.statistics.normality import Normality
@@ -92,13 +92,13 @@ class PairingFigures:
            ts_variance_factor: float | None) -> 'PairingFigures':
         """Return the figures; readings still pending count as not yet received."""
         counts = share.counts
-        rejected = {s: {r: counts[f'{s}_rejected.{r}'] for r in REASONS
-                        if counts.get(f'{s}_rejected.{r}')} for s in ('ts', 'rs')}
-        return cls(share.received('ts') - counts.get('ts_pending', 0),
-                   share.received('rs') - counts.get('rs_pending', 0),
-                   *(counts.get(k, 0) for k in ('paired', 'ts_paired', 'ts_used', 'ts_unpaired',
-                                                'rs_used', 'rs_unused')),
-                   rejected, mean_lag_s, max_lag_s, rs_variance_factor, ts_variance_factor)
+        return cls(share.received('ts') - counts.get(LedgerKey.TS_PENDING, 0),
+                   share.received('rs') - counts.get(LedgerKey.RS_PENDING, 0),
+                   *(counts.get(key, 0) for key in (
+                       LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.TS_USED,
+                       LedgerKey.TS_UNPAIRED, LedgerKey.RS_USED, LedgerKey.RS_UNUSED)),
+                   {stream: share.rejected(stream) for stream in ('ts', 'rs')},
+                   mean_lag_s, max_lag_s, rs_variance_factor, ts_variance_factor)
 
 
 @dataclass(frozen=True, slots=True)
