@@ -14,6 +14,7 @@ from concurrent.futures import (
 )
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
@@ -118,14 +119,14 @@ def _once(judged: Sequence[Judged]) -> list[Judged]:
     first: dict[str | None, Judged] = {}
     found = []
     for each in judged:
-        digest = each.description['sha256']
+        digest = each.description.sha256
         if digest is None or first.setdefault(digest, each) is each:
             found.append(each)
             continue
         same = first[digest].path
         found.append(Judged(
             each.path, [], [f'{each.path}: not judged again: it has the data of {same}'],
-            {**each.description, 'same_as': same}, None))
+            replace(each.description, same_as=same), None))
     return found
 
 

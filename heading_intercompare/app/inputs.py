@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 import hashlib
 from pathlib import Path
-from typing import Any, Callable, Sequence
+from typing import Callable, Sequence
 
 from heading_intercompare.bags.codec.cdr import decode
 from heading_intercompare.bags.csv.pairs_csv import read_pairs_csv
@@ -23,6 +24,7 @@ from heading_intercompare.core.pipeline import Compliance, Intercomparison
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
+from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
 
 from .run_table import RunTable
 
@@ -35,7 +37,7 @@ _MARKER_TYPE = 'diagnostic_msgs/msg/DiagnosticArray'
 def analyze_input(path: str, settings: Settings, table: RunTable | None,
                   takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                   *, name: str | None = None,
-                  helpers: int = 0) -> tuple[list[RunResult], list[str], dict[str, Any]]:
+                  helpers: int = 0) -> tuple[list[RunResult], list[str], Input]:
     """
     Judge the runs of one input.
 
@@ -60,9 +62,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
     results : list of RunResult
     notes : list of str
         What the user should know of the input: unfinished bag, no run.
-    described : dict
-        Its entry in the verdict: name, SHA-256, topics, operator's notes; of an input without runs
-        also `no_run`, which says why there is none and what became of the readings.
+    described : Input
+        Its entry in the verdict.
 
     Raises
     ------
@@ -92,8 +93,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
                                                   all_read, helpers)
         described = _describe(bag, name, settings, digest[0].result())
     if not results:
-        described['no_run'] = _say_why_no_run(ledger, settings, runs)
-        notes.append(f'{name}: no run: {described["no_run"]}')
+        described = replace(described, no_run=_say_why_no_run(ledger, settings, runs))
+        notes.append(f'{name}: no run: {described.no_run}')
     return results, notes, described
 
 
@@ -195,13 +196,11 @@ def _set_marks(comparison: Intercomparison, reader: BagReader) -> None:
                            reader.path) from error
 
 
-def _describe(bag: BagReader | None, name: str, settings: Settings,
-              digest: str) -> dict[str, Any]:
-    notes = [] if bag is None else read_notes(bag)
-    return {'path': name, 'sha256': digest,
-            'ts_topic': None if bag is None else settings.ts_topic,
-            'rs_topic': None if bag is None else settings.rs_topic,
-            **({'notes': [note._asdict() for note in notes]} if notes else {})}
+def _describe(bag: BagReader | None, name: str, settings: Settings, digest: str) -> Input:
+    if bag is None:
+        return Input(name, digest)
+    notes = tuple(OperatorNote(note.stamp_ns, note.text) for note in read_notes(bag))
+    return Input(name, digest, settings.ts_topic, settings.rs_topic, notes or None)
 
 
 def sha256(path: str) -> str:

@@ -9,5 +9,6 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'headline': ('OUTCOME_WORDS',),
     'judge': ('compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult'),
     'validity': ('DOUBTFUL', 'VOID'),
-    'verdict_document': ('make_plain', 'RunVerdict', 'SCHEMA', 'Verdict'),
+    'verdict_document': ('Input', 'make_plain', 'OperatorNote', 'RunVerdict', 'SCHEMA', 'Verdict',
+                         'VerdictError'),
 })
