@@ -34,7 +34,7 @@ class Allowed(NamedTuple):
 ALLOWED = {
     '__init__': Allowed({'core', 'bags', 'app'}, set()),
     '_doors': Allowed(set(), set()),
-    'core': Allowed(set(), {'numpy', 'scipy'}),
+    'core': Allowed(set(), {'numpy', 'scipy', 'pandas'}),
     'drivers': Allowed({'core'}, {'numpy', 'serial'}),
     'ahrs': Allowed({'core'}, {'numpy', 'scipy'}),
     'bags': Allowed({'core'}, {'numpy', 'mcap', 'lz4', 'zstandard', 'isal'}),
@@ -50,9 +50,9 @@ ALLOWED = {
 # The table of docs/ARCHITECTURE.md, "Rooms": within a folder a room, or a module beside the rooms,
 # imports only what stands before it.
 ORDER = {
-    'core': ('records', 'angles', 'settings', 'outcome', 'version', 'statistics', 'pairing',
-             'timing', 'decision', 'runs', 'conditions', 'diagnostics', 'verdict', 'pipeline',
-             'offline'),
+    'core': ('records', 'angles', 'settings', 'outcome', 'version', 'utc_text', 'statistics',
+             'pairing', 'timing', 'decision', 'runs', 'conditions', 'diagnostics', 'verdict',
+             'pipeline', 'offline'),
     'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'gimballed',
              'sensors', 'simulator'),
     'bags': ('errors', 'checked_text', 'settings', 'mcap', 'codec', 'parallel', 'rosbag2',

@@ -30,6 +30,7 @@ from heading_intercompare.bags.codec.heading_messages import encode_imu, IMU
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.cli import main
+from heading_intercompare.report.json import parse
 
 distributed = pytest.importorskip('distributed', reason='distributed is not installed')
 threadpoolctl = pytest.importorskip('threadpoolctl', reason='threadpoolctl is not installed')
@@ -278,7 +279,7 @@ def test_a_scheduler_by_its_file_and_told_in_one_line_when_it_goes_away(
     alone, _ = analyze(capsys, inputs[0])
     shared, said = analyze(capsys, inputs[0], '--dask', file)
     # Alone it is judged in this process, where linear algebra may take several threads.
-    assert list(find_differences(json.loads(alone), json.loads(shared))) == [] and said == ''
+    assert list(find_differences(parse(alone), parse(shared))) == [] and said == ''
 
     def kill() -> None:
         with held(gate):

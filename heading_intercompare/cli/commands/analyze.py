@@ -9,19 +9,22 @@ from concurrent.futures import Executor
 from contextlib import ExitStack, nullcontext
 from pathlib import Path
 import sys
-from typing import Any, ContextManager, Mapping
+from typing import ContextManager, Sequence
 
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
 from heading_intercompare.cli.terminal.progress import Progress
-from heading_intercompare.cli.terminal.verdict_table import verdict_text
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.report import json, write, WRITERS
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.verdict.validity import DOUBTFUL
+from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.report import json, SeriesSketch, write, WRITERS
 
-__all__ = ['add_arguments', 'add_settings_arguments', 'add_verdict_arguments', 'conclude', 'run']
+__all__ = ['add_analysis_arguments', 'add_arguments', 'add_settings_arguments',
+           'add_verdict_arguments', 'check_report', 'conclude', 'deliver', 'run']
 
-_CHECK_CODES = {'compliant': 0, 'non_compliant': 1, 'indeterminate': 3}
+_CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4
 
 
@@ -44,6 +47,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('inputs', nargs='+', metavar='INPUT',
                         help='.mcap file, rosbag2 directory or .csv of pairs')
+    add_analysis_arguments(parser)
+    parser.add_argument('--report', metavar='F.html', help='write the protocol, with plots')
+    add_verdict_arguments(parser)
+
+
+def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say how inputs are judged, and the tables of their pairs."""
     parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor')
     parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor')
     add_settings_arguments(parser)
@@ -60,8 +70,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--dask', metavar='ADDRESS', help='judge the INPUTs on the workers of a '
                         'Dask scheduler, which see the same paths: tcp://HOST:8786, or its .json '
                         'file')
-    parser.add_argument('--report', metavar='F.html', help='write the protocol, with plots')
-    add_verdict_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -81,11 +89,16 @@ def run(arguments: argparse.Namespace) -> int:
                             executor=executor, progress=progress.show)
     for note in judged.notes:
         print(f'note: {note}', file=sys.stderr)
-    verdict = judged.verdict.to_dict()
+    return deliver(judged.verdict, arguments, judged.sketches)
+
+
+def deliver(verdict: Verdict, arguments: argparse.Namespace,
+            sketches: Sequence[SeriesSketch] = ()) -> int:
+    """Print and write the verdict, write the protocol if asked for; return the exit code."""
     code = conclude(verdict, arguments)
     if arguments.report:
         with name_file(arguments.report):
-            write(verdict, arguments.report, judged.sketches)
+            write(verdict, arguments.report, sketches)
     return code
 
 
@@ -119,8 +132,7 @@ def _check_options(arguments: argparse.Namespace) -> None:
     if arguments.dask is not None and arguments.jobs is not None:
         raise ValueError(f'--jobs {arguments.jobs}: with --dask the scheduler decides; '
                          'leave one of them out')
-    if arguments.report and Path(arguments.report).suffix not in WRITERS:
-        raise ValueError(f'--report {arguments.report}: must end with {" or ".join(WRITERS)}')
+    check_report(arguments)
     for option in ('csv', 'ensembles'):
         path = getattr(arguments, option)
         if path is not None and len(arguments.inputs) > 1:
@@ -130,14 +142,19 @@ def _check_options(arguments: argparse.Namespace) -> None:
             raise ValueError(f'--{option} {path}: pairs stay on the workers; leave out --dask')
 
 
-def conclude(verdict: Mapping[str, Any], arguments: argparse.Namespace) -> int:
+def check_report(arguments: argparse.Namespace) -> None:
+    """Refuse a protocol of an unknown form."""
+    if arguments.report and Path(arguments.report).suffix not in WRITERS:
+        raise ValueError(f'--report {arguments.report}: must end with {" or ".join(WRITERS)}')
+
+
+def conclude(verdict: Verdict, arguments: argparse.Namespace) -> int:
     """
     Print the verdict, write it as JSON if asked for, and return the exit code.
 
     Parameters
     ----------
-    verdict : mapping
-        `Verdict.to_dict()`, or the JSON of a report.
+    verdict : Verdict
     arguments : argparse.Namespace
         With `json` and `check`.
 
@@ -145,13 +162,13 @@ def conclude(verdict: Mapping[str, Any], arguments: argparse.Namespace) -> int:
     if arguments.json == '-':
         sys.stdout.write(json.render(verdict))
     else:
-        print(verdict_text(verdict))
+        print(verdict)
         if arguments.json:
             with name_file(arguments.json):
                 json.write(verdict, arguments.json)
     if not arguments.check:
         return 0
-    decided = verdict['outcome'] != 'indeterminate'
-    if decided and verdict['validity_effect'] == 'doubtful':
+    decided = verdict.outcome is not Outcome.INDETERMINATE
+    if decided and verdict.validity_effect == DOUBTFUL:
         return _DOUBTFUL_CODE
-    return _CHECK_CODES[verdict['outcome']]
+    return _CHECK_CODES[verdict.outcome]

@@ -13,6 +13,7 @@ from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.decision.coverage import least_duration_words
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.verdict.verdict_document import Verdict
 
 from .analyze import add_settings_arguments, add_verdict_arguments, conclude
 from .note import add_note_argument, read_notes
@@ -64,4 +65,4 @@ def run(arguments: argparse.Namespace) -> int:
             output=output, report_dir=config.sections.get('compliance', {}).get('report_dir'),
             own={**config.sections, 'recorder': recorder},
             progress=lambda n: progress.show(f'{n:,} pairs'))
-    return conclude(report, arguments)
+    return conclude(Verdict.from_dict(report), arguments)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The terminal: progress, keys, tables, streams that may be closed."""
+"""The terminal: progress, keys, streams that may be closed."""
 
 from heading_intercompare._doors import door
 
@@ -8,5 +8,4 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'keyboard': ('Keyboard',),
     'progress': ('Progress',),
     'standard_streams': ('safe_stderr', 'safe_stdout'),
-    'verdict_table': ('verdict_text',),
 })

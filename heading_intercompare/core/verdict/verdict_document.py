@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 import math
-from typing import Any, Mapping, Sequence
+from typing import Any, Mapping, Sequence, TYPE_CHECKING
 
 from heading_intercompare.core.decision.campaign import Together
 from heading_intercompare.core.decision.coverage import Coverage
@@ -34,8 +34,11 @@ from .headline import compose_headline
 from .typed_reader import is_left_out, left_out, read_plain, VerdictError
 from .validity import Finding, gravest
 
-__all__ = ['Campaign', 'Input', 'make_plain', 'OperatorNote', 'PairingFigures', 'RunVerdict',
-           'SCHEMA', 'Software', 'Verdict', 'VerdictError']
+if TYPE_CHECKING:
+    import pandas
+
+__all__ = ['Campaign', 'Input', 'make_plain', 'OperatorNote', 'PairingFigures', 'RejectedReadings',
+           'RunVerdict', 'SCHEMA', 'Software', 'Verdict', 'VerdictError']
 
 SCHEMA = 'heading_intercompare/verdict/2'
 
@@ -65,6 +68,14 @@ def make_plain(value: Any) -> Any:
 
 
 @dataclass(frozen=True, slots=True)
+class RejectedReadings:
+    """How many readings of each sensor were rejected before pairing, by reason."""
+
+    ts: Mapping[str, int]
+    rs: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
 class PairingFigures:
     """The share of one run in the pairing ledger, and the lags of its pairs."""
 
@@ -76,7 +87,7 @@ class PairingFigures:
     ts_unpaired: int
     rs_used: int
     rs_unused: int
-    rejected: Mapping[str, Mapping[str, int]]
+    rejected: RejectedReadings
     mean_lag_s: float | None
     max_lag_s: float | None
     rs_variance_factor: float | None
@@ -101,7 +112,7 @@ class PairingFigures:
                    *(counts.get(key, 0) for key in (
                        LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.TS_USED,
                        LedgerKey.TS_UNPAIRED, LedgerKey.RS_USED, LedgerKey.RS_UNUSED)),
-                   {stream: share.rejected(stream) for stream in ('ts', 'rs')},
+                   RejectedReadings(share.rejected('ts'), share.rejected('rs')),
                    mean_lag_s, max_lag_s, rs_variance_factor, ts_variance_factor)
 
 
@@ -312,6 +323,44 @@ class Verdict:
         return cls(outcome, line, gravest(r.validity_effect for r in runs),
                    worst(r.paper_outcome for r in runs), settings, tuple(inputs), campaign,
                    tuple(runs))
+
+    def __str__(self) -> str:
+        """Return the table that the command line prints."""
+        from .verdict_table import verdict_text
+        return verdict_text(self)
+
+    def __repr__(self) -> str:
+        """Return the headline."""
+        return f'<Verdict on {len(self.runs)} runs: {self.headline}>'
+
+    def _repr_html_(self) -> str:
+        """Return the same table for notebooks."""
+        from .verdict_table import verdict_html
+        return verdict_html(self)
+
+    def summary(self) -> str:
+        """Return the headline, and a line for each run."""
+        from .verdict_table import summary_text
+        return summary_text(self)
+
+    def to_frame(self) -> 'pandas.DataFrame':
+        """
+        Return the figures of the runs, a row each.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by the number of the run; a column each for figures and words, by the dotted
+            names of the JSON (``guarded.nu``). Lists are left out.
+
+        Raises
+        ------
+        ValueError
+            If pandas is not installed.
+
+        """
+        from .verdict_frame import frame_of_runs
+        return frame_of_runs(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the verdict as plain dictionaries and lists, ready for JSON."""
