@@ -43,10 +43,10 @@ from mcap.writer import CompressionType, Writer as McapWriter
 import numpy as np
 import zstandard
 
+from heading_intercompare.app.campaign import count_cores, MOST_READERS
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.cli.campaign import count_cores, MOST_READERS
 from heading_intercompare.core.angles import quaternion_from_heading
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.messages.cdr import encode

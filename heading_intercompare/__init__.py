@@ -4,7 +4,8 @@
 Decide, from recorded data, whether a heading sensor meets its accuracy norm.
 
 A tested sensor (TS) is compared with a reference sensor (RS) of the same ship. Start with
-`analyze`; the settings are those of the configuration file, by name.
+`analyze` for arrays and `analyze_bag` for a recording; the settings are those of the configuration
+file, by name.
 """
 
 from typing import TYPE_CHECKING
@@ -13,19 +14,28 @@ from heading_intercompare._doors import door
 from heading_intercompare.core.version import VERSION as __version__
 
 __getattr__, __dir__, __all__ = door(__name__, {
+    'app.analysis': ('analyze_bag', 'analyze_bags', 'judge_bags'),
+    'bags.rosbag2.bag_reader': ('BagReader',),
     'core.diagnostics.three_cornered_hat': ('three_cornered_hat',),
     'core.offline': ('analyze',),
     'core.outcome': ('Outcome',),
     'core.pairing.pairer': ('pair', 'Pairer'),
     'core.pipeline': ('Compliance', 'Intercomparison', 'join'),
     'core.records': ('Differences', 'Headings', 'Pairs'),
-    'core.settings': ('Settings', 'SettingsError'),
+    'core.settings': ('Alignment', 'CampaignRule', 'Detectors', 'Norms', 'Pairing', 'Risk',
+                      'RunCutting', 'Sequential', 'Settings', 'SettingsError'),
     'core.verdict.verdict_document': ('RunVerdict', 'Verdict'),
 })
 __all__ += ['__version__']
 
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
+    from .app.analysis import (
+        analyze_bag as analyze_bag,
+        analyze_bags as analyze_bags,
+        judge_bags as judge_bags,
+    )
+    from .bags.rosbag2.bag_reader import BagReader as BagReader
     from .core.diagnostics.three_cornered_hat import three_cornered_hat as three_cornered_hat
     from .core.offline import analyze as analyze
     from .core.outcome import Outcome as Outcome
@@ -36,5 +46,16 @@ if TYPE_CHECKING:
         join as join,
     )
     from .core.records import Differences as Differences, Headings as Headings, Pairs as Pairs
-    from .core.settings import Settings as Settings, SettingsError as SettingsError
+    from .core.settings import (
+        Alignment as Alignment,
+        CampaignRule as CampaignRule,
+        Detectors as Detectors,
+        Norms as Norms,
+        Pairing as Pairing,
+        Risk as Risk,
+        RunCutting as RunCutting,
+        Sequential as Sequential,
+        Settings as Settings,
+        SettingsError as SettingsError,
+    )
     from .core.verdict.verdict_document import RunVerdict as RunVerdict, Verdict as Verdict

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+from inspect import signature
 from pathlib import Path
 import re
 import runpy
@@ -14,6 +16,8 @@ import yaml
 from heading_intercompare.core.settings import (
     from_mapping,
     list_settings,
+    Norms,
+    Risk,
     Settings,
     SettingsError,
     to_mapping,
@@ -151,6 +155,29 @@ def test_nested_and_dotted_names_mean_the_same_and_an_integer_is_a_number():
     dotted = Settings.from_mapping({'norms.sigma_max_deg': 1.0, 'window_s': 60.0})
     assert nested == dotted
     assert type(nested.window_s) is float
+
+
+def test_settings_are_made_by_keyword_and_checked():
+    made = Settings(norms=Norms(sigma_max_deg=0.3, sigma_ref_max_deg=1), risk=Risk(
+        sensor_class='ins'), variant='C')
+    assert made == Settings.from_mapping({
+        'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 1.0},
+        'risk.sensor_class': 'ins', 'variant': 'C'})
+    # Where a group is named, so are its settings: who types sees what there is.
+    for group in (Settings, Norms, Risk):
+        assert [*signature(group).parameters] == [f.name for f in fields(group)]
+
+
+@pytest.mark.parametrize('make, words', [
+    (lambda: Norms(sigma_max_deg=-0.1), r'sigma_max_deg = -0.1: must be a number of at least 0'),
+    (lambda: Risk(sensor_class='gyro'), "sensor_class = 'gyro': must be 'gyrocompass' or "),
+    (lambda: Settings(norms={'sigma_max_deg': 0.3}),
+     r"norms = {'sigma_max_deg': 0.3}: must be Norms\(...\); from_mapping takes mappings"),
+    (lambda: Settings(norms=None), r'norms = None: must be Norms\(...\)'),
+    (lambda: Settings(risk=Norms()), r'risk = Norms\(.*\): must be Risk\(...\)')])
+def test_what_is_given_by_keyword_is_refused_by_name_and_value(make, words):
+    with pytest.raises(SettingsError, match=words):
+        make()
 
 
 def test_ros_reads_the_parameter_file_as_the_command_line_does():

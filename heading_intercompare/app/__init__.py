@@ -1,28 +1,43 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Use cases of the command line, without arguments and without output."""
+"""Use cases without arguments and without output: what the command line and scripts do."""
 
 from typing import TYPE_CHECKING
 
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
-    'cluster': ('Cluster',),
+    'analysis': ('analyze_bag', 'analyze_bags', 'judge_bags', 'Judgement'),
+    'campaign': ('judge_inputs',),
+    'cluster': ('open_cluster',),
     'compare_verdicts': ('find_differences',),
     'config': ('load_config', 'settings_for'),
     'inputs': ('analyze_input', 'sha256'),
     'job': ('Job', 'Judged'),
+    'outputs': ('check_outputs', 'open_tables', 'Outputs'),
     'run_table': ('assign_runs', 'read_run_table', 'RunTable'),
     'scenarios': ('read_scenario', 'ScenarioFile'),
 })
 
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
-    from .cluster import Cluster as Cluster
+    from .analysis import (
+        analyze_bag as analyze_bag,
+        analyze_bags as analyze_bags,
+        judge_bags as judge_bags,
+        Judgement as Judgement,
+    )
+    from .campaign import judge_inputs as judge_inputs
+    from .cluster import open_cluster as open_cluster
     from .compare_verdicts import find_differences as find_differences
     from .config import load_config as load_config, settings_for as settings_for
     from .inputs import analyze_input as analyze_input, sha256 as sha256
     from .job import Job as Job, Judged as Judged
+    from .outputs import (
+        check_outputs as check_outputs,
+        open_tables as open_tables,
+        Outputs as Outputs,
+    )
     from .run_table import (
         assign_runs as assign_runs,
         read_run_table as read_run_table,

@@ -1,24 +1,21 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Inputs judged by the workers of a Dask cluster."""
+"""The workers of a Dask cluster as an executor of the standard library."""
 
 from __future__ import annotations
 
 import asyncio
-from concurrent.futures import CancelledError, Executor, FIRST_COMPLETED, Future, wait
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from contextlib import contextmanager
 from functools import partial
-from importlib.metadata import version
 import json
 import logging
-import os
 from pathlib import Path
 from pkgutil import resolve_name
-from socket import gethostname
 import struct
-from threading import Lock
+from threading import Event, Lock, Thread
 from time import monotonic
-from typing import Any, Callable, Iterable, Iterator, Mapping
+from typing import Any, Callable, Iterator, Mapping, NamedTuple
 import warnings
 
 from distributed import (
@@ -30,13 +27,10 @@ from distributed import (
     TimeoutError as DaskTimeoutError,
 )
 from distributed.versions import VersionMismatchWarning
-from threadpoolctl import threadpool_limits
 
 from heading_intercompare.core.version import VERSION
 
-from .job import Job, Judged
-
-__all__ = ['Cluster']
+__all__ = ['open_cluster']
 
 #: How long scheduler and workers may take to answer.
 _CONNECT_S = 15.0
@@ -52,134 +46,165 @@ _DIED = 'the workers that judged it died (out of memory?)'
 _LOST = 'the scheduler or its last worker was lost'
 
 
-class Cluster:
+@contextmanager
+def open_cluster(given: str) -> Iterator[Executor]:
     """
-    The workers of a Dask scheduler, as `campaign.Workers`.
+    Give the workers of a Dask scheduler; at the end of the context nothing is begun any more.
 
     Parameters
     ----------
-    address : str
-        Of the scheduler, ``tcp://HOST:8786``; or the ``.json`` file in which it says so.
+    given : str
+        Address of the scheduler, ``tcp://HOST:8786``; or the ``.json`` file in which it says so.
+
+    Yields
+    ------
+    concurrent.futures.Executor
+        Of which a future ends with a `BrokenExecutor`, which says why, if the workers that had it
+        died, or if nobody is there any more.
 
     Raises
     ------
     OSError, ValueError
-        If the file cannot be read, or is not that of a scheduler.
-
-    Notes
-    -----
-    Scheduler and workers need the version of this package that is here. What comes back of an
-    input are the figures of its runs, never its pairs.
+        If the file cannot be read, or is not that of a scheduler; if the scheduler cannot be
+        reached, has no worker, or it or a worker has another version of Dask or of this package.
 
     """
-
-    def __init__(self, address: str) -> None:
-        self._given = address
-        self._address = _address_in(address) if address.endswith('.json') else address
-        self._client: Client | None = None
-
-    @contextmanager
-    def open(self) -> Iterator[Executor]:
-        """
-        Connect; at the end of the context nothing is begun any more.
-
-        Raises
-        ------
-        ValueError
-            If the scheduler cannot be reached, has no worker, or it or a worker has another
-            version of Dask or of this package.
-
-        """
-        with _silence(), self._connected() as self._client:
-            self._check()
-            pool = self._client.get_executor(pure=False)
-            try:
-                yield pool
-            finally:
-                pool.shutdown(wait=False)
-
-    def task(self, job: Job, path: str) -> Callable[[], Judged]:
-        """Return what a worker has to do: its working directory is another."""
-        return partial(_judge, job, path, os.path.abspath(path), _libraries())
-
-    def completed(self, futures: Iterable[Future]) -> Iterator[Future]:
-        """Yield what is done; what nobody is there to do any more, too."""
-        waiting, seen_s = set(futures), monotonic()
-        while waiting:
-            done, waiting = wait(waiting, _LOOK_S, FIRST_COMPLETED)
-            yield from done
-            if done or self._anybody():
-                seen_s = monotonic()
-            elif monotonic() - seen_s > _DESERTED_S:
-                for future in waiting:
-                    future.cancel()
-                yield from waiting
-                return
-
-    def result(self, job: Job, path: str, future: Future) -> Judged:
-        """Return what a worker said; or that there is none who could."""
+    place = _Place(given, _address_in(given) if given.endswith('.json') else given)
+    with _silence(), _connected(place) as client:
+        _check(client, place)
+        pool = _Workers(client)
         try:
-            return future.result()
-        except KilledWorker:
-            return job.unread(path, _DIED)
-        except CancelledError:
-            return job.unread(path, _LOST)
+            yield pool
+        finally:
+            pool.shutdown(wait=False)
 
-    @contextmanager
-    def _connected(self) -> Iterator[Client]:
-        # A client stumbles over a scheduler of another version, and is slow to get up.
-        try:
-            found = asyncio.run(_version_of(self._address))
-        except _NO_SCHEDULER as error:
-            why = ('what does is another program' if isinstance(error, _BABBLE) else
-                   str(error) or f'not within {_CONNECT_S:g} s')
-            raise self._refused(f'no Dask scheduler answers there: {why}') from error
-        self._same('distributed', DISTRIBUTED, {'the scheduler': found})
-        try:
-            with warnings.catch_warnings():
-                # A table of libraries, most of which are none of our concern; see `_judge`.
-                warnings.simplefilter('ignore', VersionMismatchWarning)
-                client = Client(self._address, timeout=_CONNECT_S, set_as_default=False)
-        except _NO_SCHEDULER as error:
-            raise self._refused(f'the scheduler no longer answers: {error}') from error
-        with client:
-            yield client
 
-    def _anybody(self) -> bool:
-        """Tell whether there is a worker."""
-        try:
-            return bool(self._client.nthreads())
-        except (OSError, DaskTimeoutError):
-            return False
+class _Place(NamedTuple):
+    """A scheduler as the user named it, and its address."""
 
-    def _check(self) -> None:
-        """Refuse a cluster that would judge otherwise, or not at all."""
-        try:
-            self._client.wait_for_workers(1, timeout=_CONNECT_S)
-        except DaskTimeoutError as error:
-            raise self._refused('the scheduler has no workers') from error
-        for name, expected in (('distributed:__version__', DISTRIBUTED),
-                               ('heading_intercompare.core.version:VERSION', VERSION),
-                               (f'{__name__}:VERSION', VERSION)):
-            # A function of the standard library: ours cannot be sent where it is not installed.
-            found = self._client.run(resolve_name, name, on_error='return')
-            found = {f'worker {worker}': answer for worker, answer in found.items()}
-            try:
-                found['the scheduler'] = self._client.run_on_scheduler(resolve_name, name)
-            except (ImportError, AttributeError) as error:
-                found['the scheduler'] = error
-            self._same(name.partition('.')[0].partition(':')[0], expected, found)
+    given: str
+    address: str
 
-    def _same(self, package: str, expected: str, found: Mapping[str, object]) -> None:
+    def refused(self, why: str) -> ValueError:
+        """Return the error that names it."""
+        return ValueError(f'--dask {self.given}: {why}')
+
+    def same(self, package: str, expected: str, found: Mapping[str, object]) -> None:
         """Refuse who has not the version of a package that is here."""
         for who, answer in found.items():
             if answer != expected:
                 has = (f'cannot load it: {answer}' if isinstance(answer, BaseException)
                        else f'has {answer}')
-                raise self._refused(f'{package} is {expected} here, {who} {has}')
+                raise self.refused(f'{package} is {expected} here, {who} {has}')
 
-    def _refused(self, why: str) -> ValueError:
-        return ValueError(f'--dask {self._given}: {why}')
+
+class _Workers(Executor):
+    """The executor of Dask; a future that nobody is there to do ends, and says why."""
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+        self._pool = client.get_executor(pure=False)
+        self._lock = Lock()
+        self._waiting: dict[Future, Future] = {}
+        self._closed = Event()
+        self._watch = Thread(target=self._look, daemon=True)
+        self._watch.start()
+
+    def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future:
+        """Have a function called by a worker."""
+        promise: Future = Future()
+        theirs = self._pool.submit(function, *args, **kwargs)
+        with self._lock:
+            self._waiting[promise] = theirs
+        promise.add_done_callback(lambda _: promise.cancelled() and theirs.cancel())
+        theirs.add_done_callback(partial(self._settle, promise))
+        return promise
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Take nothing more; unless told to wait, take what is not done off the cluster."""
+        self._pool.shutdown(wait=wait and not cancel_futures)
+        self._closed.set()
+        self._watch.join(_LOOK_S)
+
+    def _settle(self, promise: Future, theirs: Future) -> None:
+        """Pass on what came of a call."""
+        error = None if theirs.cancelled() else theirs.exception()
+        if theirs.cancelled() or isinstance(error, CancelledError):
+            self._end(promise, BrokenExecutor(_LOST))
+        elif isinstance(error, KilledWorker):
+            self._end(promise, BrokenExecutor(_DIED))
+        else:
+            self._end(promise, error, None if error else theirs.result())
+
+    def _end(self, promise: Future, error: BaseException | None, result: Any = None) -> None:
+        with self._lock:
+            if self._waiting.pop(promise, None) is None:
+                return
+        if not promise.set_running_or_notify_cancel():
+            return
+        if error is not None:
+            promise.set_exception(error)
+        else:
+            promise.set_result(result)
+
+    def _look(self) -> None:
+        """Give up what has been without a worker for too long."""
+        seen_s = monotonic()
+        while not self._closed.wait(_LOOK_S):
+            if not self._waiting or self._anybody():
+                seen_s = monotonic()
+            elif monotonic() - seen_s > _DESERTED_S:
+                with self._lock:
+                    lost = [*self._waiting]
+                for promise in lost:
+                    self._end(promise, BrokenExecutor(_LOST))
+
+    def _anybody(self) -> bool:
+        """Tell whether there is a worker."""
+        try:
+            return bool(self._client.nthreads())
+        except (CancelledError, *_NO_SCHEDULER):
+            return False
+
+
+@contextmanager
+def _connected(place: _Place) -> Iterator[Client]:
+    # A client stumbles over a scheduler of another version, and is slow to get up.
+    try:
+        found = asyncio.run(_version_of(place.address))
+    except _NO_SCHEDULER as error:
+        why = ('what does is another program' if isinstance(error, _BABBLE) else
+               str(error) or f'not within {_CONNECT_S:g} s')
+        raise place.refused(f'no Dask scheduler answers there: {why}') from error
+    place.same('distributed', DISTRIBUTED, {'the scheduler': found})
+    try:
+        with warnings.catch_warnings():
+            # A table of libraries, most of which are none of our concern; see `remote_task`.
+            warnings.simplefilter('ignore', VersionMismatchWarning)
+            client = Client(place.address, timeout=_CONNECT_S, set_as_default=False)
+    except _NO_SCHEDULER as error:
+        raise place.refused(f'the scheduler no longer answers: {error}') from error
+    with client:
+        yield client
+
+
+def _check(client: Client, place: _Place) -> None:
+    """Refuse a cluster that would judge otherwise, or not at all."""
+    try:
+        client.wait_for_workers(1, timeout=_CONNECT_S)
+    except DaskTimeoutError as error:
+        raise place.refused('the scheduler has no workers') from error
+    for name, expected in (('distributed:__version__', DISTRIBUTED),
+                           ('heading_intercompare.core.version:VERSION', VERSION),
+                           ('heading_intercompare.app.remote_task:VERSION', VERSION)):
+        # A function of the standard library: ours cannot be sent where it is not installed.
+        found = client.run(resolve_name, name, on_error='return')
+        found = {f'worker {worker}': answer for worker, answer in found.items()}
+        try:
+            found['the scheduler'] = client.run_on_scheduler(resolve_name, name)
+        except (ImportError, AttributeError) as error:
+            found['the scheduler'] = error
+        place.same(name.partition('.')[0].partition(':')[0], expected, found)
 
 
 def _address_in(path: str) -> str:
@@ -218,49 +243,3 @@ def _silence() -> Iterator[None]:
     finally:
         for logger, level in zip(loggers, levels):
             logger.setLevel(level)
-
-
-class _OneThread:
-    """
-    Linear algebra with one thread while any task of this process is under way.
-
-    As in the processes of `campaign`; a worker may have several tasks at once, and started without
-    a nanny it computes with as many threads as it has cores.
-    """
-
-    def __init__(self) -> None:
-        self._lock = Lock()
-        self._tasks = 0
-        self._limits: threadpool_limits | None = None
-
-    def __enter__(self) -> None:
-        with self._lock:
-            if not self._tasks:
-                self._limits = threadpool_limits(1)
-            self._tasks += 1
-
-    def __exit__(self, *exc: object) -> None:
-        with self._lock:
-            self._tasks -= 1
-            if not self._tasks:
-                self._limits.restore_original_limits()
-
-
-_ONE_THREAD = _OneThread()
-
-
-def _judge(job: Job, path: str, place: str, libraries: str) -> Judged:
-    """Judge an input, on a worker, and say where if that mattered."""
-    with _ONE_THREAD:
-        judged = job.survive(path, place)
-    if judged.error is not None:
-        return job.unread(path, f'{judged.error} (on {gethostname()})')
-    if libraries != _libraries():
-        judged.notes.append(f'{path}: judged with {_libraries()} on {gethostname()}, here are '
-                            f'{libraries}: last digits may differ')
-    return judged
-
-
-def _libraries() -> str:
-    """Return the versions on which the last bits of figures depend."""
-    return ' and '.join(f'{name} {version(name)}' for name in ('numpy', 'scipy'))

@@ -4,11 +4,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 import hashlib
 from pathlib import Path
-from typing import Any, Callable, Sequence
+from typing import Callable, Sequence
 
 from heading_intercompare.bags.csv.pairs_csv import read_pairs_csv
 from heading_intercompare.bags.errors import BagError
@@ -17,12 +17,13 @@ from heading_intercompare.bags.recording.recorder_losses import RECORDING, tell_
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.core.offline import judge_aligned
-from heading_intercompare.core.pairing.ledger import Ledger
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pairing.pending_readings import is_rising
 from heading_intercompare.core.pipeline import Compliance, Intercomparison
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
+from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
 from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
 from heading_intercompare.messages.status_messages import STATUS_TYPE
 
@@ -34,7 +35,7 @@ __all__ = ['analyze_input', 'sha256']
 def analyze_input(path: str, settings: Settings, table: RunTable | None,
                   takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                   *, name: str | None = None,
-                  helpers: int = 0) -> tuple[list[RunResult], list[str], dict[str, Any]]:
+                  helpers: int = 0) -> tuple[list[RunResult], list[str], Input]:
     """
     Judge the runs of one input.
 
@@ -59,9 +60,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
     results : list of RunResult
     notes : list of str
         What the user should know of the input: unfinished bag, no run.
-    described : dict
-        Its entry in the verdict: name, SHA-256, topics, operator's notes; of an input without runs
-        also `no_run`, which says why there is none and what became of the readings.
+    described : Input
+        Its entry in the verdict.
 
     Raises
     ------
@@ -91,8 +91,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
                                                   all_read, helpers)
         described = _describe(bag, name, settings, digest[0].result())
     if not results:
-        described['no_run'] = _say_why_no_run(ledger, settings, runs)
-        notes.append(f'{name}: no run: {described["no_run"]}')
+        described = replace(described, no_run=_say_why_no_run(ledger, settings, runs))
+        notes.append(f'{name}: no run: {described.no_run}')
     return results, notes, described
 
 
@@ -109,9 +109,9 @@ def _analyze_csv(path: str, name: str, settings: Settings,
         ledger.receive('rs', pairs.stamp_ns)
         rises = is_rising(pairs.stamp_ns, newest_ns)
         for stream in ('ts', 'rs'):
-            ledger.add(f'{stream}_rejected.stamp_not_increasing', pairs.stamp_ns[~rises])
+            ledger.add(LedgerKey.rejected(stream, 'stamp_not_increasing'), pairs.stamp_ns[~rises])
         pairs = pairs[rises]
-        for key in ('paired', 'ts_paired', 'rs_used'):
+        for key in (LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED):
             ledger.add(key, pairs.stamp_ns)
         if len(pairs):
             newest_ns = int(pairs.stamp_ns[-1])
@@ -164,19 +164,17 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
 def _say_why_no_run(ledger: Ledger, settings: Settings,
                     runs: Sequence[tuple[int, int]] | None) -> str:
     """Say why no run came of an input, and what became of its readings."""
-    counts = Counter()
-    for segment in ledger.segments:
-        counts.update(segment.counts)
-    received = {stream: sum(segment.received(stream) for segment in ledger.segments)
-                for stream in ('ts', 'rs')}
-    rejected = [f'{n} {key[:2].upper()} {key.partition(".")[2]}' for key, n in counts.items()
-                if '_rejected.' in key]
+    total = ledger.total
+    # In the order in which they came to be known.
+    keys = dict.fromkeys(key for segment in ledger.segments for key in segment.counts)
+    rejected = [f'{total.counts[key]} {key.stream.upper()} {key.reason}' for key in keys
+                if key.reason]
     why = ('the table of runs has no row for it' if runs is not None and not runs else
-           'no pair was made' if not counts['paired'] else
+           'no pair was made' if not ledger.paired else
            'none of its pairs is in a run of at least runs.min_duration_s = '
            f'{settings.runs.min_duration_s:g} s')
-    return (f'{why}; {received["ts"]} TS and {received["rs"]} RS readings received, '
-            f'{counts["paired"]} paired, rejected: {", ".join(rejected) or "none"}')
+    return (f'{why}; {total.received("ts")} TS and {total.received("rs")} RS readings received, '
+            f'{ledger.paired} paired, rejected: {", ".join(rejected) or "none"}')
 
 
 def _set_marks(comparison: Intercomparison, reader: BagReader) -> None:
@@ -193,13 +191,11 @@ def _set_marks(comparison: Intercomparison, reader: BagReader) -> None:
                            reader.path) from error
 
 
-def _describe(bag: BagReader | None, name: str, settings: Settings,
-              digest: str) -> dict[str, Any]:
-    notes = [] if bag is None else read_notes(bag)
-    return {'path': name, 'sha256': digest,
-            'ts_topic': None if bag is None else settings.ts_topic,
-            'rs_topic': None if bag is None else settings.rs_topic,
-            **({'notes': [note._asdict() for note in notes]} if notes else {})}
+def _describe(bag: BagReader | None, name: str, settings: Settings, digest: str) -> Input:
+    if bag is None:
+        return Input(name, digest)
+    notes = tuple(OperatorNote(note.stamp_ns, note.text) for note in read_notes(bag))
+    return Input(name, digest, settings.ts_topic, settings.rs_topic, notes or None)
 
 
 def sha256(path: str) -> str:

@@ -7,11 +7,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Callable, Iterable
+from typing import Callable, Iterable
 
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
+from heading_intercompare.core.verdict.verdict_document import Input
 from heading_intercompare.report import SeriesSketch
 
 from .inputs import analyze_input
@@ -33,9 +34,8 @@ class Judged:
         Its runs.
     notes : list of str
         What the user should know of it.
-    description : dict
-        Its entry in the verdict; with `error` if it could not be read, with `no_run` if no run
-        came of it.
+    description : Input
+        Its entry in the verdict.
     sketch : SeriesSketch or None
         For the graphs of a report, if asked for.
 
@@ -44,18 +44,18 @@ class Judged:
     path: str
     results: list[RunResult]
     notes: list[str]
-    description: dict[str, Any]
+    description: Input
     sketch: SeriesSketch | None
 
     @property
     def error(self) -> str | None:
         """Why it could not be read."""
-        return self.description.get('error')
+        return self.description.error
 
     @property
     def no_run(self) -> str | None:
         """Why no run came of it."""
-        return self.description.get('no_run')
+        return self.description.no_run
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,8 +109,8 @@ class Job:
     def unread(self, path: str, why: str) -> Judged:
         """Return what there is to say of an input that could not be read."""
         why = ' '.join(why.split())
-        bag = Path(path).suffix != '.csv'
+        topics = (None, None)
+        if Path(path).suffix != '.csv':
+            topics = (self.settings.ts_topic, self.settings.rs_topic)
         return Judged(path, [], [f'{path}: not judged: {why}'],
-                      {'path': path, 'sha256': None,
-                       'ts_topic': self.settings.ts_topic if bag else None,
-                       'rs_topic': self.settings.rs_topic if bag else None, 'error': why}, None)
+                      Input(path, None, *topics, error=why), None)

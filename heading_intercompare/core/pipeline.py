@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Callable, Iterable, Mapping, Sequence
+from typing import Any, Callable, Iterable, Sequence
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.sequential import find_standing, Look, LookVerdict
 from heading_intercompare.core.pairing.difference import subtract
-from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.runs.growing_columns import Keep
 from heading_intercompare.core.runs.live_figures import compute_figures
@@ -24,7 +24,7 @@ from heading_intercompare.core.verdict.judge import (
     look_at,
     RunResult,
 )
-from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.core.verdict.verdict_document import Input, Verdict
 
 from .outcome import Outcome, worst
 from .records import Headings, Pairs
@@ -181,8 +181,8 @@ class Compliance:
         if not results:
             return []
         if ledger is None:
-            shares = [LedgerSegment(cut_ns, dict.fromkeys(('paired', 'ts_paired', 'rs_used'),
-                                                          r.verdict.n_input))
+            keys = LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED
+            shares = [LedgerSegment(cut_ns, dict.fromkeys(keys, r.verdict.n_input))
                       for r, cut_ns in self._finished]
             inside = shares
         else:
@@ -196,13 +196,13 @@ class Compliance:
                 for at, (r, share, within) in enumerate(zip(results, shares, inside))]
 
     def verdict(self, ledger: Ledger | None = None,
-                inputs: Iterable[Mapping[str, Any]] = ()) -> Verdict:
+                inputs: Iterable[Input] = ()) -> Verdict:
         """Return the verdict on the runs judged so far."""
         return join(self.results(ledger), self.settings, inputs)
 
 
 def join(results: Sequence[RunResult], settings: Settings,
-         inputs: Iterable[Mapping[str, Any]] = (), *, incomplete: bool = False) -> Verdict:
+         inputs: Iterable[Input] = (), *, incomplete: bool = False) -> Verdict:
     """
     Return the verdict on runs, numbered in the order given.
 
@@ -211,8 +211,8 @@ def join(results: Sequence[RunResult], settings: Settings,
     results : sequence of RunResult
         Of one input or of several.
     settings : Settings
-    inputs : iterable of mapping
-        ``path``, ``sha256``, ``ts_topic``, ``rs_topic`` of each input.
+    inputs : iterable of Input
+        Where the runs come from.
     incomplete : bool
         Whether there are inputs that could not be judged; then the verdict is not compliant.
 
@@ -284,6 +284,6 @@ class Intercomparison:
         """Return the runs judged so far, for `join` with those of other inputs."""
         return self.compliance.results(self.pairer.ledger)
 
-    def verdict(self, inputs: Iterable[Mapping[str, Any]] = ()) -> Verdict:
+    def verdict(self, inputs: Iterable[Input] = ()) -> Verdict:
         """Return the verdict on the runs judged so far."""
         return join(self.results(), self.compliance.settings, inputs)

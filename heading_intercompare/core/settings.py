@@ -95,6 +95,13 @@ _hints_of = cache(get_type_hints)
 
 
 @cache
+def _groups_of(settings_class: type) -> dict[str, type]:
+    """Return the settings classes nested in one, by name."""
+    return {f.name: hint for f in fields(settings_class)
+            if is_dataclass(hint := _hints_of(settings_class)[f.name])}
+
+
+@cache
 def list_settings(settings_class: type, prefix: str = '') -> tuple[Setting, ...]:
     """Return the settings of a class and of the classes nested in it, with dotted names."""
     found: list[Setting] = []
@@ -208,10 +215,14 @@ class Checked:
     __slots__ = ()
 
     def __post_init__(self) -> None:
-        """Check every plain field and normalise its type."""
+        """Check every field, and normalise the type of the plain ones."""
         for rule in list_settings(type(self)):
             if '.' not in rule.name:
                 object.__setattr__(self, rule.name, _check_value(rule, getattr(self, rule.name)))
+        for name, group in _groups_of(type(self)).items():
+            if not isinstance(getattr(self, name), group):
+                raise SettingsError(f'{name} = {getattr(self, name)!r}: must be '
+                                    f'{group.__name__}(...); from_mapping takes mappings')
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Mapping, Sequence
+from typing import Sequence
+
+from heading_intercompare.core.verdict.verdict_document import Verdict
 
 from . import html, json
 from .series_sketch import SeriesSketch
@@ -15,15 +17,14 @@ __all__ = ['SeriesSketch', 'write', 'WRITERS']
 WRITERS = {'.html': html.write, '.json': json.write}
 
 
-def write(verdict: Mapping[str, Any], path: str | Path,
+def write(verdict: Verdict, path: str | Path,
           sketches: Sequence[SeriesSketch] = ()) -> None:
     """
     Write a verdict in the form that the suffix names.
 
     Parameters
     ----------
-    verdict : mapping
-        `Verdict.to_dict()`, or the JSON of a report.
+    verdict : Verdict
     path : str or Path
         Ending in a key of `WRITERS`.
     sketches : sequence of SeriesSketch

@@ -1,20 +1,19 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Figures, stamps and blocks of a verdict as people read them; what is absent is a dash."""
+"""Figures and blocks of a verdict as people read them; what is absent is a dash."""
 
 from __future__ import annotations
 
-from datetime import datetime, timezone
 import math
 from typing import Any, Iterator, Mapping
 
-from .vocabulary import OUTCOME_WORDS
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.verdict.verdict_document import make_plain
+from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS
 
-__all__ = ['ABSENT', 'exact', 'explain_no_run', 'flat', 'interval', 'NO_RUN', 'number', 'outcome',
-           'utc', 'value']
+__all__ = ['ABSENT', 'exact', 'flat', 'interval', 'number', 'outcome', 'value']
 
 ABSENT = '-'
-NO_RUN = 'No run: no pair was made, or none in a run long enough.'
 
 _LONGEST_LIST = 12
 
@@ -41,16 +40,9 @@ def interval(low: float | None, up: float | None) -> str:
     return f'{number(low)} .. {number(up)}' if (low, up) != (None, None) else ABSENT
 
 
-def outcome(word: str | None) -> str:
+def outcome(found: Outcome | None) -> str:
     """Return the words of an outcome."""
-    return ABSENT if word is None else OUTCOME_WORDS.get(word, word)
-
-
-def explain_no_run(given: Mapping[str, Any]) -> str | None:
-    """Return why no run came of an input, which is described as in the JSON; None if some did."""
-    if 'same_as' in given:
-        return f'it has the data of {given["same_as"]}'
-    return given.get('error') or given.get('no_run')
+    return ABSENT if found is None else OUTCOME_WORDS[found]
 
 
 def value(thing: Any) -> str:
@@ -73,24 +65,16 @@ def exact(thing: Any) -> str:
     return repr(thing) if isinstance(thing, float) and math.isfinite(thing) else value(thing)
 
 
-def utc(stamp_ns: int | None) -> str:
-    """Return a stamp as UTC text, rounded down to milliseconds."""
-    if stamp_ns is None:
-        return ABSENT
-    seconds, ns = divmod(stamp_ns, 1_000_000_000)
-    try:
-        moment = datetime.fromtimestamp(seconds, timezone.utc)
-    except (OverflowError, OSError, ValueError):
-        return f'{stamp_ns} ns'
-    return f'{moment:%Y-%m-%d %H:%M:%S}.{ns // 1_000_000:03d}'
+def flat(block: Any) -> Iterator[tuple[str, Any]]:
+    """Yield dotted names and values of a nested dataclass, lists of such numbered from 1."""
+    yield from _flatten(make_plain(block), '')
 
 
-def flat(block: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
-    """Yield dotted names and values of a nested block, lists of blocks numbered from 1."""
+def _flatten(block: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
     for name, thing in block.items():
         if isinstance(thing, Mapping):
-            yield from flat(thing, f'{prefix}{name}.')
+            yield from _flatten(thing, f'{prefix}{name}.')
         elif isinstance(thing, (list, tuple)) and any(isinstance(v, Mapping) for v in thing):
-            yield from flat({str(at): v for at, v in enumerate(thing, 1)}, f'{prefix}{name}.')
+            yield from _flatten({str(at): v for at, v in enumerate(thing, 1)}, f'{prefix}{name}.')
         else:
             yield prefix + name, thing

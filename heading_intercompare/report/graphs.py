@@ -5,11 +5,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Iterator, Mapping, Sequence
+from typing import Iterator, Sequence
 
 import numpy as np
 
-from .formatting import number, utc
+from heading_intercompare.core.utc_text import utc
+from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
+
+from .formatting import number
 from .markup import Markup
 from .series_sketch import HEADING_BINS, SeriesSketch
 from .svg import Plot
@@ -20,59 +23,57 @@ _LIMIT, _TIGHTENED, _SIGMA, _NORM = '9 4', '2 3', '9 3 2 3', '14 4'
 _HISTOGRAM_BARS = 120
 _LOST_AT_MOST = 0.02
 
-Run = Mapping[str, Any]
 
-
-def _runs_of(sketch: SeriesSketch, runs: Sequence[Run]) -> list[Run]:
+def _runs_of(sketch: SeriesSketch, runs: Sequence[RunVerdict]) -> list[RunVerdict]:
     """Return the runs that lie in a sketch: of its source, else of any, by their time."""
     if sketch.time.start_ns is None:
         return []
-    inside = [r for r in runs if r['start_ns'] <= sketch.newest_ns
-              and r['end_ns'] >= sketch.time.start_ns]
-    return [r for r in inside if r['source'] == sketch.source] or inside
+    inside = [r for r in runs if r.start_ns <= sketch.newest_ns
+              and r.end_ns >= sketch.time.start_ns]
+    return [r for r in inside if r.source == sketch.source] or inside
 
 
-def draw_graphs(sketch: SeriesSketch, verdict: Mapping[str, Any]) -> Iterator[Markup]:
+def draw_graphs(sketch: SeriesSketch, verdict: Verdict) -> Iterator[Markup]:
     """
     Yield the graphs of a sketch; none without a difference.
 
     Parameters
     ----------
     sketch : SeriesSketch
-    verdict : mapping
-        `Verdict.to_dict()`; the limits of the runs in the sketch are drawn.
+    verdict : Verdict
+        The limits of the runs in the sketch are drawn.
 
     """
     if not sketch.n:
         return
-    runs = _runs_of(sketch, verdict['runs'])
+    runs = _runs_of(sketch, verdict.runs)
     name = _name(runs)
-    bands = [_Band(run, verdict['settings']['variant']) for run in runs]
-    norm = verdict['settings']['norms.total_error_max_deg']
-    yield _time(sketch, name, bands, verdict['settings']['runs.gap_s'])
+    bands = [_Band(run, verdict.settings.variant) for run in runs]
+    norm = verdict.settings.norms.total_error_max_deg
+    yield _time(sketch, name, bands, verdict.settings.runs.gap_s)
     yield _draw_histogram(sketch, name, bands)
     yield _heading(sketch, name, bands, norm)
 
 
-def _name(runs: Sequence[Run]) -> str:
+def _name(runs: Sequence[RunVerdict]) -> str:
     if not runs:
         return 'No run'
     if len(runs) == 1:
-        return f'Run {runs[0]["run"]}'
+        return f'Run {runs[0].run}'
     between = 'and' if len(runs) == 2 else 'to'
-    return f'Runs {runs[0]["run"]} {between} {runs[-1]["run"]}'
+    return f'Runs {runs[0].run} {between} {runs[-1].run}'
 
 
 class _Band:
     """What a run is held against: deviations from its centre."""
 
-    def __init__(self, run: Run, variant: str) -> None:
-        counts = run['count_criterion']
+    def __init__(self, run: RunVerdict, variant: str) -> None:
+        counts = run.count_criterion
         self.run = run
-        self.center_deg = 0.0 if variant == 'A' else run['mean_deg'] or 0.0
-        self.limit_deg = counts['limit_deg']
-        self.tightened_deg = counts['tightened_limit_deg']
-        self.sigma_deg = math.sqrt(run['variance_criterion']['limit_deg2'])
+        self.center_deg = 0.0 if variant == 'A' else run.mean_deg or 0.0
+        self.limit_deg = counts.limit_deg
+        self.tightened_deg = counts.tightened_limit_deg
+        self.sigma_deg = math.sqrt(run.variance_criterion.limit_deg2)
 
     def lines(self) -> list[tuple[float, str, str]]:
         """Return level, dash and legend of the limits; the legend once for both sides."""
@@ -121,8 +122,8 @@ def _time(sketch: SeriesSketch, name: str, bands: Sequence[_Band], gap_s: float)
         if len(part) == 1:
             plot.dots([(t[0], float(mean[part[0]]))])
     for k, band in enumerate(bands):
-        ends = [max(0.0, (band.run[key] - envelope.start_ns) / 1e9 / unit_s)
-                for key in ('start_ns', 'end_ns')]
+        ends = [max(0.0, (stamp_ns - envelope.start_ns) / 1e9 / unit_s)
+                for stamp_ns in (band.run.start_ns, band.run.end_ns)]
         for level, dash, words in band.lines():
             plot.horizontal(level, (ends[0], max(ends[1], ends[0] + width_s / unit_s)),
                             dash=dash, legend=words if not k else '')

@@ -9,15 +9,35 @@ import json
 from pathlib import Path
 from typing import Any, Mapping, Sequence
 
-from heading_intercompare.core.verdict.verdict_document import SCHEMA
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.utc_text import utc
+from heading_intercompare.core.verdict.verdict_document import RunVerdict, SCHEMA, Verdict
+from heading_intercompare.core.verdict.vocabulary import (
+    CAMPAIGN_WORDS,
+    CONDITION_WORDS,
+    EFFECT_WORDS,
+    NO_RUN,
+    REASON_WORDS,
+    STATE_WORDS,
+)
 
 from .decision_rule import describe_rule, describe_uncertainty
-from .formatting import exact, explain_no_run, flat, NO_RUN, outcome, utc, value
+from .formatting import exact, flat, outcome, value
 from .graphs import draw_graphs
 from .markup import element, join, Markup
 from .series_sketch import SeriesSketch
-from .tables import facts, GUARDED, LEDGER, RESULTS, rows_by_run, SENSOR, table, WORST
-from .vocabulary import CAMPAIGN_WORDS, CONDITION_WORDS, EFFECT_WORDS, REASON_WORDS, STATE_WORDS
+from .tables import (
+    facts,
+    GUARDED,
+    LEDGER,
+    RESULTS,
+    Row,
+    rows_by_run,
+    rows_of,
+    SENSOR,
+    table,
+    WORST,
+)
 
 __all__ = ['render', 'settings_sha256', 'write']
 
@@ -48,47 +68,37 @@ figure { margin: 1em 0; } figure svg { max-width: 100%; height: auto; }
   h2 { break-after: avoid; } tr, figure, .verdict, .signature { break-inside: avoid; } }
 """
 
-Mapped = Mapping[str, Any]
 
-
-def settings_sha256(settings: Mapped) -> str:
+def settings_sha256(settings: Mapping[str, Any]) -> str:
     """Return the SHA-256 of the settings as compact JSON with sorted names, UTF-8."""
     text = json.dumps(settings, sort_keys=True, separators=(',', ':'), ensure_ascii=False)
     return hashlib.sha256(text.encode('utf-8', 'surrogatepass')).hexdigest()
 
 
-def write(verdict: Mapped, path: str | Path, sketches: Sequence[SeriesSketch] = ()) -> None:
+def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] = ()) -> None:
     """
     Write the protocol; see `render`.
 
     Raises
     ------
-    ValueError, OSError
-        If the verdict is of another schema, or the file cannot be written.
+    OSError
+        If the file cannot be written.
 
     """
     Path(path).write_text(render(verdict, sketches), encoding='utf-8')
 
 
-def render(verdict: Mapped, sketches: Sequence[SeriesSketch] = ()) -> str:
+def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = ()) -> str:
     """
     Return the protocol as an HTML page.
 
     Parameters
     ----------
-    verdict : mapping
-        `Verdict.to_dict()`, or the JSON of a report.
+    verdict : Verdict
     sketches : sequence of SeriesSketch
         One an input, for the figures; none leaves them out.
 
-    Raises
-    ------
-    ValueError
-        If the verdict is of another schema.
-
     """
-    if verdict.get('schema') != SCHEMA:
-        raise ValueError(f'schema = {verdict.get("schema")!r}: must be {SCHEMA!r}')
     sections = (('Identification', _identification), ('Norms and decision rule', describe_rule),
                 ('Pairing ledger', _ledger), ('Results', _results),
                 ('The runs together', _campaign), ('Guarded decision', _guarded),
@@ -101,7 +111,7 @@ def render(verdict: Mapped, sketches: Sequence[SeriesSketch] = ()) -> str:
     parts += [('Figures', _figures(verdict, sketches)),
               *([('Further findings', findings)] if findings else []),
               ('Events, exclusions and reasons', _events(verdict)),
-              ('Settings', _settings(verdict['settings'])), ('Signatures', _signatures())]
+              ('Settings', _settings(verdict.settings)), ('Signatures', _signatures())]
     numbered = join(element('section', element('h2', f'{k}. {title}'), body)
                     for k, (title, body) in enumerate(parts, 1))
     title = 'Intercomparison of heading sensors: protocol'
@@ -119,113 +129,118 @@ def _make_list(items: Sequence[object]) -> Markup:
     return element('ul', *(element('li', item) for item in items))
 
 
-def _reason(run: Mapped) -> str:
-    return REASON_WORDS.get(run['reason'], run['reason'])
+def _reason(run: RunVerdict) -> str:
+    return REASON_WORDS.get(run.reason, run.reason)
 
 
-def _headline(verdict: Mapped) -> Markup:
+def _headline(verdict: Verdict) -> Markup:
     """Return the verdict with its reason in words."""
-    runs = verdict['runs']
-    reasons = [element('li', f'run {run["run"]}: {run["headline"]} - {_reason(run)}')
+    runs = verdict.runs
+    reasons = [element('li', f'run {run.run}: {run.headline} - {_reason(run)}')
                for run in runs]
     if len(runs) > 1:
-        words = CAMPAIGN_WORDS[verdict['campaign']['reason']]
+        reason = verdict.campaign.reason
+        words = CAMPAIGN_WORDS.get(reason, reason)
         reasons.insert(0, element('li', f'together: {words}'))
     return element(
-        'div', element('strong', verdict['headline']),
-        _paragraph(f'GK as printed: {outcome(verdict["paper_outcome"])}'),
+        'div', element('strong', verdict.headline),
+        _paragraph(f'GK as printed: {outcome(verdict.paper_outcome)}'),
         element('ul', *reasons) if reasons else _paragraph(NO_RUN),
         class_='verdict')
 
 
-def _identification(verdict: Mapped) -> Markup:
-    runs, software = verdict['runs'], verdict['software']
-    settings = verdict['settings']
+def _identification(verdict: Verdict) -> Markup:
+    runs, software = verdict.runs, verdict.software
+    settings = verdict.settings
     parts = [facts([
-        ('software', f'{software["name"]} {software["version"]}'),
-        ('schema of the verdict', verdict['schema']),
-        ('SHA-256 of the settings', settings_sha256(settings)),
-        ('first and last pair [UTC]', f'{utc(min((r["start_ns"] for r in runs), default=None))} '
-                                      f'.. {utc(max((r["end_ns"] for r in runs), default=None))}'),
+        ('software', f'{software.name} {software.version}'),
+        ('schema of the verdict', SCHEMA),
+        ('SHA-256 of the settings', settings_sha256(settings.to_mapping())),
+        ('first and last pair [UTC]', f'{utc(min((r.start_ns for r in runs), default=None))} '
+                                      f'.. {utc(max((r.end_ns for r in runs), default=None))}'),
         ('installation angle TS - RS [deg], as set',
-         value(settings['installation_offset_deg'])),
+         value(settings.installation_offset_deg)),
         ('ship', ''), ('place or area, latitudes', ''),
         ('tested sensor (TS): maker, type', ''), ('TS: serial number', ''),
         ('reference sensor (RS): maker, type', ''), ('RS: serial number', ''),
         ('RS: proof of its norm (service log)', ''), ('protocol number, client', '')])]
-    if verdict['inputs']:
+    if verdict.inputs:
         parts.append(table(
             ['input', 'SHA-256', 'TS topic', 'RS topic'],
-            [[value(given.get(key)) for key in ('path', 'sha256', 'ts_topic', 'rs_topic')]
-             for given in verdict['inputs']]))
-        parts += [_paragraph(f'{given["path"]} was not judged: {why}')
-                  for given in verdict['inputs'] if (why := explain_no_run(given))]
+            [[value(thing) for thing in (given.path, given.sha256, given.ts_topic,
+                                         given.rs_topic)] for given in verdict.inputs]))
+        parts += [_paragraph(f'{given.path} was not judged: {given.why_no_run}')
+                  for given in verdict.inputs if given.why_no_run]
     else:
         parts.append(_paragraph('Inputs: none recorded; the readings were given live or by a '
                                 'program.'))
     return join(parts)
 
 
-def _ledger(verdict: Mapped) -> Markup:
-    if not verdict['runs']:
+def _numbered(verdict: Verdict) -> list[tuple[int, RunVerdict]]:
+    return [(run.run, run) for run in verdict.runs]
+
+
+def _ledger(verdict: Verdict) -> Markup:
+    if not verdict.runs:
         return _paragraph(NO_RUN)
     return join((_paragraph('Every reading received stands in exactly one row of its sensor: '
                             'paired, interpolated between, without partner (not used) or '
                             'rejected.'),
-                 rows_by_run(LEDGER, verdict['runs'])))
+                 rows_by_run(LEDGER, _numbered(verdict))))
 
 
-def _results(verdict: Mapped) -> Markup:
-    if not verdict['runs']:
+def _results(verdict: Verdict) -> Markup:
+    if not verdict.runs:
         return _paragraph(NO_RUN)
     return join((_paragraph('Differences are TS - RS. GK is Granovskii and Kudryavtsev, '
                             'ALLSENSORS 2016; the numbers are those of its formulas.'),
-                 rows_by_run(RESULTS, verdict['runs'])))
+                 rows_by_run(RESULTS, _numbered(verdict))))
 
 
-def _campaign(verdict: Mapped) -> Markup:
-    campaign = verdict['campaign']
-    rows = [[name, unit, text(campaign)] for name, unit, text in WORST]
-    rows += [[f'homogeneity: {name}', '', value(thing)]
-             for name, thing in flat(campaign['homogeneity'])]
+def _campaign(verdict: Verdict) -> Markup:
+    campaign = verdict.campaign
+    rows = rows_of(WORST, campaign)
+    rows += [(f'homogeneity: {name}', '', value(thing))
+             for name, thing in flat(campaign.homogeneity)]
     parts = [table(['', 'unit', 'worst of runs'], rows)]
-    if campaign['sensor'] is not None:
-        shared = [[name, unit, text(campaign['sensor'])] for name, unit, text in SENSOR]
-        parts.append(table(['', 'unit', 'the variance that the runs share'], shared))
+    if campaign.sensor is not None:
+        parts.append(table(['', 'unit', 'the variance that the runs share'],
+                           rows_of(SENSOR, campaign.sensor)))
     return join(parts)
 
 
-def _guarded(verdict: Mapped) -> Markup:
-    if not verdict['runs']:
+def _guarded(verdict: Verdict) -> Markup:
+    if not verdict.runs:
         return _paragraph(NO_RUN)
     return join((_paragraph('The bounds hold for errors that change within a twentieth of the '
                             'run; of slower ones they allow for what shows in it.'),
-                 rows_by_run(GUARDED, verdict['runs'])))
+                 rows_by_run(GUARDED, _numbered(verdict))))
 
 
-def _validity(verdict: Mapped) -> Markup:
+def _validity(verdict: Verdict) -> Markup:
     """Return what binds the verdict: each condition of a comparison, by run."""
     parts = [_paragraph('A comparison means something only where these conditions hold. A void '
                         'one leaves the run undecided, whatever its variance.')]
-    for run in verdict['runs']:
-        parts.append(element('h3', f'Run {run["run"]}'))
+    for run in verdict.runs:
+        parts.append(element('h3', f'Run {run.run}'))
         parts.append(table(
             ['condition', 'effect', 'evidence'],
-            [[CONDITION_WORDS[f['condition']], element('span', EFFECT_WORDS[f['effect']],
-                                                       class_='state'), value(f['evidence'])]
-             for f in run['validity']], class_='plain'))
-    return join(parts) if verdict['runs'] else _paragraph(NO_RUN)
+            [[CONDITION_WORDS.get(f.condition, f.condition),
+              element('span', EFFECT_WORDS.get(f.effect, f.effect), class_='state'),
+              value(f.evidence)] for f in run.validity], class_='plain'))
+    return join(parts) if verdict.runs else _paragraph(NO_RUN)
 
 
-def _assumptions(verdict: Mapped) -> Markup:
+def _assumptions(verdict: Verdict) -> Markup:
     parts = []
-    for run in verdict['runs']:
-        if run['assumptions']:
-            parts.append(element('h3', f'Run {run["run"]}'))
+    for run in verdict.runs:
+        if run.assumptions:
+            parts.append(element('h3', f'Run {run.run}'))
             parts.append(table(
                 ['', 'statement', 'state', 'evidence'],
-                [[a['id'], a['statement'], _state(a['state']), value(a['evidence'])]
-                 for a in run['assumptions']], class_='plain'))
+                [[a.id, a.statement, _state(a.state), value(a.evidence)]
+                 for a in run.assumptions], class_='plain'))
     return join(parts)
 
 
@@ -233,26 +248,26 @@ def _state(word: str) -> Markup:
     return element('span', STATE_WORDS.get(word, word), class_='state')
 
 
-def _findings(verdict: Mapped) -> Markup:
+def _findings(verdict: Verdict) -> Markup:
     """Return what else was found in each run, by the names of the JSON."""
     found = [{f'{block}.{name}': thing for block in _FINDINGS
-              for name, thing in flat(run[block])} for run in verdict['runs']]
-    rows = [(name, '', lambda run, name=name: value(run.get(name)))
-            for name in dict.fromkeys(name for run in found for name in run)]
+              for name, thing in flat(getattr(run, block))} for run in verdict.runs]
+    rows = [Row(name, '', lambda names, name=name: names.get(name))
+            for name in dict.fromkeys(name for names in found for name in names)]
     if not rows:
         return join(())
-    runs = [{**names, 'run': run['run']} for names, run in zip(found, verdict['runs'])]
+    runs = [(run.run, names) for names, run in zip(found, verdict.runs)]
     return join((_paragraph('Names are those of the JSON and end in their unit.'),
                  rows_by_run(rows, runs, units=False)))
 
 
-def _warnings(verdict: Mapped) -> Markup:
-    items = [f'run {run["run"]}: {warning}' for run in verdict['runs']
-             for warning in run['warnings']]
+def _warnings(verdict: Verdict) -> Markup:
+    items = [f'run {run.run}: {warning}' for run in verdict.runs
+             for warning in run.warnings]
     return _make_list(items) if items else _paragraph('None.')
 
 
-def _figures(verdict: Mapped, sketches: Sequence[SeriesSketch]) -> Markup:
+def _figures(verdict: Verdict, sketches: Sequence[SeriesSketch]) -> Markup:
     parts = []
     for sketch in sketches:
         source = f'Source: {sketch.source}. ' if sketch.source else ''
@@ -264,17 +279,17 @@ def _figures(verdict: Mapped, sketches: Sequence[SeriesSketch]) -> Markup:
     return join(parts) or _paragraph('None: the protocol was made from the verdict alone.')
 
 
-def _events(verdict: Mapped) -> Markup:
+def _events(verdict: Verdict) -> Markup:
     """Return the operator's notes, and room for what they do not say."""
-    notes = [[f'{utc(note["stamp_ns"])} UTC', note['text'], given['path']]
-             for given in verdict['inputs'] for note in given.get('notes', ())]
+    notes = [[f'{utc(note.stamp_ns)} UTC', note.text, given.path]
+             for given in verdict.inputs for note in given.notes or ()]
     room = facts([('events during the trial', ''), ('data left out, and why', '')])
     return join([table(['time', "operator's note", 'input'], notes), room] if notes else [room])
 
 
-def _settings(settings: Mapped) -> Markup:
-    return table(['name', 'value'], [[name, exact(thing)] for name, thing in settings.items()],
-                 class_='settings')
+def _settings(settings: Settings) -> Markup:
+    return table(['name', 'value'], [[name, exact(thing)] for name, thing in
+                                     settings.to_mapping().items()], class_='settings')
 
 
 def _signatures() -> Markup:

@@ -1,25 +1,66 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The verdict as a JSON file."""
+"""The verdict as a JSON file, and back."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, Mapping, Sequence
+from typing import Sequence
+
+from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictError
 
 from .series_sketch import SeriesSketch
 
-__all__ = ['render', 'write']
+__all__ = ['parse', 'read', 'render', 'write']
 
 
-def render(verdict: Mapping[str, Any]) -> str:
-    """Return the verdict as JSON text; a figure that is not finite is refused."""
-    return json.dumps(verdict, indent=1, ensure_ascii=False, allow_nan=False) + '\n'
+def render(verdict: Verdict) -> str:
+    """Return the verdict as JSON text; a figure that is not finite is null."""
+    return json.dumps(verdict.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + '\n'
 
 
-def write(verdict: Mapping[str, Any], path: str | Path,
-          sketches: Sequence[SeriesSketch] = ()) -> None:
+def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] = ()) -> None:
     """Write the verdict; JSON holds no figures to look at, so sketches have no place in it."""
     # The name of a file may have bytes that are no UTF-8.
     Path(path).write_text(render(verdict), 'utf-8', 'backslashreplace')
+
+
+def parse(text: str | bytes) -> Verdict:
+    """
+    Return the verdict of a JSON text of `render`, or of the report of a node.
+
+    Raises
+    ------
+    VerdictError
+        If it is not JSON, or not a verdict: one line.
+
+    """
+    try:
+        return Verdict.from_dict(json.loads(text))
+    except VerdictError:
+        raise
+    except UnicodeDecodeError:
+        raise VerdictError('is not UTF-8') from None
+    except RecursionError:
+        raise VerdictError('is not JSON of a verdict: nested too deeply') from None
+    except ValueError as error:
+        raise VerdictError(f'is not JSON: {error}') from error
+
+
+def read(path: str | Path) -> Verdict:
+    """
+    Read a verdict that `write` or a node has written.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    VerdictError
+        If it holds no verdict: the file, and what is wrong.
+
+    """
+    try:
+        return parse(Path(path).read_bytes())
+    except VerdictError as error:
+        raise VerdictError(f'{path}: {error}') from error

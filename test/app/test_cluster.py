@@ -23,12 +23,14 @@ import numpy as np
 import pytest
 
 from heading_intercompare import Headings, Settings
+from heading_intercompare.app import campaign, remote_task
 from heading_intercompare.app.compare_verdicts import find_differences
 from heading_intercompare.app.job import Job
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.cli import campaign, main
+from heading_intercompare.cli import main
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
+from heading_intercompare.report.json import parse
 
 distributed = pytest.importorskip('distributed', reason='distributed is not installed')
 threadpoolctl = pytest.importorskip('threadpoolctl', reason='threadpoolctl is not installed')
@@ -212,8 +214,8 @@ def test_a_bad_bag_is_named_with_the_host_that_could_not_read_it(
 
 def test_an_input_that_was_judged_with_other_libraries_has_a_note(
         cluster, folder, capsys, monkeypatch):
-    there = module._libraries()
-    monkeypatch.setattr(module, '_libraries', lambda: 'numpy 0.9 and scipy 0.1')
+    there = remote_task.describe_libraries()
+    monkeypatch.setattr(campaign, 'describe_libraries', lambda: 'numpy 0.9 and scipy 0.1')
     _, said = analyze(capsys, folder / 'trial_0', '--dask', cluster.scheduler_address)
     assert said == (f'note: {folder / "trial_0"}: judged with {there} on {socket.gethostname()}, '
                     'here are numpy 0.9 and scipy 0.1: last digits may differ\n')
@@ -279,7 +281,7 @@ def test_a_scheduler_by_its_file_and_told_in_one_line_when_it_goes_away(
     alone, _ = analyze(capsys, inputs[0])
     shared, said = analyze(capsys, inputs[0], '--dask', file)
     # Alone it is judged in this process, where linear algebra may take several threads.
-    assert list(find_differences(json.loads(alone), json.loads(shared))) == [] and said == ''
+    assert list(find_differences(parse(alone), parse(shared))) == [] and said == ''
 
     def kill() -> None:
         with held(gate):
@@ -317,7 +319,7 @@ def test_a_cluster_without_workers_is_refused(folder, capsys, monkeypatch):
 
 @pytest.mark.parametrize('spoil, why', [
     ('version.VERSION = "0.0.9"', 'has 0.0.9'),
-    ('import sys; sys.modules["heading_intercompare.app.cluster"] = None', 'cannot load it')])
+    ('import sys; sys.modules["heading_intercompare.app.remote_task"] = None', 'cannot load it')])
 def test_a_worker_with_other_software_is_named_before_work_starts(
         cluster, capsys, tmp_path, spoil, why):
     with distributed.Client(cluster.scheduler_address, set_as_default=False) as client:
@@ -396,7 +398,7 @@ def test_linear_algebra_has_one_thread_until_the_last_of_several_tasks_is_done()
         return {library['num_threads'] for library in threadpoolctl.threadpool_info()}
 
     before = threads()
-    one = module._OneThread()
+    one = remote_task._OneThread()
     first, second = ExitStack(), ExitStack()
     first.enter_context(one)
     second.enter_context(one)

@@ -9,7 +9,6 @@ Datagrams are those of IEC 61162-450, the time of the log in their TAG blocks, m
 from __future__ import annotations
 
 from datetime import datetime, timezone
-import json
 import os
 from pathlib import Path
 import signal
@@ -22,6 +21,7 @@ import pytest
 
 from heading_intercompare.app.compare_verdicts import find_differences
 from heading_intercompare.cli import main
+from heading_intercompare.report.json import parse, read
 
 pytestmark = pytest.mark.process
 
@@ -133,7 +133,7 @@ def test_logs_over_udp_give_the_verdict_of_their_import(ship, shared_data, tmp_p
         graph.kill()
     assert set(codes.values()) == {0}, {name: graph.log_of(name) for name in codes}
     (report,) = (tmp_path / 'reports').glob('verdict_*.json')
-    live = json.loads(report.read_text())
+    live = read(report)
     imported = tmp_path / 'imported'
     assert main(['import-nmea', '--ts', str(shared_data / logs['ts']), '--rs',
                  str(shared_data / logs['rs']), '-o', str(imported)]) == 0
@@ -141,8 +141,8 @@ def test_logs_over_udp_give_the_verdict_of_their_import(ship, shared_data, tmp_p
     for bag in (imported, tmp_path / 'bag'):
         capsys.readouterr()
         assert main(['analyze', str(bag), *norms, '--json', '-']) == 0
-        offline = json.loads(capsys.readouterr().out)
-        assert sum(run['n'] for run in offline['runs']) == n
+        offline = parse(capsys.readouterr().out)
+        assert sum(run.n for run in offline.runs) == n
         assert list(find_differences(live, offline)) == []
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from heading_intercompare import analyze, Headings, pair, Settings
+from heading_intercompare import analyze, Headings, pair, Settings, Verdict
 from heading_intercompare.report import SeriesSketch
 
 BASE = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
@@ -19,7 +19,7 @@ BASE = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
 def made(rng):
     """Return what makes a verdict of some runs, and their sketches."""
     def make(runs: int, n: int = 600, noise_deg: float = 0.2,
-             **settings: Any) -> tuple[dict[str, Any], list[SeriesSketch]]:
+             **settings: Any) -> tuple[Verdict, list[SeriesSketch]]:
         taken = Settings.from_mapping(
             {**BASE, **{k.replace('__', '.'): v for k, v in settings.items()}})
         ts, rs, sketches = [], [], []
@@ -30,5 +30,5 @@ def made(rng):
             rs.append(Headings.of(stamps, true))
             sketches.append(SeriesSketch())
             sketches[-1].update(pair(ts[-1], rs[-1], taken)[0], taken)
-        return analyze(ts, rs, taken).to_dict(), sketches
+        return analyze(ts, rs, taken), sketches
     return make

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import hashlib
 from html.parser import HTMLParser
 import json
@@ -14,8 +15,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from heading_intercompare import analyze, Headings, Settings
-from heading_intercompare.report import html, SeriesSketch, write
+from heading_intercompare import analyze, Headings, Settings, Verdict
+from heading_intercompare.core.statistics.ergodicity import Homogeneity
+from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
+from heading_intercompare.report import html, json as verdict_json, SeriesSketch, write
 from heading_intercompare.report.decision_rule import describe_rule
 
 VOID = {'meta', 'br', 'hr', 'img', 'input', 'link'}
@@ -64,6 +67,13 @@ def numbers(cells):
             for m in re.findall(r'-?\d+(?:\.\d+)?(?:e[-+]?\d+)?', cell)]
 
 
+def changed(verdict, change):
+    """Return a verdict of which the mapping was changed."""
+    mapping = verdict.to_dict()
+    change(mapping)
+    return Verdict.from_dict(mapping)
+
+
 @pytest.mark.parametrize('runs', [0, 1, 3, 7])
 def test_the_page_is_nested_well_and_needs_nothing_from_elsewhere(made, runs):
     page = html.render(*made(runs))
@@ -102,10 +112,13 @@ def test_every_number_of_the_criteria_is_in_the_page(made, block):
     """Each number is made unique first, so that none is found in the place of another."""
     verdict, _ = made(3, norms__total_error_max_deg=1.0, norms__m_low=0.5, noise_deg=0.31)
     marks = []
-    for run in verdict['runs']:
-        run['pairing']['rejected'] = {'ts': {'invalid': 1, 'no_stamp': 2}, 'rs': {'invalid': 3}}
-        run[block] = marked(run[block], marks)
-    found = set(numbers(Page(html.render(verdict)).cells))
+
+    def mark(mapping):
+        for run in mapping['runs']:
+            run['pairing']['rejected'] = {'ts': {'invalid': 1, 'no_stamp': 2},
+                                          'rs': {'invalid': 3}}
+            run[block] = marked(run[block], marks)
+    found = set(numbers(Page(html.render(changed(verdict, mark))).cells))
     assert len(marks) >= 3 * 4
     assert [mark for mark in marks if mark not in found] == []
 
@@ -113,10 +126,12 @@ def test_every_number_of_the_criteria_is_in_the_page(made, block):
 def test_every_number_of_a_run_and_of_the_worst_run_is_in_the_page(made):
     verdict, _ = made(2)
     marks = []
-    for part in (*verdict['runs'], verdict['campaign']):
-        part |= {key: marked(v, marks) for key, v in part.items()
-                 if not isinstance(v, (dict, list)) and key not in ('start_ns', 'end_ns', 'run')}
-    found = set(numbers(Page(html.render(verdict)).cells))
+
+    def mark(mapping):
+        for part in (*mapping['runs'], mapping['campaign']):
+            part |= {key: marked(v, marks) for key, v in part.items() if key not in (
+                'start_ns', 'end_ns', 'run') and not isinstance(v, (dict, list))}
+    found = set(numbers(Page(html.render(changed(verdict, mark))).cells))
     assert len(marks) > 20
     assert [mark for mark in marks if mark not in found] == []
 
@@ -124,15 +139,21 @@ def test_every_number_of_a_run_and_of_the_worst_run_is_in_the_page(made):
 def test_a_hostile_name_is_shown_and_not_obeyed(made):
     verdict, sketches = made(1)
     name = '<script>alert("1")</script>&amp;\x00\udcff.mcap\'"><img src=x onerror=y>'
-    verdict['runs'][0] |= {'source': name, 'warnings': [name], 'reason': name}
-    verdict['runs'][0]['pairing']['rejected'] = {'ts': {name: 3}, 'rs': {}}
-    verdict['runs'][0]['skew'] = {name: {'found': name}}
-    verdict['runs'][0]['assumptions'] = [
-        {'id': 'a', 'statement': name, 'state': name, 'evidence': name}]
-    verdict['inputs'] = [{'path': name, 'sha256': name, 'ts_topic': name, 'rs_topic': name}]
-    verdict['settings']['ts_topic'] = name
+
+    def spoil(mapping):
+        run = mapping['runs'][0]
+        run |= {'source': name, 'warnings': [name], 'reason': name, 'validity_effect': name}
+        run['pairing']['rejected'] = {'ts': {name: 3}, 'rs': {}}
+        run['skew']['estimate']['kind'] = name
+        run['assumptions'] = [{'id': 'a', 'statement': name, 'state': name, 'evidence': name}]
+        run['validity'] = [{'condition': name, 'effect': name, 'words': name, 'evidence': name}]
+        mapping['inputs'] = [{'path': name, 'sha256': name, 'ts_topic': name, 'rs_topic': name}]
+        mapping['settings']['ts_topic'] = mapping['headline'] = name
+        mapping['software'] = {'name': name, 'version': name}
+        mapping['campaign']['reason'] = mapping['campaign']['rule'] = name
     sketches[0].source = name
-    page = html.render(verdict, sketches)
+    spoilt = changed(verdict, spoil)
+    page = html.render(spoilt, sketches)
     read = Page(page)
     assert read.faults == []
     assert not {'script', 'img'} & set(read.names)
@@ -142,16 +163,13 @@ def test_a_hostile_name_is_shown_and_not_obeyed(made):
 
 
 def test_an_input_that_could_not_be_read_is_named_with_its_fault(made):
-    verdict, _ = made(1)
-    verdict['inputs'] = [{'path': 'b.mcap', 'sha256': None, 'ts_topic': None, 'rs_topic': None,
-                          'error': 'empty <file>'}]
+    verdict = replace(made(1)[0], inputs=[Input('b.mcap', error='empty <file>')])
     assert 'b.mcap was not judged: empty &lt;file&gt;' in html.render(verdict)
 
 
 def test_the_operators_notes_are_among_the_events(made):
-    verdict, _ = made(1)
-    verdict['inputs'] = [{'path': 'b.mcap', 'sha256': '1', 'ts_topic': 'a', 'rs_topic': 'b',
-                          'notes': [{'stamp_ns': 1406851500 * 10 ** 9, 'text': 'turn <hard>'}]}]
+    notes = (OperatorNote(1406851500 * 10 ** 9, 'turn <hard>'),)
+    verdict = replace(made(1)[0], inputs=[Input('b.mcap', '1', 'a', 'b', notes)])
     page = html.render(verdict)
     events = page[page.index('Events, exclusions'):]
     assert '2014-08-01 00:05:00.000 UTC' in events and 'turn &lt;hard&gt;' in events
@@ -185,9 +203,9 @@ def test_a_limit_is_drawn_at_its_level(made):
     (v0, y0), (v1, y1) = labels[0], labels[-1]
     drawn = sorted(float(e.get('points').split()[0].split(',')[1])
                    for e in root.iter(f'{SVG}polyline') if e.get('stroke-dasharray') == '9 4')
-    run = verdict['runs'][0]
-    limit = run['count_criterion']['limit_deg']
-    expected = sorted(y0 + (run['mean_deg'] + sign * limit - v0) * (y1 - y0) / (v1 - v0)
+    run = verdict.runs[0]
+    limit = run.count_criterion.limit_deg
+    expected = sorted(y0 + (run.mean_deg + sign * limit - v0) * (y1 - y0) / (v1 - v0)
                       for sign in (-1.0, 1.0))
     assert drawn == pytest.approx(expected, abs=0.05)
 
@@ -246,22 +264,18 @@ def test_the_settings_hash_is_that_of_their_compact_sorted_json():
     assert html.settings_sha256({'a': 1.5, 'b': None}) != expected
 
 
-def test_the_findings_of_later_stages_are_shown_by_their_names(made):
+def test_the_findings_are_shown_by_their_names(made):
     verdict, _ = made(1)
-    verdict['runs'][0]['skew'] = {'skew_s': 0.125, 'found': True,
-                                  'scan': {'lag_s': list(range(40))}}
-    verdict['runs'][0]['allan'] = {'rows': [{'tau_s': 1.0, 'deviation_deg': 0.03125}]}
-    verdict['campaign']['homogeneity'] = {'p_value': 0.4375}
-    page = html.render(verdict)
+    run = verdict.runs[0]
+    allan = replace(run.allan, tau_s=tuple(map(float, range(40))), deviation_deg=(0.03125,))
+    skew = replace(run.skew, estimate=replace(run.skew.estimate, skew_s=0.125, significant=True))
+    page = html.render(replace(
+        verdict, runs=[replace(run, allan=allan, skew=skew)],
+        campaign=replace(verdict.campaign, homogeneity=Homogeneity(1, q_p=0.4375))))
     assert {'0.125', 'yes', '40 values, see the JSON', '0.03125',
             '0.4375'} <= set(Page(page).cells)
-    assert 'allan.rows.1.deviation_deg' in page
-    assert 'homogeneity: p_value' in page
-
-
-def test_a_verdict_of_another_schema_is_refused(made):
-    with pytest.raises(ValueError, match='schema = None: must be'):
-        html.render({**made(0)[0], 'schema': None})
+    assert 'skew.estimate.skew_s' in page
+    assert 'homogeneity: q_p' in page
 
 
 def test_write_picks_the_form_by_the_suffix(made, tmp_path):
@@ -269,7 +283,21 @@ def test_write_picks_the_form_by_the_suffix(made, tmp_path):
     write(verdict, tmp_path / 'r.HTML', sketches)
     write(verdict, str(tmp_path / 'r.json'))
     assert (tmp_path / 'r.HTML').read_text('utf-8') == html.render(verdict, sketches)
-    assert json.loads((tmp_path / 'r.json').read_text('utf-8')) == verdict
+    assert json.loads((tmp_path / 'r.json').read_text('utf-8')) == verdict.to_dict()
+    assert html.render(verdict_json.read(tmp_path / 'r.json')) == html.render(verdict)
+
+
+@pytest.mark.parametrize('data, words', [
+    (b'', 'is not JSON: '), (b'{"schema": ', 'is not JSON: '), (b'[1]', 'must be an object, not '),
+    (b'3', 'must be an object, not int'), (b'{}', 'schema = None: must be '),
+    (b'\xff\xfe\xfd', 'is not UTF-8'), (b'"\xe9"', 'is not UTF-8'),
+    (b'[' * 100_000, 'nested too deeply')])
+def test_a_file_that_is_no_verdict_is_named_with_what_is_wrong(tmp_path, data, words):
+    path = tmp_path / 'v.json'
+    path.write_bytes(data)
+    with pytest.raises(ValueError) as told:
+        verdict_json.read(path)
+    assert str(told.value).startswith(f'{path}: ') and words in str(told.value)
 
 
 @pytest.mark.parametrize('name', ['r.pdf', 'r', 'html'])
@@ -287,6 +315,6 @@ def test_a_doubtful_certificate_is_not_called_met_without_a_word(rng):
                       Headings.of(stamps, rs + 0.05 * rng.standard_normal(9000)),
                       Settings.from_mapping({'norms': {'sigma_max_deg': 0.2,
                                                        'sigma_ref_max_deg': 0.1}}))
-    page = html.render(verdict.to_dict())
+    page = html.render(verdict)
     assert 'sigma_max of the TS: met, but doubtfully: see the validity of the comparison' in page
     assert 'COMPLIANT, DOUBTFUL: the mean difference is 5.00 deg' in page

@@ -9,7 +9,8 @@ from xml.etree import ElementTree
 from hypothesis import given, strategies as st
 import pytest
 
-from heading_intercompare.report.formatting import exact, interval, number, utc, value
+from heading_intercompare.core.utc_text import utc
+from heading_intercompare.report.formatting import exact, interval, number, value
 from heading_intercompare.report.markup import element, join, text
 from heading_intercompare.report.svg import nice_step, Plot, ticks
 

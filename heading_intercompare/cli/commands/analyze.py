@@ -5,23 +5,26 @@
 from __future__ import annotations
 
 import argparse
-from contextlib import ExitStack
+from concurrent.futures import Executor
+from contextlib import ExitStack, nullcontext
 from pathlib import Path
 import sys
-from typing import Any, Mapping
+from typing import ContextManager, Sequence
 
+from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import load_config, settings_for
-from heading_intercompare.app.run_table import assign_runs, read_run_table
-from heading_intercompare.cli.campaign import judge_inputs, positive
-from heading_intercompare.cli.outputs import check_outputs, name_file, open_tables
-from heading_intercompare.cli.terminal.verdict_table import verdict_text
+from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
+from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.pipeline import join
-from heading_intercompare.report import json, write, WRITERS
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.verdict.validity import DOUBTFUL
+from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.report import json, SeriesSketch, write, WRITERS
 
-__all__ = ['add_arguments', 'add_settings_arguments', 'add_verdict_arguments', 'conclude', 'run']
+__all__ = ['add_analysis_arguments', 'add_arguments', 'add_settings_arguments',
+           'add_verdict_arguments', 'check_report', 'conclude', 'deliver', 'run']
 
-_CHECK_CODES = {'compliant': 0, 'non_compliant': 1, 'indeterminate': 3}
+_CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4
 
 
@@ -44,6 +47,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('inputs', nargs='+', metavar='INPUT',
                         help='.mcap file, rosbag2 directory or .csv of pairs')
+    add_analysis_arguments(parser)
+    parser.add_argument('--report', metavar='F.html', help='write the protocol, with plots')
+    add_verdict_arguments(parser)
+
+
+def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say how inputs are judged, and the tables of their pairs."""
     parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor')
     parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor')
     add_settings_arguments(parser)
@@ -54,14 +64,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         'is TS - RS')
     parser.add_argument('--ensemble-s', metavar='S', type=float, default=120.0,
                         help='length of an ensemble in seconds (default: 120)')
-    parser.add_argument('--jobs', metavar='N', type=positive,
+    parser.add_argument('--jobs', metavar='N', type=_positive,
                         help='processes for several large INPUTs, or to read one (default: one '
                         'for each core)')
     parser.add_argument('--dask', metavar='ADDRESS', help='judge the INPUTs on the workers of a '
                         'Dask scheduler, which see the same paths: tcp://HOST:8786, or its .json '
                         'file')
-    parser.add_argument('--report', metavar='F.html', help='write the protocol, with plots')
-    add_verdict_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -70,27 +78,53 @@ def run(arguments: argparse.Namespace) -> int:
                             ts_topic=arguments.ts, rs_topic=arguments.rs)
     Limits.of(settings.norms, settings.model)
     _check_options(arguments)
-    check_outputs(arguments)
-    table, elsewhere = None, []
-    if arguments.runs:
-        table, elsewhere = assign_runs(read_run_table(arguments.runs), arguments.inputs)
-    with ExitStack() as files:
-        takers = [files.enter_context(file).write for file in open_tables(arguments, settings)]
-        judged = judge_inputs(arguments.inputs, settings, table, takers=takers,
-                              sketched=bool(arguments.report), jobs=arguments.jobs,
-                              dask=arguments.dask, quiet=arguments.quiet)
-    results = [result for each in judged for result in each.results]
-    verdict = join(results, settings, [each.description for each in judged],
-                   incomplete=any(each.error or each.no_run for each in judged)).to_dict()
-    notes = [note for each in judged for note in each.notes]
-    notes += [f'{arguments.runs}: source {source} is none of the INPUTs' for source in elsewhere]
-    for note in notes:
+    outputs = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
+                      arguments.ensemble_s)
+    check_outputs(outputs, arguments.inputs, config=arguments.config, runs=arguments.runs)
+    with (ExitStack() as files, Progress(_label(arguments), arguments.quiet) as progress,
+          _cluster(arguments.dask) as executor):
+        takers = [files.enter_context(file).write for file in open_tables(outputs, settings)]
+        judged = judge_bags(arguments.inputs, settings, runs=arguments.runs or None,
+                            takers=takers, sketched=bool(arguments.report), jobs=arguments.jobs,
+                            executor=executor, progress=progress.show)
+    for note in judged.notes:
         print(f'note: {note}', file=sys.stderr)
+    return deliver(judged.verdict, arguments, judged.sketches)
+
+
+def deliver(verdict: Verdict, arguments: argparse.Namespace,
+            sketches: Sequence[SeriesSketch] = ()) -> int:
+    """Print and write the verdict, write the protocol if asked for; return the exit code."""
     code = conclude(verdict, arguments)
     if arguments.report:
         with name_file(arguments.report):
-            write(verdict, arguments.report, [each.sketch for each in judged if each.sketch])
+            write(verdict, arguments.report, sketches)
     return code
+
+
+def _positive(text: str) -> int:
+    """Return a number of processes from the command line."""
+    if not text.isascii() or not text.isdigit() or not int(text):
+        raise argparse.ArgumentTypeError(f'{text!r} is not a whole number above 0')
+    return int(text)
+
+
+def _label(arguments: argparse.Namespace) -> str:
+    """Return what is judged, as the progress calls it."""
+    alone = len(arguments.inputs) == 1 and arguments.dask is None
+    return arguments.inputs[0] if alone else f'{len(arguments.inputs)} inputs'
+
+
+def _cluster(address: str | None) -> ContextManager[Executor | None]:
+    """Return the workers of a Dask cluster, whose library need not be installed."""
+    if address is None:
+        return nullcontext()
+    try:
+        from heading_intercompare.app.cluster import open_cluster
+    except ModuleNotFoundError as error:
+        raise ValueError(f'--dask {address}: no module {error.name}: install '
+                         'heading_intercompare[dask]') from error
+    return open_cluster(address)
 
 
 def _check_options(arguments: argparse.Namespace) -> None:
@@ -98,8 +132,7 @@ def _check_options(arguments: argparse.Namespace) -> None:
     if arguments.dask is not None and arguments.jobs is not None:
         raise ValueError(f'--jobs {arguments.jobs}: with --dask the scheduler decides; '
                          'leave one of them out')
-    if arguments.report and Path(arguments.report).suffix not in WRITERS:
-        raise ValueError(f'--report {arguments.report}: must end with {" or ".join(WRITERS)}')
+    check_report(arguments)
     for option in ('csv', 'ensembles'):
         path = getattr(arguments, option)
         if path is not None and len(arguments.inputs) > 1:
@@ -109,14 +142,19 @@ def _check_options(arguments: argparse.Namespace) -> None:
             raise ValueError(f'--{option} {path}: pairs stay on the workers; leave out --dask')
 
 
-def conclude(verdict: Mapping[str, Any], arguments: argparse.Namespace) -> int:
+def check_report(arguments: argparse.Namespace) -> None:
+    """Refuse a protocol of an unknown form."""
+    if arguments.report and Path(arguments.report).suffix not in WRITERS:
+        raise ValueError(f'--report {arguments.report}: must end with {" or ".join(WRITERS)}')
+
+
+def conclude(verdict: Verdict, arguments: argparse.Namespace) -> int:
     """
     Print the verdict, write it as JSON if asked for, and return the exit code.
 
     Parameters
     ----------
-    verdict : mapping
-        `Verdict.to_dict()`, or the JSON of a report.
+    verdict : Verdict
     arguments : argparse.Namespace
         With `json` and `check`.
 
@@ -124,13 +162,13 @@ def conclude(verdict: Mapping[str, Any], arguments: argparse.Namespace) -> int:
     if arguments.json == '-':
         sys.stdout.write(json.render(verdict))
     else:
-        print(verdict_text(verdict))
+        print(verdict)
         if arguments.json:
             with name_file(arguments.json):
                 json.write(verdict, arguments.json)
     if not arguments.check:
         return 0
-    decided = verdict['outcome'] != 'indeterminate'
-    if decided and verdict['validity_effect'] == 'doubtful':
+    decided = verdict.outcome is not Outcome.INDETERMINATE
+    if decided and verdict.validity_effect == DOUBTFUL:
         return _DOUBTFUL_CODE
-    return _CHECK_CODES[verdict['outcome']]
+    return _CHECK_CODES[verdict.outcome]

@@ -10,15 +10,15 @@ from functools import partial
 import math
 from pathlib import Path
 import shutil
-from typing import Any
+from typing import Mapping
 
 from heading_intercompare.app.compare_verdicts import find_differences
 from heading_intercompare.app.inputs import analyze_input
 from heading_intercompare.app.scenarios import read_scenario
 from heading_intercompare.cli.terminal.progress import Progress
-from heading_intercompare.cli.terminal.verdict_table import verdict_text
 from heading_intercompare.core.pipeline import join
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.report import SeriesSketch, write
 
 __all__ = ['add_arguments', 'run']
@@ -76,22 +76,22 @@ def run(arguments: argparse.Namespace) -> int:
         sketch = SeriesSketch(bag)
         results, _, described = analyze_input(
             bag, settings, None, [partial(sketch.update, settings=settings)], progress.show)
-    offline = join(results, settings, [described]).to_dict()
+    offline = join(results, settings, [described])
     for name in ('offline.json', 'report.html'):
         write(offline, out / name, [sketch])
-    print(verdict_text(offline))
+    print(offline)
     print(f'\nprotocol: {out / "report.html"}')
-    return _compare({'live': live.to_dict(), 'replayed': replayed.to_dict(), 'offline': offline})
+    return _compare({'live': live, 'replayed': replayed}, offline)
 
 
-def _compare(verdicts: dict[str, dict[str, Any]]) -> int:
+def _compare(others: Mapping[str, Verdict], offline: Verdict) -> int:
     """Say whether the verdicts agree; 0 if they do."""
-    found = [f'{name} and offline differ in {difference}' for name in ('live', 'replayed')
-             for difference in find_differences(verdicts[name], verdicts['offline'])]
+    found = [f'{name} and offline differ in {difference}' for name, other in others.items()
+             for difference in find_differences(other, offline)]
     if found:
         print('\n'.join([*found[:20], 'live, replayed and offline verdicts DO NOT AGREE']))
         return 1
-    pairs = sum(r['n_input'] for r in verdicts['offline']['runs'])
+    pairs = sum(run.n_input for run in offline.runs)
     print(f'live, replayed and offline verdicts agree: {pairs} pairs, every count and word, '
           'every figure to 1e-12')
     return 0

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 from typing import Iterator, Mapping, Sequence
 
@@ -22,8 +21,9 @@ from heading_intercompare.bags.rosbag2.provenance import (
 )
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.cli.terminal.progress import Progress
-from heading_intercompare.cli.terminal.verdict_table import verdict_text
-from heading_intercompare.report.formatting import utc
+from heading_intercompare.core.utc_text import utc
+from heading_intercompare.core.verdict.verdict_document import VerdictError
+from heading_intercompare.report.json import parse
 
 __all__ = ['add_arguments', 'run']
 
@@ -196,8 +196,8 @@ def _report_verdict(reader: BagReader, attachments: Sequence[Attachment]) -> Ite
 
 def _verdict(text: str) -> Iterator[str]:
     try:
-        yield from verdict_text(json.loads(text)).splitlines()
-    except (ValueError, KeyError, TypeError, AttributeError):
+        yield from str(parse(text)).splitlines()
+    except VerdictError:
         yield '  not a verdict that this version reads'
 
 

@@ -64,4 +64,4 @@ def run(arguments: argparse.Namespace) -> int:
             output=output, report_dir=config.sections.get('compliance', {}).get('report_dir'),
             own={**config.sections, 'recorder': recorder},
             progress=lambda n: progress.show(f'{n:,} pairs'))
-    return conclude(verdict.to_dict(), arguments)
+    return conclude(verdict, arguments)

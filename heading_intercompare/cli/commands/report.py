@@ -1,28 +1,47 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``report``: the protocol of recorded runs, with plots."""
+"""The command ``report``: the protocol of recorded runs, or of a verdict in JSON."""
 
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
+
+from heading_intercompare.app.outputs import check_outputs, Outputs
+from heading_intercompare.report import json
 
 from . import analyze
 
 __all__ = ['add_arguments', 'run']
 
+#: What asks for readings, which a verdict has not.
+_JUDGING = ('ts', 'rs', 'config', 'set', 'runs', 'csv', 'ensembles', 'jobs', 'dask')
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    parser.add_argument('inputs', nargs=1, metavar='INPUT',
-                        help='.mcap file, rosbag2 directory or .csv of pairs')
+    parser.add_argument('inputs', nargs='+', metavar='INPUT',
+                        help='.mcap file, rosbag2 directory or .csv of pairs; or one .json that '
+                        'analyze --json or a node has written: it is not judged again')
     parser.add_argument('-o', '--output', dest='report', metavar='F.html', required=True,
                         help='the protocol')
-    analyze.add_settings_arguments(parser)
+    analyze.add_analysis_arguments(parser)
+    analyze.add_verdict_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Judge the input as `analyze` does, and write the protocol."""
-    parser = argparse.ArgumentParser()
-    analyze.add_arguments(parser)
-    others = parser.parse_args([*arguments.inputs])
-    return analyze.run(argparse.Namespace(**{**vars(others), **vars(arguments)}))
+    """Judge the inputs as `analyze` does, or read the verdict; write the protocol."""
+    verdicts = [path for path in arguments.inputs if Path(path).suffix.lower() == '.json']
+    if not verdicts:
+        return analyze.run(arguments)
+    if len(arguments.inputs) > 1:
+        raise ValueError(f'{verdicts[0]}: a verdict is reported alone, '
+                         f'{len(arguments.inputs)} INPUTs are given')
+    for option in _JUDGING:
+        if value := getattr(arguments, option):
+            shown = value[0] if isinstance(value, list) else value
+            raise ValueError(f'--{option} {shown}: {verdicts[0]} is a verdict, which is not '
+                             'judged again; leave it out')
+    analyze.check_report(arguments)
+    check_outputs(Outputs(report=arguments.report, json=arguments.json), arguments.inputs)
+    return analyze.deliver(json.read(verdicts[0]), arguments)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The terminal: progress, keys, tables, streams that may be closed."""
+"""The terminal: progress, keys, streams that may be closed."""
 
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,6 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'keyboard': ('Keyboard',),
     'progress': ('Progress',),
     'standard_streams': ('safe_stderr', 'safe_stdout'),
-    'verdict_table': ('verdict_text',),
 })
 
 if TYPE_CHECKING:
@@ -18,4 +17,3 @@ if TYPE_CHECKING:
     from .keyboard import Keyboard as Keyboard
     from .progress import Progress as Progress
     from .standard_streams import safe_stderr as safe_stderr, safe_stdout as safe_stdout
-    from .verdict_table import verdict_text as verdict_text

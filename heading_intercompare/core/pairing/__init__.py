@@ -10,7 +10,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'difference': ('subtract',),
     'direction': ('typical_step_ns',),
     'ensembles': ('Ensembles', 'Ensembling'),
-    'ledger': ('Ledger', 'LedgerSegment', 'REASONS'),
+    'ledger': ('Ledger', 'LedgerKey', 'LedgerSegment', 'REASONS'),
     'pairer': ('pair', 'Pairer'),
     'pending_readings': ('is_rising',),
 })
@@ -20,6 +20,11 @@ if TYPE_CHECKING:
     from .difference import subtract as subtract
     from .direction import typical_step_ns as typical_step_ns
     from .ensembles import Ensembles as Ensembles, Ensembling as Ensembling
-    from .ledger import Ledger as Ledger, LedgerSegment as LedgerSegment, REASONS as REASONS
+    from .ledger import (
+        Ledger as Ledger,
+        LedgerKey as LedgerKey,
+        LedgerSegment as LedgerSegment,
+        REASONS as REASONS,
+    )
     from .pairer import pair as pair, Pairer as Pairer
     from .pending_readings import is_rising as is_rising

@@ -11,15 +11,76 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import Iterable, Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-__all__ = ['Ledger', 'LedgerSegment', 'REASONS']
+__all__ = ['Ledger', 'LedgerKey', 'LedgerSegment', 'REASONS']
 
 REASONS = ('invalid', 'out_of_range', 'no_stamp', 'stamp_not_increasing')
 """Why a reading is rejected before pairing."""
+
+
+class LedgerKey(str, Enum):
+    """
+    What may become of a reading; the words are those of topics and bags.
+
+    `PAIRED` counts pairs, every other key readings of one sensor: in a pair as they are
+    (`TS_PAIRED`), only interpolated between (`TS_USED`), either (`RS_USED`), neither
+    (`TS_UNPAIRED`, `RS_UNUSED`), not decided yet (`TS_PENDING`, `RS_PENDING`), or rejected.
+    """
+
+    PAIRED = 'paired'
+    TS_PAIRED = 'ts_paired'
+    TS_USED = 'ts_used'
+    TS_UNPAIRED = 'ts_unpaired'
+    TS_PENDING = 'ts_pending'
+    TS_INVALID = 'ts_rejected.invalid'
+    TS_OUT_OF_RANGE = 'ts_rejected.out_of_range'
+    TS_NO_STAMP = 'ts_rejected.no_stamp'
+    TS_STAMP_NOT_INCREASING = 'ts_rejected.stamp_not_increasing'
+    RS_USED = 'rs_used'
+    RS_UNUSED = 'rs_unused'
+    RS_PENDING = 'rs_pending'
+    RS_INVALID = 'rs_rejected.invalid'
+    RS_OUT_OF_RANGE = 'rs_rejected.out_of_range'
+    RS_NO_STAMP = 'rs_rejected.no_stamp'
+    RS_STAMP_NOT_INCREASING = 'rs_rejected.stamp_not_increasing'
+
+    def __str__(self) -> str:
+        return self.value
+
+    @classmethod
+    def rejected(cls, stream: str, reason: str) -> 'LedgerKey':
+        """
+        Return the key of readings of ``'ts'`` or ``'rs'`` rejected for one of `REASONS`.
+
+        Examples
+        --------
+        >>> print(LedgerKey.rejected('ts', 'no_stamp'))
+        ts_rejected.no_stamp
+
+        """
+        return cls(f'{stream}_rejected.{reason}')
+
+    @classmethod
+    def pending(cls, stream: str) -> 'LedgerKey':
+        """Return the key of readings of ``'ts'`` or ``'rs'`` that still wait for a partner."""
+        return cls(f'{stream}_pending')
+
+    @property
+    def stream(self) -> str:
+        """Whose readings these are, ``'ts'`` or ``'rs'``; '' for pairs."""
+        return '' if self is LedgerKey.PAIRED else self.value[:2]
+
+    @property
+    def reason(self) -> str:
+        """Why they were rejected; '' if they were not."""
+        return self.value.partition('_rejected.')[2]
+
+_PENDING = (LedgerKey.TS_PENDING, LedgerKey.RS_PENDING)
 
 # A cut may come this much later than the newest settled reading and still divide exactly.
 _SLACK_NS = 60_000_000_000
@@ -34,20 +95,26 @@ class LedgerSegment:
     ----------
     start_ns : int or None
         First stamp of the segment; None for the first segment, which has no beginning.
-    counts : dict of str to int
-        ``paired`` counts pairs. Readings: ``ts_paired`` (in a pair as they are), ``ts_used`` (only
-        to interpolate between), ``ts_unpaired``, ``ts_pending``; ``rs_used`` (in a pair, or to
-        interpolate between), ``rs_unused``, ``rs_pending``; ``ts_rejected.<reason>``,
-        ``rs_rejected.<reason>``. An absent key is 0.
+    counts : mapping of LedgerKey to int
+        Pairs, and readings by what became of them. An absent key is 0.
 
     """
 
     start_ns: int | None
-    counts: Mapping[str, int] = field(default_factory=dict)
+    counts: Mapping[LedgerKey, int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Take the words of keys for the keys."""
+        object.__setattr__(self, 'counts', {LedgerKey(k): n for k, n in self.counts.items()})
 
     def received(self, stream: str) -> int:
         """Return how many readings of ``'ts'`` or ``'rs'`` the segment accounts for."""
-        return sum(n for key, n in self.counts.items() if key.startswith(f'{stream}_'))
+        return sum(n for key, n in self.counts.items() if key.stream == stream)
+
+    def rejected(self, stream: str) -> dict[str, int]:
+        """Return how many readings of ``'ts'`` or ``'rs'`` were rejected, by reason."""
+        return {reason: n for reason in REASONS
+                if (n := self.counts.get(LedgerKey.rejected(stream, reason)))}
 
 
 class Ledger:
@@ -60,10 +127,10 @@ class Ledger:
 
     def __init__(self) -> None:
         self._starts = np.empty(0, np.int64)
-        self._counts: list[Counter] = [Counter()]
-        self._recent: dict[str, list[np.ndarray]] = {}
-        self._received = Counter()
-        self._pending = Counter()
+        self._counts: list[Counter[LedgerKey]] = [Counter()]
+        self._recent: dict[LedgerKey, list[np.ndarray]] = {}
+        self._received: Counter[str] = Counter()
+        self._pending: Counter[LedgerKey] = Counter()
         self.newest_ns: int | None = None
 
     def receive(self, stream: str, stamp_ns: np.ndarray) -> None:
@@ -74,14 +141,14 @@ class Ledger:
             if self.newest_ns is None or newest > self.newest_ns:
                 self.newest_ns = newest
 
-    def add(self, key: str, stamp_ns: np.ndarray) -> None:
+    def add(self, key: LedgerKey, stamp_ns: np.ndarray) -> None:
         """Count readings under a key; every reading is added exactly once."""
         if len(stamp_ns):
             self._recent.setdefault(key, []).append(stamp_ns)
 
     def pending(self, stream: str, n: int) -> None:
         """Set how many readings still wait for a partner."""
-        self._pending[f'{stream}_pending'] = n
+        self._pending[LedgerKey.pending(stream)] = n
 
     def cut(self, stamp_ns: int) -> None:
         """Open a segment at a stamp, which may lie in the future or somewhat in the past."""
@@ -102,7 +169,8 @@ class Ledger:
                 self._fold(self._counts, key, stamps[old])
                 self._recent[key] = [stamps[~old]] if not old.all() else []
 
-    def _fold(self, counts: list[Counter], key: str, stamp_ns: np.ndarray) -> None:
+    def _fold(self, counts: list[Counter[LedgerKey]], key: LedgerKey,
+              stamp_ns: np.ndarray) -> None:
         where = np.searchsorted(self._starts, stamp_ns, side='right')
         for at, n in enumerate(np.bincount(where, minlength=len(counts)).tolist()):
             if n:
@@ -144,7 +212,7 @@ class Ledger:
     @property
     def paired(self) -> int:
         """Number of pairs so far."""
-        return self.total.counts.get('paired', 0)
+        return self.total.counts.get(LedgerKey.PAIRED, 0)
 
     def balance(self) -> dict[str, int]:
         """Return received minus accounted for, per stream; anything but 0 is a defect."""
@@ -157,7 +225,7 @@ class Ledger:
         for segment in self.segments:
             if segment.start_ns is not None and start_ns <= segment.start_ns <= end_ns:
                 counts.update({key: n for key, n in segment.counts.items()
-                               if not key.endswith('_pending')})
+                               if key not in _PENDING})
         return LedgerSegment(start_ns, dict(counts))
 
     def shares(self, start_ns: ArrayLike) -> list[LedgerSegment]:

@@ -16,7 +16,7 @@ from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 
 from .direction import Direction
-from .ledger import Ledger
+from .ledger import Ledger, LedgerKey
 from .pending_readings import BRACKET, NEVER, PAIRED, Stream
 
 __all__ = ['pair', 'Pairer']
@@ -200,7 +200,7 @@ class Pairer:
         self._at.role[which] = PAIRED
         self._last_settled_ns = int(self._at.release(ready)[-1])
         if len(pairs):
-            self.ledger.add('paired', pairs.stamp_ns)
+            self.ledger.add(LedgerKey.PAIRED, pairs.stamp_ns)
             first = int(pairs.stamp_ns[0])
             if self._last_pair_ns is None:
                 self.ledger.cut(first)

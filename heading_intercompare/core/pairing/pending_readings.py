@@ -9,7 +9,7 @@ import numpy as np
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings
 
-from .ledger import Ledger
+from .ledger import Ledger, LedgerKey
 
 __all__ = ['BRACKET', 'is_rising', 'NEVER', 'PAIRED', 'Stream']
 
@@ -19,7 +19,8 @@ NEVER = np.iinfo(np.int64).min
 BRACKET, PAIRED = 1, 2
 """What a reading was good for, 0 for nothing; a pair as it is outranks a bracket."""
 
-_KEYS = {'ts': ('ts_unpaired', 'ts_used', 'ts_paired'), 'rs': ('rs_unused', 'rs_used', 'rs_used')}
+_KEYS = {'ts': (LedgerKey.TS_UNPAIRED, LedgerKey.TS_USED, LedgerKey.TS_PAIRED),
+         'rs': (LedgerKey.RS_UNUSED, LedgerKey.RS_USED, LedgerKey.RS_USED)}
 
 
 def is_rising(stamp_ns: np.ndarray, newest_ns: int | None = None) -> np.ndarray:
@@ -77,7 +78,8 @@ class Stream:
         if stamp.size:
             rises = is_rising(stamp, self.last_ns)
             if not rises.all():
-                self.ledger.add(f'{self.name}_rejected.stamp_not_increasing', stamp[~rises])
+                self.ledger.add(LedgerKey.rejected(self.name, 'stamp_not_increasing'),
+                                stamp[~rises])
                 stamp, heading = stamp[rises], heading[rises]
         if stamp.size:
             self.last_ns = int(stamp[-1])
@@ -94,7 +96,7 @@ class Stream:
                 among: np.ndarray | None = None) -> np.ndarray:
         fails = ~passes if among is None else among & ~passes
         if fails.any():
-            self.ledger.add(f'{self.name}_rejected.{reason}', stamp[fails] - self.shift_ns)
+            self.ledger.add(LedgerKey.rejected(self.name, reason), stamp[fails] - self.shift_ns)
         return passes if among is None else among & passes
 
     def release(self, n: int) -> np.ndarray:

@@ -11,7 +11,9 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'headline': ('OUTCOME_WORDS',),
     'judge': ('compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult'),
     'validity': ('DOUBTFUL', 'VOID'),
-    'verdict_document': ('make_plain', 'RunVerdict', 'SCHEMA', 'Verdict'),
+    'verdict_document': ('Input', 'make_plain', 'OperatorNote', 'RunVerdict', 'SCHEMA', 'Verdict',
+                         'VerdictError'),
+    'verdict_table': ('summary_text', 'verdict_html', 'verdict_text'),
 })
 
 if TYPE_CHECKING:
@@ -27,8 +29,16 @@ if TYPE_CHECKING:
     )
     from .validity import DOUBTFUL as DOUBTFUL, VOID as VOID
     from .verdict_document import (
+        Input as Input,
         make_plain as make_plain,
+        OperatorNote as OperatorNote,
         RunVerdict as RunVerdict,
         SCHEMA as SCHEMA,
         Verdict as Verdict,
+        VerdictError as VerdictError,
+    )
+    from .verdict_table import (
+        summary_text as summary_text,
+        verdict_html as verdict_html,
+        verdict_text as verdict_text,
     )

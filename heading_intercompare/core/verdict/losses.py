@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Iterator, Sequence
 
-from heading_intercompare.core.pairing.ledger import LedgerSegment
+from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
 from heading_intercompare.core.settings import Settings
 
 from .validity import DOUBTFUL, Finding, HOLDS, NOT_TESTABLE, VOID
@@ -53,14 +53,13 @@ def _ledger_shares(run: RunVerdict, share: LedgerSegment, inside: LedgerSegment,
     for stream, n in received.items():
         # After a stamp of the future no reading makes a pair any more: the run ends there, but
         # not for want of readings.
-        late = f'{stream}_rejected.stamp_not_increasing'
+        late = LedgerKey.rejected(stream, 'stamp_not_increasing')
         behind = share.counts.get(late, 0) - counts.get(late, 0)
         if n + behind:
-            rejected = sum(of for key, of in counts.items()
-                           if key.startswith(f'{stream}_rejected.'))
+            rejected = sum(inside.rejected(stream).values())
             yield f'of the {stream.upper()} rejected', (rejected + behind) / (n + behind)
     unpaired = {stream: counts.get(key, 0) / received[stream]
-                for stream, key in (('ts', 'ts_unpaired'), ('rs', 'rs_unused'))
+                for stream, key in (('ts', LedgerKey.TS_UNPAIRED), ('rs', LedgerKey.RS_UNUSED))
                 if received[stream]}
     if unpaired:
         # Of a sensor that is interpolated, most readings may lie between two stamps of the other.

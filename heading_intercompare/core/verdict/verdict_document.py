@@ -4,14 +4,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 import math
-from typing import Any, Mapping, Sequence
+from typing import Any, Mapping, Sequence, TYPE_CHECKING
 
 from heading_intercompare.core.decision.campaign import Together
 from heading_intercompare.core.decision.coverage import Coverage
 from heading_intercompare.core.decision.criteria import (
     CountCriterion,
+    Limits,
     TotalError,
     VarianceCriterion,
 )
@@ -21,8 +22,8 @@ from heading_intercompare.core.diagnostics.assumptions import Assumption
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
 from heading_intercompare.core.outcome import Outcome, worst
-from heading_intercompare.core.pairing.ledger import LedgerSegment, REASONS
-from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
+from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.statistics.normality import Normality
 from heading_intercompare.core.statistics.stationarity import Stationarity
@@ -30,9 +31,14 @@ from heading_intercompare.core.version import VERSION
 
 from .conclusion import campaign_words
 from .headline import compose_headline
+from .typed_reader import is_left_out, left_out, read_plain, VerdictError
 from .validity import Finding, gravest
 
-__all__ = ['Campaign', 'make_plain', 'PairingFigures', 'RunVerdict', 'SCHEMA', 'Verdict']
+if TYPE_CHECKING:
+    import pandas
+
+__all__ = ['Campaign', 'Input', 'make_plain', 'OperatorNote', 'PairingFigures', 'RejectedReadings',
+           'RunVerdict', 'SCHEMA', 'Software', 'Verdict', 'VerdictError']
 
 SCHEMA = 'heading_intercompare/verdict/2'
 
@@ -42,10 +48,11 @@ def make_plain(value: Any) -> Any:
     Return a value as JSON can hold it.
 
     Dataclasses become dictionaries in the order of their fields, outcomes their word, tuples
-    lists; a number that is not finite becomes None.
+    lists; a number that is not finite becomes None. `read_plain` goes the other way.
     """
     if is_dataclass(value) and not isinstance(value, type):
-        return {f.name: make_plain(getattr(value, f.name)) for f in fields(value)}
+        return {f.name: make_plain(getattr(value, f.name)) for f in fields(value)
+                if not is_left_out(f, getattr(value, f.name))}
     if isinstance(value, Outcome):
         return value.value
     if isinstance(value, Mapping):
@@ -61,6 +68,14 @@ def make_plain(value: Any) -> Any:
 
 
 @dataclass(frozen=True, slots=True)
+class RejectedReadings:
+    """How many readings of each sensor were rejected before pairing, by reason."""
+
+    ts: Mapping[str, int]
+    rs: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
 class PairingFigures:
     """The share of one run in the pairing ledger, and the lags of its pairs."""
 
@@ -72,7 +87,7 @@ class PairingFigures:
     ts_unpaired: int
     rs_used: int
     rs_unused: int
-    rejected: Mapping[str, Mapping[str, int]]
+    rejected: RejectedReadings
     mean_lag_s: float | None
     max_lag_s: float | None
     rs_variance_factor: float | None
@@ -92,13 +107,13 @@ class PairingFigures:
            ts_variance_factor: float | None) -> 'PairingFigures':
         """Return the figures; readings still pending count as not yet received."""
         counts = share.counts
-        rejected = {s: {r: counts[f'{s}_rejected.{r}'] for r in REASONS
-                        if counts.get(f'{s}_rejected.{r}')} for s in ('ts', 'rs')}
-        return cls(share.received('ts') - counts.get('ts_pending', 0),
-                   share.received('rs') - counts.get('rs_pending', 0),
-                   *(counts.get(k, 0) for k in ('paired', 'ts_paired', 'ts_used', 'ts_unpaired',
-                                                'rs_used', 'rs_unused')),
-                   rejected, mean_lag_s, max_lag_s, rs_variance_factor, ts_variance_factor)
+        return cls(share.received('ts') - counts.get(LedgerKey.TS_PENDING, 0),
+                   share.received('rs') - counts.get(LedgerKey.RS_PENDING, 0),
+                   *(counts.get(key, 0) for key in (
+                       LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.TS_USED,
+                       LedgerKey.TS_UNPAIRED, LedgerKey.RS_USED, LedgerKey.RS_UNUSED)),
+                   RejectedReadings(share.rejected('ts'), share.rejected('rs')),
+                   mean_lag_s, max_lag_s, rs_variance_factor, ts_variance_factor)
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,6 +217,63 @@ class Campaign:
 
 
 @dataclass(frozen=True, slots=True)
+class OperatorNote:
+    """What the operator noted, and when."""
+
+    stamp_ns: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """
+    Where readings came from, and what was wrong with them.
+
+    Attributes
+    ----------
+    path : str
+        As it was given.
+    sha256 : str or None
+        Of its data; None if it could not be read.
+    ts_topic, rs_topic : str or None
+        None for a csv of pairs.
+    notes : tuple of OperatorNote, or None
+        In the order of their times.
+    error : str or None
+        Why it could not be read.
+    no_run : str or None
+        Why no run came of it, and what became of the readings.
+    same_as : str or None
+        Path of an earlier input that has the same data.
+
+    """
+
+    path: str
+    sha256: str | None = None
+    ts_topic: str | None = None
+    rs_topic: str | None = None
+    notes: tuple[OperatorNote, ...] | None = left_out()
+    error: str | None = left_out()
+    no_run: str | None = left_out()
+    same_as: str | None = left_out()
+
+    @property
+    def why_no_run(self) -> str | None:
+        """Why none of the runs is of this input; None if some are."""
+        if self.same_as is not None:
+            return f'it has the data of {self.same_as}'
+        return self.error or self.no_run
+
+
+@dataclass(frozen=True, slots=True)
+class Software:
+    """What judged."""
+
+    name: str = 'heading_intercompare'
+    version: str = VERSION
+
+
+@dataclass(frozen=True, slots=True)
 class Verdict:
     """
     What the runs together say of the TS.
@@ -217,10 +289,12 @@ class Verdict:
     paper_outcome : Outcome
         GK as printed, worst of runs.
     settings : Settings
-    inputs : sequence of mapping
-        ``path``, ``sha256``, ``ts_topic``, ``rs_topic`` of each input.
+    inputs : sequence of Input
+        None of readings that were given live or by a program.
     campaign : Campaign
     runs : sequence of RunVerdict
+    software : Software
+        What judged.
 
     """
 
@@ -229,14 +303,15 @@ class Verdict:
     validity_effect: str
     paper_outcome: Outcome
     settings: Settings
-    inputs: Sequence[Mapping[str, Any]]
+    inputs: Sequence[Input]
     campaign: Campaign
     runs: Sequence[RunVerdict]
+    software: Software = field(default_factory=Software)
 
     @classmethod
     def of(cls, runs: Sequence[RunVerdict], outcome: Outcome, campaign: Campaign,
            coverage: Coverage | None, settings: Settings,
-           inputs: Sequence[Mapping[str, Any]]) -> 'Verdict':
+           inputs: Sequence[Input]) -> 'Verdict':
         """Return the verdict on runs and on what they say together."""
         if len(runs) == 1 and runs[0].outcome is outcome and campaign.rule == 'every_run':
             line = runs[0].headline
@@ -249,6 +324,44 @@ class Verdict:
                    worst(r.paper_outcome for r in runs), settings, tuple(inputs), campaign,
                    tuple(runs))
 
+    def __str__(self) -> str:
+        """Return the table that the command line prints."""
+        from .verdict_table import verdict_text
+        return verdict_text(self)
+
+    def __repr__(self) -> str:
+        """Return the headline."""
+        return f'<Verdict on {len(self.runs)} runs: {self.headline}>'
+
+    def _repr_html_(self) -> str:
+        """Return the same table for notebooks."""
+        from .verdict_table import verdict_html
+        return verdict_html(self)
+
+    def summary(self) -> str:
+        """Return the headline, and a line for each run."""
+        from .verdict_table import summary_text
+        return summary_text(self)
+
+    def to_frame(self) -> 'pandas.DataFrame':
+        """
+        Return the figures of the runs, a row each.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by the number of the run; a column each for figures and words, by the dotted
+            names of the JSON (``guarded.nu``). Lists are left out.
+
+        Raises
+        ------
+        ValueError
+            If pandas is not installed.
+
+        """
+        from .verdict_frame import frame_of_runs
+        return frame_of_runs(self)
+
     def to_dict(self) -> dict[str, Any]:
         """Return the verdict as plain dictionaries and lists, ready for JSON."""
         return {
@@ -257,9 +370,47 @@ class Verdict:
             'headline': self.headline,
             'validity_effect': self.validity_effect,
             'paper_outcome': self.paper_outcome.value,
-            'software': {'name': 'heading_intercompare', 'version': VERSION},
+            'software': make_plain(self.software),
             'settings': make_plain(self.settings.to_mapping()),
             'inputs': make_plain(self.inputs),
             'campaign': make_plain(self.campaign),
             'runs': make_plain(self.runs),
         }
+
+    @classmethod
+    def from_dict(cls, mapping: Mapping[str, Any]) -> 'Verdict':
+        """
+        Return the verdict of a mapping of `to_dict`, or of the JSON made of it.
+
+        Raises
+        ------
+        VerdictError
+            If it is of another schema, a key is missing, or a value is not of its type: one line
+            that names the key. Keys that are not known are passed over, but no setting is.
+
+        Notes
+        -----
+        `to_dict` of what is returned is the mapping again. A number that was not finite is nan.
+
+        """
+        if not isinstance(mapping, Mapping):
+            raise VerdictError(f'a verdict must be an object, not {type(mapping).__name__}')
+        if mapping.get('schema') != SCHEMA:
+            raise VerdictError(f'schema = {mapping.get("schema")!r}: must be {SCHEMA!r}')
+        # A verdict by other settings than its own would be no verdict.
+        if isinstance(given := mapping.get('settings'), Mapping):
+            mapping = {**mapping, 'settings': _read_settings(given)}
+        return read_plain(cls, mapping)
+
+
+def _read_settings(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return all settings, nested as the classes are."""
+    for name in Settings().to_mapping():
+        if name not in given:
+            raise VerdictError(f'settings.{name} is missing')
+    try:
+        settings = Settings.from_mapping(given)
+        Limits.of(settings.norms, settings.model)
+    except SettingsError as error:
+        raise VerdictError(f'settings: {error}') from error
+    return make_plain(settings)

@@ -109,7 +109,7 @@ class Reporting:
         """Publish and write the report, unless it says nothing new."""
         self._due = None
         verdict = self._compliance.verdict(self._ledger)
-        report = render(verdict.to_dict())
+        report = render(verdict)
         if report == self._said:
             return
         self.verdict, self._said = verdict, report

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import Counter
+import json
 
 from hypothesis import given, strategies as st
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.pairing.difference import subtract
-from heading_intercompare.core.pairing.ledger import Ledger
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment, REASONS
 from heading_intercompare.core.pairing.pairer import pair, Pairer
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
@@ -325,3 +326,22 @@ def test_a_mark_divides_readings_that_were_counted_before_it_came():
 
 def test_an_empty_stream_gives_no_pairs():
     assert len(pair(Headings.empty(), Headings.empty())[0]) == 0
+
+
+def test_the_keys_of_the_ledger_are_their_words():
+    """As topics and bags have them; each reading has one sensor, and one reason at most."""
+    assert [str(key) for key in LedgerKey] == [key.value for key in LedgerKey]
+    assert json.dumps({LedgerKey.TS_USED: 1}) == '{"ts_used": 1}'
+    assert {LedgerKey.PAIRED: 3}['paired'] == 3
+    assert {(key.stream, key.reason) for key in LedgerKey if key.reason} == {
+        (stream, reason) for stream in ('ts', 'rs') for reason in REASONS}
+    segment = LedgerSegment(None, {'ts_used': 1, 'paired': 2, 'rs_rejected.no_stamp': 4})
+    assert [*segment.counts] == [LedgerKey.TS_USED, LedgerKey.PAIRED, LedgerKey.RS_NO_STAMP]
+    assert (segment.received('ts'), segment.received('rs')) == (1, 4)
+    assert (segment.rejected('ts'), segment.rejected('rs')) == ({}, {'no_stamp': 4})
+
+
+@pytest.mark.parametrize('key', ['ts_lost', 'ts_rejected', 'ts_rejected.late', ''])
+def test_an_unknown_key_of_the_ledger_is_refused(key):
+    with pytest.raises(ValueError, match='is not a valid LedgerKey'):
+        LedgerSegment(None, {key: 1})

@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
-from heading_intercompare.nodes.ros.verdict_messages import report_message
-from heading_intercompare.nodes.runtime.recorded_topics import run_table
+from heading_intercompare.nodes.runtime.recorded_topics import report_files
+from heading_intercompare.report.json import render
 
 
 def test_the_run_table_of_a_report_cuts_the_same_runs(judged):
-    lines = run_table(report_message(judged.verdict()).data).splitlines()
-    assert lines == ['start,stop',
-                     f'{10 ** 18 + 10 ** 9},{10 ** 18 + 200 * 10 ** 9 + 1}',
-                     f'{10 ** 18 + 400 * 10 ** 9},{10 ** 18 + 600 * 10 ** 9 + 1}']
+    (_, _, report), (name, _, table) = report_files(render(judged.verdict()))
+    assert report == render(judged.verdict()).encode() and name == 'runs.csv'
+    assert table.decode().splitlines() == [
+        'start,stop',
+        f'{10 ** 18 + 10 ** 9},{10 ** 18 + 200 * 10 ** 9 + 1}',
+        f'{10 ** 18 + 400 * 10 ** 9},{10 ** 18 + 600 * 10 ** 9 + 1}']

@@ -5,11 +5,14 @@
 from __future__ import annotations
 
 from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
-from heading_intercompare.core.verdict.conclusion import ALL_REASONS
-from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 
-__all__ = ['CAMPAIGN_WORDS', 'CONDITION_WORDS', 'EFFECT_WORDS', 'OUTCOME_WORDS', 'REASON_WORDS',
-           'STATE_WORDS']
+from .conclusion import ALL_REASONS
+from .headline import OUTCOME_WORDS
+
+__all__ = ['CAMPAIGN_WORDS', 'CONDITION_WORDS', 'EFFECT_WORDS', 'NO_RUN', 'OUTCOME_WORDS',
+           'REASON_WORDS', 'STATE_WORDS']
+
+NO_RUN = 'No run: no pair was made, or none in a run long enough.'
 
 CAMPAIGN_WORDS = CAMPAIGN_REASONS
 

@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The files that ``analyze`` writes: that they harm no other, and the tables of pairs."""
+"""The files that an analysis writes: that they harm no other, and the tables of pairs."""
 
 from __future__ import annotations
 
-import argparse
 from contextlib import contextmanager
+from dataclasses import dataclass
 import math
 from pathlib import Path
-from typing import Callable, Iterator
+from typing import Callable, Iterator, Sequence
 
 from heading_intercompare.bags.csv.ensembles_csv import EnsemblesCsvWriter
 from heading_intercompare.bags.csv.pairs_csv import PairsCsvWriter
@@ -16,19 +16,61 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 
-__all__ = ['check_outputs', 'name_file', 'open_tables']
+__all__ = ['check_outputs', 'name_file', 'open_tables', 'Outputs']
 
 
-def check_outputs(arguments: argparse.Namespace) -> None:
-    """Refuse to write where no file can be, or over one that is needed."""
-    taken = {Path(path).resolve(): f'the file of --{option}' for option in ('config', 'runs')
-             if (path := getattr(arguments, option))}
-    for path in map(Path, arguments.inputs):
+@dataclass(frozen=True, slots=True)
+class Outputs:
+    """
+    The files that are asked for; None: not this one.
+
+    Attributes
+    ----------
+    csv : str or None
+        A row a pair.
+    ensembles : str or None
+        A row an ensemble of `ensemble_s` seconds.
+    report : str or None
+        The protocol.
+    json : str or None
+        The verdict; '-' is no file.
+
+    """
+
+    csv: str | None = None
+    ensembles: str | None = None
+    report: str | None = None
+    json: str | None = None
+    ensemble_s: float = 120.0
+
+
+def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None = None,
+                  runs: str | None = None) -> None:
+    """
+    Refuse to write where no file can be, or over one that is needed.
+
+    Parameters
+    ----------
+    outputs : Outputs
+    inputs : sequence of str
+        What is judged.
+    config, runs : str, optional
+        The parameter file and the table of runs.
+
+    Raises
+    ------
+    ValueError
+        One line with the option of the command line, the file, and what is wrong with it.
+
+    """
+    taken = {Path(path).resolve(): f'the file of --{option}'
+             for option, path in (('config', config), ('runs', runs)) if path}
+    for path in map(Path, inputs):
         taken[path.resolve()] = 'an INPUT'
         for pattern in ('*.mcap', 'metadata.yaml'):
             taken |= {file.resolve(): f'a file of {path}' for file in path.glob(pattern)}
-    for option in ('csv', 'ensembles', 'report', 'json'):
-        path = getattr(arguments, option)
+    for option, path in (('csv', outputs.csv), ('ensembles', outputs.ensembles),
+                         ('report', outputs.report), ('json', outputs.json)):
         if path is None or (option, path) == ('json', '-'):
             continue
         place = Path(path).resolve()
@@ -79,14 +121,14 @@ class _Table:
             self._file.write(pairs)
 
 
-def open_tables(arguments: argparse.Namespace, settings: Settings) -> Iterator[_Table]:
+def open_tables(outputs: Outputs, settings: Settings) -> Iterator[_Table]:
     """Yield the tables asked for, each of which takes the pairs."""
     center_deg = settings.wrap_center_deg
-    if arguments.csv:
-        yield _Table(arguments.csv, lambda: PairsCsvWriter(
-            arguments.csv, wrap_center_deg=center_deg))
-    if arguments.ensembles:
+    if outputs.csv:
+        yield _Table(outputs.csv, lambda: PairsCsvWriter(
+            outputs.csv, wrap_center_deg=center_deg))
+    if outputs.ensembles:
         limit_deg2 = Limits.of(settings.norms, settings.model).limit_deg2
-        yield _Table(arguments.ensembles, lambda: EnsemblesCsvWriter(
-            arguments.ensembles, arguments.ensemble_s, gap_s=settings.runs.gap_s,
+        yield _Table(outputs.ensembles, lambda: EnsemblesCsvWriter(
+            outputs.ensembles, outputs.ensemble_s, gap_s=settings.runs.gap_s,
             std_limit_deg=math.sqrt(limit_deg2), wrap_center_deg=center_deg))

@@ -4,7 +4,13 @@
 
 from __future__ import annotations
 
-from concurrent.futures import Future
+from concurrent.futures import (
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+)
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, suppress
 import json
@@ -20,11 +26,12 @@ import numpy as np
 import pytest
 
 from heading_intercompare import Headings, Settings
-from heading_intercompare.app import job
+from heading_intercompare.app import campaign, job
 from heading_intercompare.bags.parallel import decode_workers
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.cli import campaign, main
+from heading_intercompare.cli import main
+from heading_intercompare.core.verdict.verdict_document import make_plain
 from heading_intercompare.messages.cdr import encode
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 
@@ -336,3 +343,58 @@ def test_results_come_in_the_order_given(bags, processes):
     found = campaign.judge_inputs([bags[2], bags[0], bags[1]], settings, None, jobs=3)
     assert [each.path for each in found] == [bags[2], bags[0], bags[1]]
     assert all(each.error is None and len(each.results) == 1 for each in found)
+
+
+@pytest.mark.parametrize('make', [ThreadPoolExecutor, ProcessPoolExecutor])
+def test_any_executor_of_the_standard_library_judges_as_one_process_does(bags, make):
+    settings = Settings.from_mapping({'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1})
+    alone = campaign.judge_inputs(bags, settings, sketched=True)
+    said = []
+    with make(2) as executor:
+        found = campaign.judge_inputs(bags, settings, sketched=True, executor=executor,
+                                      progress=said.append)
+    assert [each.path for each in found] == bags
+    assert [each.description for each in found] == [each.description for each in alone]
+    assert exact([each.results for each in found]) == exact([each.results for each in alone])
+    assert [each.notes for each in found] == [[]] * len(bags)
+    assert [each.sketch.n for each in found] == [1200] * len(bags)
+    assert said[0] == '0 done' and said[-1].startswith(f'{len(bags)} done, ')
+
+
+def exact(results) -> str:
+    """Return the runs of inputs as text that shows every bit."""
+    return json.dumps([make_plain(each.verdict) for some in results for each in some])
+
+
+class Failing(Executor):
+    """Judges the first input, and ends the others with an error, or cancelled."""
+
+    def __init__(self, error: Exception | None) -> None:
+        self.error, self.given = error, []
+
+    def submit(self, function, /, *args, **kwargs):
+        future = Future()
+        self.given.append(function)
+        if len(self.given) == 1:
+            future.set_result(function(*args, **kwargs))
+        elif self.error is not None:
+            future.set_exception(self.error)
+        else:
+            future.cancel()
+            future.set_running_or_notify_cancel()
+        return future
+
+
+@pytest.mark.parametrize('error, why', [
+    (BrokenExecutor('the host burned'), 'the host burned'),
+    (None, 'the executor gave it up')])
+def test_what_an_executor_does_not_do_is_named_and_the_campaign_goes_on(bags, error, why):
+    settings = Settings.from_mapping({'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1})
+    found = campaign.judge_inputs(bags[:2], settings, executor=Failing(error))
+    assert sorted((each.error or '', len(each.results)) for each in found) == [('', 1), (why, 0)]
+
+
+def test_a_fault_of_the_program_in_an_executor_is_not_taken_for_a_bad_input(bags):
+    settings = Settings.from_mapping({'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1})
+    with pytest.raises(KeyError):
+        campaign.judge_inputs(bags[:2], settings, executor=Failing(KeyError('x')))

@@ -1,0 +1,172 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Recorded runs judged: a bag, or a campaign of several, to one verdict."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+from dataclasses import dataclass
+import os
+from typing import Callable, Iterable, Sequence
+import warnings
+
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.pipeline import join
+from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.report import SeriesSketch
+
+from .campaign import judge_inputs
+from .run_table import assign_runs, read_run_table, RunTable
+
+__all__ = ['analyze_bag', 'analyze_bags', 'judge_bags', 'Judgement']
+
+Place = str | os.PathLike[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """
+    What came of recorded runs.
+
+    Attributes
+    ----------
+    verdict : Verdict
+        On all runs of all inputs; not compliant if an input could not be judged.
+    notes : tuple of str
+        What the user should know of the inputs: unfinished bag, no run, not judged again.
+    sketches : tuple of SeriesSketch
+        For the graphs of a report, one an input that was read; none unless asked for.
+
+    """
+
+    verdict: Verdict
+    notes: tuple[str, ...] = ()
+    sketches: tuple[SeriesSketch, ...] = ()
+
+
+def judge_bags(paths: Sequence[Place], settings: Settings, *,
+               runs: Place | RunTable | None = None, executor: Executor | None = None,
+               jobs: int | None = None, takers: Iterable[Callable[[Pairs], None]] = (),
+               sketched: bool = False,
+               progress: Callable[[str], None] = lambda text: None) -> Judgement:
+    """
+    Judge recorded runs; the command ``analyze`` does just this.
+
+    Parameters
+    ----------
+    paths : sequence of path
+        ``.mcap`` files, rosbag2 directories or ``.csv`` of pairs, at least one.
+    settings : Settings
+        With the norms.
+    runs : path or sequence of (start_ns, stop_ns, source), optional
+        Table of runs, or the csv file that holds it; see `read_run_table`. Marks in the bag and
+        silences decide without one.
+    executor : concurrent.futures.Executor, optional
+        Who judges the inputs; see `judge_inputs`.
+    jobs : int, optional
+        Processes of this machine, without an executor; default one for each core.
+    takers : iterable of callable
+        Each is given the pairs, chunk by chunk; for one input, and not with an executor.
+    sketched : bool
+        Collect what the graphs of a report need.
+    progress : callable
+        Told what has been done.
+
+    Returns
+    -------
+    Judgement
+
+    Raises
+    ------
+    SettingsError
+        If a norm is missing.
+    OSError, ValueError
+        If no input can be read, or the table of runs is wrong.
+
+    """
+    if isinstance(paths, (str, os.PathLike)) or not paths:
+        raise ValueError(f'paths = {paths!r}: give a list of one path at least')
+    # Else every input would be said to be unreadable.
+    Limits.of(settings.norms, settings.model)
+    names = [os.fspath(path) for path in paths]
+    table, elsewhere = None, []
+    if runs is not None:
+        given = read_run_table(os.fspath(runs)) if isinstance(runs, (str, os.PathLike)) else runs
+        table, elsewhere = assign_runs(given, names)
+    judged = judge_inputs(names, settings, table, takers=takers, sketched=sketched, jobs=jobs,
+                          executor=executor, progress=progress)
+    verdict = join([result for each in judged for result in each.results], settings,
+                   [each.description for each in judged],
+                   incomplete=any(each.error or each.no_run for each in judged))
+    called = os.fspath(runs) if isinstance(runs, (str, os.PathLike)) else 'runs'
+    notes = [note for each in judged for note in each.notes]
+    notes += [f'{called}: source {source} is none of the INPUTs' for source in elsewhere]
+    return Judgement(verdict, tuple(notes), tuple(each.sketch for each in judged if each.sketch))
+
+
+def analyze_bag(path: Place, settings: Settings, *, runs: Place | RunTable | None = None,
+                jobs: int | None = None,
+                progress: Callable[[str], None] = lambda text: None) -> Verdict:
+    """
+    Judge the runs of one recording.
+
+    Parameters
+    ----------
+    path : path
+        ``.mcap`` file, rosbag2 directory or ``.csv`` of pairs.
+    settings, runs, jobs, progress
+        As for `judge_bags`.
+
+    Returns
+    -------
+    Verdict
+        That of ``analyze``. What else the user should know of the recording is a warning.
+
+    Raises
+    ------
+    SettingsError
+        If a norm is missing.
+    OSError, ValueError
+        If it cannot be read, or the table of runs is wrong.
+
+    """
+    return _warn(judge_bags([path], settings, runs=runs, jobs=jobs, progress=progress))
+
+
+def analyze_bags(paths: Sequence[Place], settings: Settings, *,
+                 runs: Place | RunTable | None = None, executor: Executor | None = None,
+                 jobs: int | None = None,
+                 progress: Callable[[str], None] = lambda text: None) -> Verdict:
+    """
+    Judge the runs of several recordings together.
+
+    Parameters
+    ----------
+    paths, settings, runs, executor, jobs, progress
+        As for `judge_bags`, which returns the notes and graphs, too.
+
+    Returns
+    -------
+    Verdict
+        That of ``analyze``. A recording that cannot be read does not stop the others, and the
+        verdict is not compliant then. What else the user should know is a warning.
+
+    Raises
+    ------
+    SettingsError
+        If a norm is missing.
+    OSError, ValueError
+        If none can be read, or the table of runs is wrong.
+
+    """
+    return _warn(judge_bags(paths, settings, runs=runs, executor=executor, jobs=jobs,
+                            progress=progress))
+
+
+def _warn(judgement: Judgement) -> Verdict:
+    """Say the notes to who called the caller; return the verdict."""
+    for note in judgement.notes:
+        warnings.warn(note, stacklevel=3)
+    return judgement.verdict

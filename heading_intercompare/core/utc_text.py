@@ -1,0 +1,30 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Stamps as people read them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+__all__ = ['utc']
+
+#: Milliseconds at the beginning of the years 1 and 10000.
+_FIRST_MS, _END_MS = -62_135_596_800_000, 253_402_300_800_000
+
+
+def utc(stamp_ns: int | None) -> str:
+    """
+    Return a stamp as UTC text, rounded down to milliseconds; without one a dash.
+
+    Examples
+    --------
+    >>> utc(1_700_000_000_123_999_999)
+    '2023-11-14 22:13:20.123'
+
+    """
+    if stamp_ns is None:
+        return '-'
+    at_ms = stamp_ns // 1_000_000
+    if not _FIRST_MS <= at_ms < _END_MS:
+        return f'{stamp_ns} ns'
+    return str(np.datetime64(at_ms, 'ms')).replace('T', ' ')

@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Plain mappings and lists, as JSON has them, back to dataclasses: their annotations say how."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import field, fields, is_dataclass
+from enum import EnumMeta
+from functools import cache
+import math
+from types import NoneType, UnionType
+from typing import Any, get_args, get_origin, get_type_hints, Literal, Union
+
+__all__ = ['is_left_out', 'left_out', 'read_plain', 'VerdictError']
+
+_WORDS = {bool: 'true or false', float: 'a number', int: 'an integer', str: 'text',
+          NoneType: 'null'}
+_LEFT_OUT = 'left_out'
+_LONGEST = 60
+#: What is no less has no place among the floats.
+_MOST = 2 ** 1023
+
+_hints_of = cache(get_type_hints)
+
+
+class VerdictError(ValueError):
+    """A mapping is no verdict: where, what stands there, and what must."""
+
+
+def left_out() -> Any:
+    """Declare a field of a dataclass whose key is left out where its value is None."""
+    return field(default=None, metadata={_LEFT_OUT: True})
+
+
+def is_left_out(declared: Any, value: Any) -> bool:
+    """Tell whether the key of a field is left out, `declared` as `dataclasses.fields` has it."""
+    return value is None and declared.metadata.get(_LEFT_OUT, False)
+
+
+def read_plain(kind: Any, value: Any, where: str = '') -> Any:
+    """
+    Return a value of a type, from what `make_plain` makes of one.
+
+    Parameters
+    ----------
+    kind : type or annotation
+        A dataclass, an enumeration, a plain type, or a union, tuple, sequence or mapping of such.
+    value : object
+        As JSON has it. Keys that the dataclass has not are passed over.
+    where : str
+        What the value is called, ``runs[0].guarded``.
+
+    Returns
+    -------
+    object
+        A number that was not finite, and so became null, is nan where None is not allowed. Lists
+        become tuples. Integers stay integers where any number may stand.
+
+    Raises
+    ------
+    VerdictError
+        If a key is missing, or a value is not of its type: one line that names it.
+
+    Examples
+    --------
+    >>> read_plain(tuple[float, ...], [1, None])
+    (1, nan)
+    >>> read_plain(Mapping[str, int], {'n': 0.5}, 'counts')
+    Traceback (most recent call last):
+    heading_intercompare.core.verdict.typed_reader.VerdictError: counts.n = 0.5: must be an integer
+
+    """
+    if is_dataclass(kind):
+        return _read_dataclass(kind, value, where)
+    origin, parts = get_origin(kind), get_args(kind)
+    if origin in (Union, UnionType):
+        return _read_union(parts, value, where)
+    if origin is not None and origin is not Literal:
+        return _read_several(origin, parts, value, where)
+    if kind is float and value is None:
+        return math.nan
+    if _is_of(kind, value):
+        return kind(value) if isinstance(kind, EnumMeta) else value
+    raise _wrong(where, value, _name(kind))
+
+
+def _is_of(kind: Any, value: Any) -> bool:
+    """Tell whether a value may stand where a plain type, enumeration or choice is declared."""
+    if kind is Any:
+        return True
+    if get_origin(kind) is Literal:
+        return value in get_args(kind)
+    if isinstance(kind, EnumMeta):
+        return isinstance(value, str) and value in {member.value for member in kind}
+    if isinstance(value, bool):
+        return kind is bool
+    if kind is float and isinstance(value, int):
+        return abs(value) < _MOST
+    return isinstance(value, kind)
+
+
+def _read_dataclass(kind: type, value: Any, where: str) -> Any:
+    if not isinstance(value, Mapping):
+        raise _wrong(where, value, 'an object')
+    given = {}
+    for declared in fields(kind):
+        name = f'{where}.{declared.name}'.lstrip('.')
+        if declared.name in value:
+            given[declared.name] = read_plain(_hints_of(kind)[declared.name],
+                                              value[declared.name], name)
+        elif not is_left_out(declared, None):
+            raise VerdictError(f'{name} is missing')
+    return kind(**given)
+
+
+def _read_union(parts: tuple[Any, ...], value: Any, where: str) -> Any:
+    if value is None and NoneType in parts:
+        return None
+    plain = [part for part in parts if part is not NoneType]
+    if len(plain) == 1:
+        return read_plain(plain[0], value, where)
+    for part in plain:
+        if _is_of(part, value):
+            return read_plain(part, value, where)
+    raise _wrong(where, value, ' or '.join(map(_name, parts)))
+
+
+def _read_several(origin: type, parts: tuple[Any, ...], value: Any, where: str) -> Any:
+    if issubclass(origin, Mapping):
+        if not isinstance(value, Mapping):
+            raise _wrong(where, value, 'an object')
+        return {key: read_plain(parts[1], thing, f'{where}.{key}'.lstrip('.'))
+                for key, thing in value.items()}
+    if not isinstance(value, Sequence) or isinstance(value, str):
+        raise _wrong(where, value, 'a list')
+    if origin is tuple and parts[-1] is not Ellipsis:
+        if len(parts) != len(value):
+            raise _wrong(where, value, f'a list of {len(parts)}')
+    else:
+        parts = (parts[0],) * len(value)
+    return tuple(read_plain(part, thing, f'{where}[{at}]')
+                 for at, (part, thing) in enumerate(zip(parts, value)))
+
+
+def _name(kind: Any) -> str:
+    """Return what may stand where a plain type, enumeration or choice is declared."""
+    if isinstance(kind, EnumMeta):
+        return ' or '.join(repr(member.value) for member in kind)
+    if get_origin(kind) is Literal:
+        return ' or '.join(map(repr, get_args(kind)))
+    return _WORDS.get(kind, str(kind))
+
+
+def _wrong(where: str, value: Any, allowed: str) -> VerdictError:
+    shown = repr(value)
+    shown = shown if len(shown) <= _LONGEST else f'{shown[:_LONGEST]}...'
+    return VerdictError(f'{where} = {shown}: must be {allowed}' if where else
+                        f'{shown}: must be {allowed}')

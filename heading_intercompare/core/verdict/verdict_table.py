@@ -1,0 +1,170 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A verdict as people read it: a table with a row a figure and a column a run, text or HTML."""
+
+from __future__ import annotations
+
+import math
+from typing import Callable, Iterator, Sequence
+from xml.etree.ElementTree import Element, SubElement, tostring
+
+from heading_intercompare.core.utc_text import utc
+
+from .validity import DOUBTFUL, VOID
+from .verdict_document import RunVerdict, Verdict
+from .vocabulary import CAMPAIGN_WORDS, EFFECT_WORDS, NO_RUN, OUTCOME_WORDS, REASON_WORDS
+
+__all__ = ['summary_text', 'verdict_html', 'verdict_text']
+
+_COLUMNS = 5
+
+
+def _number(value: float | int | None, digits: int = 4) -> str:
+    if isinstance(value, int):
+        return str(value)
+    if value is None or not math.isfinite(value):
+        return '-'
+    return f'{value:.{digits}f}' if abs(value) < 1e5 else f'{value:.4g}'
+
+
+def _range(low: float | None, high: float | None, digits: int = 4) -> str:
+    return f'{_number(low, digits)} .. {_number(high, digits)}'
+
+
+def _rejected(run: RunVerdict) -> str:
+    rejected = run.pairing.rejected
+    parts = [f'{n} {sensor} {reason}' for sensor, reasons in (('TS', rejected.ts),
+                                                              ('RS', rejected.rs))
+             for reason, n in reasons.items()]
+    return ', '.join(parts) or '0'
+
+
+def _counts(run: RunVerdict) -> str:
+    counts = run.count_criterion
+    return f'{counts.n_plus} / {counts.n_plus_plus} / {counts.allowed:.2f}'
+
+
+_ROWS: tuple[tuple[str, Callable[[RunVerdict], str]], ...] = (
+    ('outcome', lambda r: OUTCOME_WORDS[r.outcome]),
+    ('GK as printed', lambda r: OUTCOME_WORDS[r.paper_outcome]),
+    ('first pair, UTC', lambda r: utc(r.start_ns)),
+    ('duration [s]', lambda r: _number(r.duration_s, 1)),
+    ('pairs', lambda r: _number(r.pairing.paired)),
+    ('TS received', lambda r: _number(r.pairing.ts_received)),
+    ('  paired as they are', lambda r: _number(r.pairing.ts_paired)),
+    ('  only interpolated between', lambda r: _number(r.pairing.ts_used)),
+    ('  without partner', lambda r: _number(r.pairing.ts_unpaired)),
+    ('RS received', lambda r: _number(r.pairing.rs_received)),
+    ('  paired or interpolated between', lambda r: _number(r.pairing.rs_used)),
+    ('  not used', lambda r: _number(r.pairing.rs_unused)),
+    ('rejected', _rejected),
+    ('analysed n', lambda r: _number(r.n)),
+    ('effective size nu', lambda r: _number(r.guarded.nu, 1)),
+    ('mean difference [deg]', lambda r: _number(r.mean_deg)),
+    ('largest |difference| [deg]', lambda r: _number(r.max_abs_deg)),
+    ('standard deviation [deg]', lambda r: _number(r.std_deg)),
+    ('variance [deg2]', lambda r: _number(r.variance_deg2, 6)),
+    ('  with its bounds [deg2]',
+     lambda r: _range(r.guarded.lower_bound_deg2, r.guarded.upper_bound_deg2, 6)),
+    ('  acceptance limit [deg2]', lambda r: _number(r.guarded.acceptance_limit_deg2, 6)),
+    ('  rejection limit [deg2]', lambda r: _number(r.guarded.rejection_limit_deg2, 6)),
+    ('GK (5) variance', lambda r: OUTCOME_WORDS[r.variance_criterion.outcome]),
+    ('n+ / n++ / allowed', _counts),
+    ('GK (6) counts', lambda r: OUTCOME_WORDS[r.count_criterion.outcome]),
+    ('sigma of the TS [deg]',
+     lambda r: _range(r.guarded.sigma_ts_lower_deg, r.guarded.sigma_ts_upper_deg)),
+    ('total TS error [deg]', lambda r: _range(r.total_error.low_deg, r.total_error.up_deg)),
+)
+
+
+def _describe_norms(verdict: Verdict) -> str:
+    """Return norms, model and risks in one line."""
+    settings, norms = verdict.settings, verdict.settings.norms
+    sigma = f'by {norms.preset}' if norms.preset is not None else f'{norms.sigma_max_deg:g} deg'
+    return (f'norms: sigma_max {sigma}, sigma_ref_max {norms.sigma_ref_max_deg:g} deg, '
+            f'P {norms.probability:g}; model {settings.model}, variant {settings.variant}; '
+            f'risks: consumer {settings.risk.alpha_consumer:g}, '
+            f'producer {settings.risk.alpha_producer:g}')
+
+
+def _tables(verdict: Verdict) -> Iterator[list[tuple[str, ...]]]:
+    """Yield the rows of some runs each; the first of them is the head."""
+    for first in range(0, len(verdict.runs), _COLUMNS):
+        runs = verdict.runs[first:first + _COLUMNS]
+        yield [('', *(f'run {r.run}' for r in runs)),
+               *((name, *(text(r) for r in runs)) for name, text in _ROWS)]
+
+
+def _reasons(verdict: Verdict) -> Iterator[tuple[str, list[str]]]:
+    """Yield why the outcome is what it is, together and by run, and what else was found."""
+    several = len(verdict.inputs) > 1
+    if len(verdict.runs) > 1:
+        reason = verdict.campaign.reason
+        yield f'together ({verdict.campaign.rule}): {CAMPAIGN_WORDS.get(reason, reason)}', []
+    for run in verdict.runs:
+        of = f' of {run.source}' if several else ''
+        found = [f'{EFFECT_WORDS[f.effect]}: {f.evidence}' for f in run.validity
+                 if f.effect in (DOUBTFUL, VOID)]
+        found += [f'look {look.look} of {look.looks} at {look.span_s:.0f} s: {look.headline}'
+                  for look in run.looks]
+        found += [f'warning: {warning}' for warning in run.warnings]
+        yield f'run {run.run}{of}: {REASON_WORDS.get(run.reason, run.reason)}', found
+    missing = [f'not judged: {given.path}: {given.why_no_run}' for given in verdict.inputs
+               if given.why_no_run]
+    for line in missing if missing or verdict.runs else [NO_RUN]:
+        yield line, []
+
+
+def verdict_text(verdict: Verdict) -> str:
+    """Return a verdict as text in columns, without a final newline."""
+    lines = [f'VERDICT: {verdict.headline}',
+             f'GK as printed: {OUTCOME_WORDS[verdict.paper_outcome]}', _describe_norms(verdict)]
+    for rows in _tables(verdict):
+        lines += ['', *_align(rows)]
+    lines.append('')
+    for line, found in _reasons(verdict):
+        lines += [line, *(f'  {more}' for more in found)]
+    return '\n'.join(lines)
+
+
+def _align(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return ['  '.join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
+            for row in rows]
+
+
+def summary_text(verdict: Verdict) -> str:
+    """Return a verdict in a line, and another for each run, without a final newline."""
+    lines = [verdict.headline]
+    for run in verdict.runs:
+        lines.append(
+            f'run {run.run}: {OUTCOME_WORDS[run.outcome]}, n = {run.n}, mean '
+            f'{_number(run.mean_deg)} deg, standard deviation {_number(run.std_deg)} deg, '
+            f'variance {_range(run.guarded.lower_bound_deg2, run.guarded.upper_bound_deg2, 6)} '
+            f'deg2, limits '
+            f'{_range(run.guarded.acceptance_limit_deg2, run.guarded.rejection_limit_deg2, 6)}')
+    return '\n'.join(lines)
+
+
+def verdict_html(verdict: Verdict) -> str:
+    """Return the same as a piece of HTML, as notebooks show it; the protocol is in `report`."""
+    whole = Element('div')
+    SubElement(SubElement(whole, 'p'), 'strong').text = verdict.headline
+    SubElement(whole, 'p').text = f'GK as printed: {OUTCOME_WORDS[verdict.paper_outcome]}'
+    SubElement(whole, 'p').text = _describe_norms(verdict)
+    for rows in _tables(verdict):
+        table = SubElement(whole, 'table')
+        for row in rows:
+            line = SubElement(table, 'tr')
+            for at, cell in enumerate(row):
+                SubElement(line, 'td' if at and row is not rows[0] else 'th').text = cell
+    reasons = SubElement(whole, 'ul')
+    for line, found in _reasons(verdict):
+        item = SubElement(reasons, 'li')
+        item.text = line
+        if found:
+            more = SubElement(item, 'ul')
+            for text in found:
+                SubElement(more, 'li').text = text
+    # Names of files may hold bytes that are no text.
+    return tostring(whole, 'unicode', method='html').encode('utf-8', 'replace').decode()

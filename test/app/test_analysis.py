@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Recorded runs judged from Python: the verdicts of the command line, its words as warnings."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+import json
+
+import numpy as np
+import pytest
+
+from heading_intercompare import analyze_bag, analyze_bags, Headings, judge_bags, Norms, Settings
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.cli import main
+from heading_intercompare.messages.heading_messages import encode_imu, IMU
+
+S = 1_000_000_000
+SETTINGS = Settings(norms=Norms(sigma_max_deg=0.3, sigma_ref_max_deg=0.1))
+NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1']
+
+
+def start_ns(number: int) -> int:
+    """Return the first stamp of a bag."""
+    return (1_400_000_000 + 1000 * number) * S
+
+
+@pytest.fixture
+def bags(tmp_path):
+    """Return two bags of two minutes at 10 Hz, TS 0.1° sd, RS exact."""
+    for number in range(2):
+        rng = np.random.default_rng(number)
+        stamps = start_ns(number) + np.arange(1200) * (S // 10)
+        with BagWriter(tmp_path / f'trial_{number}') as writer:
+            for topic, error in (('ts/heading', 0.1), ('rs/heading', 0.0)):
+                writer.add_topic(topic, IMU)
+                readings = Headings.of(stamps, 100.0 + error * rng.standard_normal(1200))
+                writer.write_rows([Rows(topic, encode_imu(readings, 'x'), stamps)])
+    return [tmp_path / f'trial_{number}' for number in range(2)]
+
+
+def printed(capsys, *arguments) -> tuple[dict, list[str]]:
+    """Return the JSON and the notes of `analyze`."""
+    capsys.readouterr()
+    assert main(['analyze', *map(str, arguments), *NORMS, '--json', '-']) == 0
+    out, err = capsys.readouterr()
+    return json.loads(out), [line.removeprefix('note: ') for line in err.splitlines()]
+
+
+def test_a_bag_is_judged_as_on_the_command_line(bags, capsys):
+    expected, _ = printed(capsys, bags[0])
+    assert analyze_bag(bags[0], SETTINGS).to_dict() == expected
+    assert analyze_bag(str(bags[0]), SETTINGS).to_dict() == expected
+    assert capsys.readouterr() == ('', '')
+
+
+def test_several_bags_are_judged_as_on_the_command_line_by_whoever(bags, capsys):
+    expected, _ = printed(capsys, *bags)
+    assert analyze_bags(bags, SETTINGS).to_dict() == expected
+    with ThreadPoolExecutor(2) as executor:
+        assert analyze_bags(bags, SETTINGS, executor=executor).to_dict() == expected
+
+
+def test_a_bad_bag_is_a_warning_and_the_verdict_is_not_compliant(bags, tmp_path, capsys):
+    (tmp_path / 'bad.mcap').write_bytes(b'no bag')
+    expected, notes = printed(capsys, bags[0], tmp_path / 'bad.mcap')
+    with pytest.warns(UserWarning) as said:
+        verdict = analyze_bags([bags[0], tmp_path / 'bad.mcap'], SETTINGS)
+    assert [str(each.message) for each in said] == notes
+    assert [each.filename for each in said] == [__file__]
+    assert verdict.to_dict() == expected and verdict.outcome.value == 'indeterminate'
+
+
+def test_runs_are_given_as_a_table_or_as_its_file(bags, tmp_path, capsys):
+    table = [(start_ns(0), start_ns(0) + 50 * S, 'trial_0'),
+             (start_ns(1), start_ns(1) + 60 * S, 'trial_1')]
+    file = tmp_path / 'runs.csv'
+    file.write_text('start,stop,source\n' + ''.join(f'{a},{b},{c}\n' for a, b, c in table))
+    expected, _ = printed(capsys, *bags, '--runs', file)
+    assert [run['n'] for run in expected['runs']] == [500, 600]
+    assert analyze_bags(bags, SETTINGS, runs=file).to_dict() == expected
+    assert analyze_bags(bags, SETTINGS, runs=table).to_dict() == expected
+
+
+def test_the_notes_come_back_with_the_graphs(bags):
+    told = []
+    judged = judge_bags([bags[0]], SETTINGS, sketched=True, progress=told.append,
+                        runs=[(start_ns(0), start_ns(0) + 50 * S, ''), (1, 2, 'gone')])
+    assert judged.notes == ('runs: source gone is none of the INPUTs',)
+    assert [sketch.n for sketch in judged.sketches] == [1200]
+    assert told[-1] == '2,400 headings'
+
+
+@pytest.mark.parametrize('paths, settings, error, words', [
+    ([], SETTINGS, ValueError, 'give a list of one path at least'),
+    ('trial_0', SETTINGS, ValueError, "paths = 'trial_0': give a list"),
+    (['a', 'b'], Settings(), ValueError, 'norms.sigma_max_deg'),
+    (['nowhere'], SETTINGS, FileNotFoundError, 'nowhere'),
+    (['nowhere', 'neither'], SETTINGS, ValueError, 'none of the 2 inputs can be read')])
+def test_a_mistake_is_an_error(tmp_path, monkeypatch, paths, settings, error, words):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(error, match=words):
+        analyze_bags(paths, settings)

@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command `report`: it takes what `analyze` takes, or a verdict that was written before."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from heading_intercompare.cli import main
+
+S = 1_000_000_000
+NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1']
+
+
+@pytest.fixture
+def pairs(tmp_path):
+    """Return two csv files of ten minutes at 1 Hz, TS 0.1° sd."""
+    files = []
+    for number in range(2):
+        rng = np.random.default_rng(number)
+        rows = [f'{(1_400_000_000 + 1000 * number + i) * S},{100.0 + x:.6f},100.0'
+                for i, x in enumerate(0.1 * rng.standard_normal(600))]
+        files.append(tmp_path / f'p{number}.csv')
+        files[-1].write_text('\n'.join(['stamp_ns,ts_deg,rs_deg', *rows]) + '\n')
+    return files
+
+
+@pytest.fixture
+def verdict(pairs, tmp_path, capsys):
+    """Return the file of a verdict, and what was printed when it was made."""
+    file = tmp_path / 'verdict.json'
+    assert main(['analyze', str(pairs[0]), *NORMS, '--json', str(file)]) == 0
+    return file, capsys.readouterr().out
+
+
+def refused(capsys, *arguments) -> str:
+    """Return the one line that a wrong command line gives."""
+    assert main([str(a) for a in arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == '' and err.count('\n') == 1
+    return err
+
+
+def test_a_report_takes_what_analyze_takes(pairs, tmp_path, capsys):
+    table, page = tmp_path / 'runs.csv', tmp_path / 'r.html'
+    table.write_text(f'start,stop\n{1_400_000_000 * S},{1_400_000_300 * S}\n'
+                     f'{1_400_001_000 * S},{1_400_001_200 * S}\n')
+    given = [*map(str, pairs), *NORMS, '--runs', str(table), '--jobs', '1', '--quiet']
+    assert main(['analyze', *given, '--report', str(page)]) == 0
+    printed, drawn = capsys.readouterr(), page.read_text('utf-8')
+    assert main(['report', *given, '-o', str(page), '--json', str(tmp_path / 'v.json')]) == 0
+    assert capsys.readouterr() == printed
+    assert page.read_text('utf-8') == drawn
+    assert [run['n'] for run in json.loads((tmp_path / 'v.json').read_text())['runs']] == [
+        300, 200]
+
+
+def test_a_verdict_becomes_the_protocol_without_the_readings(verdict, pairs, tmp_path, capsys):
+    file, printed = verdict
+    for path in pairs:
+        path.unlink()
+    page = tmp_path / 'r.html'
+    assert main(['report', str(file), '-o', str(page), '--check']) in (0, 3)
+    assert capsys.readouterr().out == printed
+    text = page.read_text('utf-8')
+    assert 'None: the protocol was made from the verdict alone.' in text
+    assert main(['report', str(file), '-o', str(page), '--json', '-']) == 0
+    assert capsys.readouterr().out == file.read_text('utf-8')
+
+
+@pytest.mark.parametrize('options, words', [
+    (['--set', 'window_s=60'], '--set window_s=60: {file} is a verdict, which is not judged'),
+    (['--config', 'x.yaml'], '--config x.yaml: '), (['--runs', 'x.csv'], '--runs x.csv: '),
+    (['--csv', 'x.csv'], '--csv x.csv: '), (['--jobs', '2'], '--jobs 2: '),
+    (['{file}'], '{file}: a verdict is reported alone, 2 INPUTs are given'),
+    (['--json', '{file}'], '--json {file}: that is an INPUT'),
+    (['-o', '{file}'], '--report {file}: that is an INPUT'),
+    (['-o', 'x.pdf'], '--report x.pdf: must end with .html or .json')])
+def test_what_a_verdict_cannot_be_asked_for_is_one_line(verdict, tmp_path, capsys, monkeypatch,
+                                                        options, words):
+    file, _ = verdict
+    monkeypatch.chdir(tmp_path)
+    before = file.read_bytes()
+    said = refused(capsys, 'report', '-o', tmp_path / 'r.html',
+                   *(option.format(file=file) for option in options), file)
+    assert words.format(file=file) in said
+    assert file.read_bytes() == before and not (tmp_path / 'r.html').exists()
+
+
+@pytest.mark.parametrize('spoil, words', [
+    (lambda text: text[:1000], 'is not JSON: '), (lambda text: '', 'is not JSON: '),
+    (lambda text: f'[{text}]', 'a verdict must be an object, not list'),
+    (lambda text: text.replace('verdict/2', 'verdict/1'), "verdict/1': must be "),
+    (lambda text: text.replace('"n_input"', '"n_imput"'), 'runs[0].n_input is missing'),
+    (lambda text: text.replace('"n_input": 600', '"n_input": "many"'),
+     "runs[0].n_input = 'many': must be an integer")])
+def test_what_is_no_verdict_is_told_in_one_line(verdict, tmp_path, capsys, spoil, words):
+    file, _ = verdict
+    file.write_text(spoil(file.read_text('utf-8')), 'utf-8')
+    said = refused(capsys, 'report', file, '-o', tmp_path / 'r.html')
+    assert said.startswith(f'heading-intercompare: error: {file}: ') and words in said
+    assert not (tmp_path / 'r.html').exists()
+
+
+def test_a_verdict_that_is_not_there_is_named(tmp_path, capsys):
+    assert 'v.json: No such file or directory' in refused(
+        capsys, 'report', tmp_path / 'v.json', '-o', tmp_path / 'r.html')

@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The face of a verdict: a table as text, for notebooks, and as a data frame."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+import sys
+from types import ModuleType
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from heading_intercompare import analyze, Headings, Norms, Risk, Settings
+from heading_intercompare.core.verdict.verdict_document import Input, RejectedReadings
+
+SETTINGS = Settings(norms=Norms(sigma_max_deg=0.3, sigma_ref_max_deg=0.1),
+                    risk=Risk(min_duration_s=0.0))
+
+
+def judged(runs: int):
+    """Return a verdict on runs of ten minutes, TS 0.2° sd."""
+    rng = np.random.default_rng(runs)
+    ts, rs = [], []
+    for run in range(runs):
+        stamps = (np.arange(600) + 10_000 * run + 1_700_000_000) * 10 ** 9
+        true = 180.0 + 170.0 * np.sin(np.arange(600) / 40.0)
+        ts.append(Headings.of(stamps, true + rng.normal(0.0, 0.2, 600)))
+        rs.append(Headings.of(stamps, true))
+    return analyze(ts, rs, SETTINGS)
+
+
+def test_a_verdict_is_printed_as_a_table():
+    verdict = judged(1)
+    run = verdict.runs[0]
+    lines = str(verdict).splitlines()
+    assert lines[:3] == [
+        f'VERDICT: {verdict.headline}', 'GK as printed: COMPLIANT',
+        'norms: sigma_max 0.3 deg, sigma_ref_max 0.1 deg, P 0.997; model NN, variant B; '
+        'risks: consumer 0.05, producer 0.05']
+    cells = dict(line.rsplit('  ', 1) for line in lines if '  ' in line.strip())
+    cells = {name.strip(): cell for name, cell in cells.items()}
+    assert cells['outcome'] == 'COMPLIANT'
+    assert cells['first pair, UTC'] == '2023-11-14 22:13:20.000'
+    assert cells['standard deviation [deg]'] == f'{run.std_deg:.4f}'
+    assert cells['rejected'] == '0'
+    assert lines[-1] == 'run 1: the variance is within the acceptance limit, at the stated risk' \
+        or lines[-2].startswith('run 1: ')
+
+
+def test_runs_stand_side_by_side_five_in_a_table():
+    heads = [line.split() for line in str(judged(7)).splitlines() if line.startswith('   ')
+             and 'run' in line]
+    assert heads == [['run', '1', 'run', '2', 'run', '3', 'run', '4', 'run', '5'],
+                     ['run', '6', 'run', '7']]
+
+
+def test_what_is_absent_is_a_dash_and_what_is_rejected_has_its_reason():
+    verdict = judged(1)
+    run = verdict.runs[0]
+    other = replace(run, mean_deg=float('nan'), max_abs_deg=None, pairing=replace(
+        run.pairing, rejected=RejectedReadings({'invalid': 2}, {'no_stamp': 1})))
+    lines = [' '.join(line.split()) for line in str(replace(verdict, runs=[other])).splitlines()]
+    assert {'mean difference [deg] -', 'largest |difference| [deg] -',
+            'rejected 2 TS invalid, 1 RS no_stamp'} <= set(lines)
+
+
+def test_without_runs_the_reason_stands_there():
+    empty = judged(0)
+    assert str(empty).endswith('No run: no pair was made, or none in a run long enough.')
+    given = replace(empty, inputs=[Input('a.mcap', error='is cut')])
+    assert str(given).endswith('not judged: a.mcap: is cut')
+
+
+def test_who_only_names_a_verdict_sees_its_headline():
+    verdict = judged(2)
+    assert repr(verdict) == f'<Verdict on 2 runs: {verdict.headline}>'
+
+
+def test_the_summary_is_a_line_and_one_a_run():
+    verdict = judged(2)
+    headline, first, second = verdict.summary().splitlines()
+    run = verdict.runs[0]
+    assert headline == verdict.headline
+    assert first.startswith(f'run 1: COMPLIANT, n = 600, mean {run.mean_deg:.4f} deg, ')
+    assert first.endswith(f'limits {run.guarded.acceptance_limit_deg2:.6f} .. '
+                          f'{run.guarded.rejection_limit_deg2:.6f}')
+    assert second.startswith('run 2: ')
+
+
+def test_a_notebook_shows_the_same_table():
+    verdict = judged(6)
+    root = ElementTree.fromstring(verdict._repr_html_())
+    rows = [[cell.text or '' for cell in row] for row in root.iter('tr')]
+    words = {' '.join(' '.join(row).split()) for row in rows}
+    printed = {' '.join(line.split()) for line in str(verdict).splitlines()}
+    assert len(words) == 2 * 28 and words <= printed
+    items = [item.text for item in root.iter('li')]
+    assert {item.text for item in root.iter('p') if item.text} <= printed
+    assert set(items) <= printed and len(items) >= 7
+
+
+def test_a_hostile_name_is_shown_in_a_notebook_and_not_obeyed():
+    name = '<script>alert(1)</script>&amp;\udcff'
+    verdict = replace(judged(1), headline=name, inputs=[Input(name, error=name)])
+    page = verdict._repr_html_()
+    page.encode('utf-8')
+    assert '<script' not in page
+    assert ElementTree.fromstring(page).find('p/strong').text == name.replace('\udcff', '?')
+
+
+class Frame:
+    """What `to_frame` needs of pandas."""
+
+    def __init__(self, rows) -> None:
+        self.rows, self.index = rows, None
+
+    def set_index(self, name):
+        self.index = name
+        return self
+
+
+def test_a_frame_has_a_row_a_run_and_dotted_names(monkeypatch):
+    pandas = ModuleType('pandas')
+    pandas.DataFrame = Frame
+    monkeypatch.setitem(sys.modules, 'pandas', pandas)
+    verdict = judged(2)
+    frame = verdict.to_frame()
+    assert frame.index == 'run' and [row['run'] for row in frame.rows] == [1, 2]
+    row, run = frame.rows[1], verdict.runs[1]
+    assert (row['outcome'], row['n'], row['guarded.nu']) == ('compliant', 600, run.guarded.nu)
+    assert row['pairing.ts_received'] == 600 and 'validity' not in row
+    assert not any(isinstance(thing, (dict, list)) for thing in row.values())
+    assert judged(0).to_frame().rows == []
+
+
+def test_without_pandas_one_line_says_so(monkeypatch):
+    monkeypatch.setitem(sys.modules, 'pandas', None)
+    with pytest.raises(ValueError, match=r'^to_frame needs pandas \(no module pandas\): install'):
+        judged(1).to_frame()
