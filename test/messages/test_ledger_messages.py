@@ -25,7 +25,6 @@ KEYS = ['paired', 'ts_paired', 'ts_used', 'ts_unpaired', 'ts_pending', 'rs_used'
 COUNTS = st.dictionaries(st.sampled_from(KEYS), st.integers(1, 2 ** 40), max_size=6)
 
 
-@hypothesis.settings(max_examples=60, deadline=None)
 @hypothesis.given(COUNTS, st.lists(st.tuples(st.integers(1, 2 ** 62), COUNTS), max_size=3,
                                    unique_by=lambda s: s[0]),
                   st.integers(1, 2 ** 31 * 10 ** 9 - 1), st.booleans())

@@ -24,7 +24,6 @@ st = hypothesis.strategies
 TEXT = st.text(max_size=8).filter(lambda t: '\0' not in t)
 
 
-@hypothesis.settings(max_examples=60, deadline=None)
 @hypothesis.given(st.dictionaries(TEXT, st.one_of(
     st.none(), st.booleans(), st.integers(-2 ** 63, 2 ** 63), st.floats(allow_nan=False), TEXT),
     max_size=6))
