@@ -34,6 +34,9 @@ demo: .venv/.demo
 test: .venv/.test
 	@echo '== 1/3 form'
 	$(BIN)/ruff check .
+	@if $(BIN)/python -c 'import numpy; numpy.strings.slice' 2>/dev/null; \
+		then echo '$(BIN)/mypy' && $(BIN)/mypy; \
+		else echo 'types left out: they are checked with numpy 2.3 or later'; fi
 	@echo '== 2/3 tests, examples in docstrings, installation with pip and with colcon'
 	$(BIN)/python -m pytest --durations=10 $(PYTEST)
 ifeq ($(PYTHON312),)
@@ -69,4 +72,4 @@ format: .venv/.test
 
 clean:
 	rm -rf .venv .venv-pins build install log demo_out *.egg-info .pytest_cache .hypothesis \
-		.ruff_cache
+		.ruff_cache .mypy_cache

@@ -31,6 +31,7 @@ setup(
     maintainer_email='maintainers@heading-intercompare.example',
     license='Apache-2.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
+    package_data={NAME: ['py.typed']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
@@ -45,7 +46,7 @@ setup(
         'fast': ['isal>=1.5'],
         'dask': ['distributed>=2024.2', 'threadpoolctl>=3'],
         'test': ['pytest>=7.4', 'hypothesis>=6', 'rosbags', 'mcap-ros2-support', 'pybag-sdk'],
-        'dev': ['ruff', 'colcon-common-extensions'],
+        'dev': ['ruff', 'mypy>=2.4', 'colcon-common-extensions'],
     },
     entry_points={
         'console_scripts': [

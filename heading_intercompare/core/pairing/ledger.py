@@ -60,10 +60,10 @@ class Ledger:
 
     def __init__(self) -> None:
         self._starts = np.empty(0, np.int64)
-        self._counts: list[Counter] = [Counter()]
+        self._counts: list[Counter[str]] = [Counter()]
         self._recent: dict[str, list[np.ndarray]] = {}
-        self._received = Counter()
-        self._pending = Counter()
+        self._received: Counter[str] = Counter()
+        self._pending: Counter[str] = Counter()
         self.newest_ns: int | None = None
 
     def receive(self, stream: str, stamp_ns: np.ndarray) -> None:
@@ -102,7 +102,7 @@ class Ledger:
                 self._fold(self._counts, key, stamps[old])
                 self._recent[key] = [stamps[~old]] if not old.all() else []
 
-    def _fold(self, counts: list[Counter], key: str, stamp_ns: np.ndarray) -> None:
+    def _fold(self, counts: list[Counter[str]], key: str, stamp_ns: np.ndarray) -> None:
         where = np.searchsorted(self._starts, stamp_ns, side='right')
         for at, n in enumerate(np.bincount(where, minlength=len(counts)).tolist()):
             if n:
@@ -136,7 +136,7 @@ class Ledger:
     @property
     def total(self) -> LedgerSegment:
         """The counts of all segments together."""
-        total = Counter()
+        total: Counter[str] = Counter()
         for segment in self.segments:
             total.update(segment.counts)
         return LedgerSegment(None, dict(sorted(total.items())))
@@ -153,7 +153,7 @@ class Ledger:
 
     def between(self, start_ns: int, end_ns: int) -> LedgerSegment:
         """Return the counts of the segments that start within two stamps, both included."""
-        counts = Counter()
+        counts: Counter[str] = Counter()
         for segment in self.segments:
             if segment.start_ns is not None and start_ns <= segment.start_ns <= end_ns:
                 counts.update({key: n for key, n in segment.counts.items()
@@ -176,7 +176,7 @@ class Ledger:
 
         """
         starts = np.asarray(start_ns, dtype=np.int64)
-        shares = [Counter() for _ in range(max(1, len(starts)))]
+        shares: list[Counter[str]] = [Counter() for _ in range(max(1, len(starts)))]
         for segment in self.segments:
             at = 0
             if segment.start_ns is not None:
