@@ -43,13 +43,16 @@ quick: .venv/.test
 	@.ci/step 'quick tests' $(BIN)/python $(TESTS) -q -m 'not (slow or ros or process)' test $(PYTEST)
 
 test: .venv/.test
-	@.ci/step '1/3 form' $(BIN)/ruff check .
-	@.ci/step '2/3 tests, examples in docstrings, installation with pip and with colcon' \
+	@.ci/step '1/4 form' $(BIN)/ruff check .
+	@if $(BIN)/python -c 'import numpy; numpy.strings.slice' 2>/dev/null; \
+		then .ci/step '2/4 types' $(BIN)/mypy; \
+		else echo '== 2/4 left out: types are checked with numpy 2.3 or later'; fi
+	@.ci/step '3/4 tests, examples in docstrings, installation with pip and with colcon' \
 		$(BIN)/python $(TESTS) --durations=10 $(PYTEST)
 ifeq ($(PYTHON312),)
-	@echo '== 3/3 left out: the tests with the versions of Ubuntu 24.04 need Python 3.12'
+	@echo '== 4/4 left out: the tests with the versions of Ubuntu 24.04 need Python 3.12'
 else
-	@.ci/step '3/3 the quick tests with the versions of Ubuntu 24.04' \
+	@.ci/step '4/4 the quick tests with the versions of Ubuntu 24.04' \
 		$(MAKE) --no-print-directory test-pins
 endif
 
@@ -88,4 +91,4 @@ format: .venv/.test
 
 clean:
 	rm -rf .venv .venv-pins build install log demo_out *.egg-info .pytest_cache .hypothesis \
-		.ruff_cache
+		.ruff_cache .mypy_cache

@@ -31,6 +31,7 @@ setup(
     maintainer_email='maintainers@heading-intercompare.example',
     license='Apache-2.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
+    package_data={NAME: ['py.typed']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
@@ -46,7 +47,7 @@ setup(
         'dask': ['distributed>=2024.2', 'threadpoolctl>=3'],
         'test': ['pytest>=7.4', 'pytest-xdist>=3.4', 'pytest-timeout>=2.2', 'hypothesis>=6',
                  'rosbags', 'mcap-ros2-support', 'pybag-sdk'],
-        'dev': ['ruff', 'colcon-common-extensions'],
+        'dev': ['ruff', 'mypy>=2.4', 'colcon-common-extensions'],
     },
     entry_points={
         'console_scripts': [

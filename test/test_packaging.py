@@ -107,6 +107,11 @@ def test_every_executable_has_a_module_with_main(node):
     assert 'main' in {n.name for n in tree.body if isinstance(n, ast.FunctionDef)}
 
 
+def test_type_checkers_are_told_that_the_package_has_types():
+    assert (ROOT / NAME / 'py.typed').is_file()
+    assert "package_data={NAME: ['py.typed']}" in (ROOT / 'setup.py').read_text('utf-8')
+
+
 @pytest.mark.slow
 def test_pip_installs_the_command_line_without_ros(source, tmp_path):
     """What `pip install .` brings into a fresh environment: no rclpy, and a verdict."""
@@ -123,6 +128,7 @@ def test_pip_installs_the_command_line_without_ros(source, tmp_path):
     code = (f'import importlib.util, {NAME}; print({NAME}.__file__, {NAME}.__version__, '
             'importlib.util.find_spec("rclpy"))')
     place, version, rclpy = run(bin_folder / 'python', '-c', code, cwd=tmp_path).stdout.split()
+    assert Path(place).with_name('py.typed').is_file()
     assert place.startswith(str(tmp_path)) and version == __version__ and rclpy == 'None'
     assert {node for node in NODES if not (bin_folder / node).is_file()} == set()
     share = tmp_path / 'venv' / 'share' / NAME

@@ -12,6 +12,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.records import Reals
+
 __all__ = ['circular_mean', 'heading_from_quaternion', 'quaternion_from_heading',
            'unwrap_deg', 'wrap180', 'wrap360']
 
@@ -29,7 +31,8 @@ def _remainder(angle: np.ndarray) -> np.ndarray:
     """Return what whole turns leave, with the sign of the angle; nan if it is not finite."""
     if _within(angle, -359.0, 360.0):
         return angle
-    return np.fmod(np.where(np.isfinite(angle), angle, np.nan), 360.0)
+    rest: Reals = np.fmod(np.where(np.isfinite(angle), angle, np.nan), 360.0)
+    return rest
 
 
 def wrap180(angle_deg: ArrayLike, center_deg: float = 0.0) -> np.ndarray:
@@ -120,7 +123,8 @@ def unwrap_deg(heading_deg: ArrayLike) -> np.ndarray:
     if heading.size == 0:
         return heading.copy()
     steps = wrap180(np.diff(heading))
-    return heading[0] + np.concatenate(([0.0], np.cumsum(steps)))
+    unwrapped: Reals = heading[0] + np.concatenate(([0.0], np.cumsum(steps)))
+    return unwrapped
 
 
 def circular_mean(angle_deg: ArrayLike) -> tuple[float, float]:

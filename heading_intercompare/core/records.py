@@ -8,19 +8,34 @@ Each is a chunk: n >= 0 samples in columns of equal length. Nothing flows sample
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import Iterable
+from dataclasses import dataclass, Field, fields
+from typing import Any, ClassVar, Iterable, TYPE_CHECKING, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['Differences', 'Headings', 'Pairs']
+__all__ = ['Differences', 'Headings', 'Integers', 'Pairs', 'Reals']
+
+Reals = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_Chunk = TypeVar('_Chunk', bound='_Columns')
 
 
 class _Columns:
     """Length, slicing and joining of a frozen dataclass of equally long columns."""
 
     __slots__ = ()
+
+    if TYPE_CHECKING:
+        # What every dataclass of columns has.
+        __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+        stamp_ns: Integers
+
+        def __init__(self, *columns: np.ndarray) -> None: ...
+
+        @classmethod
+        def empty(cls: type[_Chunk]) -> _Chunk: ...
 
     def __post_init__(self) -> None:
         """Refuse columns of different length, for they could not belong together."""
@@ -29,34 +44,27 @@ class _Columns:
             raise ValueError(f'{type(self).__name__}: columns differ in shape: {lengths}')
 
     def __len__(self) -> int:
-        return self.stamp_ns.shape[0]
+        return len(self.stamp_ns)
 
-    def __getitem__(self, which):
+    def __getitem__(self: _Chunk, which: Any) -> _Chunk:
         """Return the samples of a slice, mask or index array, as a chunk."""
         if isinstance(which, (int, np.integer)):
             which = slice(which, which + 1 or None)
         return type(self)(*(getattr(self, f.name)[which] for f in fields(self)))
 
-    def __add__(self, other):
+    def __add__(self: _Chunk, other: _Chunk) -> _Chunk:
         """Return this chunk followed by the other one."""
         return type(self).concatenate((self, other))
 
-    def __eq__(self, other) -> bool:
+    def __eq__(self, other: object) -> bool:
         """Tell whether both hold the same samples to the bit (nan equals nan)."""
         if type(self) is not type(other):
             return NotImplemented
         return all(np.array_equal(getattr(self, f.name), getattr(other, f.name), equal_nan=True)
                    for f in fields(self))
 
-    __hash__ = None
-
     @classmethod
-    def empty(cls):
-        """Return the chunk of no samples."""
-        return cls.of(*([] for _ in fields(cls)))
-
-    @classmethod
-    def concatenate(cls, chunks: Iterable):
+    def concatenate(cls: type[_Chunk], chunks: Iterable[_Chunk]) -> _Chunk:
         """Return the chunks joined in the order given."""
         chunks = [c for c in chunks if len(c)]
         if len(chunks) == 1:
@@ -66,14 +74,14 @@ class _Columns:
         return cls(*(np.concatenate([getattr(c, f.name) for c in chunks]) for f in fields(cls)))
 
 
-def _stamps(stamp_ns: ArrayLike) -> np.ndarray:
+def _stamps(stamp_ns: ArrayLike) -> Integers:
     stamps = np.asarray(stamp_ns)
     if stamps.size and stamps.dtype.kind not in 'iu':
         raise ValueError(f'stamp_ns has dtype {stamps.dtype}: stamps are integer nanoseconds')
     return stamps.astype(np.int64, copy=False).reshape(-1)
 
 
-def _reals(values: ArrayLike) -> np.ndarray:
+def _reals(values: ArrayLike) -> Reals:
     return np.asarray(values, dtype=np.float64).reshape(-1)
 
 
@@ -91,8 +99,13 @@ class Headings(_Columns):
 
     """
 
-    stamp_ns: np.ndarray
-    heading_deg: np.ndarray
+    stamp_ns: Integers
+    heading_deg: Reals
+
+    @classmethod
+    def empty(cls) -> 'Headings':
+        """Return the chunk of no samples."""
+        return cls.of([], [])
 
     @classmethod
     def of(cls, stamp_ns: ArrayLike, heading_deg: ArrayLike) -> 'Headings':
@@ -119,12 +132,17 @@ class Pairs(_Columns):
 
     """
 
-    stamp_ns: np.ndarray
-    ts_deg: np.ndarray
-    rs_deg: np.ndarray
-    lag_ns: np.ndarray
-    rs_variance_factor: np.ndarray
-    ts_variance_factor: np.ndarray
+    stamp_ns: Integers
+    ts_deg: Reals
+    rs_deg: Reals
+    lag_ns: Integers
+    rs_variance_factor: Reals
+    ts_variance_factor: Reals
+
+    @classmethod
+    def empty(cls) -> 'Pairs':
+        """Return the chunk of no samples."""
+        return cls.of([], [], [])
 
     @classmethod
     def of(cls, stamp_ns: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike,
@@ -152,8 +170,13 @@ class Differences(_Columns):
 
     """
 
-    stamp_ns: np.ndarray
-    x_deg: np.ndarray
+    stamp_ns: Integers
+    x_deg: Reals
+
+    @classmethod
+    def empty(cls) -> 'Differences':
+        """Return the chunk of no samples."""
+        return cls.of([], [])
 
     @classmethod
     def of(cls, stamp_ns: ArrayLike, x_deg: ArrayLike) -> 'Differences':

@@ -14,7 +14,17 @@ import difflib
 from functools import cache
 import math
 import types
-from typing import Any, get_args, get_origin, get_type_hints, Iterable, Iterator, Mapping, Union
+from typing import (
+    Any,
+    cast,
+    get_args,
+    get_origin,
+    get_type_hints,
+    Iterable,
+    Iterator,
+    Mapping,
+    Union,
+)
 
 __all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown', 'flatten',
            'from_mapping', 'list_settings', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential',
@@ -106,7 +116,7 @@ def list_settings(settings_class: type, prefix: str = '') -> tuple[Setting, ...]
     """Return the settings of a class and of the classes nested in it, with dotted names."""
     found: list[Setting] = []
     for f in fields(settings_class):
-        hint = _hints_of(settings_class)[f.name]
+        hint: type = _hints_of(settings_class)[f.name]
         if is_dataclass(hint):
             found += list_settings(hint, f'{prefix}{f.name}.')
             continue
@@ -200,8 +210,8 @@ def _build(settings_class: type, values: Mapping[str, Any], prefix: str) -> Any:
 
 def to_mapping(settings: Any) -> dict[str, Any]:
     """Return dotted names and values of all settings, in the order of their declaration."""
-    result = {}
-    for rule in list_settings(type(settings)):
+    result, kind = {}, cast(type, type(settings))
+    for rule in list_settings(kind):
         value = settings
         for part in rule.name.split('.'):
             value = getattr(value, part)
@@ -216,7 +226,7 @@ class Checked:
 
     def __post_init__(self) -> None:
         """Check every field, and normalise the type of the plain ones."""
-        for rule in list_settings(type(self)):
+        for rule in list_settings(cast(type, type(self))):
             if '.' not in rule.name:
                 object.__setattr__(self, rule.name, _check_value(rule, getattr(self, rule.name)))
         for name, group in _groups_of(type(self)).items():
@@ -411,7 +421,8 @@ class Settings(Checked):
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, Any]) -> 'Settings':
         """Return settings from nested or dotted names; see `from_mapping`."""
-        return from_mapping(cls, mapping)
+        made: Settings = from_mapping(cls, mapping)
+        return made
 
     def to_mapping(self) -> dict[str, Any]:
         """Return dotted names and values, in the order of their declaration."""

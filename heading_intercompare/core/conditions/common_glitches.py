@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 import scipy
 
 from heading_intercompare.core.angles import unwrap_deg
+from heading_intercompare.core.records import Reals
 from heading_intercompare.core.statistics.resolution import find_resolution
 
 __all__ = ['CommonGlitches', 'find_common_glitches']
@@ -153,7 +154,8 @@ def _share(large: np.ndarray, at: np.ndarray, reach: int) -> np.ndarray:
         lo, hi = np.maximum(at - width, 0), np.minimum(at + width + 1, large.size)
         both.append((count[hi] - count[lo], hi - lo))
     (wide, n), (own, _) = both
-    return (wide - own + 1.0) / (n + 1.0)
+    share: Reals = (wide - own + 1.0) / (n + 1.0)
+    return share
 
 
 def _glitches(stamps: np.ndarray, rs: np.ndarray,

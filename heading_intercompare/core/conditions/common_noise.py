@@ -198,7 +198,10 @@ def _from_above(usable: np.ndarray, low: np.ndarray) -> np.ndarray:
     count = np.cumsum(usable[::-1])[::-1]
     share = np.cumsum((usable & low)[::-1])[::-1] / np.maximum(count, 1)
     begins = np.flatnonzero(usable & low & (share >= _NEARLY_ALL))
-    return usable & (np.arange(usable.size) >= begins[0]) if begins.size else usable & low
+    good: np.ndarray = low
+    if begins.size:
+        good = np.arange(usable.size) >= begins[0]
+    return np.asarray(usable & good)
 
 
 class _Groups:

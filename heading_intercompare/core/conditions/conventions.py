@@ -143,7 +143,9 @@ class MeanDifference:
 
     def torn(self, wrap_center_deg: float) -> bool:
         """Tell whether the differences lie on both sides of the seam of their wrap."""
-        if not self.seam_share or self.resultant <= _CONCENTRATED:
+        if self.mean_deg is None or self.resultant is None or not self.seam_share:
+            return False
+        if self.resultant <= _CONCENTRATED:
             return False
         away = abs(float(wrap180(self.mean_deg - wrap_center_deg - 180.0)))
         return away <= _ON_SEAM_SIGMAS * _spread(self.resultant)

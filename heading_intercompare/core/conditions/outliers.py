@@ -10,6 +10,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.records import Reals
 from heading_intercompare.core.statistics.resolution import find_resolution
 
 __all__ = ['find_outliers', 'Outlier', 'Outliers']
@@ -196,4 +197,5 @@ def _level(x: np.ndarray, first: np.ndarray, last: np.ndarray, centre: float) ->
     beside = np.where(inside, x[np.clip(at, 0, x.size - 1)], np.nan)
     empty = ~inside.any(axis=1)
     beside[empty, 0] = centre
-    return np.nanmedian(beside, axis=1)
+    level: Reals = np.nanmedian(beside, axis=1)
+    return level

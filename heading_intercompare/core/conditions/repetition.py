@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from heading_intercompare.core.angles import unwrap_deg
+from heading_intercompare.core.records import Reals
 
 __all__ = ['Windows']
 
@@ -60,7 +61,8 @@ def _part_means(stamps: np.ndarray, values: np.ndarray) -> np.ndarray:
     begins = ((k + (_GOLDEN * k) % 1.0) * (parts / some)).astype(np.int64) * values.size // parts
     inside = np.arange(0, width, max(1, width // _PER_PART))
     taken = np.minimum(begins[:, None] + inside, values.size - 1)
-    return unwrap_deg(values[taken].ravel()).reshape(taken.shape).mean(axis=1)
+    means: Reals = unwrap_deg(values[taken].ravel()).reshape(taken.shape).mean(axis=1)
+    return means
 
 
 def _range_deg(stamps: np.ndarray, values: np.ndarray) -> float:

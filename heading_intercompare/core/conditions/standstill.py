@@ -104,8 +104,9 @@ def find_coarse_resolution(heading_deg: ArrayLike) -> float | None:
     """
     heading = np.asarray(heading_deg, dtype=np.float64)
     found = find_resolution(heading)
-    if found.step_deg is not None and found.repeated_share < _REPEATED:
-        return found.step_deg
+    step_deg, repeated = found.step_deg, found.repeated_share
+    if step_deg is not None and repeated is not None and repeated < _REPEATED:
+        return step_deg
     some, often = np.unique(np.round(heading[::max(1, heading.size // 1000)], 7),
                             return_counts=True)
     some = some[often > 1] if (often > 1).any() else some

@@ -108,7 +108,7 @@ def _on_even_times(stamp_ns: np.ndarray, x_deg: np.ndarray,
         grid_s *= 2.0
     half = 0.5 * min(span, grid_s * _MOST)
     middle = 0.5 * float(rs.t_s[0] + rs.t_s[-1])
-    t = np.arange(middle - half, middle + half + 1e-9, grid_s)
+    t = np.arange(middle - half, middle + half + 1e-9, grid_s, dtype=np.float64)
     return ts.at(t), rs.at(t), grid_s, float(np.median(np.diff(rs.t_s)))
 
 

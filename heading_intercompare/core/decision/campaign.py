@@ -139,12 +139,13 @@ def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Ris
     some = [(e, lim) for e, lim in zip(runs, limits) if e.spread is not None]
     if not some:
         return None
-    spreads = [e.spread for e, _ in some]
+    spreads = [e.spread for e in runs if e.spread is not None]
+    means_deg = [e.mean_deg for e, _ in some if e.mean_deg is not None]
     pooled = pool(spreads)
     upper = upper_bound(pooled, risk.alpha_consumer)
     between = None
     if variant == 'B' and len(some) >= LEAST_RUNS and apart_s > least_apart_s(risk):
-        between = between_runs(spreads, [e.mean_deg for e, _ in some], risk.alpha_consumer)
+        between = between_runs(spreads, means_deg, risk.alpha_consumer)
     n_plus = sum(e.n_plus for e, _ in some)
     return Together(
         len(some), pooled.n, math.fsum(e.span_s for e, _ in some), apart_s, pooled.d_deg2,

@@ -59,6 +59,13 @@ def variance_limits(sigma_max_deg: float, sigma_ref_max_deg: float,
             sigma_max_deg ** 2 + sigma_ref_max_deg ** 2)
 
 
+def _given(name: str, value: float | None) -> float:
+    """Return a norm that every verdict needs."""
+    if value is None:
+        raise SettingsError(f'norms.{name} is missing: a verdict needs it, e.g. norms.{name}=0.2')
+    return value
+
+
 @dataclass(frozen=True, slots=True)
 class Limits:
     """
@@ -146,11 +153,8 @@ class Limits:
         GK (5), (5'), (*), (**).
 
         """
-        sigma_max, sigma_ref_max = sigma_max_deg(norms, model), norms.sigma_ref_max_deg
-        for name, value in (('sigma_max_deg', sigma_max), ('sigma_ref_max_deg', sigma_ref_max)):
-            if value is None:
-                raise SettingsError(
-                    f'norms.{name} is missing: a verdict needs it, e.g. norms.{name}=0.2')
+        sigma_max = _given('sigma_max_deg', sigma_max_deg(norms, model))
+        sigma_ref_max = _given('sigma_ref_max_deg', norms.sigma_ref_max_deg)
         low, up = norms.m_low, norms.m_up
         if norms.sigma_ref_deg is not None and sigma_ref_max > 0.0:
             low = up = norms.sigma_ref_deg / sigma_ref_max
@@ -321,14 +325,14 @@ class TotalError:
 
     """
 
-    k: float | None
-    sigma_ts_low_deg: float | None
-    sigma_ts_up_deg: float | None
-    low_deg: float | None
-    up_deg: float | None
-    low_narrow_deg: float | None
-    up_narrow_deg: float | None
-    outcome: Outcome | None
+    k: float | None = None
+    sigma_ts_low_deg: float | None = None
+    sigma_ts_up_deg: float | None = None
+    low_deg: float | None = None
+    up_deg: float | None = None
+    low_narrow_deg: float | None = None
+    up_narrow_deg: float | None = None
+    outcome: Outcome | None = None
 
 
 def estimate_total_error(mean_deg: float | None, variance_deg2: float | None, limits: Limits,
@@ -360,7 +364,7 @@ def estimate_total_error(mean_deg: float | None, variance_deg2: float | None, li
     norm = norms.total_error_max_deg
     if mean_deg is None or variance_deg2 is None:
         outcome = None if norm is None else Outcome.INDETERMINATE
-        return TotalError(None, None, None, None, None, None, None, outcome)
+        return TotalError(outcome=outcome)
 
     def sigma_and_k(m: float, ts_variance_factor: float) -> tuple[float, float]:
         ref = m * limits.sigma_ref_max_deg

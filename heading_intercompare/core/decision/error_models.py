@@ -17,6 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 import scipy
 
+from heading_intercompare.core.records import Reals
+
 __all__ = ['coverage_factor', 'density', 'ERROR_MODELS', 'ErrorModel', 'tail', 'ts_factor']
 
 _SQRT3 = math.sqrt(3.0)
@@ -60,25 +62,28 @@ def _uniform_factor(p: float) -> float:
     return p * _SQRT3
 
 
-def _phi(z: np.ndarray) -> np.ndarray:
-    return np.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi)
+def _phi(z: Reals) -> Reals:
+    density: Reals = np.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi)
+    return density
 
 
-def _partial_expectation(z: np.ndarray) -> np.ndarray:
+def _partial_expectation(z: Reals) -> Reals:
     """Return H(z) = phi(z) - z Q(z) without cancellation for negative z."""
     y = np.minimum(np.abs(z), 1e3)
     h = _phi(y) * (1.0 - y * math.sqrt(0.5 * math.pi) * scipy.special.erfcx(y / math.sqrt(2.0)))
-    return np.maximum(-z, 0.0) + h
+    result: Reals = np.maximum(-z, 0.0) + h
+    return result
 
 
-def _mixed_tail(normal: float, uniform: float, k: np.ndarray) -> np.ndarray:
+def _mixed_tail(normal: float, uniform: float, k: Reals) -> Reals:
     """Return the tail of a normal plus a uniform part of these standard deviations; K.2."""
     w = _SQRT3 * uniform
     if normal < _NEGLIGIBLE:
         return np.maximum(0.0, 1.0 - k / w)
     h, z = w / normal, k / normal
     if h < 2.0:
-        return scipy.special.ndtr(-(z[..., np.newaxis] + h * _NODES)) @ _WEIGHTS
+        mean: Reals = scipy.special.ndtr(-(z[..., np.newaxis] + h * _NODES)) @ _WEIGHTS
+        return mean
     return (_partial_expectation(z - h) - _partial_expectation(z + h)) / h
 
 
@@ -89,7 +94,8 @@ def _mixed_density(normal: float, uniform: float, z: np.ndarray) -> np.ndarray:
     if w < 1e-6 * normal:
         return _phi(z / normal) / normal
     low, high = scipy.special.ndtr(-(z + w) / normal), scipy.special.ndtr(-(z - w) / normal)
-    return (high - low) / (2.0 * w)
+    density: Reals = (high - low) / (2.0 * w)
+    return density
 
 
 def _mixed_factor(normal: float, uniform: float, p: float) -> float:
@@ -101,8 +107,9 @@ def _mixed_factor(normal: float, uniform: float, p: float) -> float:
     def excess(k: float) -> float:
         return float(_mixed_tail(normal, uniform, np.asarray(k))) / (1.0 - p) - 1.0
 
-    return scipy.optimize.brentq(excess, 0.0, _SQRT3 * uniform + 40.0 * normal, xtol=1e-15,
-                                 rtol=1e-15)
+    k: float = scipy.optimize.brentq(excess, 0.0, _SQRT3 * uniform + 40.0 * normal, xtol=1e-15,
+                                     rtol=1e-15)
+    return k
 
 
 def _half_widths(ts: float, rs: float) -> tuple[float, float]:

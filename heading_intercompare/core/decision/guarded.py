@@ -85,7 +85,7 @@ class Evidence:
     drift_left_deg2: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Guarded:
     """
     The guarded decision on one run; the fields are the keys of the JSON, in its order.
@@ -130,31 +130,31 @@ class Guarded:
 
     """
 
-    d_hat_deg2: float | None
-    nu: float | None
-    f: float | None
-    corner_j: float | None
-    r_slow: float | None
-    slow_variance_deg2: float | None
-    slow_allowance_deg2: float | None
-    upper_bound_deg2: float | None
-    lower_bound_deg2: float | None
+    d_hat_deg2: float | None = None
+    nu: float | None = None
+    f: float | None = None
+    corner_j: float | None = None
+    r_slow: float | None = None
+    slow_variance_deg2: float | None = None
+    slow_allowance_deg2: float | None = None
+    upper_bound_deg2: float | None = None
+    lower_bound_deg2: float | None = None
     acceptance_limit_deg2: float
     rejection_limit_deg2: float
-    sigma_ts_lower_deg: float | None
-    sigma_ts_upper_deg: float | None
-    confidence_compliant: float | None
-    confidence_non_compliant: float | None
-    conformance_probability: float | None
-    duration_factor: float | None
-    hours_needed: float | None
-    bias_u_deg: float | None
-    bias_interval_deg: tuple[float, float] | None
-    bias_significant: bool | None
-    rate_plus: float | None
-    rate_plus_plus: float | None
-    rate_plus_lower: float | None
-    rate_plus_plus_upper: float | None
+    sigma_ts_lower_deg: float | None = None
+    sigma_ts_upper_deg: float | None = None
+    confidence_compliant: float | None = None
+    confidence_non_compliant: float | None = None
+    conformance_probability: float | None = None
+    duration_factor: float | None = None
+    hours_needed: float | None = None
+    bias_u_deg: float | None = None
+    bias_interval_deg: tuple[float, float] | None = None
+    bias_significant: bool | None = None
+    rate_plus: float | None = None
+    rate_plus_plus: float | None = None
+    rate_plus_lower: float | None = None
+    rate_plus_plus_upper: float | None = None
     count_outcome: Outcome
     outcome: Outcome
     reason: str
@@ -228,11 +228,9 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
     """
     found = evidence.spread
     accept, reject = limits.tightened_limit_deg2, limits.rejection_limit_deg2
-    rates = _rates(evidence)
-    if found is None:
-        unknown = Outcome.INDETERMINATE
-        return Guarded(*(None,) * 9, accept, reject, *(None,) * 10, *rates, None, None,
-                       unknown, unknown, 'insufficient_data')
+    if found is None or evidence.mean_deg is None:
+        return _without_evidence(evidence, accept, reject)
+    rates = evidence.n_plus / evidence.n, evidence.n_plus_plus / evidence.n
     producer = variance_risk(risk)
     upper = upper_bound(found, risk.alpha_consumer)
     lower = lower_bound(found, producer)
@@ -246,6 +244,9 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
     factor = duration_factor(found, accept, reject, risk.alpha_consumer, producer)
     if lower <= reject and evidence.span_s > 0.0:
         factor = max(factor, least_s / evidence.span_s)
+    bias_u_deg = math.sqrt(found.mean_variance_deg2 + evidence.offset_u_deg ** 2)
+    half_deg = -float(scipy.special.stdtrit(MEAN_DOF, 0.025)) * bias_u_deg
+    low_bias_deg, up_bias_deg = evidence.mean_deg - half_deg, evidence.mean_deg + half_deg
     return Guarded(
         d_hat_deg2=found.d_deg2, nu=found.nu, f=found.f, corner_j=found.corner_j,
         r_slow=found.r_slow, slow_variance_deg2=found.slow_variance_deg2,
@@ -260,17 +261,23 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
         conformance_probability=mean_confidence(
             found, math.sqrt(limits.ts_variance_factor) * limits.sigma_max_deg, low_deg, up_deg),
         duration_factor=factor, hours_needed=factor * evidence.span_s / 3600.0,
-        **_bias(evidence, found),
+        bias_u_deg=bias_u_deg, bias_interval_deg=(low_bias_deg, up_bias_deg),
+        bias_significant=not low_bias_deg <= 0.0 <= up_bias_deg,
         rate_plus=rates[0], rate_plus_plus=rates[1],
         rate_plus_lower=rate_low, rate_plus_plus_upper=rate_up,
         count_outcome=_count_outcome(rate_low, rate_up, float(limits.allowed(1)), is_long),
         outcome=outcome, reason=reason)
 
 
-def _rates(evidence: Evidence) -> tuple[float | None, float | None]:
-    if not evidence.n:
-        return None, None
-    return evidence.n_plus / evidence.n, evidence.n_plus_plus / evidence.n
+def _without_evidence(evidence: Evidence, accept_deg2: float, reject_deg2: float) -> Guarded:
+    """Return the decision on too few differences: the limits, and how many were extreme."""
+    n = evidence.n
+    return Guarded(
+        acceptance_limit_deg2=accept_deg2, rejection_limit_deg2=reject_deg2,
+        rate_plus=evidence.n_plus / n if n else None,
+        rate_plus_plus=evidence.n_plus_plus / n if n else None,
+        count_outcome=Outcome.INDETERMINATE, outcome=Outcome.INDETERMINATE,
+        reason='insufficient_data')
 
 
 def _variance_outcome(found: Spread, lower: float, upper: float, drift_left_deg2: float,
@@ -291,14 +298,6 @@ def _variance_outcome(found: Spread, lower: float, upper: float, drift_left_deg2
     if lower > accept and upper <= reject:
         return Outcome.INDETERMINATE, 'reference_limited'
     return Outcome.INDETERMINATE, 'data_limited'
-
-
-def _bias(evidence: Evidence, found: Spread) -> dict[str, float | tuple[float, float] | bool]:
-    u = math.sqrt(found.mean_variance_deg2 + evidence.offset_u_deg ** 2)
-    half = -float(scipy.special.stdtrit(MEAN_DOF, 0.025)) * u
-    low, up = evidence.mean_deg - half, evidence.mean_deg + half
-    return {'bias_u_deg': u, 'bias_interval_deg': (low, up),
-            'bias_significant': not low <= 0.0 <= up}
 
 
 def _count_outcome(low: float, up: float, allowed: float, is_long: bool) -> Outcome:

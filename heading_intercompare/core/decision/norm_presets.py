@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
+from typing import cast
 
 from heading_intercompare.core.settings import Norms, SettingsError
 
@@ -103,7 +104,8 @@ def sigma_max_deg(norms: Norms, model: str = 'NN') -> float | None:
                             f'{", ".join(PRESETS)}')
     sigma = preset.rms_deg
     if sigma is None:
-        sigma = preset.limit_deg / ts_factor(model, preset.probability or norms.probability)
+        limit_deg = cast(float, preset.limit_deg)
+        sigma = limit_deg / ts_factor(model, preset.probability or norms.probability)
     if preset.secant:
         if norms.latitude_deg is None:
             raise SettingsError(f'norms.latitude_deg is missing: the norm {norms.preset} grows '

@@ -239,7 +239,7 @@ def judge_ergodic(runs: Homogeneity | None) -> Assumption:
         return _of('g', MET, figures)
     if runs.variances_equal:
         return _of('g', VIOLATED, f'{figures}; the systematic error changes from run to run '
-                   f'with {math.sqrt(runs.between_variance_deg2):.3g} deg: variant C')
+                   f'with {math.sqrt(runs.between_variance_deg2 or 0.0):.3g} deg: variant C')
     return _of('g', VIOLATED, figures)
 
 
@@ -344,14 +344,15 @@ def judge_laws(shape: Shape, model: str, reference_deg: tuple[float, float]) -> 
         gives between them is taken.
 
     """
-    if shape.p is None:
+    std_deg, kurtosis, z_skewness = shape.std_deg, shape.excess_kurtosis, shape.skewness_z
+    if shape.p is None or std_deg is None or kurtosis is None or z_skewness is None:
         return _of('j', NOT_TESTABLE, 'there is too little data, or the differences are equal')
-    shares = [min(1.0, (s / shape.std_deg) ** 2) for s in reference_deg]
+    shares = [min(1.0, (s / std_deg) ** 2) for s in reference_deg]
     steps = [shares[0] + (shares[1] - shares[0]) * k / 50.0 for k in range(51)]
     expected = [model_kurtosis(model, s) for s in steps]
-    nearest = min(max(shape.excess_kurtosis, min(expected)), max(expected))
-    z = (shape.excess_kurtosis - nearest) * math.sqrt(shape.n_effective / 24.0)
-    p = math.exp(-0.5 * (shape.skewness_z ** 2 + z * z))
+    nearest = min(max(kurtosis, min(expected)), max(expected))
+    z = (kurtosis - nearest) * math.sqrt(shape.n_effective / 24.0)
+    p = math.exp(-0.5 * (z_skewness ** 2 + z * z))
     figures = (f'skewness {shape.skewness:.3g}, excess kurtosis {shape.excess_kurtosis:.3g} '
                f'(model {model}: {nearest:.3g}) of {shape.n_effective:.4g} effective differences: '
                f'p = {p:.2g}')

@@ -213,7 +213,7 @@ def _widening(x: np.ndarray, psi: np.ndarray, beta: np.ndarray, first: float) ->
     ratio = sokal_times(residual).tau_1 / residual.size
     if ratio > _OUTLAST * min(2.0, turns):
         return None
-    return 1.0 + _WIDER * max(1.0, 2.5 / turns) * ratio
+    return float(1.0 + _WIDER * max(1.0, 2.5 / turns) * ratio)
 
 
 def _joint(beta: np.ndarray, covariance: np.ndarray,

@@ -99,7 +99,7 @@ def estimate_reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
         size *= 2
     if not rows:
         return ReferenceNoise()
-    octaves, ts_variance, rs_variance, u = (tuple(c) for c in zip(*rows))
-    lower = (sum(rs_variance) - _RISK_FACTOR * math.sqrt(sum(v * v for v in u))
+    octaves, ts_variances, rs_variances, us = zip(*rows)
+    lower = (sum(rs_variances) - _RISK_FACTOR * math.sqrt(sum(v * v for v in us))
              - 0.5 * skew_variance_deg2)
-    return ReferenceNoise(octaves, ts_variance, rs_variance, u, math.sqrt(max(0.0, lower)))
+    return ReferenceNoise(octaves, ts_variances, rs_variances, us, math.sqrt(max(0.0, lower)))

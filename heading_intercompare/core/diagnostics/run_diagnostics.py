@@ -162,7 +162,7 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     detectors = settings.detectors
     n = x_deg.size
     is_whole = residual_deg is None
-    residual = x_deg if is_whole else residual_deg
+    residual = x_deg if residual_deg is None else residual_deg
     range_s = settings.alignment.skew_range_s
     estimate = Skew(0) if settings.alignment.skew == 'off' else estimate_skew(
         stamp_ns, x_deg, rs_deg, range_s=range_s, max_gap_s=settings.pairing.max_gap_s)
@@ -256,11 +256,13 @@ def with_runs(checked: Sequence[Assumption], runs: Homogeneity) -> tuple[Assumpt
 
 def _warnings(found: Diagnostics) -> Iterator[str]:
     estimate = found.skew.estimate
-    if estimate.significant and estimate.well_determined:
-        share = 1.0 - (estimate.std_aligned_deg / estimate.std_deg) ** 2
+    skew_s, std_deg, aligned_deg = estimate.skew_s, estimate.std_deg, estimate.std_aligned_deg
+    if (estimate.significant and estimate.well_determined and skew_s is not None
+            and std_deg is not None and aligned_deg is not None):
+        share = 1.0 - (aligned_deg / std_deg) ** 2
         if share > assumptions.SKEW_SHARE:
-            age = 'older' if estimate.skew_s > 0.0 else 'newer'
-            yield (f'skew: the TS data are {abs(estimate.skew_s):.3f} s {age} than their stamps '
+            age = 'older' if skew_s > 0.0 else 'newer'
+            yield (f'skew: the TS data are {abs(skew_s):.3f} s {age} than their stamps '
                    'say, compared with the RS; that makes '
                    f'{100.0 * share:.0f} % of the variance')
     warm_up = found.drift.warm_up

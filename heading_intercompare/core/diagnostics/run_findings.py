@@ -95,7 +95,7 @@ class Drift:
     mser_s: float | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Correlation:
     """
     The correlation of the differences in time.
@@ -119,10 +119,10 @@ class Correlation:
 
     n: int
     stamps: StampSteps
-    r1: float | None
-    window_s: float | None
-    tau_1_s: float | None
-    tau_2_s: float | None
+    r1: float | None = None
+    window_s: float | None = None
+    tau_1_s: float | None = None
+    tau_2_s: float | None = None
     n_effective_mean: float
     n_effective_variance: float
     closed: bool
@@ -173,10 +173,11 @@ def describe_skew(estimate: Skew, variance_deg2: float | None, limits: Limits,
     if variance_deg2 is None:
         return RunSkew(estimate, None, None, None, scan)
     paired = apply_variance_criterion(variance_deg2, limits).outcome
-    if not estimate.well_determined:
+    std_deg, aligned_deg = estimate.std_deg, estimate.std_aligned_deg
+    if not estimate.well_determined or std_deg is None or aligned_deg is None:
         return RunSkew(estimate, None, paired, None, scan)
     # The estimate may rest on short averages: what the skew adds is the same in these.
-    added = estimate.std_deg ** 2 - estimate.std_aligned_deg ** 2
+    added = std_deg ** 2 - aligned_deg ** 2
     aligned = max(0.0, variance_deg2 - added)
     return RunSkew(estimate, aligned, paired, apply_variance_criterion(aligned, limits).outcome,
                    scan)
@@ -251,12 +252,14 @@ def describe_correlation(x_deg: np.ndarray, stamps: StampSteps,
 
     """
     n, step = x_deg.size, stamps.typical_s
-    size = n / max(times.tau_1, 1.0), n / max(times.tau_2, 1.0)
-    if n < 2:
-        return Correlation(n, stamps, None, None, None, None, *size, False)
-    return Correlation(n, stamps, float(autocorrelate(x_deg, 1)[1]), times.window * step,
-                       times.tau_1 * step, times.tau_2 * step, *size,
-                       times.window < max(2, n // 4) - 1)
+    mean, variance = n / max(times.tau_1, 1.0), n / max(times.tau_2, 1.0)
+    if n < 2 or step is None:
+        return Correlation(n=n, stamps=stamps, n_effective_mean=mean,
+                           n_effective_variance=variance, closed=False)
+    return Correlation(
+        n=n, stamps=stamps, r1=float(autocorrelate(x_deg, 1)[1]), window_s=times.window * step,
+        tau_1_s=times.tau_1 * step, tau_2_s=times.tau_2 * step, n_effective_mean=mean,
+        n_effective_variance=variance, closed=times.window < max(2, n // 4) - 1)
 
 
 def describe_allan(x_deg: np.ndarray, step_s: float | None, noise: ReferenceNoise) -> Allan:
@@ -276,5 +279,6 @@ def describe_allan(x_deg: np.ndarray, step_s: float | None, noise: ReferenceNois
     if not step_s:
         return Allan((), (), (), (), noise)
     found = compute_allan_deviation(x_deg, 1.0 / step_s)
-    return Allan(*(tuple(c.tolist()) for c in (found.m, found.tau_s, found.deviation,
-                                               found.terms)), noise)
+    return Allan(m=tuple(found.m.tolist()), tau_s=tuple(found.tau_s.tolist()),
+                 deviation_deg=tuple(found.deviation.tolist()),
+                 terms=tuple(found.terms.tolist()), reference_noise=noise)

@@ -113,7 +113,7 @@ class Direction:
     def __init__(self, rule: Pairing, gap_ns: int) -> None:
         self.interpolates_ts: bool | None = None
         self.start_ns: int | None = None
-        self._before = False
+        self._before: bool | None = False
         self._silence_ns = max(gap_ns, round(rule.max_gap_s * 1e9))
         self._watched_ns = round(rule.auto_s * 1e9)
         self._slow_ns = round(rule.slow_rs_s * 1e9)
@@ -176,9 +176,10 @@ class Direction:
                 until_ns = min(until_ns, limit_ns)
             if not end and not self.heard(until_ns):
                 return False
-            watched = (s[slice(*np.searchsorted(s, (start_ns, until_ns)))]
-                       for s in (self._stamp_ns['ts'], self._stamp_ns['rs']))
-            found = is_slower(*map(typical_step_ns, watched), self._slow_ns)
+            ts_step_ns, rs_step_ns = (
+                typical_step_ns(s[slice(*np.searchsorted(s, (start_ns, until_ns)))])
+                for s in (self._stamp_ns['ts'], self._stamp_ns['rs']))
+            found = is_slower(ts_step_ns, rs_step_ns, self._slow_ns)
             self._starts.pop(0)
             self.start_ns = start_ns if self.start_ns is None else self.start_ns
             if found is None and limit_ns is None:

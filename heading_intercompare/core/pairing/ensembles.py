@@ -54,7 +54,8 @@ class Ensembles:
 def _of(pairs: Pairs, starts: np.ndarray, wrap_center_deg: float) -> Ensembles:
     """Return the figures of the ensembles that start at some pairs, the last one up to the end."""
     if not len(pairs):
-        return Ensembles(np.zeros(0, np.int64), *np.zeros((4, 0)), np.zeros(0, np.int64))
+        none, nowhere = np.zeros(0, np.int64), np.zeros(0)
+        return Ensembles(none, nowhere, nowhere, nowhere, nowhere, none)
     x = subtract(pairs, wrap_center_deg=wrap_center_deg).x_deg
     finite = np.isfinite(x)
     stops = np.append(starts[1:], len(pairs))

@@ -120,10 +120,11 @@ class Pairer:
         found = []
         while self._chosen(end):
             found.append(self._settle(*self._interpolate(end)))
-            limit_ns = self._direction.limit_ns if self._direction else None
-            if limit_ns is None or not (end or self._direction.heard(limit_ns)):
+            direction = self._direction
+            limit_ns = direction.limit_ns if direction else None
+            if direction is None or limit_ns is None or not (end or direction.heard(limit_ns)):
                 break
-            self._direction.leave()
+            direction.leave()
         return Pairs.concatenate(found)
 
     def _chosen(self, end: bool) -> bool:
@@ -136,7 +137,7 @@ class Pairer:
         at, of = (self._rs, self._ts) if choice.interpolates_ts else (self._ts, self._rs)
         if at is not self._at:
             self._at, self._of = at, of
-            if self._last_settled_ns != NEVER:
+            if self._last_settled_ns != NEVER and choice.start_ns is not None:
                 # Both sensors give up what they had before: no bracket reaches over the change.
                 for stream in (at, of):
                     stream.release(int(np.searchsorted(stream.stamp_ns, choice.start_ns)))
@@ -223,12 +224,12 @@ class Pairer:
                 # the reading that ends the last bracket.
                 come = int(np.searchsorted(stream.stamp_ns, other.last_ns, side='right'))
                 late[:come + 1 if is_open and come else come] = False
-            late = np.flatnonzero(late)
-            if late.size:
+            given_up = np.flatnonzero(late)
+            if given_up.size:
                 if self._direction:
                     self._direction.forget()
-                first = int(late[0]) == 0
-                stamps = stream.give_up(late)
+                first = int(given_up[0]) == 0
+                stamps = stream.give_up(given_up)
                 if stream is self._at and first:
                     self._last_settled_ns = int(stamps[-1])
 

@@ -68,7 +68,7 @@ class Stream:
 
     def take(self, headings: Headings, now_s: float) -> np.ndarray:
         """Reject what cannot be used, keep the rest; return the stamps of the rest."""
-        stamp = headings.stamp_ns
+        stamp: np.ndarray = headings.stamp_ns
         heading = headings.heading_deg
         self.ledger.receive(self.name, stamp)
         good = self._reject('no_stamp', stamp > 0, stamp)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import Callable
+from typing import Any, Callable
 
 import numpy as np
 
@@ -46,10 +46,10 @@ class Column:
         self._keep = keep
         self._on_page = on_page
         self._pages: list[Page] = []
-        self._open = np.empty(1024 if keep is None else _PAGE, dtype)
+        self._open: np.ndarray = np.empty(1024 if keep is None else _PAGE, dtype)
         self._n_open = 0
-        self.first: np.generic | None = None
-        self.last: np.generic | None = None
+        self.first: Any = None
+        self.last: Any = None
 
     def __len__(self) -> int:
         return len(self._pages) * _PAGE + self._n_open

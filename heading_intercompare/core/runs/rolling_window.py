@@ -65,7 +65,7 @@ class Rolling:
         self._pane_ns = max(1, round(window_s * 1e9 / _PANES))
         self._panes: deque[_Pane] = deque()
         self._open: list[Differences] = []
-        self._open_key: int | None = None
+        self._open_key = 0
         self._newest_ns = 0
 
     def update(self, differences: Differences) -> None:

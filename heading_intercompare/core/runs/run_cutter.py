@@ -143,7 +143,8 @@ class RunCutter:
 
     def _cut_silences(self, stamp_ns: np.ndarray, lo: int, hi: int) -> list[Piece]:
         chunk = stamp_ns[lo:hi]
-        first = self._newest_ns if self._in_run else int(chunk[0])
+        newest_ns = self._newest_ns
+        first = newest_ns if newest_ns is not None and self._in_run else int(chunk[0])
         bounds = [lo, *(lo + np.flatnonzero(
             np.diff(chunk, prepend=first) > self._gap_ns)).tolist(), hi]
         pieces = []
@@ -154,6 +155,6 @@ class RunCutter:
                     self._cut_ns = int(stamp_ns[begin])
                 self._key += 1
                 self._in_run = True
-            if begin < end:
+            if begin < end and self._cut_ns is not None:
                 pieces.append(Piece(self._key, self._cut_ns, begin, end))
         return pieces

@@ -66,7 +66,7 @@ class RunSeries:
         self.rs_deg = Column(np.float64, keep)
         self.factor = Column(np.float32, keep)
         rule = settings.runs.stabilization_s
-        self._stabilization_ns = 0 if rule == 'auto' else round(rule * 1e9)
+        self._stabilization_ns = round(rule * 1e9) if isinstance(rule, float) else 0
         self._moments = Moments()
         self._cells = Cells()
         plan = settings.sequential
@@ -99,7 +99,7 @@ class RunSeries:
             lo = 0
             for hi, look in self._due(x.stamp_ns):
                 self._append(x[lo:hi], pairs[lo:hi])
-                self._on_look(self, look, len(self._looks.plan))
+                self._announce(look)
                 lo = hi
             self._append(x[lo:], pairs[lo:])
         return x
@@ -109,6 +109,10 @@ class RunSeries:
             return []
         first = self.stamp_ns.first if len(self.stamp_ns) else stamp_ns[0]
         return self._looks.cuts(int(first), stamp_ns)
+
+    def _announce(self, look: Look) -> None:
+        if self._looks is not None and self._on_look is not None:
+            self._on_look(self, look, len(self._looks.plan))
 
     def _append(self, x: Differences, pairs: Pairs) -> None:
         if not len(x):
@@ -167,10 +171,12 @@ class RunSeries:
     @property
     def interpolates_ts(self) -> bool:
         """Whether it is the TS that was interpolated."""
-        return bool(len(self)) and self.ts_variance_factor < self.rs_variance_factor
+        ts, rs = self.ts_variance_factor, self.rs_variance_factor
+        return ts is not None and rs is not None and ts < rs
 
     def limits(self, norms: Norms, model: str) -> Limits:
         """Return the limits of the run so far; without differences those of no interpolation."""
-        if not len(self):
+        ts, rs = self.ts_variance_factor, self.rs_variance_factor
+        if ts is None or rs is None:
             return Limits.of(norms, model)
-        return Limits.of(norms, model, self.rs_variance_factor, self.ts_variance_factor)
+        return Limits.of(norms, model, rs, ts)

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 import scipy
 
+from heading_intercompare.core.records import Reals
+
 __all__ = ['AllanDeviation', 'autocorrelate', 'compute_allan_deviation', 'CorrelationTimes',
            'effective_size', 'estimate_correlation_times', 'geyer_time', 'sokal_times']
 
@@ -59,7 +61,7 @@ def _centre(x: ArrayLike) -> np.ndarray:
     x = np.asarray(x, dtype=np.float64).reshape(-1)
     if not x.size:
         return x
-    e = x - x[0]
+    e: Reals = x - x[0]
     e -= e.mean()
     return e
 
@@ -77,7 +79,7 @@ def _correlation(e: np.ndarray, m: int) -> np.ndarray:
         np.conjugate(left, out=left)
         left *= scipy.fft.rfft(e[lo:lo + step + m], size)
         spectrum += left
-    r = scipy.fft.irfft(spectrum, size)[:m + 1] / power
+    r: Reals = scipy.fft.irfft(spectrum, size)[:m + 1] / power
     r[0] = 1.0
     return r
 

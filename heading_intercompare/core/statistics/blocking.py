@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 import scipy
 
+from heading_intercompare.core.records import Reals
+
 __all__ = ['block_means', 'block_size', 'sum_covariance', 'student_95']
 
 
@@ -61,7 +63,8 @@ def block_means(values: ArrayLike, size: int) -> np.ndarray:
     """
     values = np.asarray(values, dtype=np.float64)
     count = values.shape[0] // size
-    return values[:count * size].reshape(count, size, *values.shape[1:]).mean(axis=1)
+    means: Reals = values[:count * size].reshape(count, size, *values.shape[1:]).mean(axis=1)
+    return means
 
 
 def sum_covariance(terms: ArrayLike) -> tuple[np.ndarray, int]:

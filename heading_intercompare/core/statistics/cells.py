@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.records import Reals
+
 __all__ = ['Cells', 'CellValues', 'LEAST_CELLS']
 
 LEAST_CELLS = 128
@@ -68,7 +70,7 @@ def _join(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     na, nb = a[_N], b[_N]
     n = na + nb
     d = b[_MEAN] - a[_MEAN]
-    result = a + b
+    result: Reals = a + b
     result[_MEAN] = a[_MEAN] + d * (nb / n)
     result[_M2] += d ** 2 * (na * nb / n)
     result[_M3] += (d ** 3 * (na * nb * (na - nb) / n ** 2)
@@ -221,12 +223,11 @@ class Cells:
             self._first_ns = self._newest_ns = self._anchor_ns = int(stamps[0])
             self._take(np.zeros(1, np.int64), x[:1])
             stamps, x = stamps[1:], x[1:]
-        self._take(self._places(stamps), x)
+        self._take(self._places(stamps, self._step_ns), x)
 
-    def _places(self, stamps: np.ndarray) -> np.ndarray:
-        """Return the places of stamped differences."""
+    def _places(self, stamps: np.ndarray, usual: int) -> np.ndarray:
+        """Return the places of stamped differences, from their usual step, nanoseconds."""
         steps = np.diff(stamps, prepend=self._newest_ns)
-        usual = self._step_ns
         regular = (2 * steps >= usual) & (2 * steps <= 3 * usual)
         if regular.all():
             places = np.arange(self._last_place + 1, self._last_place + 1 + stamps.size)

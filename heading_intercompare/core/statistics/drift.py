@@ -12,6 +12,8 @@ from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike
 import scipy
 
+from heading_intercompare.core.records import Reals
+
 from .autocorrelation import sokal_times
 from .blocking import block_means, block_size, student_95
 from .cells import Cells
@@ -53,7 +55,7 @@ class Polynomial:
 def _scaled_time(stamp_ns: np.ndarray) -> np.ndarray:
     """Return stamps scaled to [-1, 1]."""
     span = int(stamp_ns[-1]) - int(stamp_ns[0])
-    t = (stamp_ns - stamp_ns[0]).astype(np.float64)
+    t: Reals = (stamp_ns - stamp_ns[0]).astype(np.float64)
     return 2.0 * t / span - 1.0 if span else t
 
 
@@ -68,7 +70,8 @@ def _least_squares(u: np.ndarray, y: np.ndarray, order: int) -> np.ndarray:
 
 
 def _evaluate(u: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
-    return np.polynomial.legendre.legval(u, coefficients)
+    values: Reals = np.polynomial.legendre.legval(u, coefficients)
+    return values
 
 
 def remove_polynomial(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> Polynomial:

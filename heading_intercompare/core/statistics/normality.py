@@ -314,7 +314,7 @@ def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
     (ts_first, ts_average, ts_step), (rs_first, rs_average, rs_step) = sensors
     return Normality(
         measure_shape(x_deg, n_effective), step, few.size,
-        *((distance.adjusted, distance.p) if distance else (None, None)),
+        distance.adjusted if distance else None, distance.p if distance else None,
         ts_first, rs_first, ts_average, rs_average, width, ts_step.step_deg, rs_step.step_deg,
         ts_step.repeated_share, rs_step.repeated_share,
         ts_step.variance_deg2 + rs_step.variance_deg2)

@@ -153,7 +153,8 @@ def _bridge_tail(value: float) -> float:
     u = (4.0 * j + 1.0) ** 2 / (16.0 * value)
     logs = scipy.special.gammaln(j + 0.5) - scipy.special.gammaln(j + 1.0)
     terms = np.exp(logs - 2.0 * u) * np.sqrt(4.0 * j + 1.0) * scipy.special.kve(0.25, u)
-    return min(1.0, max(0.0, 1.0 - float(terms.sum()) / (math.pi ** 1.5 * math.sqrt(value))))
+    below: float = float(terms.sum()) / (math.pi ** 1.5 * math.sqrt(value))
+    return min(1.0, max(0.0, 1.0 - below))
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,14 +182,14 @@ class Stationarity:
     """
 
     blocks: int
-    block_s: float | None
-    mean_z: float | None
-    mean_p: float | None
-    square_z: float | None
-    square_p: float | None
-    kpss: float | None
-    kpss_lags: int | None
-    kpss_p: float | None
+    block_s: float | None = None
+    mean_z: float | None = None
+    mean_p: float | None = None
+    square_z: float | None = None
+    square_p: float | None = None
+    kpss: float | None = None
+    kpss_lags: int | None = None
+    kpss_p: float | None = None
 
     @property
     def least_p(self) -> float | None:
@@ -225,11 +226,15 @@ def examine_stationarity(x_deg: ArrayLike, step_s: float) -> Stationarity:
     x = np.asarray(x_deg, dtype=np.float64)
     size = block_size(x.size, 16)
     if x.size < LEAST_SAMPLES:
-        return Stationarity(0, *(None,) * 8)
+        return Stationarity(blocks=0)
     e = x - x[0]
     e -= e.mean()
     means, squares = block_means(e, size), block_means(e * e, size)
     by_mean, by_square = count_arrangements(means), count_arrangements(squares)
     level = apply_kpss(block_means(e, block_size(x.size, 64)))
-    return Stationarity(means.size, size * step_s, by_mean.z, by_mean.p, by_square.z, by_square.p,
-                        *((level.statistic, level.lags, level.p) if level else (None,) * 3))
+    return Stationarity(
+        blocks=means.size, block_s=size * step_s,
+        mean_z=by_mean.z if by_mean else None, mean_p=by_mean.p if by_mean else None,
+        square_z=by_square.z if by_square else None, square_p=by_square.p if by_square else None,
+        kpss=level.statistic if level else None, kpss_lags=level.lags if level else None,
+        kpss_p=level.p if level else None)

@@ -136,7 +136,10 @@ def fit_warm_up(stamp_ns: ArrayLike, x_deg: ArrayLike, tolerance_deg: float) -> 
 def _is_preferred(stamps: np.ndarray, x: np.ndarray, rss: float, blocks: int) -> bool:
     floor = rounding_floor(x)
     mine = bic_of(rss, blocks, 4, floor)
-    others = [-math.inf if v is None else v for v in select_order(stamps, x).bic[:-1]]
+    order = select_order(stamps, x)
+    if order is None:
+        return False
+    others = [-math.inf if v is None else v for v in order.bic[:-1]]
     return mine < min(others) and mine + CLEAR < others[0]
 
 

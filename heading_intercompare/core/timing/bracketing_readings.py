@@ -121,7 +121,8 @@ def readings_per_pair(stamp_ns: ArrayLike, heading_deg: ArrayLike) -> int:
     5
 
     """
-    stamps, heading = np.asarray(stamp_ns)[:_LOOKED_AT], unwrap_deg(heading_deg[:_LOOKED_AT])
+    stamps = np.asarray(stamp_ns)[:_LOOKED_AT]
+    heading = unwrap_deg(np.asarray(heading_deg)[:_LOOKED_AT])
     if stamps.size < 3:
         return 1
     repeated = _usual(np.flatnonzero(np.abs(np.diff(heading)) > _EQUAL_DEG))

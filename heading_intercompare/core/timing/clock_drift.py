@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 import scipy
 
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Reals
 from heading_intercompare.core.statistics.blocking import student_95
 
 from .heading_track import Track
@@ -111,12 +111,15 @@ class ClockDrift:
     variance_deg2: float | None = None
     steps: tuple[ClockStep, ...] = ()
 
-    def late_s(self, t_s: np.ndarray) -> np.ndarray:
+    def late_s(self, t_s: Reals) -> Reals:
         """Return by how much the TS is late at times after the first stamp, seconds."""
-        if not self.steps:
-            return self.skew_s + self.slope_s_per_h / 3600.0 * (t_s - 0.5 * (t_s[0] + t_s[-1]))
+        if self.skew_s is not None and self.slope_s_per_h is not None and not self.steps:
+            along_s: Reals = t_s - 0.5 * (t_s[0] + t_s[-1])
+            return self.skew_s + self.slope_s_per_h / 3600.0 * along_s
         levels = np.array([self.steps[0].before_s, *(step.after_s for step in self.steps)])
-        return levels[np.searchsorted([step.time_s for step in self.steps], t_s, side='right')]
+        late_s: Reals = levels[np.searchsorted([step.time_s for step in self.steps], t_s,
+                                               side='right')]
+        return late_s
 
 
 def estimate_clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
@@ -294,10 +297,11 @@ def _step(before: list[SkewOfPart], after: list[SkewOfPart], ts: Track, rs: Trac
     return ClockStep(at_s, *levels)
 
 
-def _squares(t_s: np.ndarray, skew_s: float, ts: Track, rs: Track) -> np.ndarray:
+def _squares(t_s: Reals, skew_s: float, ts: Track, rs: Track) -> Reals:
     """Return the squared differences about their median with the RS read so much earlier."""
     x = ts.at(t_s) - rs.at(t_s - skew_s)
-    return (x - np.median(ts.at(ts.t_s) - rs.at(ts.t_s - skew_s))) ** 2
+    squares: Reals = (x - np.median(ts.at(ts.t_s) - rs.at(ts.t_s - skew_s))) ** 2
+    return squares
 
 
 def _line(found: list[SkewOfPart], middle_s: float) -> ClockDrift:

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from heading_intercompare.core.angles import unwrap_deg
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Reals
 
 __all__ = ['Track']
 
@@ -40,28 +40,27 @@ class Track:
         if stamps.size > 1 and not (stamps[1:] > stamps[:-1]).all():
             newest = np.maximum.accumulate(stamps)
             headings = headings[np.concatenate(([True], stamps[1:] > newest[:-1]))]
-        self.t_s = (headings.stamp_ns - origin_ns) / 1e9
-        self.heading_deg = unwrap_deg(headings.heading_deg)
+        self.t_s: Reals = (headings.stamp_ns - origin_ns) / 1e9
+        self.heading_deg: Reals = unwrap_deg(headings.heading_deg)
 
     def __len__(self) -> int:
-        return self.t_s.size
+        return len(self.t_s)
 
-    def at(self, t_s: np.ndarray) -> np.ndarray:
+    def at(self, t_s: Reals) -> Reals:
         """Return headings interpolated to times within those of the readings, unwrapped."""
         return np.interp(t_s, self.t_s, self.heading_deg)
 
-    def rate(self, t_s: np.ndarray, half_span_s: float) -> np.ndarray:
+    def rate(self, t_s: Reals, half_span_s: float) -> Reals:
         """Return the mean rate from `half_span_s` before to as much after, degrees a second."""
         return (self.at(t_s + half_span_s) - self.at(t_s - half_span_s)) / (2.0 * half_span_s)
 
-    def covers(self, from_s: np.ndarray, to_s: np.ndarray,
-               max_gap_s: float = math.inf) -> np.ndarray:
+    def covers(self, from_s: Reals, to_s: Reals, max_gap_s: float = math.inf) -> np.ndarray:
         """Tell where all of a span of time lies between readings at most a gap apart."""
         if not len(self):
             return np.zeros(from_s.shape, bool)
         # Half a nanosecond, the unit of stamps, absorbs the rounding of seconds.
         from_s, to_s = from_s + _ROUNDING_S, to_s - _ROUNDING_S
-        good = (from_s >= self.t_s[0]) & (to_s <= self.t_s[-1])
+        good: np.ndarray = (from_s >= self.t_s[0]) & (to_s <= self.t_s[-1])
         gaps = np.flatnonzero(np.diff(self.t_s) > max_gap_s)
         if gaps.size:
             # Gaps that end by a time, less those that begin before another: none in between.

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Reals
 from heading_intercompare.core.statistics.blocking import sum_covariance
 
 from .heading_track import Track
@@ -81,7 +81,7 @@ class _Differences:
 
     def at(self, skew_s: float, every: int = 1) -> np.ndarray:
         """Return the wrapped differences at a skew."""
-        x = self.ts_deg[::every] - self.rs.at(self.t_s[::every] - skew_s)
+        x: Reals = self.ts_deg[::every] - self.rs.at(self.t_s[::every] - skew_s)
         x -= 360.0 * round(float(x.mean()) / 360.0)
         if float(x.max()) >= 180.0 or float(x.min()) < -180.0:
             x = wrap180(x)
@@ -160,7 +160,8 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
     thin = max(1, -(-last // _CURVE))
     shown = slice(last % thin, None, thin)
     return Scan(n, last * step_s, step_s, skew_s, u_s, bias_s, at_edge,
-                not at_edge and u_s is not None and u_s + bias_s <= 0.1 * last * step_s,
+                not at_edge and u_s is not None and bias_s is not None
+                and u_s + bias_s <= 0.1 * last * step_s,
                 float(x.std(ddof=1)), float(x.mean()), float(zero.std(ddof=1)),
                 float(zero.mean()), tuple((grid[shown] * step_s).tolist()),
                 tuple(np.sqrt(searched[shown]).tolist()))

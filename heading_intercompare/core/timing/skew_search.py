@@ -236,7 +236,8 @@ class _Place(NamedTuple):
 def _least(instrument: Instrument, starts: Sequence[float], low_s: float,
            high_s: float) -> _Place | None:
     """Return the place of least scatter from some starts; an earlier one if they are alike."""
-    best, settled = None, []
+    best: _Place | None = None
+    settled: list[float] = []
     if len(starts) > _MOST_STARTS:
         scatter = [math.inf if (one := instrument(start)) is None else scatter_deg(one.t_s, one.x)
                    for start in starts]
@@ -245,11 +246,12 @@ def _least(instrument: Instrument, starts: Sequence[float], low_s: float,
     for start in starts:
         if any(abs(start - d) < _NEAR_S for d in settled):
             continue
-        one = _settle(instrument, start, low_s, high_s)
-        if one is None:
+        found = _settle(instrument, start, low_s, high_s)
+        if found is None:
             continue
-        settled.append(one[0])
-        place = _Place(*one, scatter_deg(one[1].t_s, one[1].x))
+        skew_s, fit = found
+        settled.append(skew_s)
+        place = _Place(skew_s, fit, scatter_deg(fit.t_s, fit.x))
         if best is None or place.scatter_deg < _CLEARLY_LESS * best.scatter_deg:
             best = place
     return best

@@ -51,14 +51,14 @@ class StampSteps:
     """
 
     n: int
-    typical_s: float | None
-    nominal_s: float | None
-    lost_share: float | None
-    backward: int
-    equal: int
-    silences: int
-    longest_back_s: float | None
-    longest_s: float | None
+    typical_s: float | None = None
+    nominal_s: float | None = None
+    lost_share: float | None = None
+    backward: int = 0
+    equal: int = 0
+    silences: int = 0
+    longest_back_s: float | None = None
+    longest_s: float | None = None
 
 
 def _nominal_ns(steps: np.ndarray) -> float | None:
@@ -88,7 +88,8 @@ def _nominal_ns(steps: np.ndarray) -> float | None:
         finer = [step * (1.0 + off) for off in (0.0, *_FINER)]
         found = [_coherence(stamps, c) for c in finer]
         if max(found) >= _COHERENT:
-            return step if found[0] > max(found) - _AS_GOOD else finer[int(np.argmax(found))]
+            best: float = finer[int(np.argmax(found))]
+            return step if found[0] > max(found) - _AS_GOOD else best
     return None
 
 
@@ -128,10 +129,10 @@ def _lost(steps: np.ndarray, nominal: float | None, silence_steps: float) -> flo
 
 def _usual_ns(steps: np.ndarray) -> float:
     """Return the step that half of the time is bridged by, without pauses if it is one."""
-    usual = typical_step_ns(np.append(0, np.cumsum(steps)))
+    usual = typical_step_ns(np.append(0, np.cumsum(steps))) or 0
     longest = max(_LONGEST_NS, _PAUSE * float(np.median(steps)))
     if usual > longest:
-        usual = typical_step_ns(np.append(0, np.cumsum(steps[steps <= longest])))
+        usual = typical_step_ns(np.append(0, np.cumsum(steps[steps <= longest]))) or 0
     return float(usual)
 
 
@@ -171,15 +172,17 @@ def measure_stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> Sta
     """
     steps = np.diff(np.asarray(stamp_ns, dtype=np.int64))
     if not steps.size:
-        return StampSteps(int(np.size(stamp_ns)), None, None, None, 0, 0, 0, None, None)
+        return StampSteps(n=int(np.size(stamp_ns)))
     typical = float(np.median(steps))
     least = int(steps.min())
     onward = steps if least > 0 else steps[steps > 0]
     nominal = _nominal_ns(onward) if onward.size else None
+    long = steps.astype(np.float64) > silence_steps * typical
     return StampSteps(
-        steps.size + 1, typical / 1e9, None if nominal is None else nominal / 1e9,
-        _lost(onward, nominal, silence_steps) if onward.size else 0.0,
-        int(np.count_nonzero(steps < 0)),
-        int(np.count_nonzero(steps == 0)),
-        int(np.count_nonzero(steps > silence_steps * typical)) if typical > 0.0 else 0,
-        -least / 1e9 if least < 0 else None, int(steps.max()) / 1e9)
+        n=steps.size + 1, typical_s=typical / 1e9,
+        nominal_s=None if nominal is None else nominal / 1e9,
+        lost_share=_lost(onward, nominal, silence_steps) if onward.size else 0.0,
+        backward=int(np.count_nonzero(steps < 0)),
+        equal=int(np.count_nonzero(steps == 0)),
+        silences=int(np.count_nonzero(long)) if typical > 0.0 else 0,
+        longest_back_s=-least / 1e9 if least < 0 else None, longest_s=int(steps.max()) / 1e9)

@@ -203,8 +203,9 @@ class Skew:
         With d the far end of the interval; or the range, where the skew is not well determined.
         None if nothing is known of the rates.
         """
-        if self.well_determined:
-            return (max(abs(d) for d in self.interval_s) * self.rate_std_deg_s) ** 2
+        interval_s, rate_deg_s = self.interval_s, self.rate_std_deg_s
+        if self.well_determined and interval_s is not None and rate_deg_s is not None:
+            return (max(abs(d) for d in interval_s) * rate_deg_s) ** 2
         if self.rs_rate_std_deg_s is None:
             return None
         return (range_s * self.rs_rate_std_deg_s) ** 2
@@ -284,9 +285,10 @@ def _settle(fit: Instrument, found: Fit, d: float, range_s: float) -> tuple[floa
     for _ in range(_STEPS):
         step = found.step_s
         d += step
-        found = fit(d) if abs(d) <= range_s else None
-        if found is None:
+        next_one = fit(d) if abs(d) <= range_s else None
+        if next_one is None:
             return None
+        found = next_one
         if abs(step) < 1e-7:
             return d, found
     return None

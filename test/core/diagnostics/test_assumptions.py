@@ -144,7 +144,7 @@ def test_h_sees_trends_and_the_heading():
     assert judged(replace(STEADY, mean_p=0.003), resolved=False) == ('h', NOT_TESTABLE)
     assert judged(STEADY, round_trip) == ('h', VIOLATED)
     assert judged(STEADY, replace(round_trip, p=0.02)) == ('h', MET)
-    assert judged(Stationarity(0, *(None,) * 8)) == ('h', NOT_TESTABLE)
+    assert judged(Stationarity(blocks=0)) == ('h', NOT_TESTABLE)
 
 
 def test_i_is_never_said_to_be_met():

@@ -1,0 +1,212 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What it costs to start: CPU time and memory of each executable, next to a peer of its kind.
+
+A command runs to its end; its peer is `python -c 'import numpy'`. A node is looked at a second
+after others see it: then its topics are open, and it waits for a sensor, a subscriber or a
+message; its peer is a node of rclpy with one publisher of sensor_msgs/Imu. Printed are the least
+CPU time, user and system, and the least peak of resident memory of several rounds, and how many
+times those of the peer in the same rounds that is. A round before them, which is not counted,
+compiles.
+
+Promises: at most twice the CPU time of the peer for `--version`, 1.3 times for a driver. Exit
+code 1 if one is broken.
+
+    python benchmarks/start_up.py
+    python benchmarks/start_up.py --rounds 3 --only driver
+"""
+
+from __future__ import annotations
+
+import argparse
+from itertools import count
+import os
+from pathlib import Path
+import re
+import subprocess
+import sys
+from tempfile import TemporaryDirectory
+from time import monotonic, sleep
+from typing import NamedTuple
+
+import rclpy
+from rclpy.node import Node
+
+ROOT = Path(__file__).resolve().parent.parent
+TICKS_HZ = os.sysconf('SC_CLK_TCK')
+NUMBERS = count()
+
+#: How long a node is left alone when it is seen, and how long that may take.
+ALONE_S, LONGEST_S = 1.0, 60.0
+
+PLAIN_NODE = """
+import rclpy
+from rclpy.node import Node
+from sensor_msgs.msg import Imu
+rclpy.init()
+node = Node('plain_node')
+publisher = node.create_publisher(Imu, 'heading', 10)
+rclpy.spin(node)
+"""
+
+
+class Cost(NamedTuple):
+    """CPU time and peak of resident memory of one start."""
+
+    cpu_s: float
+    memory_mb: float
+
+
+class Program(NamedTuple):
+    """
+    One row of the table.
+
+    Attributes
+    ----------
+    words : tuple of str
+        What Python is given.
+    peer : str or None
+        The row to compare it with.
+    most : float
+        The ratio of CPU times that is promised.
+    node : bool
+        It does not end by itself.
+
+    """
+
+    words: tuple[str, ...]
+    peer: str | None = None
+    most: float = float('inf')
+    node: bool = False
+
+
+def command(*words: str, most: float = float('inf')) -> Program:
+    """Return a command of the command line."""
+    return Program(('-m', 'heading_intercompare', *words), 'import numpy', most)
+
+
+def node(name: str, *parameters: str, most: float = float('inf')) -> Program:
+    """Return a node with some parameters, as its executable runs it."""
+    given = [word for parameter in parameters for word in ('-p', parameter)]
+    return Program(('-c', f'from heading_intercompare.nodes.{name} import main; main()',
+                    '--ros-args', *given), 'plain node', most, True)
+
+
+NORMS = 'norms.sigma_max_deg:=0.3', 'norms.sigma_ref_max_deg:=0.1'
+SETTINGS = tuple(f'--set={norm.replace(":=", "=")}' for norm in NORMS)
+
+PROGRAMS = {
+    'import numpy': Program(('-c', 'import numpy')),
+    'import heading_intercompare': Program(('-c', 'import heading_intercompare'), 'import numpy'),
+    '--version': command('--version', most=2.0),
+    'analyze --help': command('analyze', '--help'),
+    'analyze, 10 min at 10 Hz': command('analyze', 'pairs.csv', *SETTINGS),
+    'plain node': Program(('-c', PLAIN_NODE, '--ros-args'), node=True),
+    'nmea_driver': node('nmea_driver', 'source:=udp://127.0.0.1:10110', 'topic:=ts/heading',
+                        most=1.3),
+    'synchronizer': node('synchronizer', *NORMS),
+    'compliance': node('compliance', *NORMS),
+    'recorder': node('recorder', *NORMS),
+    'replayer': node('replayer', 'bag:=bag'),
+    'sensor_simulator': node('sensor_simulator'),
+}
+
+
+def peak_mb(process: subprocess.Popen) -> float:
+    """Return the most memory that a process has had; nothing when it has ended."""
+    status = Path(f'/proc/{process.pid}/status').read_text('utf-8')
+    return int([*status.partition('VmHWM:')[2].split(), '0'][0]) / 1024.0
+
+
+def look(process: subprocess.Popen) -> Cost:
+    """Return what a process has cost so far."""
+    times = Path(f'/proc/{process.pid}/stat').read_text('utf-8').rpartition(') ')[2].split()
+    return Cost((int(times[11]) + int(times[12])) / TICKS_HZ, peak_mb(process))
+
+
+def settle(process: subprocess.Popen, name: str, watcher: Node) -> Cost:
+    """Return the cost of a node when it is there, and end it."""
+    deadline = monotonic() + LONGEST_S
+    while name not in watcher.get_node_names():
+        if process.poll() is not None or monotonic() > deadline:
+            process.kill()
+            raise SystemExit(f'{process.args}: ended, or is not seen')
+        sleep(0.02)
+    sleep(ALONE_S)
+    cost = look(process)
+    process.kill()
+    process.wait()
+    return cost
+
+
+def finish(process: subprocess.Popen) -> Cost:
+    """Return the cost of a process that ends by itself."""
+    # `ru_maxrss` of a child is at least what this process had when it made the child.
+    memory_mb, pid = 0.0, 0
+    while not pid:
+        memory_mb = max(memory_mb, peak_mb(process))
+        sleep(0.002)
+        pid, _, usage = os.wait4(process.pid, os.WNOHANG)
+    process.returncode = 0
+    return Cost(usage.ru_utime + usage.ru_stime, memory_mb)
+
+
+def start(program: Program, folder: str, watcher: Node) -> Cost:
+    """Return what it costs to start a program; a node has a name of its own each time."""
+    name = f'start_up_{os.getpid()}_{next(NUMBERS)}'
+    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get('PYTHONPATH')])])
+    process = subprocess.Popen(
+        [sys.executable, *program.words, *(['-r', f'__node:={name}'] if program.node else [])],
+        cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        env={**os.environ, 'PYTHONPATH': path, 'PYTHONPYCACHEPREFIX': f'{folder}/compiled',
+             'PYTHONDONTWRITEBYTECODE': '', 'ROS_LOG_DIR': folder})
+    return settle(process, name, watcher) if program.node else finish(process)
+
+
+def prepare(folder: str, watcher: Node) -> None:
+    """Write what the programs read: a simulated trial as a bag, and its pairs as csv."""
+    text = (ROOT / 'config' / 'scenarios' / 'demo.yaml').read_text('utf-8')
+    Path(folder, 'trial.yaml').write_text(
+        re.sub('^duration_s: .*$', 'duration_s: 600', text, flags=re.MULTILINE), 'utf-8')
+    for words in (('simulate', '--scenario', 'trial.yaml', '-o', 'bag', '--seed', '1'),
+                  ('analyze', 'bag', *SETTINGS, '--csv', 'pairs.csv')):
+        start(command(*words), folder, watcher)
+
+
+def main() -> int:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.split('\n\n')[0])
+    parser.add_argument('--rounds', type=int, default=5)
+    parser.add_argument('--only', default='', help='a part of the name')
+    arguments = parser.parse_args()
+    rows = {name: program for name, program in PROGRAMS.items()
+            if arguments.only in name}
+    rows = {name: PROGRAMS[name] for name in PROGRAMS
+            if name in rows or name in {row.peer for row in rows.values()}}
+    costs: dict[str, list[Cost]] = {name: [] for name in rows}
+    os.environ.setdefault('ROS_DOMAIN_ID', '71')
+    rclpy.init()
+    watcher = rclpy.create_node('start_up')
+    with TemporaryDirectory() as folder:
+        prepare(folder, watcher)
+        for turn in range(arguments.rounds + 1):
+            for name, program in rows.items():
+                cost = start(program, folder, watcher)
+                if turn:
+                    costs[name].append(cost)
+    least = {name: Cost(*map(min, zip(*found))) for name, found in costs.items()}
+    broken = False
+    print('| | CPU | × peer | memory | × peer |\n|---|---|---|---|---|')
+    for name, program in rows.items():
+        mine, peer = least[name], least[program.peer or name]
+        times = mine.cpu_s / peer.cpu_s
+        word = ' **broken**' if times > program.most else ''
+        broken = broken or bool(word)
+        print(f'| {name} | {mine.cpu_s:.2f} s | {times:.2f}{word} | {mine.memory_mb:.0f} MB '
+              f'| {mine.memory_mb / peer.memory_mb:.2f} |')
+    return int(broken)
+
+
+if __name__ == '__main__':
+    sys.exit(main())
