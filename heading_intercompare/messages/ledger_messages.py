@@ -37,7 +37,7 @@ def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
     Raises
     ------
     MessageError
-        If it is damaged or counts what is no number.
+        If it is damaged, counts what is no number, or a segment does not say where it starts.
 
     """
     newest_ns, statuses = decode_statuses(data)
@@ -48,4 +48,6 @@ def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
         if one.name.startswith(_SEGMENT):
             counts = {key: _integer(key, text) for key, text in values.items()}
             segments.append(LedgerSegment(counts.pop('start_ns', None), counts))
+    if any(segment.start_ns is None for segment in segments[1:]):
+        raise MessageError('ledger: a segment behind the first has no start_ns')
     return Ledger.from_segments(segments, newest_ns or None), final

@@ -62,3 +62,9 @@ def test_a_count_that_is_no_number_is_refused():
 def test_a_ledger_that_is_cut_is_refused():
     with pytest.raises(MessageError, match='ends early'):
         decode_ledger(encode_ledger(Ledger())[:-5])
+
+
+def test_a_segment_that_does_not_say_where_it_starts_is_refused():
+    data = encode_statuses(1, [Status(f'segment {i}', OK, '', {'paired': 1}) for i in range(2)])
+    with pytest.raises(MessageError, match='has no start_ns'):
+        decode_ledger(data)
