@@ -9,7 +9,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'headline': ('OUTCOME_WORDS',),
     'judge': ('compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult'),
     'validity': ('DOUBTFUL', 'VOID'),
-    'verdict_table': ('summary_text', 'verdict_html', 'verdict_text'),
     'verdict_document': ('Input', 'make_plain', 'OperatorNote', 'RunVerdict', 'SCHEMA', 'Verdict',
                          'VerdictError'),
+    'verdict_table': ('summary_text', 'verdict_html', 'verdict_text'),
 })
