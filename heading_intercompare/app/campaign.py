@@ -89,7 +89,7 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     OSError, BagError
         If there is one input, and it cannot be read.
     ValueError
-        If none of several can be read, or none by the executor.
+        If none of several can be read, or none by the executor; if takers cannot be served.
 
     Notes
     -----
@@ -98,6 +98,9 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     of processes takes along is tried once more, alone. Any other exception goes up.
 
     """
+    takers = list(takers)
+    if takers and (executor is not None or len(paths) > 1):
+        raise ValueError('takers: pairs are given of one input alone, and by no executor')
     job = Job(settings, table, sketched)
     if executor is None and len(paths) == 1:
         helpers = min(jobs or count_cores(), MOST_READERS) - 1

@@ -116,7 +116,7 @@ class _Workers(Executor):
         theirs = self._pool.submit(function, *args, **kwargs)
         with self._lock:
             self._waiting[promise] = theirs
-        promise.add_done_callback(lambda _: promise.cancelled() and theirs.cancel())
+        promise.add_done_callback(self._take_off)
         theirs.add_done_callback(partial(self._settle, promise))
         return promise
 
@@ -125,6 +125,13 @@ class _Workers(Executor):
         self._pool.shutdown(wait=wait and not cancel_futures)
         self._closed.set()
         self._watch.join(_LOOK_S)
+
+    def _take_off(self, promise: Future) -> None:
+        """Take what is cancelled off the cluster."""
+        with self._lock:
+            theirs = self._waiting.get(promise)
+        if promise.cancelled() and theirs is not None:
+            theirs.cancel()
 
     def _settle(self, promise: Future, theirs: Future) -> None:
         """Pass on what came of a call."""

@@ -107,7 +107,7 @@ _hints_of = cache(get_type_hints)
 @cache
 def _groups_of(settings_class: type) -> dict[str, type]:
     """Return the settings classes nested in one, by name."""
-    return {f.name: hint for f in fields(settings_class)
+    return {f.name: cast(type, hint) for f in fields(settings_class)
             if is_dataclass(hint := _hints_of(settings_class)[f.name])}
 
 
@@ -226,10 +226,11 @@ class Checked:
 
     def __post_init__(self) -> None:
         """Check every field, and normalise the type of the plain ones."""
-        for rule in list_settings(cast(type, type(self))):
+        own = cast(type, type(self))
+        for rule in list_settings(own):
             if '.' not in rule.name:
                 object.__setattr__(self, rule.name, _check_value(rule, getattr(self, rule.name)))
-        for name, group in _groups_of(type(self)).items():
+        for name, group in _groups_of(own).items():
             if not isinstance(getattr(self, name), group):
                 raise SettingsError(f'{name} = {getattr(self, name)!r}: must be '
                                     f'{group.__name__}(...); from_mapping takes mappings')

@@ -101,3 +101,13 @@ def test_a_mistake_is_an_error(tmp_path, monkeypatch, paths, settings, error, wo
     monkeypatch.chdir(tmp_path)
     with pytest.raises(error, match=words):
         analyze_bags(paths, settings)
+
+
+def test_pairs_are_given_of_one_input_and_refused_of_more(bags):
+    taken = []
+    judge_bags([bags[0]], SETTINGS, takers=[taken.append])
+    assert sum(map(len, taken)) == 1200
+    with ThreadPoolExecutor(1) as executor, pytest.raises(ValueError, match='takers: '):
+        judge_bags([bags[0]], SETTINGS, takers=[taken.append], executor=executor)
+    with pytest.raises(ValueError, match='takers: pairs are given of one input alone'):
+        judge_bags(bags, SETTINGS, takers=[taken.append])

@@ -22,7 +22,7 @@ from typing import Any, Callable, Iterator
 import numpy as np
 import pytest
 
-from heading_intercompare import Headings, Settings
+from heading_intercompare import analyze_bags, Headings, Settings
 from heading_intercompare.app import campaign, remote_task
 from heading_intercompare.app.compare_verdicts import find_differences
 from heading_intercompare.app.job import Job
@@ -406,3 +406,24 @@ def test_linear_algebra_has_one_thread_until_the_last_of_several_tasks_is_done()
     assert threads() == {1}
     second.close()
     assert threads() == before
+
+
+def sleeping(cluster) -> list[str]:
+    """Return the calls of `sleep` that a scheduler knows of."""
+    return [str(key) for key in cluster.scheduler.tasks if 'sleep' in str(key)]
+
+
+def test_the_cluster_is_an_executor_as_any_other(cluster, folder, beside):
+    with module.open_cluster(cluster.scheduler_address) as executor:
+        assert executor.submit(pow, 2, exp=5).result(DEADLINE_S) == 32
+        assert list(executor.map(abs, [-1, 2])) == [1, 2]
+        with pytest.raises(ZeroDivisionError):
+            executor.submit(divmod, 1, 0).result(DEADLINE_S)
+        waits = executor.submit(time.sleep, 3)
+        eventually(lambda: sleeping(cluster))
+        assert waits.cancel() and waits.cancelled()
+        eventually(lambda: not sleeping(cluster))
+        settings = Settings.from_mapping(NORMS)
+        inputs = [folder / 'trial_0', folder / 'trial_1']
+        assert analyze_bags(inputs, settings, executor=executor).to_dict() == analyze_bags(
+            inputs, settings, jobs=2).to_dict()

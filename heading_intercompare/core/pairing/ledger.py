@@ -204,7 +204,7 @@ class Ledger:
     @property
     def total(self) -> LedgerSegment:
         """The counts of all segments together."""
-        total: Counter[str] = Counter()
+        total: Counter[LedgerKey] = Counter()
         for segment in self.segments:
             total.update(segment.counts)
         return LedgerSegment(None, dict(sorted(total.items())))
@@ -221,7 +221,7 @@ class Ledger:
 
     def between(self, start_ns: int, end_ns: int) -> LedgerSegment:
         """Return the counts of the segments that start within two stamps, both included."""
-        counts: Counter[str] = Counter()
+        counts: Counter[LedgerKey] = Counter()
         for segment in self.segments:
             if segment.start_ns is not None and start_ns <= segment.start_ns <= end_ns:
                 counts.update({key: n for key, n in segment.counts.items()
@@ -244,7 +244,7 @@ class Ledger:
 
         """
         starts = np.asarray(start_ns, dtype=np.int64)
-        shares: list[Counter[str]] = [Counter() for _ in range(max(1, len(starts)))]
+        shares: list[Counter[LedgerKey]] = [Counter() for _ in range(max(1, len(starts)))]
         for segment in self.segments:
             at = 0
             if segment.start_ns is not None:

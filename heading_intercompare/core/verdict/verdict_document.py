@@ -330,8 +330,9 @@ class Verdict:
         return verdict_text(self)
 
     def __repr__(self) -> str:
-        """Return the headline."""
-        return f'<Verdict on {len(self.runs)} runs: {self.headline}>'
+        """Return how many runs there are, and the headline."""
+        runs = '1 run' if len(self.runs) == 1 else f'{len(self.runs)} runs'
+        return f'<Verdict on {runs}: {self.headline}>'
 
     def _repr_html_(self) -> str:
         """Return the same table for notebooks."""
