@@ -320,14 +320,14 @@ def test_a_cluster_without_workers_is_refused(folder, capsys, monkeypatch):
 @pytest.mark.parametrize('spoil, why', [
     ('version.VERSION = "0.0.9"', 'has 0.0.9'),
     ('import sys; sys.modules["heading_intercompare.app.remote_task"] = None', 'cannot load it')])
-def test_a_worker_with_other_software_is_named_before_work_starts(
-        cluster, capsys, tmp_path, spoil, why):
-    with distributed.Client(cluster.scheduler_address, set_as_default=False) as client:
+def test_a_worker_with_other_software_is_named_before_work_starts(capsys, tmp_path, spoil, why):
+    with (start(2) as spoilt,
+          distributed.Client(spoilt.scheduler_address, set_as_default=False) as client):
+        client.wait_for_workers(2, DEADLINE_S)
         worker = sorted(client.nthreads())[1]
         client.run(exec, f'from heading_intercompare.core import version; {spoil}',
                    workers=[worker])
-        said = refusal(capsys, tmp_path / 'nowhere', '--dask', cluster.scheduler_address)
-        client.restart()
+        said = refusal(capsys, tmp_path / 'nowhere', '--dask', spoilt.scheduler_address)
     here = module.VERSION
     assert f'heading_intercompare is {here} here, worker {worker} {why}' in said
 

@@ -46,7 +46,7 @@ def test_nothing_is_lost_and_the_memory_does_not_grow(tmp_path):
     began_s = time.monotonic()
     live = intercompare(
         [Source(SensorSimulator, 'sensor_simulator', TRIAL)], SETTINGS, output=bag, private=True,
-        progress=lambda n_pairs: seen.append((n_pairs, resident_bytes())))
+        progress=lambda n_pairs: seen.append((n_pairs, resident_bytes()))).to_dict()
     assert time.monotonic() - began_s >= 0.95 * SOAK_S
     run = live['runs'][0]['pairing']
     assert run['ts_received'] == run['rs_received'] == pytest.approx(SOAK_S * RATE_HZ, abs=1)
