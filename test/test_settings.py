@@ -125,6 +125,8 @@ def test_every_setting_says_what_it_means_and_in_which_unit(settings):
 
 
 @pytest.mark.parametrize('given, message', [
+    ({'norms': {'sigma_max_deg': 0.2}, 'norms.sigma_max_deg': 0.3},
+     'norms.sigma_max_deg is given twice'),
     ({'norms': {'sigma_max': 0.2}}, "unknown setting 'norms.sigma_max'; did you mean"),
     ({'pairing.max_gap_s': -1}, 'pairing.max_gap_s = -1.0: must be a number from 0 to 3600'),
     ({'variant': 'D'}, "variant = 'D': must be 'A' or 'B' or 'C'"),

@@ -8,11 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Mapping, Sequence
 
-import yaml
-
 from heading_intercompare.core.settings import flatten, list_settings, Settings, SettingsError
 
-from .yaml_file import load_yaml, parse_yaml
+from .yaml_file import load_yaml, parse_yaml, YamlError
 
 __all__ = ['Config', 'load_config', 'settings_for']
 
@@ -69,8 +67,12 @@ def load_config(path: str | None) -> Config:
         parameters = section['ros__parameters'] or {}
         if not isinstance(parameters, dict):
             raise SettingsError(f'{path}: section {name!r}: ros__parameters must be a mapping')
-        sections[str(name).lstrip('/') if name != SHARED else SHARED] = dict(
-            flatten(parameters))
+        values: dict[str, Any] = {}
+        for setting, value in flatten(parameters):
+            if setting in values:
+                raise SettingsError(f'{path}: section {name!r}: {setting} is given twice')
+            values[setting] = value
+        sections[str(name).lstrip('/') if name != SHARED else SHARED] = values
     return Config(path, sections.pop(SHARED, {}), sections)
 
 
@@ -94,8 +96,9 @@ def _parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
                                 'e.g. --set norms.sigma_max_deg=0.2')
         try:
             values[name] = text if name in words else load_yaml(text)
-        except yaml.YAMLError as error:
-            raise SettingsError(f'--set {assignment}: the value cannot be read') from error
+        except YamlError as error:
+            raise SettingsError(
+                f'--set {assignment}: the value cannot be read: {error}') from error
     return values
 
 

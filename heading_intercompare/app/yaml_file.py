@@ -1,27 +1,135 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""YAML files, their mistakes told in one line."""
+"""
+YAML files as plain values, their mistakes told in one line.
+
+Numbers and booleans are those of YAML 1.2: 1e9 is a number, as for ROS, and `on` is a word. What
+could say one thing to a reader and another to the program, or cost without end, is refused: a
+name given twice, an anchor or a tag, a second document, deep nesting, a large file.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
 import re
-from typing import Any
+from typing import Any, Iterator
 
 import yaml
 
 from heading_intercompare.core.settings import SettingsError
 
-__all__ = ['load_yaml', 'parse_yaml']
+__all__ = ['load_yaml', 'parse_yaml', 'YamlError']
+
+#: More than any parameter file or scenario has.
+_MOST_BYTES = 2**20
+_DEEPEST = 50
+#: Python refuses to make a number of more digits than some thousand, and no setting has any.
+_MOST_DIGITS = 300
+
+_Loader: type = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
+
+#: The core schema of YAML 1.2.
+_WORDS = {'': None, '~': None, **dict.fromkeys(('null', 'Null', 'NULL')),
+          **dict.fromkeys(('true', 'True', 'TRUE'), True),
+          **dict.fromkeys(('false', 'False', 'FALSE'), False)}
+_INTEGER = re.compile(r'[-+]?[0-9]+')
+_BASED = re.compile(r'0o[0-7]+|0x[0-9a-fA-F]+')
+_REAL = re.compile(r'[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?')
+_NOT_FINITE = re.compile(r'(?P<sign>[-+]?)\.(?P<word>inf|Inf|INF)|\.(nan|NaN|NAN)')
 
 
-class _Loader(yaml.SafeLoader):
-    """Reads numbers as YAML 1.2 and ROS do: 1e9 is one, and needs no point or sign."""
+class YamlError(ValueError):
+    """
+    A text is not YAML, or has in it what is not taken.
+
+    Attributes
+    ----------
+    line : int or None
+        Where, counted from 1.
+
+    """
+
+    def __init__(self, problem: str, line: int | None = None) -> None:
+        super().__init__(problem)
+        self.line = line
 
 
-_Loader.add_implicit_resolver(
-    'tag:yaml.org,2002:float', re.compile(r'[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)[eE][-+]?[0-9]+$'),
-    list('-+.0123456789'))
+def _read_scalar(text: str) -> Any:
+    """Return the value of an unquoted word."""
+    if text in _WORDS:
+        return _WORDS[text]
+    if _INTEGER.fullmatch(text) or _BASED.fullmatch(text):
+        if len(text) > _MOST_DIGITS:
+            raise YamlError('a number of too many digits')
+        return int(text, 0) if _BASED.fullmatch(text) else int(text)
+    if _REAL.fullmatch(text):
+        return float(text)
+    match = _NOT_FINITE.fullmatch(text)
+    if match:
+        return float(f'{match["sign"]}inf') if match['word'] else float('nan')
+    return text
+
+
+class _Builder:
+    """Makes plain values of the events of a parser; what is not taken is refused."""
+
+    def __init__(self, events: Iterator[yaml.Event]) -> None:
+        self._events = events
+        self._line = 1
+        self._depth = 0
+
+    def _next(self) -> yaml.Event:
+        event = next(self._events)
+        self._line = event.start_mark.line + 1
+        if isinstance(event, yaml.AliasEvent) or getattr(event, 'anchor', None) is not None:
+            raise YamlError('anchors and aliases are not taken: write the value out', self._line)
+        if getattr(event, 'tag', None) is not None:
+            raise YamlError(f'tags are not taken: {event.tag}', self._line)
+        return event
+
+    def document(self) -> Any:
+        """Return the only document; None if there is none."""
+        value = None
+        self._next()
+        event = self._next()
+        if isinstance(event, yaml.DocumentStartEvent):
+            value = self._value(self._next())
+            self._next()
+            event = self._next()
+        if not isinstance(event, yaml.StreamEndEvent):
+            raise YamlError('there is a second document', self._line)
+        return value
+
+    def _value(self, event: yaml.Event) -> Any:
+        if isinstance(event, yaml.ScalarEvent):
+            try:
+                return _read_scalar(event.value) if event.implicit[0] else event.value
+            except YamlError as error:
+                raise YamlError(str(error), self._line) from None
+        self._depth += 1
+        if self._depth > _DEEPEST:
+            raise YamlError(f'nested deeper than {_DEEPEST} levels', self._line)
+        value = (self._mapping() if isinstance(event, yaml.MappingStartEvent)
+                 else self._sequence())
+        self._depth -= 1
+        return value
+
+    def _sequence(self) -> list[Any]:
+        values = []
+        while not isinstance(event := self._next(), yaml.SequenceEndEvent):
+            values.append(self._value(event))
+        return values
+
+    def _mapping(self) -> dict[Any, Any]:
+        values: dict[Any, Any] = {}
+        while not isinstance(event := self._next(), yaml.MappingEndEvent):
+            if not isinstance(event, yaml.ScalarEvent):
+                raise YamlError('a name must be a word', self._line)
+            name, line = self._value(event), self._line
+            if name in values:
+                raise YamlError(f'{name!r} is given twice', line)
+            values[name] = self._value(self._next())
+        return values
 
 
 def load_yaml(text: str) -> Any:
@@ -30,17 +138,24 @@ def load_yaml(text: str) -> Any:
 
     Raises
     ------
-    yaml.YAMLError
-        If it is not YAML.
+    YamlError
+        If it is not YAML, or has in it what is not taken: what, and the line.
 
     Examples
     --------
-    >>> load_yaml('[1e9, 2.5E-3, 1e, 7]')
-    [1000000000.0, 0.0025, '1e', 7]
+    >>> load_yaml('[1e9, 2.5E-3, 1e, 7, 0x10, on, true]')
+    [1000000000.0, 0.0025, '1e', 7, 16, 'on', True]
 
     """
-    # A loader derived from the safe one makes nothing but plain values.
-    return yaml.load(text, Loader=_Loader)
+    if len(text) > _MOST_BYTES:
+        raise YamlError(f'longer than {_MOST_BYTES} bytes')
+    try:
+        return _Builder(yaml.parse(text, Loader=_Loader)).document()
+    except yaml.YAMLError as error:
+        mark, lines = getattr(error, 'problem_mark', None), text.rstrip('\n').count('\n') + 1
+        # What is missing at the end is missed behind the last line.
+        raise YamlError(f'not YAML: {getattr(error, "problem", None) or "not text"}',
+                        min(mark.line + 1, lines) if mark else None) from error
 
 
 def parse_yaml(data: bytes, path: str | Path) -> Any:
@@ -50,13 +165,13 @@ def parse_yaml(data: bytes, path: str | Path) -> Any:
     Raises
     ------
     SettingsError
-        If it is not YAML: the file, the line, the problem.
+        As `load_yaml`: the file, the line, the problem.
 
     """
     try:
         return load_yaml(data.decode())
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        mark = getattr(error, 'problem_mark', None)
-        where = f', line {mark.line + 1}' if mark else ''
-        problem = getattr(error, 'problem', None) or 'not text'
-        raise SettingsError(f'{path}{where}: not YAML: {problem}') from error
+    except UnicodeDecodeError as error:
+        raise SettingsError(f'{path}: not YAML: not text') from error
+    except YamlError as error:
+        where = '' if error.line is None else f', line {error.line}'
+        raise SettingsError(f'{path}{where}: {error}') from error

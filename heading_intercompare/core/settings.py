@@ -192,6 +192,8 @@ def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
     for name, value in flatten(mapping):
         if name not in rules:
             raise explain_unknown('setting', name, rules)
+        if name in values:
+            raise SettingsError(f'{name} is given twice')
         values[name] = _check_value(rules[name], value)
     return _build(settings_class, values, '')
 

@@ -107,6 +107,10 @@ def test_a_missing_norm_is_named_before_anything_is_read(capsys):
 
 @pytest.mark.parametrize('text, words', [
     ('[1, 2', 'not YAML'), ('3', 'ROS parameter file'), ('a: 1', "section 'a'"),
+    ('/**:\n  ros__parameters:\n    window_s: 3\n    window_s: 4', "line 4: 'window_s' is given"),
+    ('/**:\n  ros__parameters:\n    norms.m_low: 0\n    norms: {m_low: 1}',
+     "section '/**': norms.m_low is given twice"),
+    ('/**: &all\n  ros__parameters: {}', 'line 1: anchors'),
     ('/**:\n  ros__parameters:\n    windows_s: 3', "did you mean 'window_s'")])
 def test_a_wrong_parameter_file_is_named_with_its_fault(text, words, bag, capsys, tmp_path):
     file = tmp_path / 'config.yaml'

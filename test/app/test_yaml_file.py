@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""YAML 1.2 as plain values; what is refused is told in one line."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from heading_intercompare.app.yaml_file import load_yaml, parse_yaml, YamlError
+from heading_intercompare.core.settings import SettingsError
+
+yaml = pytest.importorskip('yaml')
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.mark.parametrize('text, value', [
+    ('1e9', 1e9), ('1E-3', 1e-3), ('.5', 0.5), ('5.', 5.0), ('+1.5e+3', 1500.0), ('1e', '1e'),
+    ('7', 7), ('-7', -7), ('010', 10), ('0o10', 8), ('0x1F', 31), ('1_000', '1_000'),
+    ('1:30', '1:30'), ('true', True), ('FALSE', False), ('yes', 'yes'), ('on', 'on'), ('n', 'n'),
+    ('null', None), ('~', None), ('', None), ('none', 'none'), ('.inf', math.inf),
+    ('-.INF', -math.inf), ('2026-01-01', '2026-01-01'), ('2026-01-01T00:00:00Z',) * 2,
+    ('"7"', '7'), ("'true'", 'true'), ('<<', '<<'), ('=', '='), ('[]', []), ('{}', {}),
+    ('[a, {b: 1}]', ['a', {'b': 1}]), ('a: |\n  x\n  y\n', {'a': 'x\ny\n'}), ('1: a', {1: 'a'}),
+    ('---\n- 1\n...\n', [1]), ('# only a remark', None)])
+def test_values_are_those_of_yaml_1_2(text, value):
+    found = load_yaml(text)
+    assert found == value and type(found) is type(value)
+
+
+def test_what_is_no_number_is_none():
+    assert math.isnan(load_yaml('.nan'))
+
+
+@pytest.mark.parametrize('text, line, problem', [
+    ('a: 1\nb: 2\na: 3', 3, "'a' is given twice"), ('{1: a, 1: b}', 1, '1 is given twice'),
+    ('a: {b: 1,\n b: 2}', 2, "'b' is given twice"),
+    ('a: &x 1\nb: *x', 1, 'anchors and aliases are not taken'),
+    ('a: 1\nb: *x', 2, 'anchors and aliases are not taken'),
+    ('- 1\n- !!python/object:os.system x', 2, 'tags are not taken'), ('!!str 7', 1, 'tags'),
+    ('a: 1\n---\nb: 2', 2, 'there is a second document'),
+    ('[' * 60 + ']' * 60, 1, 'nested deeper than 50 levels'),
+    ('? [a]\n: 1', 1, 'a name must be a word'), ('- x\n...\n---\n- y', 3, 'second document'),
+    ('a: ' + '9' * 5000, 1, 'a number of too many digits'), ('a: [', 1, 'not YAML'),
+    ('a: "', 1, 'not YAML'), ('\t- a', 1, 'not YAML'), ('a: b: c', 1, 'not YAML'),
+    ('x\x00', None, 'not YAML'), ('#' * 2**20 + 'x', None, 'longer than 1048576 bytes')])
+def test_what_is_not_taken_is_refused_with_its_line(text, line, problem):
+    with pytest.raises(YamlError, match=problem) as refused:
+        load_yaml(text)
+    assert line is None or refused.value.line == line
+    with pytest.raises(SettingsError) as refused:
+        parse_yaml(text.encode(), 'my.yaml')
+    assert str(refused.value).startswith('my.yaml') and '\n' not in str(refused.value)
+
+
+def test_bytes_that_are_no_text_are_refused():
+    with pytest.raises(SettingsError, match='my.yaml: not YAML: not text'):
+        parse_yaml(b'a: \xff', 'my.yaml')
+
+
+def test_nesting_costs_no_more_than_its_length():
+    """As deep as the file may be long; Python would end with a RecursionError."""
+    with pytest.raises(YamlError, match='nested deeper'):
+        load_yaml('[' * (2**20 - 1))
+
+
+@pytest.mark.parametrize('path', sorted((ROOT / 'config').rglob('*.yaml')), ids=lambda p: p.name)
+def test_files_of_the_package_mean_to_others_what_they_mean_here(path):
+    assert load_yaml(path.read_text('utf-8')) == yaml.safe_load(path.read_text('utf-8'))
+
+
+def test_the_parser_in_python_gives_the_same(monkeypatch):
+    text = 'a: [1e9, on, {b: "x"}]\nc: 0o17'
+    expected = load_yaml(text)
+    monkeypatch.setattr('heading_intercompare.app.yaml_file._Loader', yaml.SafeLoader)
+    assert load_yaml(text) == expected == {'a': [1e9, 'on', {'b': 'x'}], 'c': 15}
