@@ -430,6 +430,12 @@ def test_a_module_of_tests_lies_where_the_module_lies_that_it_tests():
     assert not TESTS_OF_SEVERAL & mirrored
 
 
+def test_the_places_of_a_newcomers_changes_are_there():
+    named = re.findall(r'`(heading_intercompare/[^`]*)`', (ROOT / 'CONTRIBUTING.md').read_text())
+    assert len(named) >= 10
+    assert [place for place in named if not (ROOT / place).exists()] == []
+
+
 def test_a_room_has_tests():
     tested = {str(p.parent.relative_to(ROOT / 'test')) for p in (ROOT / 'test').rglob('test_*.py')}
     assert {str(p.parent.relative_to(PACKAGE)) for p in MODULES} <= tested
