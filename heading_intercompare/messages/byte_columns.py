@@ -34,8 +34,8 @@ def gather(data: bytes, kind: DTypeLike, at: np.ndarray) -> np.ndarray:
     dtype = np.dtype(kind)
     plain = _plain(dtype)
     everywhere = np.ndarray(max(len(data) - dtype.itemsize + 1, 0), plain, data, 0, (1,))
-    found = everywhere[at]
-    return found.view(dtype.base).reshape(-1, *dtype.shape)
+    found: np.ndarray = everywhere[at].view(dtype.base)
+    return found.reshape(-1, *dtype.shape)
 
 
 def join_messages(messages: Sequence[bytes]) -> tuple[bytes, np.ndarray, np.ndarray]:

@@ -11,14 +11,14 @@ read; what does not start as plain CDR is refused.
 from __future__ import annotations
 
 from functools import lru_cache, partial
-from typing import Callable, Sequence, TypeVar
+from typing import Callable, Literal, Sequence, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core import angles
 from heading_intercompare.core.pairing.difference import subtract
-from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.records import Headings, Integers, Pairs
 
 from .byte_columns import gather, join_messages, split_rows
 from .cdr import encode
@@ -70,7 +70,7 @@ def _rows(type_name: str, stamp_ns: np.ndarray, frame_id: str, reals: np.ndarray
     return rows
 
 
-def _align(position, size: int):
+def _align(position: Integers | int, size: int) -> Integers | int:
     """Return the next place that a power of two divides."""
     return (position + (size - 1)) & -size
 
@@ -130,9 +130,9 @@ def imu_messages(headings: Headings, frame_id: str, *, sigma_deg: ArrayLike = 0.
     """
     fits = (headings.stamp_ns >= 0) & (headings.stamp_ns < TIME_LIMIT_NS)
     if not fits.all():
-        sigma_deg, turn_rate_deg_s = (
-            None if column is None else np.broadcast_to(column, fits.shape)[fits]
-            for column in (sigma_deg, turn_rate_deg_s))
+        sigma_deg = np.broadcast_to(sigma_deg, fits.shape)[fits]
+        if turn_rate_deg_s is not None:
+            turn_rate_deg_s = np.broadcast_to(turn_rate_deg_s, fits.shape)[fits]
         headings = headings[fits]
     return split_rows(encode_imu(headings, frame_id, sigma_deg=sigma_deg,
                                  turn_rate_deg_s=turn_rate_deg_s))
@@ -188,6 +188,7 @@ _MOST_LAG_S = 9e9
 _Chunk = TypeVar('_Chunk', Headings, Pairs)
 #: Data, first byte and size of each message of one byte order, and their headers, to a chunk.
 _DecodeOne = Callable[[bytes, np.ndarray, np.ndarray, np.ndarray], _Chunk]
+_ByteOrder = Literal['<', '>']
 
 
 def _check_size(type_name: str, start: np.ndarray, size: np.ndarray, least: ArrayLike) -> None:
@@ -200,7 +201,7 @@ def _check_size(type_name: str, start: np.ndarray, size: np.ndarray, least: Arra
 
 
 def _decode(type_name: str, data: bytes, start: np.ndarray, stop: np.ndarray,
-            decode_one: _DecodeOne) -> _Chunk:
+            decode_one: _DecodeOne[_Chunk]) -> _Chunk:
     """Return the chunk in a stretch of bytes, of messages of either byte order."""
     size = stop - start
     _check_size(type_name, start, size, _HEADER.itemsize)
@@ -213,14 +214,15 @@ def _decode(type_name: str, data: bytes, start: np.ndarray, stop: np.ndarray,
         raise MessageError(f'{type_name} message does not start as CDR',
                            offset=int(start[np.argmax(strange)]))
     which = np.flatnonzero(little), np.flatnonzero(~little)
+    signs: tuple[_ByteOrder, _ByteOrder] = '<', '>'
     parts = [decode_one(data, start[at], size[at], header[at].view(_HEADER.newbyteorder(sign)))
-             for at, sign in zip(which, '<>')]
+             for at, sign in zip(which, signs)]
     return type(parts[0]).concatenate(parts)[np.argsort(np.concatenate(which))]
 
 
-def _end_of_strings(header: np.ndarray) -> tuple[str, np.ndarray | int]:
+def _end_of_strings(header: np.ndarray) -> tuple[_ByteOrder, Integers | int]:
     """Return the byte order of messages, and where the names of their frames end."""
-    sign = '>' if header.dtype['length'].byteorder == '>' else '<'
+    sign: _ByteOrder = '>' if header.dtype['length'].byteorder == '>' else '<'
     length = header['length'].astype(np.int64)
     if length.size and (length == length[0]).all():
         length = length[0]
