@@ -45,7 +45,7 @@ class Judged:
     results: list[RunResult]
     notes: list[str]
     description: Input
-    sketch: SeriesSketch | None
+    sketch: SeriesSketch | None = None
 
     @property
     def error(self) -> str | None:
@@ -109,8 +109,8 @@ class Job:
     def unread(self, path: str, why: str) -> Judged:
         """Return what there is to say of an input that could not be read."""
         why = ' '.join(why.split())
-        described = Input(path, None, error=why)
+        described = Input(path, error=why)
         if Path(path).suffix != '.csv':
             described = replace(described, ts_topic=self.settings.ts_topic,
                                 rs_topic=self.settings.rs_topic)
-        return Judged(path, [], [f'{path}: not judged: {why}'], described, None)
+        return Judged(path, [], [f'{path}: not judged: {why}'], described)

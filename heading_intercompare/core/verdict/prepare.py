@@ -77,11 +77,14 @@ class PreparedRun:
         moments = Moments.of(x_deg)
         if order == 0 or moments.n < 2 + order:
             variance = moments.variance_deg2 if moments.n >= 2 + order else None
-            return cls(stamp_ns, x_deg, rs_deg, None, 0, (), n_left_out, moments, variance)
+            return cls(stamp_ns=stamp_ns, x_deg=x_deg, rs_deg=rs_deg, residual_deg=None, order=0,
+                       coefficients_deg=(), n_left_out=n_left_out, moments=moments,
+                       variance_deg2=variance)
         fit = remove_polynomial(stamp_ns, x_deg, order)
         squares = float(np.dot(fit.residual_deg, fit.residual_deg))
-        return cls(stamp_ns, x_deg, rs_deg, fit.residual_deg, fit.order, fit.coefficients_deg,
-                   n_left_out, moments, squares / (moments.n - 1 - fit.order))
+        return cls(stamp_ns=stamp_ns, x_deg=x_deg, rs_deg=rs_deg, residual_deg=fit.residual_deg,
+                   order=fit.order, coefficients_deg=fit.coefficients_deg, n_left_out=n_left_out,
+                   moments=moments, variance_deg2=squares / (moments.n - 1 - fit.order))
 
     @property
     def series_deg(self) -> Reals:
