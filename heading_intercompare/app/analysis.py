@@ -91,7 +91,8 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
     # Else every input would be said to be unreadable.
     Limits.of(settings.norms, settings.model)
     names = [os.fspath(path) for path in paths]
-    table, elsewhere = None, []
+    table: RunTable | None = None
+    elsewhere: list[str] = []
     if runs is not None:
         given = read_run_table(os.fspath(runs)) if isinstance(runs, (str, os.PathLike)) else runs
         table, elsewhere = assign_runs(given, names)

@@ -129,7 +129,7 @@ def _once(judged: Sequence[Judged]) -> list[Judged]:
         same = first[digest].path
         found.append(Judged(
             each.path, [], [f'{each.path}: not judged again: it has the data of {same}'],
-            replace(each.description, same_as=same), None))
+            replace(each.description, same_as=same)))
     return found
 
 

@@ -105,14 +105,14 @@ class _Workers(Executor):
         self._client = client
         self._pool = client.get_executor(pure=False)
         self._lock = Lock()
-        self._waiting: dict[Future, Future] = {}
+        self._waiting: dict[Future[Any], Future[Any]] = {}
         self._closed = Event()
         self._watch = Thread(target=self._look, daemon=True)
         self._watch.start()
 
-    def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future:
+    def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Have a function called by a worker."""
-        promise: Future = Future()
+        promise: Future[Any] = Future()
         theirs = self._pool.submit(function, *args, **kwargs)
         with self._lock:
             self._waiting[promise] = theirs
@@ -126,14 +126,14 @@ class _Workers(Executor):
         self._closed.set()
         self._watch.join(_LOOK_S)
 
-    def _take_off(self, promise: Future) -> None:
+    def _take_off(self, promise: Future[Any]) -> None:
         """Take what is cancelled off the cluster."""
         with self._lock:
             theirs = self._waiting.get(promise)
         if promise.cancelled() and theirs is not None:
             theirs.cancel()
 
-    def _settle(self, promise: Future, theirs: Future) -> None:
+    def _settle(self, promise: Future[Any], theirs: Future[Any]) -> None:
         """Pass on what came of a call."""
         error = None if theirs.cancelled() else theirs.exception()
         if theirs.cancelled() or isinstance(error, CancelledError):
@@ -143,7 +143,7 @@ class _Workers(Executor):
         else:
             self._end(promise, error, None if error else theirs.result())
 
-    def _end(self, promise: Future, error: BaseException | None, result: Any = None) -> None:
+    def _end(self, promise: Future[Any], error: BaseException | None, result: Any = None) -> None:
         with self._lock:
             if self._waiting.pop(promise, None) is None:
                 return
@@ -234,7 +234,8 @@ async def _version_of(address: str) -> str:
             kind = (await scheduler.identity())['type']
             if kind != 'Scheduler':
                 raise ValueError(f'what does is a {kind}')
-            return (await scheduler.versions())['packages']['distributed']
+            version: str = (await scheduler.versions())['packages']['distributed']
+            return version
     return await asyncio.wait_for(ask(), _CONNECT_S)
 
 

@@ -137,7 +137,9 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
     if runs is None:
         _set_marks(comparison, reader)
     # To align a run takes all readings once more; else they are forgotten chunk by chunk.
-    kept = {ts: [], rs: []} if settings.alignment.skew == 'apply' else {}
+    kept: dict[str, list[Headings]] = {}
+    if settings.alignment.skew == 'apply':
+        kept = {ts: [], rs: []}
     n = 0
     for chunk in reader.headings(conventions, helpers):
         for topic, chunks in kept.items():
@@ -155,9 +157,8 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
     notes = [f'{name}: {why}' for why in (reader.incomplete, reader.recovered, lost) if why]
     results = comparison.results()
     if kept:
-        results = judge_aligned(*(Headings.concatenate(kept[topic]) for topic in (ts, rs)),
-                                results,
-                                settings, source=name)
+        results = judge_aligned(Headings.concatenate(kept[ts]), Headings.concatenate(kept[rs]),
+                                results, settings, source=name)
     return results, notes, comparison.pairer.ledger
 
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Callable, Iterable
@@ -45,7 +45,7 @@ class Judged:
     results: list[RunResult]
     notes: list[str]
     description: Input
-    sketch: SeriesSketch | None
+    sketch: SeriesSketch | None = None
 
     @property
     def error(self) -> str | None:
@@ -109,8 +109,8 @@ class Job:
     def unread(self, path: str, why: str) -> Judged:
         """Return what there is to say of an input that could not be read."""
         why = ' '.join(why.split())
-        topics = (None, None)
+        described = Input(path, error=why)
         if Path(path).suffix != '.csv':
-            topics = (self.settings.ts_topic, self.settings.rs_topic)
-        return Judged(path, [], [f'{path}: not judged: {why}'],
-                      Input(path, None, *topics, error=why), None)
+            described = replace(described, ts_topic=self.settings.ts_topic,
+                                rs_topic=self.settings.rs_topic)
+        return Judged(path, [], [f'{path}: not judged: {why}'], described)

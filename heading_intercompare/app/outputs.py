@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 import math
 from pathlib import Path
 from typing import Callable, Iterator, Sequence
@@ -65,10 +66,10 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
     """
     taken = {Path(path).resolve(): f'the file of --{option}'
              for option, path in (('config', config), ('runs', runs)) if path}
-    for path in map(Path, inputs):
-        taken[path.resolve()] = 'an INPUT'
+    for given in map(Path, inputs):
+        taken[given.resolve()] = 'an INPUT'
         for pattern in ('*.mcap', 'metadata.yaml'):
-            taken |= {file.resolve(): f'a file of {path}' for file in path.glob(pattern)}
+            taken |= {file.resolve(): f'a file of {given}' for file in given.glob(pattern)}
     for option, path in (('csv', outputs.csv), ('ensembles', outputs.ensembles),
                          ('report', outputs.report), ('json', outputs.json)):
         if path is None or (option, path) == ('json', '-'):
@@ -125,10 +126,10 @@ def open_tables(outputs: Outputs, settings: Settings) -> Iterator[_Table]:
     """Yield the tables asked for, each of which takes the pairs."""
     center_deg = settings.wrap_center_deg
     if outputs.csv:
-        yield _Table(outputs.csv, lambda: PairsCsvWriter(
-            outputs.csv, wrap_center_deg=center_deg))
+        yield _Table(outputs.csv, partial(
+            PairsCsvWriter, outputs.csv, wrap_center_deg=center_deg))
     if outputs.ensembles:
         limit_deg2 = Limits.of(settings.norms, settings.model).limit_deg2
-        yield _Table(outputs.ensembles, lambda: EnsemblesCsvWriter(
-            outputs.ensembles, outputs.ensemble_s, gap_s=settings.runs.gap_s,
+        yield _Table(outputs.ensembles, partial(
+            EnsemblesCsvWriter, outputs.ensembles, outputs.ensemble_s, gap_s=settings.runs.gap_s,
             std_limit_deg=math.sqrt(limit_deg2), wrap_center_deg=center_deg))

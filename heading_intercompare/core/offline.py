@@ -58,7 +58,7 @@ def _again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
     estimate = result.verdict.skew.estimate
     ts, rs = _readings_of(ts, rs, result, settings)
     found = scan_skew(ts, rs, settings.alignment.skew_range_s)
-    if not estimate.well_determined:
+    if not estimate.well_determined or estimate.skew_s is None:
         why = estimate.why_not(settings.alignment.skew_range_s)
         return _note_alignment(result, found,
                                f'not_aligned: {why}; the run is judged as its stamps say')
@@ -82,8 +82,9 @@ def _again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
 def _as_paired(result: RunResult, rule: Pairing) -> Pairing:
     """Return the rule with the sensor that 'auto' interpolated in a run named."""
     sensor = result.verdict.pairing.interpolated(rule.method)
-    return replace(rule, method={'rs': 'interpolate', 'ts': 'interpolate_ts'}.get(
-        sensor, rule.method))
+    if sensor is None:
+        return rule
+    return replace(rule, method='interpolate' if sensor == 'rs' else 'interpolate_ts')
 
 
 def _readings_of(ts: Headings, rs: Headings, result: RunResult,

@@ -85,7 +85,7 @@ class Compliance:
         differences = subtract(pairs, self.settings.installation_offset_deg,
                                self.settings.wrap_center_deg)
         for piece in self._cutter.update(pairs.stamp_ns):
-            if piece.key != self._run_key:
+            if self._run is None or piece.key != self._run_key:
                 self._end_run()
                 self._run = RunSeries(piece.cut_ns, self.settings, self._look,
                                       self._keeper())
@@ -125,7 +125,7 @@ class Compliance:
         run, looks = self._run, self._looks
         self._run = self._run_key = None
         self._looks = []
-        if run is None or run.start_ns is None:
+        if run is None or run.start_ns is None or run.end_ns is None:
             return
         if run.end_ns - run.start_ns < round(self.settings.runs.min_duration_s * 1e9):
             self._n_short += 1

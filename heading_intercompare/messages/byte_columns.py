@@ -9,6 +9,8 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import DTypeLike
 
+from heading_intercompare.core.records import Integers
+
 __all__ = ['gather', 'join_messages', 'split_rows']
 
 
@@ -17,7 +19,7 @@ def _plain(dtype: np.dtype) -> np.dtype:
     return np.dtype(f'V{dtype.itemsize}') if dtype.names or dtype.shape else dtype
 
 
-def gather(data: bytes, kind: DTypeLike, at: np.ndarray) -> np.ndarray:
+def gather(data: bytes, kind: DTypeLike, at: Integers) -> np.ndarray:
     """
     Return the values at byte offsets of some data, aligned or not.
 
@@ -34,11 +36,11 @@ def gather(data: bytes, kind: DTypeLike, at: np.ndarray) -> np.ndarray:
     dtype = np.dtype(kind)
     plain = _plain(dtype)
     everywhere = np.ndarray(max(len(data) - dtype.itemsize + 1, 0), plain, data, 0, (1,))
-    found = everywhere[at]
-    return found.view(dtype.base).reshape(-1, *dtype.shape)
+    found: np.ndarray = everywhere[at].view(dtype.base)
+    return found.reshape(-1, *dtype.shape)
 
 
-def join_messages(messages: Sequence[bytes]) -> tuple[bytes, np.ndarray, np.ndarray]:
+def join_messages(messages: Sequence[bytes]) -> tuple[bytes, Integers, Integers]:
     """Return n >= 0 messages one behind the other, the first byte of each, and that behind it."""
     ends = np.cumsum([0, *map(len, messages)], dtype=np.int64)
     return b''.join(messages), ends[:-1], ends[1:]

@@ -114,9 +114,10 @@ class _Decoder:
 
     def _length(self) -> int:
         self._at += _padding(self._at, 4)
-        return self._unpack_length(self._body, self._skip(4))[0]
+        length: int = self._unpack_length(self._body, self._skip(4))[0]
+        return length
 
-    def _get(self, code: str, count: int) -> tuple:
+    def _get(self, code: str, count: int) -> tuple[Any, ...]:
         size = _SIZE[code]
         self._at += _padding(self._at, size)
         start = self._skip(size * count)
@@ -140,7 +141,7 @@ class _Decoder:
         if count > len(self._body):
             raise self._cut()
         if field.type not in CODES:
-            values = [self.message(field.type) for _ in range(count)]
+            values: list[Any] = [self.message(field.type) for _ in range(count)]
         elif field.type == 'string':
             values = [self._string() for _ in range(count)]
         else:

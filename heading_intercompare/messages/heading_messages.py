@@ -11,14 +11,14 @@ read; what does not start as plain CDR is refused.
 from __future__ import annotations
 
 from functools import lru_cache, partial
-from typing import Callable, Sequence, TypeVar
+from typing import Callable, Literal, Sequence, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core import angles
 from heading_intercompare.core.pairing.difference import subtract
-from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.records import Headings, Integers, Pairs, Reals
 
 from .byte_columns import gather, join_messages, split_rows
 from .cdr import encode
@@ -53,7 +53,7 @@ def _template(type_name: str, frame_id: str) -> np.ndarray:
     return np.frombuffer(encode(type_name, {'header': {'frame_id': frame_id}}), np.uint8)
 
 
-def _rows(type_name: str, stamp_ns: np.ndarray, frame_id: str, reals: np.ndarray) -> np.ndarray:
+def _rows(type_name: str, stamp_ns: Integers, frame_id: str, reals: Reals) -> np.ndarray:
     """Return messages of a header and then nothing but reals, shape (n, number of reals)."""
     sec, nanosec = np.divmod(stamp_ns, _SECOND_NS)
     beyond = (sec < -2**31) | (sec >= 2**31)
@@ -70,7 +70,7 @@ def _rows(type_name: str, stamp_ns: np.ndarray, frame_id: str, reals: np.ndarray
     return rows
 
 
-def _align(position, size: int):
+def _align(position: Integers | int, size: int) -> Integers | int:
     """Return the next place that a power of two divides."""
     return (position + (size - 1)) & -size
 
@@ -130,9 +130,9 @@ def imu_messages(headings: Headings, frame_id: str, *, sigma_deg: ArrayLike = 0.
     """
     fits = (headings.stamp_ns >= 0) & (headings.stamp_ns < TIME_LIMIT_NS)
     if not fits.all():
-        sigma_deg, turn_rate_deg_s = (
-            None if column is None else np.broadcast_to(column, fits.shape)[fits]
-            for column in (sigma_deg, turn_rate_deg_s))
+        sigma_deg = np.broadcast_to(sigma_deg, fits.shape)[fits]
+        if turn_rate_deg_s is not None:
+            turn_rate_deg_s = np.broadcast_to(turn_rate_deg_s, fits.shape)[fits]
         headings = headings[fits]
     return split_rows(encode_imu(headings, frame_id, sigma_deg=sigma_deg,
                                  turn_rate_deg_s=turn_rate_deg_s))
@@ -187,10 +187,12 @@ _MOST_LAG_S = 9e9
 
 _Chunk = TypeVar('_Chunk', Headings, Pairs)
 #: Data, first byte and size of each message of one byte order, and their headers, to a chunk.
-_DecodeOne = Callable[[bytes, np.ndarray, np.ndarray, np.ndarray], _Chunk]
+_DecodeOne = Callable[[bytes, Integers, Integers, np.ndarray], _Chunk]
+_ByteOrder = Literal['<', '>']
 
 
-def _check_size(type_name: str, start: np.ndarray, size: np.ndarray, least: ArrayLike) -> None:
+def _check_size(type_name: str, start: Integers, size: Integers,
+                least: Integers | int) -> None:
     """Refuse messages that are shorter than the bytes of their fields."""
     short = size < least
     if short.any():
@@ -199,8 +201,8 @@ def _check_size(type_name: str, start: np.ndarray, size: np.ndarray, least: Arra
                            offset=int(start[first]))
 
 
-def _decode(type_name: str, data: bytes, start: np.ndarray, stop: np.ndarray,
-            decode_one: _DecodeOne) -> _Chunk:
+def _decode(type_name: str, data: bytes, start: Integers, stop: Integers,
+            decode_one: _DecodeOne[_Chunk]) -> _Chunk:
     """Return the chunk in a stretch of bytes, of messages of either byte order."""
     size = stop - start
     _check_size(type_name, start, size, _HEADER.itemsize)
@@ -213,29 +215,30 @@ def _decode(type_name: str, data: bytes, start: np.ndarray, stop: np.ndarray,
         raise MessageError(f'{type_name} message does not start as CDR',
                            offset=int(start[np.argmax(strange)]))
     which = np.flatnonzero(little), np.flatnonzero(~little)
+    signs: tuple[_ByteOrder, _ByteOrder] = '<', '>'
     parts = [decode_one(data, start[at], size[at], header[at].view(_HEADER.newbyteorder(sign)))
-             for at, sign in zip(which, '<>')]
+             for at, sign in zip(which, signs)]
     return type(parts[0]).concatenate(parts)[np.argsort(np.concatenate(which))]
 
 
-def _end_of_strings(header: np.ndarray) -> tuple[str, np.ndarray | int]:
+def _end_of_strings(header: np.ndarray) -> tuple[_ByteOrder, Integers | int]:
     """Return the byte order of messages, and where the names of their frames end."""
-    sign = '>' if header.dtype['length'].byteorder == '>' else '<'
+    sign: _ByteOrder = '>' if header.dtype['length'].byteorder == '>' else '<'
     length = header['length'].astype(np.int64)
     if length.size and (length == length[0]).all():
         length = length[0]
     return sign, length + (_HEADER.itemsize - 4)
 
 
-def _stamps(header: np.ndarray) -> np.ndarray:
+def _stamps(header: np.ndarray) -> Integers:
     """Return the stamps of headers, nanoseconds."""
-    stamp_ns = header['sec'].astype(np.int64) * _SECOND_NS
+    stamp_ns: Integers = header['sec'].astype(np.int64) * _SECOND_NS
     stamp_ns += header['nanosec']
     return stamp_ns
 
 
-def decode_headings(type_name: str, convention: str, data: bytes, start: np.ndarray,
-                    stop: np.ndarray) -> Headings:
+def decode_headings(type_name: str, convention: str, data: bytes, start: Integers,
+                    stop: Integers) -> Headings:
     """
     Return the headings in a stretch of bytes that holds messages.
 
@@ -266,7 +269,7 @@ def decode_headings(type_name: str, convention: str, data: bytes, start: np.ndar
     return _decode(type_name, data, start, stop, partial(_headings, type_name, convention))
 
 
-def _headings(type_name: str, convention: str, data: bytes, start: np.ndarray, size: np.ndarray,
+def _headings(type_name: str, convention: str, data: bytes, start: Integers, size: Integers,
               header: np.ndarray) -> Headings:
     """Return the headings in messages of one byte order."""
     sign, end = _end_of_strings(header)
@@ -284,7 +287,7 @@ def _headings(type_name: str, convention: str, data: bytes, start: np.ndarray, s
     return Headings(_stamps(header), heading_deg)
 
 
-def decode_pairs(data: bytes, start: np.ndarray, stop: np.ndarray) -> Pairs:
+def decode_pairs(data: bytes, start: Integers, stop: Integers) -> Pairs:
     """
     Return the pairs in a stretch of bytes that holds messages of `encode_pairs`, to the bit.
 
@@ -311,7 +314,7 @@ def decode_pairs(data: bytes, start: np.ndarray, stop: np.ndarray) -> Pairs:
     return _decode(PAIRS_TYPE, data, start, stop, _pairs)
 
 
-def _pairs(data: bytes, start: np.ndarray, size: np.ndarray, header: np.ndarray) -> Pairs:
+def _pairs(data: bytes, start: Integers, size: Integers, header: np.ndarray) -> Pairs:
     """Return the pairs in messages of one byte order."""
     sign, end = _end_of_strings(header)
     at = _align(end, 8) + 4

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 
 from .errors import MessageError
 from .status_messages import decode_statuses, encode_statuses, OK, Status
@@ -17,10 +17,14 @@ _SEGMENT = 'segment'
 def encode_ledger(ledger: Ledger, final: bool = False) -> bytes:
     """Return a ledger: its total, then its segments, stamped with the newest reading."""
     total = Status('ledger', OK, 'final' if final else 'so far',
-                   {'final': final, **ledger.total.counts})
-    segments = [Status(f'{_SEGMENT} {number}', OK, '', {'start_ns': s.start_ns, **s.counts})
+                   {'final': final, **_words(ledger.total)})
+    segments = [Status(f'{_SEGMENT} {number}', OK, '', {'start_ns': s.start_ns, **_words(s)})
                 for number, s in enumerate(ledger.segments)]
     return encode_statuses(ledger.newest_ns or 0, [total, *segments])
+
+
+def _words(segment: LedgerSegment) -> dict[str, int]:
+    return {key.value: n for key, n in segment.counts.items()}
 
 
 def _integer(key: str, text: str) -> int:
@@ -47,7 +51,9 @@ def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
         final = final or values.pop('final', '') == 'true'
         if one.name.startswith(_SEGMENT):
             counts = {key: _integer(key, text) for key, text in values.items()}
-            segments.append(LedgerSegment(counts.pop('start_ns', None), counts))
+            start_ns = counts.pop('start_ns', None)
+            segments.append(LedgerSegment(
+                start_ns, {LedgerKey(key): n for key, n in counts.items()}))
     if any(segment.start_ns is None for segment in segments[1:]):
         raise MessageError('ledger: a segment behind the first has no start_ns')
     return Ledger.from_segments(segments, newest_ns or None), final

@@ -142,7 +142,8 @@ def _hash_of(type_name: str) -> str:
     if path is not None:
         for row in json.loads(path.read_text())['type_hashes']:
             if row['type_name'] == type_name:
-                return row['hash_string']
+                found: str = row['hash_string']
+                return found
     return ''
 
 

@@ -18,4 +18,5 @@ def encode_text(text: str) -> bytes:
 
 def decode_text(data: bytes) -> str:
     """Return the text of a std_msgs/msg/String; MessageError where it is damaged."""
-    return decode(TEXT_TYPE, data)['data']
+    text: str = decode(TEXT_TYPE, data)['data']
+    return text

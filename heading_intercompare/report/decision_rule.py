@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import Sequence
 
+from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.norm_presets import PRESETS, sigma_max_deg
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Pairing, Settings
@@ -135,12 +136,12 @@ def _covered(runs: Sequence[RunVerdict]) -> str:
 def describe_uncertainty(verdict: Verdict) -> Markup:
     """Return remarks on what makes the result uncertain, with figures where there are."""
     settings = verdict.settings
-    ref = settings.norms.sigma_ref_max_deg
     known = settings.norms.sigma_ref_deg
     if known is not None:
         reference = (f'RS: its standard deviation is taken as known, {number(known)} deg; the '
                      'verdict is no better than that figure.')
     else:
+        ref = Limits.of(settings.norms, settings.model).sigma_ref_max_deg
         reference = ('RS: its standard deviation is known only to lie from '
                      f'{number(settings.norms.m_low * ref)} to '
                      f'{number(settings.norms.m_up * ref)} deg; this is the width of the dead '

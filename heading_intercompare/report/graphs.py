@@ -26,10 +26,10 @@ _LOST_AT_MOST = 0.02
 
 def _runs_of(sketch: SeriesSketch, runs: Sequence[RunVerdict]) -> list[RunVerdict]:
     """Return the runs that lie in a sketch: of its source, else of any, by their time."""
-    if sketch.time.start_ns is None:
+    start_ns, newest_ns = sketch.time.start_ns, sketch.newest_ns
+    if start_ns is None or newest_ns is None:
         return []
-    inside = [r for r in runs if r.start_ns <= sketch.newest_ns
-              and r.end_ns >= sketch.time.start_ns]
+    inside = [r for r in runs if r.start_ns <= newest_ns and r.end_ns >= start_ns]
     return [r for r in inside if r.source == sketch.source] or inside
 
 
@@ -44,13 +44,14 @@ def draw_graphs(sketch: SeriesSketch, verdict: Verdict) -> Iterator[Markup]:
         The limits of the runs in the sketch are drawn.
 
     """
-    if not sketch.n:
+    start_ns = sketch.time.start_ns
+    if not sketch.n or start_ns is None:
         return
     runs = _runs_of(sketch, verdict.runs)
     name = _name(runs)
     bands = [_Band(run, verdict.settings.variant) for run in runs]
     norm = verdict.settings.norms.total_error_max_deg
-    yield _time(sketch, name, bands, verdict.settings.runs.gap_s)
+    yield _time(sketch, start_ns, name, bands, verdict.settings.runs.gap_s)
     yield _draw_histogram(sketch, name, bands)
     yield _heading(sketch, name, bands, norm)
 
@@ -94,7 +95,8 @@ def _extremes(sketch: SeriesSketch) -> tuple[float, float]:
     return float(sketch.time.bins.low_deg.min()), float(sketch.time.bins.up_deg.max())
 
 
-def _time(sketch: SeriesSketch, name: str, bands: Sequence[_Band], gap_s: float) -> Markup:
+def _time(sketch: SeriesSketch, start_ns: int, name: str, bands: Sequence[_Band],
+          gap_s: float) -> Markup:
     """Draw the differences against time: extremes and mean of each bin."""
     envelope, levels = sketch.time, list(_extremes(sketch))
     for band in bands:
@@ -107,7 +109,7 @@ def _time(sketch: SeriesSketch, name: str, bands: Sequence[_Band], gap_s: float)
                         if span_s >= least)
     plot = Plot((0.0, span_s / unit_s), _pad(min(levels), max(levels)),
                 title=f'{name}: difference against time, n = {sketch.n}',
-                x_label=f'time since {utc(envelope.start_ns)} UTC [{unit}]',
+                x_label=f'time since {utc(start_ns)} UTC [{unit}]',
                 y_label='difference TS - RS [deg]')
     time = (at + 0.5) * width_s / unit_s
     cuts = np.flatnonzero(np.diff(at) * width_s > max(gap_s, 2.0 * width_s)) + 1
@@ -122,7 +124,7 @@ def _time(sketch: SeriesSketch, name: str, bands: Sequence[_Band], gap_s: float)
         if len(part) == 1:
             plot.dots([(t[0], float(mean[part[0]]))])
     for k, band in enumerate(bands):
-        ends = [max(0.0, (stamp_ns - envelope.start_ns) / 1e9 / unit_s)
+        ends = [max(0.0, (stamp_ns - start_ns) / 1e9 / unit_s)
                 for stamp_ns in (band.run.start_ns, band.run.end_ns)]
         for level, dash, words in band.lines():
             plot.horizontal(level, (ends[0], max(ends[1], ends[0] + width_s / unit_s)),

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from operator import methodcaller
 from pathlib import Path
 from typing import Any, Mapping, Sequence
 
@@ -252,7 +253,7 @@ def _findings(verdict: Verdict) -> Markup:
     """Return what else was found in each run, by the names of the JSON."""
     found = [{f'{block}.{name}': thing for block in _FINDINGS
               for name, thing in flat(getattr(run, block))} for run in verdict.runs]
-    rows = [Row(name, '', lambda names, name=name: names.get(name))
+    rows = [Row(name, '', methodcaller('get', name))
             for name in dict.fromkeys(name for names in found for name in names)]
     if not rows:
         return join(())

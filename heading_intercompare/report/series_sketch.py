@@ -10,7 +10,7 @@ import numpy as np
 
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.pairing.difference import subtract
-from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.records import Integers, Pairs, Reals
 from heading_intercompare.core.settings import Settings
 
 __all__ = ['Bins', 'Envelope', 'HEADING_BINS', 'Histogram', 'SeriesSketch']
@@ -40,18 +40,19 @@ class Bins:
 
     """
 
-    n: np.ndarray
-    mean_deg: np.ndarray
-    m2_deg2: np.ndarray
-    low_deg: np.ndarray
-    up_deg: np.ndarray
+    n: Integers
+    mean_deg: Reals
+    m2_deg2: Reals
+    low_deg: Reals
+    up_deg: Reals
 
     @classmethod
-    def of(cls, size: int, at: np.ndarray, x_deg: np.ndarray) -> 'Bins':
+    def of(cls, size: int, at: Integers, x_deg: Reals) -> 'Bins':
         """Return the bins of values `x_deg`, each in the bin `at`."""
         n = np.bincount(at, minlength=size)
         mean = np.bincount(at, x_deg, size) / np.maximum(n, 1)
-        m2 = np.bincount(at, (x_deg - mean[at]) ** 2, size)
+        # A sum of weights is real, whatever numpy says of its type.
+        m2 = np.asarray(np.bincount(at, (x_deg - mean[at]) ** 2, size), np.float64)
         low, up = np.full(size, np.inf), np.full(size, -np.inf)
         np.minimum.at(low, at, x_deg)
         np.maximum.at(up, at, x_deg)
@@ -68,15 +69,20 @@ class Bins:
 
     def halved(self) -> 'Bins':
         """Return bins of twice the width in the lower half, the upper half empty."""
-        columns = (self.n, self.mean_deg, self.m2_deg2, self.low_deg, self.up_deg)
-        pairs = Bins(*(c[0::2] for c in columns)) + Bins(*(c[1::2] for c in columns))
-        half = len(self.n) // 2
-        empty = Bins.of(half, np.zeros(0, np.int64), np.zeros(0))
-        return Bins(*(np.concatenate((getattr(pairs, name), getattr(empty, name)))
-                      for name in ('n', 'mean_deg', 'm2_deg2', 'low_deg', 'up_deg')))
+        pairs = self._every_other(0) + self._every_other(1)
+        rest = Bins.of(len(self.n) // 2, np.zeros(0, np.int64), np.zeros(0))
+        return Bins(n=np.concatenate((pairs.n, rest.n)),
+                    mean_deg=np.concatenate((pairs.mean_deg, rest.mean_deg)),
+                    m2_deg2=np.concatenate((pairs.m2_deg2, rest.m2_deg2)),
+                    low_deg=np.concatenate((pairs.low_deg, rest.low_deg)),
+                    up_deg=np.concatenate((pairs.up_deg, rest.up_deg)))
+
+    def _every_other(self, first: int) -> 'Bins':
+        return Bins(self.n[first::2], self.mean_deg[first::2], self.m2_deg2[first::2],
+                    self.low_deg[first::2], self.up_deg[first::2])
 
     @property
-    def std_deg(self) -> np.ndarray:
+    def std_deg(self) -> Reals:
         """Standard deviation in each bin, degrees; nan for fewer than two values."""
         return np.sqrt(np.where(self.n > 1, self.m2_deg2 / np.maximum(self.n - 1, 1), np.nan))
 
@@ -89,7 +95,7 @@ class Envelope:
         self.width_ns = _FIRST_WIDTH_NS
         self.bins = Bins.of(_TIME_BINS, np.zeros(0, np.int64), np.zeros(0))
 
-    def update(self, stamp_ns: np.ndarray, x_deg: np.ndarray) -> None:
+    def update(self, stamp_ns: Integers, x_deg: Reals) -> None:
         """Take finite differences in stamp order."""
         if not len(x_deg):
             return
@@ -121,7 +127,7 @@ class Histogram:
         self.first = 0
         self.counts = np.zeros(0, np.int64)
 
-    def update(self, x_deg: np.ndarray) -> None:
+    def update(self, x_deg: Reals) -> None:
         """Take finite differences."""
         if not len(x_deg):
             return
@@ -145,9 +151,10 @@ class Histogram:
             self.counts = np.bincount(at - self.first, self.counts).astype(np.int64)
         self.width_deg *= 2.0
 
-    def edges_deg(self) -> np.ndarray:
+    def edges_deg(self) -> Reals:
         """Return the edges of the bins, one more than bins; degrees."""
-        return (self.first + np.arange(len(self.counts) + 1)) * self.width_deg
+        at = self.first + np.arange(len(self.counts) + 1)
+        return at.astype(np.float64) * self.width_deg
 
 
 class SeriesSketch:

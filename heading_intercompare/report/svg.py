@@ -12,6 +12,8 @@ from .markup import element, join, Markup, text
 __all__ = ['nice_step', 'Plot', 'ticks']
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 76.0, 16.0, 34.0, 50.0
+#: Of a line.
+_WIDTH = 1.4
 _FONT = 'Helvetica, Arial, sans-serif'
 
 
@@ -92,8 +94,8 @@ class Plot:
     def _path(self, points: Iterable[tuple[float, float]]) -> str:
         return ' '.join(f'{x:.2f},{y:.2f}' for x, y in (self._at(*p) for p in points))
 
-    def line(self, points: Sequence[tuple[float, float]], *, legend: str = '', width: float = 1.4,
-             dash: str | None = None, color: str = 'black') -> None:
+    def line(self, points: Sequence[tuple[float, float]], *, legend: str = '',
+             width: float = _WIDTH, dash: str | None = None, color: str = 'black') -> None:
         """Draw a line through points."""
         style = {'stroke': color, 'stroke_width': width, 'stroke_dasharray': dash, 'fill': 'none'}
         if len(points):
@@ -101,14 +103,16 @@ class Plot:
         if legend:
             self._legend.append((element('line', x1=0, y1=0, x2=26, y2=0, **style), legend))
 
-    def horizontal(self, y: float, x_ends: tuple[float, float] | None = None, **style) -> None:
+    def horizontal(self, y: float, x_ends: tuple[float, float] | None = None, *,
+                   legend: str = '', width: float = _WIDTH, dash: str | None = None) -> None:
         """Draw a level line, across the graph or between two ends."""
         low, up = x_ends or self._x
-        self.line([(low, y), (up, y)], **style)
+        self.line([(low, y), (up, y)], legend=legend, width=width, dash=dash)
 
-    def vertical(self, x: float, **style) -> None:
+    def vertical(self, x: float, *, legend: str = '', width: float = _WIDTH,
+                 dash: str | None = None) -> None:
         """Draw an upright line across the graph."""
-        self.line([(x, self._y[0]), (x, self._y[1])], **style)
+        self.line([(x, self._y[0]), (x, self._y[1])], legend=legend, width=width, dash=dash)
 
     def bars(self, bars: Iterable[tuple[float, float, float, float]], *, legend: str = '',
              color: str = '#bbbbbb', stroke: str = 'none') -> None:

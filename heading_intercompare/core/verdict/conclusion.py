@@ -81,10 +81,10 @@ def with_looks(outcome: Outcome, reason: str,
 def effect_with_looks(findings: Sequence[Finding], reason: str,
                       looks: Sequence[LookVerdict]) -> str:
     """Return the gravest effect, that at the look included which decided."""
-    at_end = worst_effect(findings)
-    if reason != 'rejected_at_a_look':
+    at_end, decided = worst_effect(findings), rejecting(looks)
+    if reason != 'rejected_at_a_look' or decided is None:
         return at_end
-    return gravest((at_end, rejecting(looks).validity_effect))
+    return gravest((at_end, decided.validity_effect))
 
 
 def campaign_words(reason: str, runs: Sequence[tuple[int, Outcome, str]]) -> str:

@@ -73,8 +73,8 @@ def add_looks(at_end: str, outcome: Outcome, reason: str,
     looks : sequence of LookVerdict
 
     """
-    if reason == 'rejected_at_a_look':
-        look = rejecting(looks)
+    look = rejecting(looks)
+    if reason == 'rejected_at_a_look' and look is not None:
         said = look.headline.removeprefix(OUTCOME_WORDS['non_compliant'])
         return (f'{OUTCOME_WORDS["non_compliant"]} at look {look.look} of {look.looks}, after '
                 f'{span_words(look.span_s)}{said}; at the end {at_end}')

@@ -29,6 +29,7 @@ from heading_intercompare.core.diagnostics.run_diagnostics import (
 from heading_intercompare.core.diagnostics.run_findings import describe_drift, left_in_deg2
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerSegment
+from heading_intercompare.core.records import Integers, Reals
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Risk, Settings
 from heading_intercompare.core.statistics.autocorrelation import estimate_correlation_times
@@ -135,7 +136,7 @@ class _Decision:
             drift_left_deg2=drift_left_deg2)
         return evidence, decide(evidence, self._limits, self._risk), printed
 
-    def outcome(self, stamp_ns: np.ndarray, x_deg: np.ndarray,
+    def outcome(self, stamp_ns: Integers, x_deg: Reals,
                 rs_factor: float = 1.0) -> Outcome:
         """Return the outcome of other differences, the noise of the RS shrunk once more."""
         if rs_factor != 1.0:
@@ -171,6 +172,11 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     -------
     RunResult
 
+    Raises
+    ------
+    ValueError
+        If the run has no pair.
+
     Notes
     -----
     With a plan of looks the end of the run is the last look and takes its share, so that all
@@ -181,6 +187,8 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     GK (4)-(7); ``docs/verdict.md`` for the guarded decision.
 
     """
+    if run.start_ns is None or run.end_ns is None:
+        raise ValueError('run: has no pair, must have one at least')
     risk = risk_at_the_end(settings) if risk is None else risk
     limits = run.limits(settings.norms, settings.model)
     data = prepare_run(run, limits, settings)
@@ -287,7 +295,7 @@ def compare_runs(results: Sequence[RunResult]) -> Homogeneity:
     return examine_homogeneity([
         RunFigures(r.verdict.mean_deg, r.evidence.spread.mean_variance_deg2,
                    r.evidence.spread.d_deg2, r.evidence.spread.nu)
-        for r in results if r.evidence.spread is not None])
+        for r in results if r.evidence.spread is not None and r.verdict.mean_deg is not None])
 
 
 def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,

@@ -63,8 +63,9 @@ def _ledger_shares(run: RunVerdict, share: LedgerSegment, inside: LedgerSegment,
                 if received[stream]}
     if unpaired:
         # Of a sensor that is interpolated, most readings may lie between two stamps of the other.
-        other = {'rs': 'ts', 'ts': 'rs'}.get(run.pairing.interpolated(settings.pairing.method))
-        yield 'without partner', unpaired.get(other, min(unpaired.values()))
+        interpolated = run.pairing.interpolated(settings.pairing.method)
+        kept = [part for stream, part in unpaired.items() if stream != interpolated]
+        yield 'without partner', min(kept or unpaired.values())
 
 
 def judge_losses(shares: Sequence[tuple[str, float]], settings: Settings) -> Finding:

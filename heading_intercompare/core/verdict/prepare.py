@@ -10,6 +10,7 @@ import numpy as np
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.diagnostics.run_diagnostics import SETTLED_SHARE
+from heading_intercompare.core.records import Integers, Reals
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.drift import remove_polynomial, select_order
@@ -46,43 +47,47 @@ class PreparedRun:
 
     """
 
-    stamp_ns: np.ndarray
-    x_deg: np.ndarray
-    rs_deg: np.ndarray
-    residual_deg: np.ndarray | None
+    stamp_ns: Integers
+    x_deg: Reals
+    rs_deg: Reals
+    residual_deg: Reals | None
     order: int
     coefficients_deg: tuple[float, ...]
     n_left_out: int
     moments: Moments
     variance_deg2: float | None
 
-    def deviations(self, variant: str) -> np.ndarray:
+    def deviations(self, variant: str) -> Reals:
         """Return what the counts are taken of: |x| in variant A, else about what is removed."""
-        if variant == 'A':
-            return np.abs(self.x_deg)
-        if self.residual_deg is not None:
-            return np.abs(self.residual_deg)
-        return np.abs(self.x_deg - self.moments.mean_deg)
+        about = self.x_deg
+        if variant != 'A':
+            about = self.x_deg - self.moments.mean_deg if self.residual_deg is None \
+                else self.residual_deg
+        size: Reals = np.abs(about)
+        return size
 
     @classmethod
-    def of(cls, stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
+    def of(cls, stamp_ns: Integers, x_deg: Reals, rs_deg: Reals,
            settings: Settings, n_left_out: int = 0) -> 'PreparedRun':
         """Return settled differences with the drift taken out as the settings ask."""
         order = settings.drift_order
-        if order == 'auto':
+        if isinstance(order, str):
             chosen = select_order(stamp_ns, x_deg)
             order = 0 if chosen is None else min(chosen.order, HIGHEST_ORDER_REMOVED)
         moments = Moments.of(x_deg)
         if order == 0 or moments.n < 2 + order:
             variance = moments.variance_deg2 if moments.n >= 2 + order else None
-            return cls(stamp_ns, x_deg, rs_deg, None, 0, (), n_left_out, moments, variance)
+            return cls(stamp_ns=stamp_ns, x_deg=x_deg, rs_deg=rs_deg, residual_deg=None, order=0,
+                       coefficients_deg=(), n_left_out=n_left_out, moments=moments,
+                       variance_deg2=variance)
         fit = remove_polynomial(stamp_ns, x_deg, order)
         squares = float(np.dot(fit.residual_deg, fit.residual_deg))
-        return cls(stamp_ns, x_deg, rs_deg, fit.residual_deg, fit.order, fit.coefficients_deg,
-                   n_left_out, moments, squares / (moments.n - 1 - fit.order))
+        return cls(stamp_ns=stamp_ns, x_deg=x_deg, rs_deg=rs_deg, residual_deg=fit.residual_deg,
+                   order=fit.order, coefficients_deg=fit.coefficients_deg, n_left_out=n_left_out,
+                   moments=moments, variance_deg2=squares / (moments.n - 1 - fit.order))
 
     @property
-    def series_deg(self) -> np.ndarray:
+    def series_deg(self) -> Reals:
         """What the variance is taken of: the residuals, or the differences; degrees."""
         return self.x_deg if self.residual_deg is None else self.residual_deg
 

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, fields, is_dataclass
-from enum import EnumMeta
+from enum import Enum, EnumMeta
 from functools import cache
 import math
 from types import NoneType, UnionType
-from typing import Any, get_args, get_origin, get_type_hints, Literal, Union
+from typing import Any, get_args, get_origin, get_type_hints, Literal, TypeGuard, Union
 
 __all__ = ['is_left_out', 'left_out', 'read_plain', 'VerdictError']
 
@@ -71,7 +71,7 @@ def read_plain(kind: Any, value: Any, where: str = '') -> Any:
     heading_intercompare.core.verdict.typed_reader.VerdictError: counts.n = 0.5: must be an integer
 
     """
-    if is_dataclass(kind):
+    if isinstance(kind, type) and is_dataclass(kind):
         return _read_dataclass(kind, value, where)
     origin, parts = get_origin(kind), get_args(kind)
     if origin in (Union, UnionType):
@@ -81,8 +81,12 @@ def read_plain(kind: Any, value: Any, where: str = '') -> Any:
     if kind is float and value is None:
         return math.nan
     if _is_of(kind, value):
-        return kind(value) if isinstance(kind, EnumMeta) else value
+        return kind(value) if _is_enumeration(kind) else value
     raise _wrong(where, value, _name(kind))
+
+
+def _is_enumeration(kind: Any) -> TypeGuard[type[Enum]]:
+    return isinstance(kind, EnumMeta)
 
 
 def _is_of(kind: Any, value: Any) -> bool:
@@ -91,7 +95,7 @@ def _is_of(kind: Any, value: Any) -> bool:
         return True
     if get_origin(kind) is Literal:
         return value in get_args(kind)
-    if isinstance(kind, EnumMeta):
+    if _is_enumeration(kind):
         return isinstance(value, str) and value in {member.value for member in kind}
     if isinstance(value, bool):
         return kind is bool
@@ -145,7 +149,7 @@ def _read_several(origin: type, parts: tuple[Any, ...], value: Any, where: str) 
 
 def _name(kind: Any) -> str:
     """Return what may stand where a plain type, enumeration or choice is declared."""
-    if isinstance(kind, EnumMeta):
+    if _is_enumeration(kind):
         return ' or '.join(repr(member.value) for member in kind)
     if get_origin(kind) is Literal:
         return ' or '.join(map(repr, get_args(kind)))

@@ -18,6 +18,7 @@ import numpy as np
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.diagnostics.run_diagnostics import Diagnostics
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.records import Reals
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.timing.clock_drift import ClockDrift
 from heading_intercompare.core.timing.realignment import realign
@@ -144,11 +145,11 @@ def _same_source(e: Examined) -> Finding:
     noise, glitches = source.noise, source.glitches
     name, words = 'same_source', 'TS and RS look like one sensor'
     followed = f'the TS follows {glitches.followed} of {glitches.count} glitches of the RS'
-    if noise.kind == 'common':
+    if noise.kind == 'common' and noise.band_hz is not None:
         return Finding(name, VOID, words, f'from {noise.band_hz[0]:.3g} to {noise.band_hz[1]:.3g} '
                        'Hz, above the motion of the ship, the TS follows the noise of the RS: '
                        f'coherence {noise.coherence:.2f}')
-    if glitches.kind == 'common':
+    if glitches.kind == 'common' and glitches.chance is not None:
         return Finding(name, VOID, words, f'{followed}, {glitches.delay_s:.3g} s later: by chance '
                        f'with a probability below {max(glitches.chance, 1e-99):.1g}')
     least = e.limits.m_low * e.limits.sigma_ref_max_deg
@@ -287,9 +288,9 @@ def _clocks(e: Examined) -> Finding:
             return Finding('clocks', VOID, words,
                            f'{evidence}; with that taken out the outcome is {steady}')
         return Finding('clocks', HOLDS, '', f'{evidence}; the outcome is the same without')
-    if estimate.kind == 'beyond':
+    if estimate.kind == 'beyond' and estimate.beyond_s is not None:
         return _beyond(e, estimate.beyond_s)
-    if not estimate.well_determined:
+    if not estimate.well_determined or estimate.skew_s is None:
         return Finding('clocks', NOT_TESTABLE, '', estimate.why_not(
             e.settings.alignment.skew_range_s))
     figures = f'the skew is {estimate.skew_s:.3f} s (standard uncertainty {estimate.u_s:.3f} s)'
@@ -301,7 +302,7 @@ def _clocks(e: Examined) -> Finding:
 
 def _unsteady(clock: ClockDrift, data: PreparedRun) -> tuple[str, str]:
     """Return in few words and with the figures how the skew changes."""
-    if clock.kind == 'drifting':
+    if clock.kind == 'drifting' and clock.interval_s_per_h is not None:
         words = f'the clocks drift apart by {clock.slope_s_per_h:.2g} s/h'
         return words, (f'{words} (95 % interval {clock.interval_s_per_h[0]:.2g} to '
                        f'{clock.interval_s_per_h[1]:.2g})')
@@ -332,7 +333,7 @@ def _weigh_skew(e: Examined, skew_s: float, words: str, evidence: str) -> Findin
                    f'{evidence}; with it taken out the outcome is {aligned}')
 
 
-def _without(e: Examined, late_s: float | np.ndarray) -> Outcome:
+def _without(e: Examined, late_s: float | Reals) -> Outcome:
     """
     Return the outcome with the RS read so much earlier; that of the run if it complies.
 
@@ -347,7 +348,7 @@ def _interpolation(e: Examined) -> Finding:
     found, name = e.found.signs.interpolation, 'interpolation'
     if found.kind == 'none':
         return Finding(name, HOLDS, '', 'every reading is taken as it is')
-    if found.kind == 'not_testable':
+    if found.kind == 'not_testable' or found.upper_deg2 is None:
         return Finding(name, NOT_TESTABLE, '', 'these pairs do not tell what '
                        'interpolation adds')
     evidence = (f'interpolation adds {found.variance_deg2:.2g} deg2 to the variance, '
@@ -362,7 +363,8 @@ def _interpolation(e: Examined) -> Finding:
 
 def _would_decide(e: Examined, added_deg2: float, folded: bool) -> bool:
     """Tell whether an outcome might differ without a variance that interpolation adds."""
-    if e.upper_bound_deg2 is None or e.outcome is Outcome.COMPLIANT or not e.d_hat_deg2:
+    if e.lower_bound_deg2 is None or e.upper_bound_deg2 is None or not e.d_hat_deg2 \
+            or e.outcome is Outcome.COMPLIANT:
         return False
     share = 0.0 if folded else max(0.0, 1.0 - added_deg2 / e.d_hat_deg2)
     if e.outcome is Outcome.NON_COMPLIANT:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 import math
-from typing import Any, Mapping, Sequence, TYPE_CHECKING
+from typing import Any, Callable, Iterable, Mapping, Sequence, TYPE_CHECKING
 
 from heading_intercompare.core.decision.campaign import Together
 from heading_intercompare.core.decision.coverage import Coverage
@@ -107,13 +107,17 @@ class PairingFigures:
            ts_variance_factor: float | None) -> 'PairingFigures':
         """Return the figures; readings still pending count as not yet received."""
         counts = share.counts
-        return cls(share.received('ts') - counts.get(LedgerKey.TS_PENDING, 0),
-                   share.received('rs') - counts.get(LedgerKey.RS_PENDING, 0),
-                   *(counts.get(key, 0) for key in (
-                       LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.TS_USED,
-                       LedgerKey.TS_UNPAIRED, LedgerKey.RS_USED, LedgerKey.RS_UNUSED)),
-                   RejectedReadings(share.rejected('ts'), share.rejected('rs')),
-                   mean_lag_s, max_lag_s, rs_variance_factor, ts_variance_factor)
+        return cls(ts_received=share.received('ts') - counts.get(LedgerKey.TS_PENDING, 0),
+                   rs_received=share.received('rs') - counts.get(LedgerKey.RS_PENDING, 0),
+                   paired=counts.get(LedgerKey.PAIRED, 0),
+                   ts_paired=counts.get(LedgerKey.TS_PAIRED, 0),
+                   ts_used=counts.get(LedgerKey.TS_USED, 0),
+                   ts_unpaired=counts.get(LedgerKey.TS_UNPAIRED, 0),
+                   rs_used=counts.get(LedgerKey.RS_USED, 0),
+                   rs_unused=counts.get(LedgerKey.RS_UNUSED, 0),
+                   rejected=RejectedReadings(share.rejected('ts'), share.rejected('rs')),
+                   mean_lag_s=mean_lag_s, max_lag_s=max_lag_s,
+                   rs_variance_factor=rs_variance_factor, ts_variance_factor=ts_variance_factor)
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,24 +200,29 @@ class Campaign:
     def of(cls, runs: Sequence[RunVerdict], homogeneity: Homogeneity, rule: str, reason: str,
            sensor: Together | None) -> 'Campaign':
         """Return what the runs say together."""
-        def over(pick, values):
+        def over(pick: Callable[[list[float]], float],
+                 values: Iterable[float | None]) -> float | None:
             present = [v for v in values if v is not None]
             return pick(present) if present else None
 
-        with_variance = [r for r in runs if r.variance_deg2 is not None]
-        worst_run = max(with_variance, key=lambda r: r.variance_deg2, default=None)
+        variances = [(r.variance_deg2, r.run) for r in runs if r.variance_deg2 is not None]
+        # Of equal ones that of the first run.
+        largest = max(variances, key=lambda one: one[0], default=None)
         counted = [r for r in runs if r.n]
         return cls(
-            rule, reason, len(runs),
-            worst_run.variance_deg2 if worst_run else None,
-            worst_run.run if worst_run else None,
-            over(max, [r.count_criterion.n_plus / r.n for r in counted]),
-            over(max, [r.count_criterion.n_plus_plus / r.n for r in counted]),
-            over(min, [r.mean_deg for r in runs]),
-            over(max, [r.mean_deg for r in runs]),
-            over(min, [r.total_error.low_deg for r in runs]),
-            over(max, [r.total_error.up_deg for r in runs]),
-            homogeneity, {o.value: sum(r.outcome is o for r in runs) for o in Outcome}, sensor)
+            rule=rule, reason=reason, m=len(runs),
+            worst_variance_deg2=largest[0] if largest else None,
+            worst_variance_run=largest[1] if largest else None,
+            worst_plus_rate=over(max, [r.count_criterion.n_plus / r.n for r in counted]),
+            worst_plus_plus_rate=over(max, [r.count_criterion.n_plus_plus / r.n
+                                            for r in counted]),
+            a_low_deg=over(min, [r.mean_deg for r in runs]),
+            a_up_deg=over(max, [r.mean_deg for r in runs]),
+            low_worst_deg=over(min, [r.total_error.low_deg for r in runs]),
+            up_worst_deg=over(max, [r.total_error.up_deg for r in runs]),
+            homogeneity=homogeneity,
+            runs_by_outcome={o.value: sum(r.outcome is o for r in runs) for o in Outcome},
+            sensor=sensor)
 
 
 @dataclass(frozen=True, slots=True)
@@ -401,7 +410,8 @@ class Verdict:
         # A verdict by other settings than its own would be no verdict.
         if isinstance(given := mapping.get('settings'), Mapping):
             mapping = {**mapping, 'settings': _read_settings(given)}
-        return read_plain(cls, mapping)
+        verdict: Verdict = read_plain(cls, mapping)
+        return verdict
 
 
 def _read_settings(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -414,4 +424,5 @@ def _read_settings(given: Mapping[str, Any]) -> dict[str, Any]:
         Limits.of(settings.norms, settings.model)
     except SettingsError as error:
         raise VerdictError(f'settings: {error}') from error
-    return make_plain(settings)
+    plain: dict[str, Any] = make_plain(settings)
+    return plain

@@ -159,9 +159,9 @@ def verdict_html(verdict: Verdict) -> str:
             for at, cell in enumerate(row):
                 SubElement(line, 'td' if at and row is not rows[0] else 'th').text = cell
     reasons = SubElement(whole, 'ul')
-    for line, found in _reasons(verdict):
+    for reason, found in _reasons(verdict):
         item = SubElement(reasons, 'li')
-        item.text = line
+        item.text = reason
         if found:
             more = SubElement(item, 'ul')
             for text in found:

@@ -11,6 +11,8 @@ import pytest
 
 from heading_intercompare import analyze, Compliance, Headings, Pairs, Settings
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.runs.run_series import RunSeries
+from heading_intercompare.core.verdict.judge import judge_run
 
 S = 10 ** 9
 NORMS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
@@ -41,6 +43,12 @@ def test_a_run_just_as_long_as_it_must_be_is_one(pairs, least_s, runs):
                                               (999.1, Outcome.INDETERMINATE)])
 def test_a_run_just_as_long_as_it_must_be_may_comply(pairs, least_s, outcome):
     assert judged(pairs, **{'risk.min_duration_s': least_s}).outcome is outcome
+
+
+def test_a_run_without_a_pair_is_refused():
+    settings = Settings.from_mapping(NORMS)
+    with pytest.raises(ValueError, match='has no pair'):
+        judge_run(RunSeries(0, settings), settings, 1, '')
 
 
 def test_the_stabilisation_period_is_half_open(pairs):
