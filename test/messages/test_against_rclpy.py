@@ -138,7 +138,7 @@ def test_rclpy_receives_the_headings_that_were_sent(rows):
         assert message.orientation.z == (z[i] if known else 0.0)
         assert message.orientation.w == (w[i] if known else 0.0)
         assert message.orientation_covariance.tolist() == [0.0 if known else -1.0] + [0.0] * 7 + [
-            math.radians(sigma_deg[i]) ** 2 if known else 0.0]
+            math.radians(sigma_deg[i]) * math.radians(sigma_deg[i]) if known else 0.0]
         assert message.angular_velocity.z == (-math.radians(rate_deg_s[i]) if turning else 0.0)
         assert message.angular_velocity_covariance[0] == (0.0 if turning else -1.0)
         assert message.linear_acceleration_covariance[0] == -1.0
