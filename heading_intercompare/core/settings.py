@@ -12,6 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields, is_dataclass, MISSING
 import difflib
 from functools import cache
+import hashlib
+import json
 import math
 import types
 from typing import (
@@ -28,7 +30,7 @@ from typing import (
 
 __all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown', 'flatten',
            'from_mapping', 'list_settings', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential',
-           'Setting', 'setting', 'Settings', 'SettingsError', 'to_mapping']
+           'Setting', 'setting', 'Settings', 'settings_sha256', 'SettingsError', 'to_mapping']
 
 
 _NO_GATE = ('is gone: the decision has no gate any more, its bounds grow where the record says '
@@ -217,6 +219,32 @@ def to_mapping(settings: Any) -> dict[str, Any]:
             value = getattr(value, part)
         result[rule.name] = value
     return result
+
+
+def settings_sha256(mapping: Mapping[str, Any]) -> str:
+    """
+    Return the hash that tells which settings a verdict was made with.
+
+    Parameters
+    ----------
+    mapping : mapping
+        All settings by their dotted names, as `to_mapping` returns them and the JSON of a
+        verdict holds them.
+
+    Returns
+    -------
+    str
+        SHA-256 in hexadecimal of the mapping as JSON in UTF-8: names sorted, no space, numbers
+        as Python writes them (``0.3``, ``600.0``), an absent setting null.
+
+    Examples
+    --------
+    >>> settings_sha256({'b': None, 'a': 1.0})  # of {"a":1.0,"b":null}
+    'cedebbf26781a7a0d9193136bda2e8aa0b8b76bbbe975460721bf4fe673b91c7'
+
+    """
+    text = json.dumps(mapping, sort_keys=True, separators=(',', ':'), ensure_ascii=False)
+    return hashlib.sha256(text.encode('utf-8', 'surrogatepass')).hexdigest()
 
 
 class Checked:

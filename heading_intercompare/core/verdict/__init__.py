@@ -11,8 +11,8 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'headline': ('OUTCOME_WORDS',),
     'judge': ('compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult'),
     'validity': ('DOUBTFUL', 'VOID'),
-    'verdict_document': ('Input', 'make_plain', 'OperatorNote', 'RunVerdict', 'SCHEMA', 'Verdict',
-                         'VerdictError'),
+    'verdict_document': ('Input', 'make_plain', 'OperatorNote', 'RunVerdict', 'SCHEMA',
+                         'SCHEMA_VERSION', 'Verdict', 'VerdictError'),
     'verdict_table': ('summary_text', 'verdict_html', 'verdict_text'),
 })
 
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         OperatorNote as OperatorNote,
         RunVerdict as RunVerdict,
         SCHEMA as SCHEMA,
+        SCHEMA_VERSION as SCHEMA_VERSION,
         Verdict as Verdict,
         VerdictError as VerdictError,
     )
