@@ -10,7 +10,6 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'analysis': ('analyze_bag', 'analyze_bags', 'judge_bags', 'Judgement'),
     'campaign': ('judge_inputs',),
     'cluster': ('open_cluster',),
-    'compare_verdicts': ('find_differences',),
     'config': ('load_config', 'settings_for'),
     'inputs': ('analyze_input', 'sha256'),
     'job': ('Job', 'Judged'),
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
     )
     from .campaign import judge_inputs as judge_inputs
     from .cluster import open_cluster as open_cluster
-    from .compare_verdicts import find_differences as find_differences
     from .config import load_config as load_config, settings_for as settings_for
     from .inputs import analyze_input as analyze_input, sha256 as sha256
     from .job import Job as Job, Judged as Judged

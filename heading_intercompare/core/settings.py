@@ -29,8 +29,9 @@ from typing import (
 )
 
 __all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown', 'flatten',
-           'from_mapping', 'list_settings', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential',
-           'Setting', 'setting', 'Settings', 'settings_sha256', 'SettingsError', 'to_mapping']
+           'from_mapping', 'leave_out_gone', 'list_settings', 'Norms', 'Pairing', 'Risk',
+           'RunCutting', 'Sequential', 'Setting', 'setting', 'Settings', 'settings_sha256',
+           'SettingsError', 'to_mapping']
 
 
 _NO_GATE = ('is gone: the decision has no gate any more, its bounds grow where the record says '
@@ -171,6 +172,27 @@ def explain_unknown(kind: str, name: str, known: Iterable[str]) -> SettingsError
     return SettingsError(f'unknown {kind} {name!r}{hint}')
 
 
+def leave_out_gone(given: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """
+    Return settings that an earlier version stored, as this one can take them.
+
+    Parameters
+    ----------
+    given : mapping
+        By their dotted names.
+
+    Returns
+    -------
+    kept : dict
+        Without those that are gone. A name that is wrong stays.
+    gone : list of str
+        Of each that is gone its name and value, and what to do instead.
+
+    """
+    return ({name: value for name, value in given.items() if name not in _GONE},
+            [f'{name} = {value} {_GONE[name]}' for name, value in given.items() if name in _GONE])
+
+
 def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
     """
     Return settings made from a mapping.
@@ -190,8 +212,13 @@ def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
 
     """
     rules = {rule.name: rule for rule in list_settings(settings_class)}
-    values = {}
-    for name, value in flatten(mapping):
+    values, given = {}, dict(flatten(mapping))
+    if gone := [name for name in _GONE if name in given and name not in rules]:
+        # All at once: an old file would be refused once for each.
+        alike = {why: ', '.join(repr(name) for name in gone if _GONE[name] == why)
+                 for why in dict.fromkeys(map(_GONE.__getitem__, gone))}
+        raise SettingsError('; '.join(f'setting {names} {why}' for why, names in alike.items()))
+    for name, value in given.items():
         if name not in rules:
             raise explain_unknown('setting', name, rules)
         values[name] = _check_value(rules[name], value)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
+    'compare_verdicts': ('find_differences',),
     'conclusion': ('ALL_REASONS',),
     'headline': ('OUTCOME_WORDS',),
     'judge': ('compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult'),
@@ -18,6 +19,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
 
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
+    from .compare_verdicts import find_differences as find_differences
     from .conclusion import ALL_REASONS as ALL_REASONS
     from .headline import OUTCOME_WORDS as OUTCOME_WORDS
     from .judge import (
