@@ -14,6 +14,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'inputs': ('analyze_input', 'sha256'),
     'job': ('Job', 'Judged'),
     'outputs': ('check_outputs', 'open_tables', 'Outputs'),
+    'rejudge': ('rejudge_bag', 'Rejudged'),
     'run_table': ('assign_runs', 'read_run_table', 'RunTable'),
     'scenarios': ('read_scenario', 'ScenarioFile'),
 })
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
         open_tables as open_tables,
         Outputs as Outputs,
     )
+    from .rejudge import rejudge_bag as rejudge_bag, Rejudged as Rejudged
     from .run_table import (
         assign_runs as assign_runs,
         read_run_table as read_run_table,

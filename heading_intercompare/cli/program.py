@@ -26,6 +26,8 @@ COMMANDS = {
              'live --config heading_intercompare.yaml'),
     'analyze': ('analyze', 'verdict on recorded runs', 'analyze trial_bag '
                 '--set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1'),
+    'rejudge': ('rejudge', 'old recordings judged anew, and the outcomes that changed',
+                'rejudge trial_*'),
     'import-nmea': ('import_nmea', 'NMEA logs to a bag',
                     'import-nmea --ts gyro.log --rs seapath.log -o trial_bag'),
     'simulate': ('simulate', 'a trial of simulated sensors to a bag, at full speed',
