@@ -9,12 +9,14 @@ import json
 from pathlib import Path
 import re
 
+import jsonschema
 import pytest
 import yaml
 
 from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.cli import main
 from heading_intercompare.core.settings import leave_out_gone, Settings
+from heading_intercompare.report.json import read
 
 FORMER = Path(__file__).resolve().parents[1] / 'data' / '0_1_0'
 BAG, PAIRS, ENSEMBLES, VERDICT, PARAMETERS = (str(FORMER / name) for name in (
@@ -73,6 +75,22 @@ def test_a_verdict_is_refused_and_told_how_it_is_made_anew(capsys, tmp_path):
     said = refused(capsys, 'report', VERDICT, '-o', str(tmp_path / 'r.html'))
     assert f"{VERDICT}: schema = 'heading_intercompare/verdict/1'" in said
     assert said.endswith('judge the recordings anew, with `analyze` or `rejudge`\n')
+
+
+@pytest.mark.parametrize('version, rule', [('2_0', None), ('2_1', 2)])
+def test_a_verdict_of_before_is_read_as_it_was(version, rule, tmp_path):
+    path = FORMER / f'verdict_{version}.json'
+    given, verdict = json.loads(path.read_text('utf-8')), read(path)
+    assert verdict.rule_version == rule
+    given.pop('schema_version', None)
+    assert {name: thing for name, thing in verdict.to_dict().items() if name in given} == given
+    assert main(['report', str(path), '-o', str(tmp_path / 'r.html')]) == 0
+
+
+def test_a_verdict_of_2_1_meets_the_schema_that_is_installed():
+    schema = json.loads((FORMER.parents[2] / 'schema' / 'verdict.schema.json').read_text('utf-8'))
+    jsonschema.Draft202012Validator(schema).validate(
+        json.loads((FORMER / 'verdict_2_1.json').read_text('utf-8')))
 
 
 def test_a_parameter_file_is_refused_with_all_that_is_gone_and_read_without(capsys, tmp_path):

@@ -441,7 +441,7 @@ class Verdict:
             raise VerdictError('settings_sha256 is missing')
         if (found := mapping.get('settings_sha256', verdict.settings_sha256)
                 ) != verdict.settings_sha256:
-            raise VerdictError(f'settings_sha256 = {found!r}: the settings have '
+            raise VerdictError(f'settings_sha256 = {found!r:.70}: the settings have '
                                f'{verdict.settings_sha256!r}, they are not those it was made with')
         return verdict
 
