@@ -35,7 +35,7 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
-        *shared('config', 'launch'),
+        *shared('config', 'launch', 'schema'),
     ],
     zip_safe=False,
     python_requires='>=3.10',
@@ -46,7 +46,8 @@ setup(
         'fast': ['isal>=1.5'],
         'dask': ['distributed>=2024.2', 'threadpoolctl>=3'],
         'test': ['pytest>=7.4', 'pytest-xdist>=3.4', 'pytest-timeout>=2.2', 'hypothesis>=6',
-                 'rosbags', 'mcap-ros2-support', 'pybag-sdk'],
+                 'rosbags', 'mcap-ros2-support', 'pybag-sdk',
+                 'jsonschema>=4'],
         'dev': ['ruff', 'mypy>=2.4', 'colcon-common-extensions'],
     },
     entry_points={

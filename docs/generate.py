@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Write what the sources already say: parameter file, docs/settings.md, list of modules, doors.
+Write what the sources say: parameter file, settings.md, JSON Schema, list of modules, doors.
 
 Run it after a setting, a module or a name of a door was added or changed: ``make docs``. The
 tests compare the files with what this would write.
@@ -10,6 +10,7 @@ tests compare the files with what this would write.
 from __future__ import annotations
 
 import ast
+import json
 from pathlib import Path
 import textwrap
 from typing import Any, Iterator, Mapping, NamedTuple, Sequence
@@ -28,11 +29,13 @@ from heading_intercompare.nodes.settings import (
     SynchronizerNode,
     Taking,
 )
+from heading_intercompare.report.json_schema import make_schema
 
 ROOT = Path(__file__).resolve().parent.parent
 YAML = ROOT / 'config' / 'heading_intercompare.yaml'
 ARCHITECTURE = ROOT / 'docs' / 'ARCHITECTURE.md'
 TABLES = ROOT / 'docs' / 'settings.md'
+SCHEMA = ROOT / 'schema' / 'verdict.schema.json'
 DOORS = sorted((ROOT / 'heading_intercompare').rglob('__init__.py'))
 
 #: Columns of a line of source, with its end.
@@ -203,6 +206,11 @@ def tables() -> str:
     return '\n'.join(lines) + '\n'
 
 
+def schema() -> str:
+    """Return the text of schema/verdict.schema.json."""
+    return json.dumps(make_schema(), indent=1, ensure_ascii=False) + '\n'
+
+
 def _module_rows() -> Iterator[str]:
     package = ROOT / 'heading_intercompare'
     order = ('core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'nodes', 'app', 'cli')
@@ -259,8 +267,9 @@ def door(text: str) -> str:
 if __name__ == '__main__':
     YAML.write_text(parameter_file(), 'utf-8')
     TABLES.write_text(tables(), 'utf-8')
+    SCHEMA.write_text(schema(), 'utf-8')
     ARCHITECTURE.write_text(architecture(ARCHITECTURE.read_text('utf-8')), 'utf-8')
     for path in DOORS:
         path.write_text(door(path.read_text('utf-8')), 'utf-8')
-    print('wrote', *(str(p.relative_to(ROOT)) for p in (YAML, TABLES, ARCHITECTURE)),
+    print('wrote', *(str(p.relative_to(ROOT)) for p in (YAML, TABLES, SCHEMA, ARCHITECTURE)),
           'and the doors')

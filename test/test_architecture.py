@@ -78,8 +78,8 @@ MOST_MODULES = 12
 TESTS_OF_SEVERAL = {
     'ahrs/test_commands', 'ahrs/test_pictures', 'ahrs/test_recovery', 'ahrs/test_scenarios',
     'bags/rosbag2/test_third_parties', 'bags/test_fuzz', 'cli/test_bag_commands',
-    'cli/test_catalogue', 'cli/test_origin', 'cli/test_outputs', 'cli/test_real_logs',
-    'cli/test_usage', 'messages/test_against_rclpy',
+    'cli/test_catalogue', 'cli/test_former_files', 'cli/test_origin', 'cli/test_outputs',
+    'cli/test_real_logs', 'cli/test_usage', 'messages/test_against_rclpy',
     'nodes/test_graph_processes', 'nodes/test_launch', 'nodes/test_real_logs_over_udp',
     'nodes/test_recorder_process', 'nodes/test_soak',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_equations',

@@ -10,11 +10,11 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'analysis': ('analyze_bag', 'analyze_bags', 'judge_bags', 'Judgement'),
     'campaign': ('judge_inputs',),
     'cluster': ('open_cluster',),
-    'compare_verdicts': ('find_differences',),
     'config': ('load_config', 'settings_for'),
     'inputs': ('analyze_input', 'sha256'),
     'job': ('Job', 'Judged'),
     'outputs': ('check_outputs', 'open_tables', 'Outputs'),
+    'rejudge': ('rejudge_bag', 'Rejudged'),
     'run_table': ('assign_runs', 'read_run_table', 'RunTable'),
     'scenarios': ('read_scenario', 'ScenarioFile'),
 })
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     )
     from .campaign import judge_inputs as judge_inputs
     from .cluster import open_cluster as open_cluster
-    from .compare_verdicts import find_differences as find_differences
     from .config import load_config as load_config, settings_for as settings_for
     from .inputs import analyze_input as analyze_input, sha256 as sha256
     from .job import Job as Job, Judged as Judged
@@ -38,6 +37,7 @@ if TYPE_CHECKING:
         open_tables as open_tables,
         Outputs as Outputs,
     )
+    from .rejudge import rejudge_bag as rejudge_bag, Rejudged as Rejudged
     from .run_table import (
         assign_runs as assign_runs,
         read_run_table as read_run_table,

@@ -20,17 +20,19 @@ _CRASHED = 70
 
 # name: (module, what it does, example)
 COMMANDS = {
-    'demo': ('demo', 'run the live graph on simulated sensors, record it, replay it, analyze the '
-             'bag, and say whether the three verdicts agree', 'demo --out demo_out'),
-    'live': ('live', 'run the graph in one process from configured drivers, with recording',
+    'demo': ('graph.demo', 'run the live graph on simulated sensors, record it, replay it, '
+             'analyze the bag, and say whether the three verdicts agree', 'demo --out demo_out'),
+    'live': ('graph.live', 'run the graph in one process from configured drivers, with recording',
              'live --config heading_intercompare.yaml'),
     'analyze': ('analyze', 'verdict on recorded runs', 'analyze trial_bag '
                 '--set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1'),
+    'rejudge': ('rejudge', 'old recordings judged anew, and the outcomes that changed',
+                'rejudge trial_*'),
     'import-nmea': ('import_nmea', 'NMEA logs to a bag',
                     'import-nmea --ts gyro.log --rs seapath.log -o trial_bag'),
     'simulate': ('simulate', 'a trial of simulated sensors to a bag, at full speed',
                  'simulate --scenario sea_trial_12h -o trial_bag'),
-    'record': ('record', 'topics to a bag', 'record -o trial_bag'),
+    'record': ('graph.record', 'topics to a bag', 'record -o trial_bag'),
     'note': ('note', 'a note of the operator into the bag that is being recorded',
              "note 'course change to 270'"),
     'report': ('report', 'the protocol of recorded runs, with plots',
@@ -40,7 +42,7 @@ COMMANDS = {
              'info trial_bag'),
     'recover': ('recover', 'everything readable of a cut or damaged bag to a new one',
                 'recover trial_bag -o recovered_bag'),
-    'replay': ('replay', 'a bag to topics, under their names or others',
+    'replay': ('graph.replay', 'a bag to topics, under their names or others',
                'replay trial_bag --rate 20 --remap ts/heading:=gyro/heading'),
 }
 

@@ -21,8 +21,8 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'records': ('Differences', 'Headings', 'Pairs'),
     'settings': ('Checked', 'Detectors', 'explain_unknown', 'flatten', 'from_mapping',
                  'list_settings', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'setting', 'Settings',
-                 'SettingsError', 'to_mapping'),
-    'version': ('VERSION',),
+                 'settings_sha256', 'SettingsError', 'to_mapping'),
+    'version': ('RULE_VERSION', 'VERSION'),
 })
 
 if TYPE_CHECKING:
@@ -56,7 +56,8 @@ if TYPE_CHECKING:
         RunCutting as RunCutting,
         setting as setting,
         Settings as Settings,
+        settings_sha256 as settings_sha256,
         SettingsError as SettingsError,
         to_mapping as to_mapping,
     )
-    from .version import VERSION as VERSION
+    from .version import RULE_VERSION as RULE_VERSION, VERSION as VERSION

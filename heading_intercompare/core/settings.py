@@ -12,6 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields, is_dataclass, MISSING
 import difflib
 from functools import cache
+import hashlib
+import json
 import math
 import types
 from typing import (
@@ -27,8 +29,9 @@ from typing import (
 )
 
 __all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown', 'flatten',
-           'from_mapping', 'list_settings', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential',
-           'Setting', 'setting', 'Settings', 'SettingsError', 'to_mapping']
+           'from_mapping', 'leave_out_gone', 'list_settings', 'Norms', 'Pairing', 'Risk',
+           'RunCutting', 'Sequential', 'Setting', 'setting', 'Settings', 'settings_sha256',
+           'SettingsError', 'to_mapping']
 
 
 _NO_GATE = ('is gone: the decision has no gate any more, its bounds grow where the record says '
@@ -169,6 +172,27 @@ def explain_unknown(kind: str, name: str, known: Iterable[str]) -> SettingsError
     return SettingsError(f'unknown {kind} {name!r}{hint}')
 
 
+def leave_out_gone(given: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """
+    Return settings that an earlier version stored, as this one can take them.
+
+    Parameters
+    ----------
+    given : mapping
+        By their dotted names.
+
+    Returns
+    -------
+    kept : dict
+        Without those that are gone. A name that is wrong stays.
+    gone : list of str
+        Of each that is gone its name and value, and what to do instead.
+
+    """
+    return ({name: value for name, value in given.items() if name not in _GONE},
+            [f'{name} = {value} {_GONE[name]}' for name, value in given.items() if name in _GONE])
+
+
 def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
     """
     Return settings made from a mapping.
@@ -188,8 +212,13 @@ def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
 
     """
     rules = {rule.name: rule for rule in list_settings(settings_class)}
-    values = {}
-    for name, value in flatten(mapping):
+    values, given = {}, dict(flatten(mapping))
+    if gone := [name for name in _GONE if name in given and name not in rules]:
+        # All at once: an old file would be refused once for each.
+        alike = {why: ', '.join(repr(name) for name in gone if _GONE[name] == why)
+                 for why in dict.fromkeys(map(_GONE.__getitem__, gone))}
+        raise SettingsError('; '.join(f'setting {names} {why}' for why, names in alike.items()))
+    for name, value in given.items():
         if name not in rules:
             raise explain_unknown('setting', name, rules)
         if name in values:
@@ -219,6 +248,32 @@ def to_mapping(settings: Any) -> dict[str, Any]:
             value = getattr(value, part)
         result[rule.name] = value
     return result
+
+
+def settings_sha256(mapping: Mapping[str, Any]) -> str:
+    """
+    Return the hash that tells which settings a verdict was made with.
+
+    Parameters
+    ----------
+    mapping : mapping
+        All settings by their dotted names, as `to_mapping` returns them and the JSON of a
+        verdict holds them.
+
+    Returns
+    -------
+    str
+        SHA-256 in hexadecimal of the mapping as JSON in UTF-8: names sorted, no space, numbers
+        as Python writes them (``0.3``, ``600.0``), an absent setting null.
+
+    Examples
+    --------
+    >>> settings_sha256({'b': None, 'a': 1.0})  # of {"a":1.0,"b":null}
+    'cedebbf26781a7a0d9193136bda2e8aa0b8b76bbbe975460721bf4fe673b91c7'
+
+    """
+    text = json.dumps(mapping, sort_keys=True, separators=(',', ':'), ensure_ascii=False)
+    return hashlib.sha256(text.encode('utf-8', 'surrogatepass')).hexdigest()
 
 
 class Checked:

@@ -4,15 +4,18 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from operator import methodcaller
 from pathlib import Path
-from typing import Any, Mapping, Sequence
+from typing import Sequence
 
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.utc_text import utc
-from heading_intercompare.core.verdict.verdict_document import RunVerdict, SCHEMA, Verdict
+from heading_intercompare.core.verdict.verdict_document import (
+    RunVerdict,
+    SCHEMA,
+    SCHEMA_VERSION,
+    Verdict,
+)
 from heading_intercompare.core.verdict.vocabulary import (
     CAMPAIGN_WORDS,
     CONDITION_WORDS,
@@ -40,7 +43,7 @@ from .tables import (
     WORST,
 )
 
-__all__ = ['render', 'settings_sha256', 'write']
+__all__ = ['render', 'write']
 
 _FINDINGS = ('skew', 'drift', 'heading_dependence', 'normality', 'stationarity', 'correlation',
              'allan')
@@ -68,12 +71,6 @@ figure { margin: 1em 0; } figure svg { max-width: 100%; height: auto; }
 @media print { body { margin: 0; max-width: none; font-size: 11px; } a { color: #000; }
   h2 { break-after: avoid; } tr, figure, .verdict, .signature { break-inside: avoid; } }
 """
-
-
-def settings_sha256(settings: Mapping[str, Any]) -> str:
-    """Return the SHA-256 of the settings as compact JSON with sorted names, UTF-8."""
-    text = json.dumps(settings, sort_keys=True, separators=(',', ':'), ensure_ascii=False)
-    return hashlib.sha256(text.encode('utf-8', 'surrogatepass')).hexdigest()
 
 
 def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] = ()) -> None:
@@ -155,8 +152,9 @@ def _identification(verdict: Verdict) -> Markup:
     settings = verdict.settings
     parts = [facts([
         ('software', f'{software.name} {software.version}'),
-        ('schema of the verdict', SCHEMA),
-        ('SHA-256 of the settings', settings_sha256(settings.to_mapping())),
+        ('version of the decision rule', value(verdict.rule_version)),
+        ('schema of the verdict', f'{SCHEMA}, version {SCHEMA_VERSION}'),
+        ('SHA-256 of the settings', verdict.settings_sha256),
         ('first and last pair [UTC]', f'{utc(min((r.start_ns for r in runs), default=None))} '
                                       f'.. {utc(max((r.end_ns for r in runs), default=None))}'),
         ('installation angle TS - RS [deg], as set',

@@ -24,11 +24,11 @@ import pytest
 
 from heading_intercompare import analyze_bags, Headings, Settings
 from heading_intercompare.app import campaign, remote_task
-from heading_intercompare.app.compare_verdicts import find_differences
 from heading_intercompare.app.job import Job
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.cli import main
+from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.report.json import parse
 

@@ -19,8 +19,8 @@ import time
 
 import pytest
 
-from heading_intercompare.app.compare_verdicts import find_differences
 from heading_intercompare.cli import main
+from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.report.json import parse, read
 
 pytestmark = pytest.mark.process

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-import hashlib
 from html.parser import HTMLParser
 import json
 import math
@@ -16,10 +15,13 @@ import numpy as np
 import pytest
 
 from heading_intercompare import analyze, Headings, Settings, Verdict
+from heading_intercompare.core.settings import settings_sha256
 from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
+from heading_intercompare.core.version import RULE_VERSION
 from heading_intercompare.report import html, json as verdict_json, SeriesSketch, write
 from heading_intercompare.report.decision_rule import describe_rule
+from heading_intercompare.report.formatting import ABSENT
 
 VOID = {'meta', 'br', 'hr', 'img', 'input', 'link'}
 SVG = '{http://www.w3.org/2000/svg}'
@@ -149,6 +151,7 @@ def test_a_hostile_name_is_shown_and_not_obeyed(made):
         run['validity'] = [{'condition': name, 'effect': name, 'words': name, 'evidence': name}]
         mapping['inputs'] = [{'path': name, 'sha256': name, 'ts_topic': name, 'rs_topic': name}]
         mapping['settings']['ts_topic'] = mapping['headline'] = name
+        mapping['settings_sha256'] = settings_sha256(mapping['settings'])
         mapping['software'] = {'name': name, 'version': name}
         mapping['campaign']['reason'] = mapping['campaign']['rule'] = name
     sketches[0].source = name
@@ -258,10 +261,13 @@ def test_a_published_norm_is_named_with_its_status_and_figure(made):
     assert 'sigma_max [deg]</th><td>0.5</td>' in words
 
 
-def test_the_settings_hash_is_that_of_their_compact_sorted_json():
-    expected = hashlib.sha256(b'{"a":1.0,"b":null}').hexdigest()
-    assert html.settings_sha256({'b': None, 'a': 1.0}) == expected
-    assert html.settings_sha256({'a': 1.5, 'b': None}) != expected
+def test_the_protocol_names_the_rule_and_the_hash_of_the_settings(made):
+    verdict, sketches = made(1)
+    page = html.render(verdict, sketches)
+    assert verdict.settings_sha256 in page
+    assert f'decision rule</th><td>{RULE_VERSION}</td>' in page
+    page = html.render(replace(verdict, rule_version=None))
+    assert f'decision rule</th><td>{ABSENT}</td>' in page
 
 
 def test_the_findings_are_shown_by_their_names(made):

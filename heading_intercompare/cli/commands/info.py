@@ -197,8 +197,8 @@ def _report_verdict(reader: BagReader, attachments: Sequence[Attachment]) -> Ite
 def _verdict(text: str) -> Iterator[str]:
     try:
         yield from str(parse(text)).splitlines()
-    except VerdictError:
-        yield '  not a verdict that this version reads'
+    except VerdictError as error:
+        yield f'  not a verdict that this version reads: {error}'
 
 
 def _extract(attachments: Sequence[Attachment], folder: Path) -> Iterator[str]:

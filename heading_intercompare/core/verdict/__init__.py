@@ -7,17 +7,19 @@ from typing import TYPE_CHECKING
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
+    'compare_verdicts': ('find_differences',),
     'conclusion': ('ALL_REASONS',),
     'headline': ('OUTCOME_WORDS',),
     'judge': ('compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult'),
     'validity': ('DOUBTFUL', 'VOID'),
-    'verdict_document': ('Input', 'make_plain', 'OperatorNote', 'RunVerdict', 'SCHEMA', 'Verdict',
-                         'VerdictError'),
+    'verdict_document': ('Input', 'make_plain', 'OperatorNote', 'RunVerdict', 'SCHEMA',
+                         'SCHEMA_VERSION', 'Verdict', 'VerdictError'),
     'verdict_table': ('summary_text', 'verdict_html', 'verdict_text'),
 })
 
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
+    from .compare_verdicts import find_differences as find_differences
     from .conclusion import ALL_REASONS as ALL_REASONS
     from .headline import OUTCOME_WORDS as OUTCOME_WORDS
     from .judge import (
@@ -34,6 +36,7 @@ if TYPE_CHECKING:
         OperatorNote as OperatorNote,
         RunVerdict as RunVerdict,
         SCHEMA as SCHEMA,
+        SCHEMA_VERSION as SCHEMA_VERSION,
         Verdict as Verdict,
         VerdictError as VerdictError,
     )

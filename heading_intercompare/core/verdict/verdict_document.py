@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 import math
+import re
 from typing import Any, Callable, Iterable, Mapping, Sequence, TYPE_CHECKING
 
 from heading_intercompare.core.decision.campaign import Together
@@ -23,11 +24,11 @@ from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import Settings, settings_sha256, SettingsError
 from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.statistics.normality import Normality
 from heading_intercompare.core.statistics.stationarity import Stationarity
-from heading_intercompare.core.version import VERSION
+from heading_intercompare.core.version import RULE_VERSION, VERSION
 
 from .conclusion import campaign_words
 from .headline import compose_headline
@@ -38,9 +39,21 @@ if TYPE_CHECKING:
     import pandas
 
 __all__ = ['Campaign', 'Input', 'make_plain', 'OperatorNote', 'PairingFigures', 'RejectedReadings',
-           'RunVerdict', 'SCHEMA', 'Software', 'Verdict', 'VerdictError']
+           'RunVerdict', 'SCHEMA', 'SCHEMA_VERSION', 'Software', 'Verdict', 'VerdictError']
 
-SCHEMA = 'heading_intercompare/verdict/2'
+_SCHEMA = 'heading_intercompare/verdict/'
+SCHEMA_VERSION = '2.1'
+"""
+Major and minor version of the mapping.
+
+The minor is raised when keys are added, which readers pass over; the major when a key goes away or
+means something else.
+"""
+_MAJOR = int(SCHEMA_VERSION.partition('.')[0])
+SCHEMA = f'{_SCHEMA}{_MAJOR}'
+"""Kind of the document, and the major version alone."""
+_VERSION = re.compile(r'([1-9][0-9]{0,8})\.([0-9]{1,9})', re.ASCII)
+_ANEW = 'judge the recordings anew, with `analyze` or `rejudge`'
 
 
 def make_plain(value: Any) -> Any:
@@ -304,6 +317,10 @@ class Verdict:
     runs : sequence of RunVerdict
     software : Software
         What judged.
+    rule_version : int or None
+        Version of the decision rule, see `RULE_VERSION`; None in verdicts of before it had one.
+    settings_sha256 : str
+        Of the settings, see the function `settings_sha256`.
 
     """
 
@@ -316,6 +333,12 @@ class Verdict:
     campaign: Campaign
     runs: Sequence[RunVerdict]
     software: Software = field(default_factory=Software)
+    rule_version: int | None = RULE_VERSION
+
+    @property
+    def settings_sha256(self) -> str:
+        """Hash of the settings."""
+        return settings_sha256(self.settings.to_mapping())
 
     @classmethod
     def of(cls, runs: Sequence[RunVerdict], outcome: Outcome, campaign: Campaign,
@@ -376,11 +399,14 @@ class Verdict:
         """Return the verdict as plain dictionaries and lists, ready for JSON."""
         return {
             'schema': SCHEMA,
+            'schema_version': SCHEMA_VERSION,
             'outcome': self.outcome.value,
             'headline': self.headline,
             'validity_effect': self.validity_effect,
             'paper_outcome': self.paper_outcome.value,
             'software': make_plain(self.software),
+            'rule_version': self.rule_version,
+            'settings_sha256': self.settings_sha256,
             'settings': make_plain(self.settings.to_mapping()),
             'inputs': make_plain(self.inputs),
             'campaign': make_plain(self.campaign),
@@ -395,23 +421,59 @@ class Verdict:
         Raises
         ------
         VerdictError
-            If it is of another schema, a key is missing, or a value is not of its type: one line
-            that names the key. Keys that are not known are passed over, but no setting is.
+            If it is of another major version, a key is missing, a value is not of its type, or the
+            settings are not those of their hash: one line that names the key. Keys that are not
+            known are passed over, but no setting is.
 
         Notes
         -----
         `to_dict` of what is returned is the mapping again. A number that was not finite is nan.
+        Version 2.0 had neither `schema_version` nor `rule_version` nor `settings_sha256`: its
+        rule is None, which is unknown, and the hash follows from the settings.
 
         """
         if not isinstance(mapping, Mapping):
             raise VerdictError(f'a verdict must be an object, not {type(mapping).__name__}')
-        if mapping.get('schema') != SCHEMA:
-            raise VerdictError(f'schema = {mapping.get("schema")!r}: must be {SCHEMA!r}')
-        # A verdict by other settings than its own would be no verdict.
-        if isinstance(given := mapping.get('settings'), Mapping):
-            mapping = {**mapping, 'settings': _read_settings(given)}
-        verdict: Verdict = read_plain(cls, mapping)
+        _check_schema(mapping)
+        of_2_0 = 'schema_version' not in mapping
+        try:
+            # A verdict by other settings than its own would be no verdict.
+            if isinstance(given := mapping.get('settings'), Mapping):
+                mapping = {**mapping, 'settings': _read_settings(given)}
+            verdict: Verdict = read_plain(
+                cls, {'rule_version': None, **mapping} if of_2_0 else mapping)
+        except VerdictError as error:
+            if of_2_0:
+                raise VerdictError(f'{error}; if an earlier version wrote it, {_ANEW}') from error
+            raise
+        if 'settings_sha256' not in mapping and not of_2_0:
+            raise VerdictError('settings_sha256 is missing')
+        if (found := mapping.get('settings_sha256', verdict.settings_sha256)
+                ) != verdict.settings_sha256:
+            raise VerdictError(f'settings_sha256 = {found!r:.70}: the settings have '
+                               f'{verdict.settings_sha256!r}, they are not those it was made with')
         return verdict
+
+
+def _check_schema(mapping: Mapping[str, Any]) -> None:
+    """Refuse what is of another kind or another major version."""
+    schema, version = mapping.get('schema'), mapping.get('schema_version', f'{_MAJOR}.0')
+    found = _VERSION.fullmatch(version) if isinstance(version, str) else None
+    if found is None:
+        raise VerdictError(f"schema_version = {version!r}: must be text such as '2.1'")
+    name, told = 'schema', schema
+    major = schema[len(_SCHEMA):] if isinstance(schema, str) and schema.startswith(_SCHEMA) else ''
+    if schema == SCHEMA:
+        name, told, major = 'schema_version', version, found[1]
+    if not _VERSION.fullmatch(f'{major}.0'):
+        raise VerdictError(f'schema = {schema!r}: must be {SCHEMA!r}')
+    if int(major) > _MAJOR:
+        raise VerdictError(f'{name} = {told!r}: must be {SCHEMA!r}; a newer version of '
+                           'heading_intercompare wrote it: read it with that one, or install it')
+    if int(major) < _MAJOR:
+        raise VerdictError(f'{name} = {told!r}: must be {SCHEMA!r}; an earlier version of '
+                           'heading_intercompare wrote it, which judged by another rule: '
+                           f'{_ANEW}')
 
 
 def _read_settings(given: Mapping[str, Any]) -> dict[str, Any]:

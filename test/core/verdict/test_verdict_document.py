@@ -7,6 +7,9 @@ from __future__ import annotations
 import copy
 import json
 import math
+from pathlib import Path
+import subprocess
+import sys
 from typing import Any, Iterator
 
 import numpy as np
@@ -14,13 +17,18 @@ import pytest
 
 from heading_intercompare import analyze, Headings, join, Outcome, Settings, Verdict
 from heading_intercompare.core.pipeline import Intercomparison
+from heading_intercompare.core.settings import settings_sha256
 from heading_intercompare.core.verdict.verdict_document import (
     Input,
     OperatorNote,
+    SCHEMA,
+    SCHEMA_VERSION,
     Software,
     VerdictError,
 )
+from heading_intercompare.core.version import RULE_VERSION
 
+ROOT = Path(__file__).resolve().parents[3]
 S = 1_000_000_000
 NORMS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1, 'risk.min_duration_s': 0.0}
 GIVEN = Settings.from_mapping(NORMS).to_mapping()
@@ -127,6 +135,7 @@ def test_whatever_key_is_missing_is_named():
     mapping = judged(2).to_dict()
     free = {('campaign', 'runs_by_outcome'), ('runs', 0, 'pairing', 'rejected')}
     ways = [path for path in keys(mapping) if path[:-1] not in free]
+    ways.remove(('schema_version',))  # without it the verdict is one of 2.0
     assert len(ways) > 250
     for path in ways:
         less = copy.deepcopy(mapping)
@@ -135,6 +144,65 @@ def test_whatever_key_is_missing_is_named():
             Verdict.from_dict(less)
         assert str(told.value) in (f'{name_of(path)} is missing',
                                    "schema = None: must be 'heading_intercompare/verdict/2'")
+
+
+def of_2_0(mapping: dict) -> dict:
+    """Return a mapping as it was before it named its version, the rule and the hash."""
+    added = ('schema_version', 'rule_version', 'settings_sha256')
+    return {key: thing for key, thing in mapping.items() if key not in added}
+
+
+def test_a_verdict_of_2_0_is_read_and_its_rule_is_unknown():
+    mapping = judged().to_dict()
+    again = Verdict.from_dict(of_2_0(mapping))
+    assert again.rule_version is None
+    assert again.to_dict() == {**mapping, 'rule_version': None}
+
+
+def test_a_verdict_of_2_0_that_lacks_a_key_says_how_it_is_made_anew():
+    mapping = of_2_0(judged().to_dict())
+    del mapping['runs'][0]['looks']
+    with pytest.raises(VerdictError, match=r'^runs\[0\].looks is missing; if an earlier version '
+                       'wrote it, judge the recordings anew, with `analyze` or `rejudge`$'):
+        Verdict.from_dict(mapping)
+
+
+def test_a_verdict_names_its_rule_and_the_hash_of_its_settings():
+    verdict = judged()
+    mapping = verdict.to_dict()
+    assert mapping['schema_version'] == SCHEMA_VERSION
+    assert SCHEMA == f'heading_intercompare/verdict/{SCHEMA_VERSION.partition(".")[0]}'
+    assert mapping['rule_version'] == RULE_VERSION
+    assert mapping['settings_sha256'] == settings_sha256(verdict.settings.to_mapping())
+    assert mapping['settings_sha256'] != judged(model='UN').settings_sha256
+
+
+def test_the_hash_of_the_settings_is_found_as_the_page_says(tmp_path):
+    """The page gives a command; it is run on a verdict."""
+    page = (ROOT / 'docs' / 'verdict_json.md').read_text('utf-8')
+    program = page.split("python3 -c '")[1].split("' < verdict.json")[0]
+    mapping = judged(ts_topic='grad/°').to_dict()
+    done = subprocess.run([sys.executable, '-c', program], input=json.dumps(mapping), text=True,
+                          check=True, capture_output=True)
+    assert done.stdout.strip() == mapping['settings_sha256']
+
+
+def test_settings_changed_by_another_hand_are_seen():
+    mapping = judged().to_dict()
+    mapping['settings']['norms.sigma_max_deg'] = 0.4
+    with pytest.raises(VerdictError, match='they are not those it was made with'):
+        Verdict.from_dict(mapping)
+
+
+def test_a_later_minor_version_is_read_and_a_later_major_one_is_not():
+    mapping = judged().to_dict()
+    later = {**mapping, 'schema_version': '2.34', 'later': 1}
+    assert Verdict.from_dict(later).to_dict() == mapping
+    for newer in ({'schema_version': '3.0'}, {'schema': 'heading_intercompare/verdict/3'},
+                  {'schema': 'heading_intercompare/verdict/3', 'schema_version': '3.1'}):
+        with pytest.raises(VerdictError, match="/[23]'; a newer version of heading_intercompare "
+                           'wrote it: read it with that one, or install it$'):
+            Verdict.from_dict({**mapping, **newer})
 
 
 def test_whatever_value_is_of_a_wrong_type_is_named():
@@ -155,7 +223,14 @@ def test_whatever_value_is_of_a_wrong_type_is_named():
     (None, 'a verdict must be an object, not NoneType'),
     ([], 'a verdict must be an object, not list'),
     ({}, "schema = None: must be 'heading_intercompare/verdict/2'"),
-    ({'schema': 'heading_intercompare/verdict/1'}, "schema = 'heading_intercompare/verdict/1'"),
+    ({'schema': 'heading_intercompare/verdict/1'},
+     "schema = 'heading_intercompare/verdict/1': must be .*/2'; an earlier version .*: judge "
+     'the recordings anew, with `analyze` or `rejudge`$'),
+    ({'schema': 'heading_intercompare/verdict/0'}, "verdict/0': must be '[a-z_/]*/2'$"),
+    ({'schema_version': 2}, "schema_version = 2: must be text such as '2.1'"),
+    ({'schema_version': '2'}, "schema_version = '2': must be text"),
+    ({'settings_sha256': None}, 'settings_sha256 = None: the settings have '),
+    ({'rule_version': '2'}, "rule_version = '2': must be "),
     ({'schema': []}, r'schema = \[\]: must be'),
     ({'outcome': 'good'}, "outcome = 'good': must be 'compliant' or 'indeterminate' or "),
     ({'outcome': None}, 'outcome = None: must be'),

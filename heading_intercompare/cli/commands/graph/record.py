@@ -6,9 +6,8 @@ from __future__ import annotations
 
 import argparse
 
+from heading_intercompare.cli.commands.note import add_note_argument, read_notes
 from heading_intercompare.cli.node_command import program_node
-
-from .note import add_note_argument, read_notes
 
 __all__ = ['add_arguments', 'run']
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import pytest
 
-from heading_intercompare.app.compare_verdicts import find_differences
 from heading_intercompare.cli import main
+from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.report import html
 from heading_intercompare.report.json import parse, read
 

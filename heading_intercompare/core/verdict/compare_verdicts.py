@@ -8,7 +8,7 @@ from dataclasses import replace
 import math
 from typing import Any, Iterator, Mapping
 
-from heading_intercompare.core.verdict.verdict_document import Verdict
+from .verdict_document import Verdict
 
 __all__ = ['find_differences']
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare import analyze, Headings, Norms, Settings
-from heading_intercompare.app.compare_verdicts import find_differences
+from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.core.verdict.verdict_document import Input
 
 

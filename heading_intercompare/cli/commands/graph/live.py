@@ -9,13 +9,16 @@ from datetime import datetime, timezone
 import sys
 
 from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.cli.commands.analyze import (
+    add_settings_arguments,
+    add_verdict_arguments,
+    conclude,
+)
+from heading_intercompare.cli.commands.note import add_note_argument, read_notes
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.decision.coverage import least_duration_words
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.settings import SettingsError
-
-from .analyze import add_settings_arguments, add_verdict_arguments, conclude
-from .note import add_note_argument, read_notes
 
 __all__ = ['add_arguments', 'run']
 

@@ -12,12 +12,12 @@ from pathlib import Path
 import shutil
 from typing import Mapping
 
-from heading_intercompare.app.compare_verdicts import find_differences
 from heading_intercompare.app.inputs import analyze_input
 from heading_intercompare.app.scenarios import read_scenario
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.pipeline import join
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.report import SeriesSketch, write
 

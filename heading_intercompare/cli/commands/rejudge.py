@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``rejudge``: old recordings judged anew, and the outcomes that changed."""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+import json
+import sys
+from typing import Sequence
+
+from heading_intercompare.app.config import load_config
+from heading_intercompare.app.outputs import check_outputs, name_file, Outputs
+from heading_intercompare.app.rejudge import (
+    CHANGED,
+    rejudge,
+    Rejudged,
+    SAME,
+    UNJUDGED,
+    WITHOUT_REPORT,
+)
+from heading_intercompare.cli.terminal.progress import Progress
+from heading_intercompare.core.verdict.verdict_document import make_plain, Software
+from heading_intercompare.core.version import RULE_VERSION
+
+from .analyze import add_settings_arguments
+
+__all__ = ['add_arguments', 'run']
+
+SCHEMA = 'heading_intercompare/rejudge/1'
+_CHANGED_CODE, _UNKNOWN_CODE = 1, 3
+_WORDS = {CHANGED: 'changed', UNJUDGED: 'not judged', WITHOUT_REPORT: 'without a report',
+          SAME: 'the same'}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument('bags', nargs='+', metavar='BAG',
+                        help='.mcap file or rosbag2 directory; it is judged with the settings '
+                        'that it stores, unless --config gives all and --set some others')
+    add_settings_arguments(parser)
+    parser.add_argument('--json', metavar='F', help="write what became of each; '-' for stdout")
+    parser.add_argument('--check', action='store_true',
+                        help='exit code 1 if an outcome changed, 3 if one could not be compared')
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Judge the recordings anew, and print a line on each, what changed most first."""
+    config = load_config(arguments.config) if arguments.config else None
+    check_outputs(Outputs(json=arguments.json), arguments.bags, config=arguments.config)
+    with Progress(f'{len(arguments.bags)} bags', arguments.quiet) as progress:
+        found = rejudge(arguments.bags, config, arguments.set, progress=progress.show)
+    for note in _notes(found):
+        print(f'note: {note}', file=sys.stderr)
+    if all(each.status == UNJUDGED for each in found):
+        several = f'none of the {len(found)} bags can be judged: ' if len(found) > 1 else ''
+        raise ValueError(f'{several}{found[0].path}: {found[0].error}')
+    counts = Counter(each.status for each in found)
+    if arguments.json == '-':
+        sys.stdout.write(_render(found))
+    else:
+        print(*(each.line for each in found), sep='\n')
+        print(f'of {len(found)}: ' + ', '.join(f'{counts[status]} {words}'
+                                              for status, words in _WORDS.items()))
+        if arguments.json:
+            with name_file(arguments.json), open(
+                    arguments.json, 'w', encoding='utf-8', errors='backslashreplace') as file:
+                file.write(_render(found))
+    if not arguments.check:
+        return 0
+    return _CHANGED_CODE if counts[CHANGED] else 0 if counts[SAME] == len(found) else _UNKNOWN_CODE
+
+
+def _notes(found: Sequence[Rejudged]) -> list[str]:
+    """Return notes on single bags, and once what holds for many."""
+    gone = Counter(text for each in found for text in each.settings_gone)
+    where = {text: each.path for each in found for text in each.settings_gone}
+    return [*(f'{each.path}: {note}' for each in found for note in each.notes),
+            *(f'{where[text] if n == 1 else f"{n} bags"}: {text}' for text, n in gone.items())]
+
+
+def _render(found: Sequence[Rejudged]) -> str:
+    """Return what became of the recordings as JSON."""
+    return json.dumps({'schema': SCHEMA, 'software': make_plain(Software()),
+                       'rule_version': RULE_VERSION, 'bags': make_plain(found)},
+                      indent=1, ensure_ascii=False, allow_nan=False) + '\n'

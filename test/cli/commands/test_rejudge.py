@@ -1,0 +1,195 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command rejudge: what becomes of the verdicts that bags hold, whatever else is in them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import shutil
+
+import numpy as np
+import pytest
+
+from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.rosbag2.provenance import describe_origin, RECORD, REPORT_TOPIC
+from heading_intercompare.cli import main
+from heading_intercompare.core.version import RULE_VERSION
+from heading_intercompare.messages.cdr import encode
+from heading_intercompare.messages.heading_messages import encode_imu
+
+S = 1_000_000_000
+STAMPS = (np.arange(700) + 1_700_000_000) * S
+FORMER = Path(__file__).resolve().parents[2] / 'data' / '0_1_0'
+SETTINGS = Settings.from_mapping({'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1})
+STORED = describe_origin(SETTINGS.to_mapping())
+
+
+@pytest.fixture(scope='module')
+def trial():
+    """Return the headings of a good TS and of the RS, and the verdict on them."""
+    true = 100.0 + 50.0 * np.sin(np.arange(700) / 40.0)
+    ts = Headings.of(STAMPS, true + 0.1 * np.random.default_rng(3).standard_normal(700))
+    rs = Headings.of(STAMPS, true)
+    return ts, rs, analyze(ts, rs, SETTINGS).to_dict()
+
+
+@pytest.fixture
+def make_bag(trial, tmp_path):
+    """Return a function that makes a bag of the trial, given what it stores."""
+    ts, rs, verdict = trial
+
+    def make(name='bag', *, stored=STORED, report=True, published=False, **changes):
+        path = tmp_path / name
+        text = report if isinstance(report, str) else json.dumps({**verdict, **changes})
+        with BagWriter(path) as writer:
+            if stored:
+                writer.metadata(RECORD, stored)
+            for topic, readings in (('ts/heading', ts), ('rs/heading', rs)):
+                writer.add_topic(topic, 'sensor_msgs/msg/Imu')
+                writer.write_rows([Rows(topic, encode_imu(readings, 'x'), STAMPS)])
+            if published:
+                writer.add_topic(REPORT_TOPIC, 'std_msgs/msg/String')
+                writer.write(REPORT_TOPIC, encode('std_msgs/msg/String', {'data': text}),
+                             int(STAMPS[-1]))
+            elif report:
+                writer.attachment('report.json', 'application/json', text.encode())
+        return str(path)
+    return make
+
+
+@pytest.fixture
+def told(capsys):
+    """Return a function that runs the command: exit code, lines, what is said beside them."""
+    def run(*arguments):
+        code = main(['rejudge', *map(str, arguments)])
+        out, err = capsys.readouterr()
+        return code, out.splitlines(), err
+    return run
+
+
+def test_a_bag_that_is_judged_as_it_was_is_the_same(make_bag, told):
+    bag = make_bag()
+    code, lines, said = told(bag, '--check')
+    assert (code, said) == (0, '')
+    assert lines[0].startswith(f'{bag}: same: COMPLIANT for errors that change within ')
+    assert lines[1] == 'of 1: 0 changed, 0 not judged, 0 without a report, 1 the same'
+
+
+def test_the_report_that_was_published_last_counts_where_none_is_attached(make_bag, told):
+    code, lines, _ = told(make_bag(published=True, outcome='non_compliant'), '--check')
+    assert code == 1 and f': NON-COMPLIANT by rule {RULE_VERSION} -> COMPLIANT' in lines[0]
+
+
+def test_other_settings_change_an_outcome_and_are_named(make_bag, told):
+    bag = make_bag()
+    code, lines, _ = told(bag, '--set', 'norms.sigma_max_deg=0.01', '--check')
+    assert code == 1
+    assert lines[0].startswith(f'{bag}: COMPLIANT by rule {RULE_VERSION} -> ')
+    assert lines[0].endswith(' (other settings: norms.sigma_max_deg)')
+    assert told(bag, '--set', 'norms.sigma_max_deg=0.01')[0] == 0
+
+
+def test_a_file_of_settings_takes_the_place_of_the_stored_ones(make_bag, told, tmp_path):
+    config = tmp_path / 'mine.yaml'
+    config.write_text('/**:\n  ros__parameters:\n    norms: {sigma_max_deg: 0.2, '
+                      'sigma_ref_max_deg: 0.1}\n', 'utf-8')
+    bag = make_bag(stored=describe_origin({'ts_topic': 'elsewhere', 'risk.method': 'dyadic'}))
+    assert 'ts_topic' not in told(bag, '--config', config)[2]
+    assert told(bag, '--config', config)[1][0].startswith(f'{bag}: same: COMPLIANT')
+
+
+def test_a_doubt_that_was_not_there_is_a_change(make_bag, told):
+    code, lines, _ = told(make_bag(validity_effect='doubtful'), '--check')
+    assert code == 1 and ': COMPLIANT, DOUBTFUL by rule ' in lines[0]
+
+
+def test_the_worst_stands_first_and_a_bad_bag_stops_no_other(make_bag, told, tmp_path):
+    same, better = make_bag('same'), make_bag('better', outcome='non_compliant')
+    worse = make_bag('worse', stored={**STORED, 'settings.norms.sigma_max_deg': '0.01'})
+    silent, absent = make_bag('silent', report=False), str(tmp_path / 'absent')
+    code, lines, _ = told(same, absent, better, silent, worse, '--check')
+    assert code == 1
+    assert [line.partition(': ')[0] for line in lines[:-1]] == [
+        worse, better, absent, silent, same]
+    assert lines[2] == f'{absent}: not judged: No such file or directory'
+    assert lines[3].startswith(f'{silent}: no report in it to compare with: COMPLIANT')
+    assert lines[-1] == 'of 5: 2 changed, 1 not judged, 1 without a report, 1 the same'
+    assert told(same, absent, '--check')[0] == told(same, silent, '--check')[0] == 3
+    assert told(same, absent)[0] == 0
+
+
+def test_a_bag_without_settings_asks_for_norms_or_takes_those_of_its_report(make_bag, told):
+    code, lines, said = told(make_bag('none', stored={}, report=False))
+    assert (code, lines) == (2, []) and said.count('\n') == 1
+    assert ('none: it stores no settings: give norms.sigma_max_deg (or norms.preset) and '
+            'norms.sigma_ref_max_deg with --config or --set') in said
+    given = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1']
+    assert ': no report in it' in told(make_bag('given', stored={}, report=False), *given)[1][0]
+    assert ': same: ' in told(make_bag('report', stored={}))[1][0]
+    lacking = describe_origin({**SETTINGS.to_mapping(), 'norms.sigma_max_deg': None})
+    assert 'its settings have no norm: ' in told(make_bag('lacking', stored=lacking))[2]
+    wrong = describe_origin({**SETTINGS.to_mapping(), 'window_s': 0.0})
+    assert 'wrong: its settings: window_s = 0.0: must be ' in told(
+        make_bag('wrong', stored=wrong))[2]
+
+
+@pytest.mark.parametrize('report, words', [
+    ('{', 'the report in it is not JSON'), ('[' * 100_000, 'the report in it is not JSON'),
+    ('[]', 'the report in it: is not a verdict of heading_intercompare'),
+    ('{"schema": "heading_intercompare/verdict/2"}',
+     "the report in it: outcome = None: must be one of 'compliant', ")])
+def test_a_report_that_is_none_is_told_and_the_bag_is_judged(make_bag, told, report, words):
+    code, lines, said = told(make_bag(report=report), '--check')
+    assert code == 3 and ': no report in it to compare with: COMPLIANT' in lines[0]
+    assert words in said and said.count('\n') == 1
+
+
+def test_a_bag_that_is_cut_is_judged_as_far_as_it_goes(make_bag, told):
+    bag = make_bag()
+    (file,) = Path(bag).glob('*.mcap')
+    file.write_bytes(file.read_bytes()[:-file.stat().st_size // 3])
+    code, lines, said = told(bag, '--check')
+    assert code == 0 and f'note: {bag}: ' in said and ': same: COMPLIANT' in lines[0], said
+    file.write_bytes(b'no bag')
+    code, lines, said = told(bag)
+    assert (code, lines) == (2, []) and said.count('\n') == 1 and 'bag' in said
+
+
+def test_a_bag_of_the_first_build_is_judged_and_says_which_settings_are_gone(told, tmp_path):
+    for name in ('a', 'b'):
+        shutil.copytree(FORMER / 'bag', tmp_path / name)
+    code, lines, said = told(tmp_path / 'a', '--check', '--set', 'risk.min_duration_s=600')
+    assert code == 1
+    assert lines[0] == (f'{tmp_path / "a"}: COMPLIANT by rule 1 -> INDETERMINATE: shorter than a '
+                        'run must be to comply (other settings: risk.min_duration_s)')
+    assert f'note: {tmp_path / "a"}: risk.method = dyadic+acf is gone: ' in said
+    code, lines, said = told(tmp_path / 'a', tmp_path / 'b', '--check')
+    assert code == 0 and ': same: COMPLIANT' in lines[0]
+    assert said.count('\n') == 5 and 'note: 2 bags: risk.nu_min = 12.0 is gone: ' in said
+
+
+def test_the_json_holds_all_and_is_no_input(make_bag, told, tmp_path):
+    bag, file = make_bag(), tmp_path / 'r.json'
+    assert told(bag, '--json', file)[0] == 0
+    mapping = json.loads(file.read_text('utf-8'))
+    assert mapping['schema'] == 'heading_intercompare/rejudge/1'
+    assert mapping['rule_version'] == RULE_VERSION
+    (entry,) = mapping['bags']
+    assert (entry['path'], entry['status'], entry['outcome']) == (bag, 'same', 'compliant')
+    assert entry['former']['settings_sha256'] == entry['settings_sha256']
+    _, lines, _ = told(bag, '--json', '-')
+    assert json.loads('\n'.join(lines)) == mapping
+    (part,) = Path(bag).glob('*.mcap')
+    before = part.read_bytes()
+    assert told(part, '--json', part)[0] == 2 and part.read_bytes() == before
+
+
+@pytest.mark.parametrize('options, words', [
+    (['--set', 'norms.sigma=1'], "unknown setting 'norms.sigma'"),
+    (['--config', 'absent.yaml'], 'absent.yaml: No such file or directory'),
+    ([f'--config={FORMER / "parameters.yaml"}'], "setting 'risk.method' is gone")])
+def test_a_mistake_is_one_line(make_bag, told, options, words):
+    code, lines, said = told(make_bag(), *options)
+    assert (code, lines) == (2, []) and words in said and said.count('\n') == 1

@@ -1,0 +1,28 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Make the frozen samples, with the sources of the commit that the README names."""
+
+from pathlib import Path
+import sys
+
+from heading_intercompare.cli import main
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.nodes.graph import intercompare, Source
+from heading_intercompare.nodes.sensor_simulator import SensorSimulator
+
+NORMS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1, 'risk.nu_min': 12.0}
+SCENARIO = {
+    'duration_s': 150.0, 'start_utc': '2026-03-01T09:00:00Z', 'seed': 7, 'seaway': 'ss3',
+    'legs': '0 45 12\n75 90 12\n', 'ts.model': 'ideal', 'ts.rate_hz': 1.0,
+    'ts.white_deg': 0.1, 'rs.model': 'ideal', 'rs.rate_hz': 1.0, 'rs.phase_s': 0.03,
+    'rs.white_deg': 0.03, 'stamps': 'scenario', 'speed': 50.0}
+
+folder = Path(sys.argv[1])
+bag = str(folder / 'bag')
+intercompare([Source(SensorSimulator, 'sensor_simulator', SCENARIO)],
+             Settings.from_mapping(NORMS).to_mapping(), output=bag, private=True)
+given = [f'--set={name}={value}' for name, value in NORMS.items()]
+main(['analyze', bag, *given, '--json', str(folder / 'verdict.json'),
+      '--csv', str(folder / 'pairs.csv'),
+      '--ensembles', str(folder / 'ensembles.csv'), '--ensemble-s', '60'])
+main(['info', bag])

@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The JSON Schema takes every verdict, and what it refuses the reader refuses, too."""
+
+from __future__ import annotations
+
+import copy
+import json
+from pathlib import Path
+import runpy
+
+import jsonschema
+import numpy as np
+import pytest
+
+from heading_intercompare import analyze, Headings, join, Settings
+from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
+from heading_intercompare.report.json_schema import make_schema
+
+ROOT = Path(__file__).resolve().parents[2]
+S = 1_000_000_000
+NORMS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
+CHECK = jsonschema.Draft202012Validator(make_schema())
+
+
+def faults(mapping):
+    """Return where a verdict, as JSON has it, breaks the schema."""
+    return [error.json_path for error in CHECK.iter_errors(json.loads(json.dumps(mapping)))]
+
+
+def judged(runs=1, n=600, **settings):
+    """Return a verdict on runs of a turning ship as a mapping."""
+    rng = np.random.default_rng(n)
+    ts, rs = [], []
+    for run in range(runs):
+        stamps = (np.arange(n) + 10_000 * run + 1_700_000_000) * S
+        true = 180.0 + 170.0 * np.sin(np.arange(n) / 40.0)
+        ts.append(Headings.of(stamps, true + rng.normal(0.0, 0.2, n)))
+        rs.append(Headings.of(stamps, true))
+    given = {**NORMS, **{name.replace('__', '.'): value for name, value in settings.items()}}
+    return analyze(ts, rs, Settings.from_mapping(given)).to_dict()
+
+
+def test_the_schema_is_a_schema():
+    jsonschema.Draft202012Validator.check_schema(make_schema())
+
+
+def test_the_file_is_what_the_classes_declare():
+    generated = runpy.run_path(str(ROOT / 'docs' / 'generate.py'))
+    assert generated['SCHEMA'].read_text('utf-8') == generated['schema'](), 'run: make docs'
+
+
+@pytest.mark.parametrize('runs, n, settings', [
+    (0, 1, {}), (1, 1, {}), (1, 50, {}), (1, 3000, {}), (6, 300, {'campaign__rule': 'sensor'}),
+    (1, 2000, {'drift_order': 'auto', 'runs__stabilization_s': 'auto', 'norms__k_rule': 2.5}),
+    (1, 2000, {'sequential__plan_s': 2000.0, 'alignment__skew': 'apply'})])
+def test_a_verdict_meets_the_schema(runs, n, settings):
+    assert faults(judged(runs, n, **settings)) == []
+
+
+def test_what_is_known_of_the_inputs_meets_the_schema():
+    inputs = [Input('a.mcap', 'ab', 'ts', 'rs', (OperatorNote(5, 'turn'),)),
+              Input('c', None, error='gone'), Input('d', 'ab', same_as='a.mcap')]
+    assert faults(join([], Settings.from_mapping(NORMS), inputs, incomplete=True).to_dict()) == []
+
+
+def test_keys_of_later_versions_are_allowed():
+    mapping = judged()
+    mapping['later'] = mapping['runs'][0]['guarded']['later'] = {'x': 1}
+    assert faults({**mapping, 'schema_version': '2.34'}) == []
+
+
+@pytest.mark.parametrize('where, wrong', [
+    ('schema', 'heading_intercompare/verdict/1'), ('schema_version', '3.0'),
+    ('outcome', 'good'), ('rule_version', '2'), ('settings_sha256', 'ab'), ('runs', {}),
+    ('settings.model', 'XX'), ('settings.norms.probability', 2.0), ('settings.window_s', None),
+    ('runs.0.n', 1.5), ('runs.0.guarded.nu', 'many'), ('campaign.runs_by_outcome.compliant', 'x')])
+def test_what_is_no_verdict_breaks_the_schema_where_it_is_wrong(where, wrong):
+    mapping = judged()
+    first, _, rest = where.partition('.')
+    *path, last = [first] + ([rest] if first == 'settings' else rest.split('.')) * bool(rest)
+    block = mapping
+    for key in path:
+        block = block[int(key) if key.isdigit() else key]
+    block[last] = wrong
+    assert len(faults(mapping)) == 1
+
+
+def test_a_key_that_is_missing_breaks_the_schema():
+    mapping = judged()
+    for block in (mapping, mapping['runs'][0], mapping['settings'], mapping['campaign']):
+        for key in [*block]:
+            kept = copy.copy(block)
+            del block[key]
+            assert faults(mapping) != [], key
+            block.clear()
+            block.update(kept)
