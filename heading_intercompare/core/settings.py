@@ -212,13 +212,14 @@ def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
 
     """
     rules = {rule.name: rule for rule in list_settings(settings_class)}
-    values, given = {}, dict(flatten(mapping))
-    if gone := [name for name in _GONE if name in given and name not in rules]:
+    values, given = {}, list(flatten(mapping))
+    named = {name for name, _ in given}
+    if gone := [name for name in _GONE if name in named and name not in rules]:
         # All at once: an old file would be refused once for each.
         alike = {why: ', '.join(repr(name) for name in gone if _GONE[name] == why)
                  for why in dict.fromkeys(map(_GONE.__getitem__, gone))}
         raise SettingsError('; '.join(f'setting {names} {why}' for why, names in alike.items()))
-    for name, value in given.items():
+    for name, value in given:
         if name not in rules:
             raise explain_unknown('setting', name, rules)
         if name in values:
