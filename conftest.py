@@ -45,6 +45,8 @@ OPTIONAL = ('rclpy', 'serial', 'hypothesis', 'rosbags', 'mcap_ros2', 'pybag',
 MISSING = [name for name in OPTIONAL if find_spec(name) is None]
 
 # The examples in the docstrings of nodes can only be collected with ROS.
+# Data are not asked for examples: what made them needs the sources of its time.
+collect_ignore = ['test/data']
 collect_ignore_glob = ['heading_intercompare/nodes/*.py'] if 'rclpy' in MISSING else []
 if {'distributed', 'threadpoolctl'} & {*MISSING}:
     collect_ignore_glob.append('heading_intercompare/app/cluster.py')

@@ -17,12 +17,18 @@ SCENARIO = {
     'ts.white_deg': 0.1, 'rs.model': 'ideal', 'rs.rate_hz': 1.0, 'rs.phase_s': 0.03,
     'rs.white_deg': 0.03, 'stamps': 'scenario', 'speed': 50.0}
 
-folder = Path(sys.argv[1])
-bag = str(folder / 'bag')
-intercompare([Source(SensorSimulator, 'sensor_simulator', SCENARIO)],
-             Settings.from_mapping(NORMS).to_mapping(), output=bag, private=True)
-given = [f'--set={name}={value}' for name, value in NORMS.items()]
-main(['analyze', bag, *given, '--json', str(folder / 'verdict.json'),
-      '--csv', str(folder / 'pairs.csv'),
-      '--ensembles', str(folder / 'ensembles.csv'), '--ensemble-s', '60'])
-main(['info', bag])
+
+def make(folder: Path) -> None:
+    """Write bag, csv and verdict into a folder."""
+    bag = str(folder / 'bag')
+    intercompare([Source(SensorSimulator, 'sensor_simulator', SCENARIO)],
+                 Settings.from_mapping(NORMS).to_mapping(), output=bag, private=True)
+    given = [f'--set={name}={value}' for name, value in NORMS.items()]
+    main(['analyze', bag, *given, '--json', str(folder / 'verdict.json'),
+          '--csv', str(folder / 'pairs.csv'),
+          '--ensembles', str(folder / 'ensembles.csv'), '--ensemble-s', '60'])
+    main(['info', bag])
+
+
+if __name__ == '__main__':
+    make(Path(sys.argv[1]))
