@@ -24,7 +24,7 @@ from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.ros import qos
 
 from .conftest import NORMS
-from .typed import marker_message, marks_from
+from .rclpy_objects import marker_message, marks_from
 
 T0_NS = 1_700_000_000_000_000_000
 S_NS = 1_000_000_000

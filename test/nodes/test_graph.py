@@ -25,7 +25,7 @@ from heading_intercompare.nodes.replayer import Replayer
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 
 from .conftest import NORMS
-from .typed import heading_messages, headings_from
+from .rclpy_objects import heading_messages, headings_from
 
 TRIAL = {'duration_s': 120.0, 'seed': 5, 'ts.white_deg': 0.1, 'ts.rate_hz': 10.0,
          'rs.rate_hz': 4.0, 'rs.phase_s': 0.03, 'rs.white_deg': 0.02, 'rs.dropout': 0.1,

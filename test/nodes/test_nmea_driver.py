@@ -16,7 +16,7 @@ from heading_intercompare.drivers.settings import DriverError
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.ros import qos
 
-from .typed import headings_from
+from .rclpy_objects import headings_from
 
 
 def sentence(heading):

@@ -26,7 +26,7 @@ from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.ros import qos
 
-from .typed import heading_messages, headings_from, marker_message
+from .rclpy_objects import heading_messages, headings_from, marker_message
 
 REPORT = json.dumps({'runs': [{'start_ns': 5, 'end_ns': 9}]})
 

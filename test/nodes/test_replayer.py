@@ -32,8 +32,8 @@ from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.synchronizer import Synchronizer
 
 from .conftest import NORMS, Ros
+from .rclpy_objects import headings_from, ledger_from, marker_message, marks_from
 from .test_graph import assert_same
-from .typed import headings_from, ledger_from, marker_message, marks_from
 
 T0_NS = 1_700_000_000_000_000_000
 HEADINGS = Headings.of(T0_NS + np.arange(300) * 10 ** 8, np.arange(300) % 360.0)

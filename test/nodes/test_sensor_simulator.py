@@ -20,7 +20,7 @@ from heading_intercompare.messages.status_messages import ERROR, OK
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 
-from .typed import heading_messages, headings_from
+from .rclpy_objects import heading_messages, headings_from
 
 TRIAL = {'duration_s': 20.0, 'ts.rate_hz': 10.0, 'rs.rate_hz': 4.0, 'ts.white_deg': 0.1,
          'legs': '0 350 10; 10 20 10'}

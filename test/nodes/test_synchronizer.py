@@ -23,7 +23,7 @@ from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
 from heading_intercompare.nodes.synchronizer import Synchronizer
 
-from .typed import heading_messages, headings_from, ledger_from, marker_message, pairs_from
+from .rclpy_objects import heading_messages, headings_from, ledger_from, marker_message, pairs_from
 
 T0_NS = 1_700_000_000_000_000_000
 
