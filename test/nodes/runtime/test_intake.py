@@ -19,7 +19,7 @@ from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
 
-from ..typed import heading_messages
+from ..rclpy_objects import heading_messages
 
 
 def intake_of(ros, profile=qos.HEADINGS_IN, types=HEADING_TYPES, **kwargs):
