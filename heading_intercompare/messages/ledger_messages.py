@@ -34,6 +34,13 @@ def _integer(key: str, text: str) -> int:
         raise MessageError(f'ledger: {key} = {text[:40]!r} must be an integer') from None
 
 
+def _key(word: str) -> LedgerKey:
+    try:
+        return LedgerKey(word)
+    except ValueError:
+        raise MessageError(f'ledger: {word[:40]!r} is no key of a ledger') from None
+
+
 def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
     """
     Return the ledger in a message of `encode_ledger`, and whether it is the final one.
@@ -41,7 +48,8 @@ def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
     Raises
     ------
     MessageError
-        If it is damaged, counts what is no number, or a segment does not say where it starts.
+        If it is damaged, counts what is no number or has no key, or a segment does not say where
+        it starts.
 
     """
     newest_ns, statuses = decode_statuses(data)
@@ -53,7 +61,7 @@ def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
             counts = {key: _integer(key, text) for key, text in values.items()}
             start_ns = counts.pop('start_ns', None)
             segments.append(LedgerSegment(
-                start_ns, {LedgerKey(key): n for key, n in counts.items()}))
+                start_ns, {_key(word): n for word, n in counts.items()}))
     if any(segment.start_ns is None for segment in segments[1:]):
         raise MessageError('ledger: a segment behind the first has no start_ns')
     return Ledger.from_segments(segments, newest_ns or None), final
