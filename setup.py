@@ -48,6 +48,7 @@ setup(
         'test': ['pytest>=7.4', 'pytest-xdist>=3.4', 'pytest-timeout>=2.2', 'hypothesis>=6',
                  'rosbags', 'mcap-ros2-support', 'pybag-sdk',
                  'jsonschema>=4'],
+        'docs': ['sphinx>=7', 'myst-parser>=2', 'numpydoc>=1.6', 'pydata-sphinx-theme>=0.14'],
         'dev': ['ruff', 'mypy>=2.4', 'colcon-common-extensions'],
     },
     entry_points={
