@@ -63,6 +63,8 @@ test-pins: .venv-pins/.test
 
 release: test
 	@.ci/step 'large fuzz' env HYPOTHESIS_PROFILE=release $(BIN)/python $(TESTS) test/bags test/nodes
+	@.ci/venv .venv ros,serial,fast,dask,docs,test,dev,notebook
+	@.ci/step 'notebooks' $(BIN)/jupyter execute examples/*.ipynb
 	@.ci/step 'soak of 30 min' env HEADING_INTERCOMPARE_SOAK_S=1800 \
 		$(BIN)/python -m pytest test/nodes/test_soak.py
 	@for table in $(TABLES); do \
