@@ -180,7 +180,7 @@ def test_info_of_a_bag_whose_recorder_lost_messages_says_so(tmp_path, capsys):
             'lost_on_the_way./ts/heading': 3})
     text = printed(capsys, 'info', tmp_path / 'bag')
     assert ('\ncomplete: no: 12 messages received but not written, '
-            '1 message in files that were taken away\n') in text
+            '1 message in files that were removed or moved\n') in text
 
 
 def test_info_of_a_bag_without_messages(tmp_path, capsys):
