@@ -255,7 +255,7 @@ def test_rules_in_front_of_the_bag_are_not_taken_for_it(capsys):
 
 
 @pytest.mark.parametrize('options, words', [
-    (['--remap', 'pairs:=x'], "remap 'pairs': is not replayed; replayed are ts/heading, "
+    (['--remap', 'pairs:=x'], "remap 'pairs': is not replayed; must be one of ts/heading, "
      'rs/heading, compliance/marker'),
     (['-m', 'ts/heading:=x', '--remap', 'rs/heading:=x'], "topic 'rs/heading' would be published "
      "as /x, which is already the name of 'ts/heading'"),
