@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from collections import Counter
 import re
-from typing import Optional, Tuple
+from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
-__all__ = ['Frame', 'Framer', 'KEPT_PREFIX', 'MAX_SENTENCE', 'split']
+__all__ = ['Frame', 'Framer', 'KEPT_PREFIX', 'MAX_SENTENCE', 'Received', 'split']
 
 #: Most bytes of a sentence; a longer one is `too_long`.
 MAX_SENTENCE = 1024
@@ -34,6 +34,27 @@ _PIECE = re.compile(
     rb'|[\r\n]+)')
 _HEX = {f'{a}{b}'.encode(): int(a + b, 16)
         for a in '0123456789abcdefABCDEF' for b in '0123456789abcdefABCDEF'}
+
+
+class Received(NamedTuple):
+    """
+    Bytes as a source returns them.
+
+    Attributes
+    ----------
+    data : bytes
+        A datagram, a line of a log, or a piece of a stream.
+    stamp_ns : int or None
+        Time of receipt, nanoseconds UTC; None for a line of a log without a stamp.
+    late_s : float
+        Longest time for which the bytes may have waited to be read, seconds. Datagrams are
+        stamped by the kernel and do not wait.
+
+    """
+
+    data: bytes
+    stamp_ns: int | None
+    late_s: float = 0.0
 
 
 #: One sentence: time of receipt [ns], the bytes before it, its text, whether it had a checksum.

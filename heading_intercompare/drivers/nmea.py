@@ -11,6 +11,7 @@ import numpy as np
 
 from heading_intercompare.core.records import Headings
 
+from .bursts import BurstFinder
 from .framing import Frame, Framer, KEPT_PREFIX
 from .log_stamps import day_time_ns, log_stamp_ns, nearest_day_ns, zda_ns
 from .sentence_choice import accepts, choose_sentence, find_sentence
@@ -62,6 +63,11 @@ class NmeaDecoder:
     *Stamps of receipt.* On a live line, the time of receipt of the first byte of the sentence. In
     a file, the stamp before the sentence; also on a live line if `stamp_format` names its form.
 
+    *Bursts.* Bytes of a TCP or serial line wait unstamped while the program does not read. Of
+    several readings in one read, or in a read that may be more than two steps late, none has a
+    time of receipt: it is counted as `burst`. If the stream carries times of validity, it gets its
+    time of validity plus the usual latency instead.
+
     *Stamps of validity.* A heading takes the time of the ZDA before it if it is the first
     sentence of its kind and talker after that ZDA: one ZDA opens one burst. A heading before any
     ZDA, a second one in a burst, and one after an unreadable ZDA have no time of validity. PASHR
@@ -90,6 +96,12 @@ class NmeaDecoder:
         self._stamp_format = settings.stamp_format
         if scheme != 'file' and settings.stamp_format == 'auto':
             self._stamp_format = 'none'
+        #: Only bytes of a stream that are stamped as they are read can wait unstamped.
+        self._bursts = (BurstFinder() if scheme in ('tcp', 'serial') and not self._validity
+                        and self._stamp_format == 'none' else None)
+        #: By the time of a read, how long its bytes may have waited: of the last two reads.
+        self._late_s: dict[int, float] = {}
+        self._in_read: Counter[tuple[Name | None, int | None]] = Counter()
         self._from_file = scheme == 'file'
         self._chosen = find_sentence(address.path, settings) if self._from_file else None
         self._chosen_column = _Column()
@@ -110,7 +122,8 @@ class NmeaDecoder:
         other kinds; `other_sentence.KIND`, `other_talker.XX`: headings that were not chosen;
         `too_few_fields`, `empty_heading`, `bad_field`, `out_of_range`, `not_true`,
         `invalid_mode.X` (THS), `no_variation` (HDG), `invalid_quality` (the PSXN,20 before a
-        PSXN,23 says so); `no_stamp`, `bad_stamp`, `no_validity_time`, `bad_time` (a ZDA).
+        PSXN,23 says so); `no_stamp`, `bad_stamp`, `burst` (readings of a stream without a stamp of
+        their own), `no_validity_time`, `bad_time` (a ZDA).
         """
         return dict(sorted(self._counts.items()))
 
@@ -125,7 +138,7 @@ class NmeaDecoder:
         """Kind and talker whose headings are returned; None while listening."""
         return self._chosen
 
-    def feed(self, data: bytes, received_ns: int | None) -> Headings:
+    def feed(self, data: bytes, received_ns: int | None, late_s: float = 0.0) -> Headings:
         """
         Take bytes and return the headings that they complete.
 
@@ -135,6 +148,8 @@ class NmeaDecoder:
             A datagram, or a piece of the stream, split anywhere; may be empty.
         received_ns : int or None
             Time of receipt, nanoseconds UTC; not used if the lines carry stamps.
+        late_s : float
+            Longest time for which the bytes may have waited to be read, seconds.
 
         Returns
         -------
@@ -142,7 +157,11 @@ class NmeaDecoder:
             In the order of the bytes; none while it still listens.
 
         """
-        for frame in self._framer.feed(data, received_ns):
+        frames = self._framer.feed(data, received_ns)
+        if self._bursts is not None and received_ns is not None:
+            self._late_s = {received_ns: late_s, **dict(list(self._late_s.items())[:1])}
+            self._in_read = Counter((identify(text), came_ns) for came_ns, _, text, _ in frames)
+        for frame in frames:
             self._take(frame)
         if self._held:
             if self._learning_since_ns is None:
@@ -209,6 +228,8 @@ class NmeaDecoder:
         try:
             if self._validity:
                 stamp_ns, heading_deg = self._read_valid(name, text, prefix, received_ns)
+            elif self._bursts is not None and received_ns is not None:
+                stamp_ns, heading_deg = self._read_stream(name, text, prefix, received_ns)
             else:
                 heading_deg = self._heading(name, text)
                 stamp_ns = self._receipt_ns(prefix, received_ns)
@@ -220,13 +241,13 @@ class NmeaDecoder:
 
     def _note(self, text: bytes) -> str:
         """Keep what another sentence says about later headings; return the reason to count it."""
-        if text[2:6] == b'ZDA,' and self._validity:
+        if text[2:6] == b'ZDA,' and (self._validity or self._bursts is not None):
             self._stamped.clear()
             try:
                 self._zda_ns = self._burst_ns = zda_ns(text.split(b','))
             except ValueError:
                 self._burst_ns = None
-                return 'bad_time'
+                return 'bad_time' if self._validity else 'not_heading'
         elif text[:8] == b'PSXN,20,':
             self._psxn_quality = (text.split(b',') + [b''] * 3)[4].strip()
         return 'not_heading'
@@ -247,6 +268,30 @@ class NmeaDecoder:
         if burst_ns is None:
             raise Rejected('no_validity_time')
         return burst_ns, heading_deg
+
+    def _read_stream(self, name: Name, text: bytes, prefix: bytes, received_ns: int
+                     ) -> tuple[int, float]:
+        """
+        Return time of receipt and heading of a sentence from a stream; raises Rejected.
+
+        One of a burst was received at its time of validity plus the usual latency, if both are
+        known.
+        """
+        burst = self._bursts.find(name, received_ns, self._in_read[name, received_ns],
+                                  self._late_s.get(received_ns, 0.0))
+        heading_deg = self._heading(name, text)
+        try:
+            valid_ns, _ = self._read_valid(name, text, prefix, received_ns)
+        except Rejected:
+            valid_ns = None
+        if not burst:
+            if valid_ns is not None:
+                self._bursts.learn_latency(name, received_ns, valid_ns)
+            return received_ns, heading_deg
+        stamp_ns = None if valid_ns is None else self._bursts.receipt_ns(name, valid_ns)
+        if stamp_ns is None:
+            raise Rejected('burst')
+        return stamp_ns, heading_deg
 
     def _receipt_ns(self, prefix: bytes, received_ns: int | None) -> int:
         """Return the stamp before a sentence, or its time of receipt; raises Rejected."""

@@ -8,7 +8,7 @@ import time
 from typing import Any, Callable
 
 from .csv_log import is_csv
-from .framing import KEPT_PREFIX, split
+from .framing import KEPT_PREFIX, Received, split
 from .log_stamps import log_stamp_ns
 from .settings import DriverError, DriverSettings
 
@@ -55,11 +55,13 @@ class FileSource:
                               f'{self._path}: a csv cannot be played, only imported; must be a '
                               'log of NMEA sentences')
         self._file.seek(0)
-        self.first_ns = next((ns for ns, _ in iter(self._line, None) if ns is not None), None)
+        self.first_ns = next((line.stamp_ns for line in iter(self._line, None)
+                              if line.stamp_ns is not None), None)
         self.origin_ns = self.first_ns
         self._file.seek(0)
         self._next = self._line()
         self._started: float | None = None
+        self.counts: dict[str, int] = {}
         self.status = f'playing {self._path}'
 
     @property
@@ -67,14 +69,14 @@ class FileSource:
         """Whether all lines have been returned."""
         return self._next is None
 
-    def read(self, timeout_s: float) -> list[tuple[int | None, bytes]]:
+    def read(self, timeout_s: float) -> list[Received]:
         """Return the lines that are due, at most 1000."""
         if self._started is None:
             self._started = self._clock()
         end = self._clock() + timeout_s
-        lines: list[tuple[int | None, bytes]] = []
+        lines: list[Received] = []
         while self._next is not None and len(lines) < _MAX_READ:
-            due = self._due(self._next[0])
+            due = self._due(self._next.stamp_ns)
             if due > self._clock():
                 if lines or due > end:
                     break
@@ -97,14 +99,14 @@ class FileSource:
             return 0.0
         return self._started + (stamp_ns - self.origin_ns) / 1e9 / self._speed
 
-    def _line(self) -> tuple[int | None, bytes] | None:
+    def _line(self) -> Received | None:
         line = self._file.readline(1 << 16)
         if not line:
             return None
         parts = split(line)
         if parts is None or self._stamp_format == 'none':
-            return None, line
+            return Received(line, None)
         try:
-            return log_stamp_ns(parts[0][-KEPT_PREFIX:], self._stamp_format), line
+            return Received(line, log_stamp_ns(parts[0][-KEPT_PREFIX:], self._stamp_format))
         except ValueError:
-            return None, line
+            return Received(line, None)

@@ -15,7 +15,7 @@ __all__ = ['Address', 'DriverError', 'DriverSettings', 'parse_address']
 #: Kinds of heading sentence; 'auto' uses the first of those present.
 SENTENCES = ('THS', 'HDT', 'PASHR', 'PSXN,23', 'PUHAW,UVH', 'HDG')
 
-_FORMS = ('must be file:PATH, udp://HOST:PORT[?interface=IP], tcp://HOST:PORT '
+_FORMS = ('must be file:PATH, udp://HOST:PORT[?interface=IP&from=IP], tcp://HOST:PORT '
           'or serial:DEVICE[?baud=4800]')
 
 
@@ -39,6 +39,8 @@ class Address:
         empty for all of them.
     interface : str
         Address of the local interface that joins the multicast group; empty for the system's.
+    sender : str
+        Address of the only host whose datagrams are taken; empty for every host.
     baud : int
         Speed of the serial line.
 
@@ -49,6 +51,7 @@ class Address:
     host: str = ''
     port: int = 0
     interface: str = ''
+    sender: str = ''
     baud: int = 4800
 
     @property
@@ -111,16 +114,18 @@ def _network(source: str, scheme: str) -> Address:
     if not url.netloc or url.path not in ('', '/') or '@' in url.netloc:
         raise SettingsError(f'source = {source!r}: {_FORMS}')
     port = _whole(source, 'port', port, 1, 65535)
-    options = _options(source, url.query, ('interface',) if scheme == 'udp' else ())
+    options = _options(source, url.query, ('interface', 'from') if scheme == 'udp' else ())
     if scheme == 'tcp' and not host:
         raise SettingsError(f'source = {source!r}: the host is missing; {_FORMS}')
-    interface = options.get('interface', '')
+    interface, sender = options.get('interface', ''), options.get('from', '')
     if scheme == 'udp' and ':' in host:
         raise SettingsError(f'source = {source!r}: host must be an IPv4 address or a name')
     if interface and not _is_ipv4(interface):
         raise SettingsError(f'source = {source!r}: interface must be the IPv4 address of a '
                             'network interface of this machine')
-    return Address(scheme, host=host, port=port, interface=interface)
+    if sender and not _is_ipv4(sender):
+        raise SettingsError(f'source = {source!r}: from must be the IPv4 address of the sender')
+    return Address(scheme, host=host, port=port, interface=interface, sender=sender)
 
 
 def _is_ipv4(text: str) -> bool:
@@ -152,7 +157,7 @@ class DriverSettings(Checked):
 
     source: str | None = setting(
         None, 'where sentences come from: file:PATH, udp://HOST:PORT (a multicast group is '
-        'joined), tcp://HOST:PORT or serial:DEVICE?baud=4800')
+        'joined; ?from=IP takes one sender only), tcp://HOST:PORT or serial:DEVICE?baud=4800')
     topic: str = setting('ts/heading', 'topic on which the headings are published')
     sentence: str = setting(
         'auto', "kind of sentence to use; 'auto': the first of those present, in this order",

@@ -3,8 +3,7 @@
 """
 Sources of bytes: file, UDP, TCP, serial line. They use no threads; nothing runs between reads.
 
-Every source has `read(timeout_s) -> list of (received_ns, bytes)`, `exhausted`, `status` (words
-for a diagnostic) and `close()`.
+This module has the lines that may break, TCP and serial, and opens any source.
 """
 
 from __future__ import annotations
@@ -14,80 +13,48 @@ import os
 import select
 import socket
 import time
-from typing import Any, Callable, Protocol
+from typing import Any, Callable, Mapping, Protocol
 
+from .datagrams import UdpSource
+from .framing import Received
 from .playback import FileSource
 from .settings import Address, DriverError, DriverSettings
 
 __all__ = ['FileSource', 'LineSource', 'open_source', 'Source', 'TcpLine', 'UdpSource']
 
-_MAX_READ = 1000
 _LINE_END = b'\r\n'
 
 
 class Source(Protocol):
-    """A source of bytes, as `open_source` returns it."""
+    """
+    A source of bytes, as `open_source` returns it.
+
+    Attributes
+    ----------
+    exhausted : bool
+        Nothing more will come.
+    status : str
+        Words for a diagnostic.
+    counts : mapping of str to int
+        What came and was not returned, by reason.
+
+    """
 
     exhausted: bool
-    status: str
 
-    def read(self, timeout_s: float) -> list[tuple[int | None, bytes]]:
+    @property
+    def status(self) -> str:
+        """Words for a diagnostic."""
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """What came and was not returned, by reason."""
+
+    def read(self, timeout_s: float) -> list[Received]:
         """Return the bytes received; wait at most `timeout_s` for some. May return nothing."""
 
     def close(self) -> None:
         """Release the file, socket or device."""
-
-
-class UdpSource:
-    """
-    Listens for datagrams; joins the group if the host is a multicast address.
-
-    Several processes can listen to one multicast group or broadcast address (`….255`).
-
-    Raises
-    ------
-    OSError
-        If it cannot listen on the address, or cannot join the group.
-
-    """
-
-    def __init__(self, settings: DriverSettings, now_ns: Callable[[], int] = time.time_ns) -> None:
-        self._now_ns = now_ns
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.exhausted = False
-        self.status = f'listening on {settings.source}'
-        try:
-            self._listen(settings.address)
-        except OSError as error:
-            self._socket.close()
-            raise OSError(error.errno, error.strerror or str(error), settings.source) from None
-
-    def _listen(self, address: Address) -> None:
-        self._socket.setblocking(False)
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
-        if address.multicast or address.host.endswith('.255'):
-            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        self._socket.bind((address.host, address.port))
-        if address.multicast:
-            member = (socket.inet_aton(address.host)
-                      + socket.inet_aton(address.interface or '0.0.0.0'))
-            self._socket.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
-
-    def read(self, timeout_s: float) -> list[tuple[int | None, bytes]]:
-        """Return the datagrams received, at most 1000."""
-        datagrams: list[tuple[int | None, bytes]] = []
-        if select.select([self._socket], [], [], timeout_s)[0]:
-            while len(datagrams) < _MAX_READ:
-                try:
-                    data = self._socket.recv(65536)
-                except BlockingIOError:
-                    break
-                datagrams.append((self._now_ns(), data))
-        return datagrams
-
-    def close(self) -> None:
-        """Leave the group and close the socket."""
-        self._socket.close()
 
 
 class TcpLine:
@@ -124,6 +91,10 @@ class TcpLine:
         code = self._socket.connect_ex(place)
         if code not in (0, errno.EINPROGRESS, errno.EWOULDBLOCK):
             raise OSError(code, os.strerror(code))
+
+    def is_ready(self) -> bool:
+        """Return whether bytes wait to be read, or the connection is broken."""
+        return bool(select.select([self._socket], [], [], 0.0)[0])
 
     def receive(self, timeout_s: float) -> bytes:
         """Return the bytes received, maybe none; OSError if the connection is broken."""
@@ -166,6 +137,10 @@ class _SerialLine:
                                          timeout=timeout_s, exclusive=True)
         return True
 
+    def is_ready(self) -> bool:
+        """Return whether bytes wait to be read; OSError if the device is gone."""
+        return bool(self._port.in_waiting)
+
     def receive(self, timeout_s: float) -> bytes:
         """Return the bytes received, maybe none; OSError if the device is gone."""
         if self._port.timeout != timeout_s:
@@ -196,11 +171,14 @@ class LineSource:
         self._now_ns, self._clock, self._wait = now_ns, clock, wait
         self._reconnect_s, self._retry_at = settings.reconnect_s, clock()
         self._up = False
+        #: When the line was last known to hold no unread bytes.
+        self._empty_at = clock()
         self.exhausted = False
+        self.counts: dict[str, int] = {}
         self.status = f'connecting to {self._source}'
 
-    def read(self, timeout_s: float) -> list[tuple[int | None, bytes]]:
-        """Return the bytes received; nothing while the line is down."""
+    def read(self, timeout_s: float) -> list[Received]:
+        """Return the bytes received, and how long they may have waited; nothing while down."""
         pause = self._retry_at - self._clock()
         if not self._up and pause > 0.0:
             self._wait(min(pause, timeout_s))
@@ -209,15 +187,20 @@ class LineSource:
             if not self._up:
                 self.connect(timeout_s)
                 return []
+            if not self._line.is_ready():
+                self._empty_at = self._clock()
             data = self._line.receive(timeout_s)
         except OSError as error:
             return self._drop(str(error))
-        return [(self._now_ns(), data)] if data else []
+        now = self._clock()
+        late_s, self._empty_at = now - self._empty_at, now
+        return [Received(data, self._now_ns(), late_s)] if data else []
 
     def connect(self, timeout_s: float) -> None:
         """Try to connect; OSError if that fails."""
         self._up = self._line.connect(timeout_s)
         if self._up:
+            self._empty_at = self._clock()
             self.status = f'connected to {self._source}'
 
     def close(self) -> None:
@@ -225,12 +208,12 @@ class LineSource:
         self._line.close()
         self._up = False
 
-    def _drop(self, why: str) -> list[tuple[int | None, bytes]]:
+    def _drop(self, why: str) -> list[Received]:
         was_up = self._up
         self.close()
         self._retry_at = self._clock() + self._reconnect_s
         self.status = f'{self._source}: {why}'
-        return [(self._now_ns(), _LINE_END)] if was_up else []
+        return [Received(_LINE_END, self._now_ns())] if was_up else []
 
 
 def _open_tcp(settings: DriverSettings, now_ns: Callable[[], int]) -> LineSource:

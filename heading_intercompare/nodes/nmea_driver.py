@@ -87,7 +87,7 @@ class NmeaDriver(Node):
         """Publish the headings in the bytes received."""
         if self.ended:
             return
-        self._take([self._decoder.feed(data, ns) for ns, data in self._reading.take()])
+        self._take([self._decoder.feed(*received) for received in self._reading.take()])
         if self._reading.over and not self._flushed:
             self._flushed = True
             self._take([self._decoder.flush()])
@@ -129,7 +129,7 @@ class NmeaDriver(Node):
         self._health.note('source', WARN if silent else OK, words + self._reading.source.status,
                           sentence=self._decoder.chosen, published=self._published,
                           rate_hz=rate_hz, age_s=age_s, stamp_beyond_2038=self._beyond or None,
-                          **self._decoder.counts)
+                          **self._reading.source.counts, **self._decoder.counts)
 
     def end(self) -> None:
         """Stop reading; `ended` becomes True once everything received is published."""

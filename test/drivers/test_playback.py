@@ -55,12 +55,12 @@ def test_lines_come_at_log_time_times_speed(log):
     clock = Clock()
     with closing(play(log, clock, 2.0)) as source:
         assert source.first_ns == source.origin_ns == NOON
-        assert source.read(0.1) == [(NOON, b'1772366400.0 $HEHDT,1.0,T*2E\n'),
-                                    (None, b'no stamp\n')]
+        assert source.read(0.1) == [(b'1772366400.0 $HEHDT,1.0,T*2E\n', NOON, 0.0),
+                                    (b'no stamp\n', None, 0.0)]
         assert source.read(0.1) == [] and clock.now == pytest.approx(1000.1)
-        assert [ns for ns, _ in source.read(10.0)] == [NOON + S]
+        assert [ns for _, ns, _ in source.read(10.0)] == [NOON + S]
         assert clock.now == pytest.approx(1000.5) and not source.exhausted
-        assert [ns for ns, _ in source.read(10.0)] == [NOON + 2 * S]
+        assert [ns for _, ns, _ in source.read(10.0)] == [NOON + 2 * S]
         assert clock.now == pytest.approx(1001.0) and source.exhausted
         assert source.read(10.0) == [] and clock.now == pytest.approx(1001.0)
         assert source.status.endswith('end')
@@ -80,7 +80,7 @@ def test_two_logs_with_the_same_origin_are_played_in_step(log):
     with closing(play(log, clock, 1.0)) as source:
         source.origin_ns = NOON - 5 * S
         assert source.read(4.0) == []
-        assert [ns for ns, _ in source.read(4.0)] == [NOON, None]
+        assert [ns for _, ns, _ in source.read(4.0)] == [NOON, None]
         assert clock.now == pytest.approx(1005.0)
 
 
@@ -108,7 +108,7 @@ def test_playing_a_log_gives_what_importing_it_gives(name, time):
     chunks = []
     with closing(open_source(settings)) as source:
         while not source.exhausted:
-            chunks += [decoder.feed(data, ns) for ns, data in source.read(1.0)]
+            chunks += [decoder.feed(*came) for came in source.read(1.0)]
     chunks.append(decoder.flush())
     assert (Headings.concatenate(chunks), decoder.counts) == read_log(DATA / name, settings)
 
@@ -120,7 +120,7 @@ def test_ship_logs_played_give_what_importing_them_gives(shared_data):
     chunks = []
     with closing(open_source(settings)) as source:
         while not source.exhausted:
-            chunks += [decoder.feed(data, ns) for ns, data in source.read(1.0)]
+            chunks += [decoder.feed(*came) for came in source.read(1.0)]
     chunks.append(decoder.flush())
     assert (Headings.concatenate(chunks), decoder.counts) == read_log(path)
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from contextlib import closing
+from functools import partial
 import os
 import socket
 import sys
@@ -15,10 +16,9 @@ import pytest
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
-from heading_intercompare.drivers.sources import LineSource, open_source, TcpLine, UdpSource
+from heading_intercompare.drivers.sources import LineSource, open_source, TcpLine
 
 HDT = [b'$HEHDT,1.0,T*2E\r\n', b'$HEHDT,2.0,T*2D\r\n', b'$HEHDT,3.0,T*2C\r\n']
-GROUP = '239.192.0.3'
 DEADLINE_S = 10.0
 
 
@@ -38,7 +38,11 @@ def read_until(source, done):
 
 
 def joined(received) -> bytes:
-    return b''.join(data for _, data in received)
+    return b''.join(came.data for came in received)
+
+
+def has_come(n, received) -> bool:
+    return len(joined(received)) >= n
 
 
 def free_port(kind: int) -> int:
@@ -52,61 +56,6 @@ def test_no_source_and_a_wrong_one_are_refused():
         open_source(DriverSettings())
 
 
-def test_datagrams_come_one_by_one_with_their_time_of_receipt():
-    port = free_port(socket.SOCK_DGRAM)
-    settings = DriverSettings(source=f'udp://127.0.0.1:{port}', sentence='HDT')
-    with closing(open_source(settings, counting())) as source, \
-            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        assert source.read(0.0) == []
-        for line in HDT:
-            sender.sendto(line, ('127.0.0.1', port))
-        received = read_until(source, lambda got: len(got) == 3)
-        assert received == list(zip([1, 2, 3], HDT))
-        decoder = NmeaDecoder(settings)
-        headings = [decoder.feed(data, ns) for ns, data in received]
-        assert [h.heading_deg.tolist() for h in headings] == [[1.0], [2.0], [3.0]]
-        assert not source.exhausted
-
-
-def test_a_port_that_is_taken_is_an_error_that_names_the_source():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
-        other.bind(('127.0.0.1', 0))
-        source = f'udp://127.0.0.1:{other.getsockname()[1]}'
-        with pytest.raises(OSError, match='in use') as caught:
-            open_source(DriverSettings(source=source))
-        assert caught.value.filename == source
-
-
-def multicast(port: int) -> UdpSource:
-    try:
-        return open_source(DriverSettings(
-            source=f'udp://{GROUP}:{port}?interface=127.0.0.1'))
-    except OSError as error:
-        pytest.skip(f'the kernel refuses to join a multicast group: {error}')
-
-
-def test_every_listener_of_a_multicast_group_hears_it():
-    port = free_port(socket.SOCK_DGRAM)
-    with closing(multicast(port)) as one, closing(multicast(port)) as two, \
-            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF,
-                          socket.inet_aton('127.0.0.1'))
-        data = b'UdPbC\0\\s:GY0001*56\\' + HDT[0]
-        try:
-            sender.sendto(data, (GROUP, port))
-        except OSError as error:
-            pytest.skip(f'the kernel refuses to send to a multicast group: {error}')
-        for source in (one, two):
-            assert joined(read_until(source, len)) == data
-
-
-def test_an_interface_that_does_not_exist_is_an_error_that_names_the_source():
-    source = f'udp://{GROUP}:60003?interface=192.0.2.1'
-    with pytest.raises(OSError) as caught:
-        open_source(DriverSettings(source=source))
-    assert caught.value.filename == source
-
-
 def test_a_tcp_client_reads_and_connects_again_when_the_line_breaks():
     with socket.create_server(('127.0.0.1', 0)) as server:
         settings = DriverSettings(source=f'tcp://127.0.0.1:{server.getsockname()[1]}',
@@ -117,12 +66,15 @@ def test_a_tcp_client_reads_and_connects_again_when_the_line_breaks():
             for broken in (b'$HEHDT,9', b''):
                 read_until(source, lambda _: source.status.startswith('connected'))
                 peer = server.accept()[0]
+                received = []
                 with peer:
-                    peer.sendall(HDT[0] + HDT[1] + broken)
-                received = read_until(source, lambda _: 'closed' in source.status)
+                    for part in (HDT[0], HDT[1] + broken):
+                        peer.sendall(part)
+                        received += read_until(source, partial(has_come, len(part)))
+                received += read_until(source, lambda _: 'closed' in source.status)
                 assert joined(received) == HDT[0] + HDT[1] + broken + b'\r\n'
-                headings += [h for ns, data in received
-                             for h in decoder.feed(data, ns).heading_deg.tolist()]
+                headings += [h for came in received
+                             for h in decoder.feed(*came).heading_deg.tolist()]
         assert headings == [1.0, 2.0, 1.0, 2.0]
         assert decoder.counts == {'no_checksum': 1}
 
@@ -166,8 +118,7 @@ def test_a_serial_line_gives_sentences_byte_by_byte(pty):
         received = read_until(source, lambda got: joined(got).endswith(HDT[1][:9]))
         os.write(ends['master'], HDT[1][9:] + HDT[2])
         received += read_until(source, lambda got: joined(got).endswith(HDT[2]))
-        headings = [h for ns, data in received
-                    for h in decoder.feed(data, ns).heading_deg.tolist()]
+        headings = [h for came in received for h in decoder.feed(*came).heading_deg.tolist()]
         assert headings == [2.0, 3.0] and decoder.counts == {'no_sentence': 1}
 
 
@@ -178,7 +129,7 @@ def test_a_serial_line_that_is_unplugged_is_a_status(pty):
         assert source.status.startswith('connected')
         os.close(ends.pop('slave'))
         os.close(ends.pop('master'))
-        assert read_until(source, len)[0][1] == b'\r\n'
+        assert read_until(source, len)[0].data == b'\r\n'
         assert not source.status.startswith('connected')
         assert source.read(0.2) == [] and not source.exhausted
 
@@ -193,3 +144,25 @@ def test_without_pyserial_the_error_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, 'serial', None)
     with pytest.raises(DriverError, match='needs pyserial: install python3-serial'):
         open_source(DriverSettings(source='serial:/dev/ttyS0'))
+
+
+def test_bytes_that_waited_in_the_kernel_say_how_long():
+    """The server sends while nobody reads: the bound is the time since the line was empty."""
+    now = [0.0]
+    with socket.create_server(('127.0.0.1', 0)) as server:
+        settings = DriverSettings(source=f'tcp://127.0.0.1:{server.getsockname()[1]}')
+        source = LineSource(settings, TcpLine(settings.address), clock=lambda: now[0])
+        with closing(source):
+            read_until(source, lambda _: source.status.startswith('connected'))
+            with server.accept()[0] as peer:
+                assert source.read(0.0) == []
+                now[0] = 5.0
+                peer.sendall(HDT[0])
+                (came,) = read_until(source, len)
+                assert came.late_s in (0.0, 5.0)
+                peer.sendall(HDT[1])
+                deadline = time.monotonic() + DEADLINE_S
+                while not source._line.is_ready():
+                    assert time.monotonic() < deadline
+                now[0] = 8.0
+                assert source.read(0.0)[0].late_s == 3.0

@@ -8,8 +8,10 @@ import json
 import os
 from pathlib import Path
 import signal
+import socket
 import subprocess
 import sys
+from threading import Event, Thread
 import time
 
 import pytest
@@ -26,6 +28,7 @@ from heading_intercompare.drivers.settings import DriverSettings
 from .conftest import NORMS
 from .launch_files import nodes
 from .test_graph import assert_same, log, offline
+from .test_nmea_driver import free_port, sentence
 
 pytestmark = pytest.mark.process
 
@@ -107,6 +110,23 @@ def run_live(processes, config, order, number, timeout_s):
     return json.loads(written.read_text('utf-8')), bag
 
 
+def count_recorded(bag) -> int:
+    """Return how many headings of the TS are in a bag that may be open."""
+    try:
+        info = BagReader(bag).topics.get('/ts/heading')
+    except (OSError, ValueError):
+        return 0
+    return info.count if info else 0
+
+
+def wait_for(condition, timeout_s=30.0):
+    """Wait until a condition holds, else fail."""
+    deadline_s = time.monotonic() + timeout_s
+    while not condition():
+        assert time.monotonic() < deadline_s, 'the condition did not come true in time'
+        time.sleep(0.05)
+
+
 DRIVERS_LAST = ('recorder', 'compliance', 'synchronizer', 'ts_driver', 'rs_driver')
 
 
@@ -165,6 +185,64 @@ def test_a_replay_as_processes_ends_by_itself_and_gives_the_same_report(processe
     assert_same(json.loads(written.read_text('utf-8')), live)
 
 
+class TurningShip(Thread):
+    """Sends the heading of a turning ship to two UDP ports, 20 times a second, until stopped."""
+
+    def __init__(self, ports):
+        super().__init__(daemon=True)
+        self.ports, self.sent, self.stopped = ports, {}, Event()
+
+    def run(self):
+        """Send; note between which times each heading was sent."""
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+            while not self.stopped.wait(0.05):
+                heading = round(len(self.sent) * 0.1 % 360.0, 1)
+                before_ns = time.time_ns()
+                for port in self.ports:
+                    out.sendto(sentence(heading).encode(), ('127.0.0.1', port))
+                self.sent[heading] = (before_ns, time.time_ns())
+
+
+@pytest.mark.slow
+def test_a_driver_that_is_stopped_keeps_the_times_of_receipt(processes, tmp_path):
+    """Stopped for 3 s while the ship turns at 2 deg/s: 6 deg of error by the driver's clock."""
+    ports = [free_port(), free_port()]
+    config = tmp_path / 'config.yaml'
+    config.write_text(yaml.dump({
+        '/**': {'ros__parameters': NORMS}, **{
+            name: {'ros__parameters': {'source': f'udp://127.0.0.1:{port}', 'sentence': 'HDT'}}
+            for name, port in zip(('ts_driver', 'rs_driver'), ports)}}))
+    bag, reports = tmp_path / 'bag', tmp_path / 'reports'
+    for node in nodes('intercompare.launch.py', config=str(config), output=str(bag),
+                      report_dir=str(reports)):
+        processes.start(node)
+    ship = TurningShip(ports)
+    ship.start()
+    try:
+        wait_for(lambda: count_recorded(bag) > 40)
+        driver = processes.running['ts_driver']
+        driver.send_signal(signal.SIGSTOP)
+        before = len(ship.sent)
+        wait_for(lambda: len(ship.sent) > before + 60)
+        driver.send_signal(signal.SIGCONT)
+        wait_for(lambda: count_recorded(bag) > before + 80)
+    finally:
+        ship.stopped.set()
+        ship.join()
+    processes.signal(signal.SIGINT)
+    processes.wait('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder',
+                   timeout_s=20.0)
+    reader = BagReader(bag)
+    recorded = Headings.concatenate([chunk['ts/heading'] for chunk in reader.headings(
+        {'ts/heading': 'enu'})])
+    for stamp_ns, heading in zip(recorded.stamp_ns.tolist(), recorded.heading_deg.tolist()):
+        before_ns, after_ns = ship.sent[round(heading % 360.0, 1)]
+        assert before_ns <= stamp_ns <= after_ns, heading
+    written, = reports.iterdir()
+    run, = json.loads(written.read_text('utf-8'))['runs']
+    assert run['std_deg'] < 0.1
+
+
 @pytest.mark.slow
 def test_a_recorder_that_is_killed_leaves_all_but_the_last_second(processes, tmp_path):
     config = config_of(tmp_path, log(tmp_path / 'ts.log', 3000, 0.0, 90.0),
@@ -173,21 +251,12 @@ def test_a_recorder_that_is_killed_leaves_all_but_the_last_second(processes, tmp
     for node in nodes('intercompare.launch.py', config=config, output=str(bag)):
         processes.start(node)
 
-    def recorded():
-        try:
-            info = BagReader(bag).topics.get('/ts/heading')
-        except (OSError, ValueError):
-            return 0
-        return info.count if info else 0
-    deadline_s = time.monotonic() + 30.0
-    while recorded() < 300:
-        assert time.monotonic() < deadline_s
-        assert processes.running['recorder'].poll() is None
-    began_s, before = time.monotonic(), recorded()
+    wait_for(lambda: count_recorded(bag) >= 300)
+    began_s, before = time.monotonic(), count_recorded(bag)
     while time.monotonic() < began_s + 2.0:
         assert processes.running['recorder'].poll() is None
     processes.running['recorder'].kill()
     processes.running['recorder'].wait()
     # 100 a second for two seconds, less at most the last one and a quarter for a busy machine.
-    assert recorded() - before >= 75
+    assert count_recorded(bag) - before >= 75
     assert BagReader(bag).incomplete

@@ -9,6 +9,7 @@ from queue import Empty, Full, Queue
 import threading
 from typing import Callable
 
+from heading_intercompare.drivers.framing import Received
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.drivers.sources import FileSource, open_source, Source
 
@@ -16,8 +17,6 @@ __all__ = ['Reading']
 
 _PIECE = 50
 _READ_S = 0.2
-
-Received = list[tuple['int | None', bytes]]
 
 
 class Reading:
@@ -56,7 +55,7 @@ class Reading:
         self.source: Source = (FileSource(settings, wait=self._stopped.wait) if self.from_file
                                else open_source(settings))
         self._pause_s = _PIECE / max_rate_hz if self.from_file else 0.0
-        self._queue: Queue[Received] = Queue(maxsize=20)
+        self._queue: Queue[list[Received]] = Queue(maxsize=20)
         self._pool = ThreadPoolExecutor(1)
         self._work: Future[None] | None = None
 
@@ -78,9 +77,9 @@ class Reading:
         self._work.result()
         return self._queue.empty()
 
-    def take(self) -> Received:
+    def take(self) -> list[Received]:
         """Return the lines received since the last call."""
-        taken: Received = []
+        taken: list[Received] = []
         try:
             while True:
                 taken += self._queue.get_nowait()
@@ -99,7 +98,7 @@ class Reading:
             for at in range(0, len(lines), _PIECE):
                 self._put(lines[at:at + _PIECE])
 
-    def _put(self, lines: Received) -> None:
+    def _put(self, lines: list[Received]) -> None:
         while not self._stopped.is_set():
             try:
                 self._queue.put(lines, timeout=0.1)
