@@ -26,6 +26,7 @@ from heading_intercompare.nodes.runtime.publishing import (
     Allowance,
     Audience,
     await_acknowledgement,
+    FlowControl,
 )
 from heading_intercompare.nodes.runtime.source_thread import Reading
 
@@ -62,6 +63,8 @@ class NmeaDriver(Node):
         # Headings held until the sentence was chosen would overrun subscribers all at once.
         self._waiting: deque[Headings] = deque()
         self._allowance = Allowance(sending.max_rate_hz)
+        # A live source does not wait for anybody.
+        self._flow = FlowControl([self._publisher] * self._reading.from_file, self._health)
         self._later = every(self, 0.01, self._pass_on)
         self._flushed = self._ending = False
         self._published = self._beyond = self._published_before = 0
@@ -91,7 +94,7 @@ class NmeaDriver(Node):
         if self._reading.over and not self._flushed:
             self._flushed = True
             self._take([self._decoder.flush()])
-        while self._waiting and self._allowance.has_left():
+        while self._waiting and self._allowance.has_left() and self._flow.has_room():
             self._publish(self._waiting.popleft())
         if self._waiting:
             self._later.reset()
@@ -110,6 +113,7 @@ class NmeaDriver(Node):
         for message in messages:
             self._publisher.publish(message)
         self._allowance.spend(len(messages))
+        self._flow.spend(len(messages))
         self._published += len(messages)
         self._beyond += len(headings) - len(messages)
         if messages:

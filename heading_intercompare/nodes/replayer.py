@@ -30,6 +30,7 @@ from heading_intercompare.nodes.runtime.publishing import (
     Allowance,
     Audience,
     await_acknowledgement,
+    FlowControl,
 )
 
 from .settings import ReplayerNode, Sending
@@ -73,6 +74,7 @@ class Replayer(Node):
         self._audience = Audience(self, [*self._headings.values()], sending.subscribers,
                                   self._health)
         self._allowance = Allowance(sending.max_rate_hz)
+        self._flow = FlowControl(self._headings.values(), self._health)
         self.published = self._marks = 0
         self._heard_s: float | None = None
         self._publish_marks()
@@ -127,9 +129,10 @@ class Replayer(Node):
             self._replay.begin()
         until_s = time.monotonic() + _TICK_S
         while (self._begun and time.monotonic() < until_s and self._allowance.has_left()
-               and (message := self._replay.take()) is not None):
+               and self._flow.has_room() and (message := self._replay.take()) is not None):
             self._headings[message.topic].publish(message.data)
             self._allowance.spend(1)
+            self._flow.spend(1)
             self.published += 1
         if self._time:
             self._time.publish(encode_clock(self._replay.shown_ns))

@@ -32,6 +32,7 @@ from heading_intercompare.nodes.runtime.publishing import (
     Allowance,
     Audience,
     await_acknowledgement,
+    FlowControl,
 )
 
 from .settings import Sending, SimulatorNode
@@ -63,6 +64,7 @@ class SensorSimulator(Node):
         self._audience = Audience(self, [*self._publishers_of.values()][1:], sending.subscribers,
                                   self._health)
         self._allowance = Allowance(sending.max_rate_hz)
+        self._flow = FlowControl(self._publishers_of.values(), self._health)
         self._trial: Trial | None = None
         self._began_s = 0.0
         for kind in EVENTS:
@@ -92,7 +94,8 @@ class SensorSimulator(Node):
         if speed > 0.0:
             elapsed_s = (time.monotonic() - self._began_s) * speed
             step_s = _TICK_S * speed
-        while not trial.over and trial.now_s + step_s <= elapsed_s and self._allowance.has_left():
+        while not trial.over and trial.now_s + step_s <= elapsed_s and (
+                self._allowance.has_left() and self._flow.has_room()):
             self._publish(trial.advance(trial.now_s + step_s))
         if trial.over:
             await_acknowledgement(self._publishers_of.values())
@@ -110,6 +113,7 @@ class SensorSimulator(Node):
             for message in messages:
                 self._publishers_of[role].publish(message)
             self._allowance.spend(len(messages))
+            self._flow.spend(len(messages))
             for status in statuses:
                 self._report(role, status)
 

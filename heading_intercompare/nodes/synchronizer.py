@@ -26,15 +26,17 @@ from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
-from heading_intercompare.nodes.runtime.publishing import await_acknowledgement
+from heading_intercompare.nodes.runtime.publishing import await_acknowledgement, FlowControl
 from heading_intercompare.nodes.runtime.raw_subscription import subscribe
 
 from .settings import SynchronizerNode, Taking
 
 __all__ = ['main', 'Synchronizer']
 
-# Most pairs published at once; a subscription keeps 1000 and is emptied just as often.
+# Most pairs published at once.
 _BURST = 200
+# A subscriber of the pairs that hangs holds up the others no longer than this.
+_PATIENCE_S = 10.0
 
 
 class Synchronizer(Node):
@@ -55,16 +57,18 @@ class Synchronizer(Node):
         self._pairs = self.create_publisher(TwistStamped, 'pairs', qos.PAIRS,
                                             event_callbacks=self._health.of_publisher('pairs'))
         self._ledger = self.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
-        self._inputs = [(Intake(self, topic, HEADING_TYPES, qos.HEADINGS_IN, self._health,
-                                stale_s=taking.stale_s), convention) for topic, convention in
-                        ((settings.ts_topic, settings.ts_convention),
-                         (settings.rs_topic, settings.rs_convention))]
+        self._inputs = [
+            (Intake(self, topic, HEADING_TYPES, qos.HEADINGS_IN, self._health,
+                    unreliable=qos.HEADINGS_UNRELIABLE, stale_s=taking.stale_s), convention)
+            for topic, convention in ((settings.ts_topic, settings.ts_convention),
+                                      (settings.rs_topic, settings.rs_convention))]
         subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self._health, decode_marks,
                   self._mark)
         self._open_at_s = time.monotonic() + self._own.startup_wait_s
         for intake, _ in self._inputs:
             intake.open = False
         self._waiting: deque[bytes] = deque()
+        self._flow = FlowControl([self._pairs], self._health, patience_s=_PATIENCE_S)
         self._flushed = False
         self._end_s: float | None = None
         every(self, taking.drain_period_s, self._drain)
@@ -75,8 +79,11 @@ class Synchronizer(Node):
         if not self._flushed:
             self._waiting += pair_messages(
                 self._pairer.update(*self._take(), now_s=time.monotonic()))
-        for _ in range(min(_BURST, len(self._waiting))):
-            self._pairs.publish(self._waiting.popleft())
+        n = min(_BURST, len(self._waiting))
+        if n and self._flow.has_room():
+            for _ in range(n):
+                self._pairs.publish(self._waiting.popleft())
+            self._flow.spend(n)
         if self._end_s is not None and not self.ended:
             self._finish_if_quiet()
 

@@ -18,6 +18,7 @@ import pytest
 import yaml
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.cli import main
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
@@ -241,6 +242,48 @@ def test_a_driver_that_is_stopped_keeps_the_times_of_receipt(processes, tmp_path
     written, = reports.iterdir()
     run, = json.loads(written.read_text('utf-8'))['runs']
     assert run['std_deg'] < 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('rate', ['0.0', '400.0'])
+def test_a_replay_as_fast_as_possible_loses_nothing(processes, tmp_path, rate):
+    """24 000 headings; best effort lost thousands of them."""
+    bag, reports = tmp_path / 'trial', tmp_path / 'replayed'
+    assert main(['simulate', '--quiet', '--scenario', 'demo', '-o', str(bag)]) == 0
+    config = tmp_path / 'config.yaml'
+    config.write_text(yaml.dump({'/**': {'ros__parameters': NORMS}}))
+    for node in nodes('replay.launch.py', config=str(config), bag=str(bag), rate=rate,
+                      report_dir=str(reports)):
+        processes.start(node)
+    processes.wait('replayer', timeout_s=90.0)
+    processes.signal(signal.SIGINT)
+    processes.wait('synchronizer', 'compliance', timeout_s=15.0)
+    written, = reports.iterdir()
+    report = json.loads(written.read_text('utf-8'))
+    run, = report['runs']
+    assert (run['pairing']['ts_received'], run['pairing']['rs_received']) == (12000, 12000)
+    assert_same(report, offline(bag))
+
+
+@pytest.mark.slow
+def test_a_recorder_that_is_stopped_for_a_while_records_everything(processes, tmp_path):
+    """500 headings a second of each sensor go on for 4 s in which the recorder stands still."""
+    config = config_of(tmp_path, log(tmp_path / 'ts.log', 6000, 0.0, 90.0),
+                       log(tmp_path / 'rs.log', 6000, 0.05, 90.1), 100.0)
+    bag = tmp_path / 'bag'
+    for node in nodes('intercompare.launch.py', config=config, output=str(bag)):
+        processes.start(node)
+    wait_for(lambda: count_recorded(bag) >= 200)
+    recorder = processes.running['recorder']
+    recorder.send_signal(signal.SIGSTOP)
+    began_s = time.monotonic()
+    wait_for(lambda: time.monotonic() > began_s + 4.0)
+    recorder.send_signal(signal.SIGCONT)
+    processes.wait('ts_driver', 'rs_driver', timeout_s=40.0)
+    processes.signal(signal.SIGINT)
+    processes.wait('synchronizer', 'compliance', 'recorder', timeout_s=15.0)
+    counts = {name: info.count for name, info in BagReader(bag).topics.items()}
+    assert (counts['/ts/heading'], counts['/rs/heading']) == (6000, 6000)
 
 
 @pytest.mark.slow

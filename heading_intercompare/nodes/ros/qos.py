@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-__all__ = ['CLOCK', 'HEADINGS_IN', 'HEADINGS_OUT', 'LEDGER', 'MARKER', 'NOTE', 'PAIRS', 'REPORT',
-           'STATUS', 'VERDICT']
+__all__ = ['CLOCK', 'HEADINGS_IN', 'HEADINGS_OUT', 'HEADINGS_UNRELIABLE', 'LEDGER', 'MARKER',
+           'NOTE', 'PAIRS', 'REPORT', 'STATUS', 'VERDICT']
 
 
 def _keep_last(depth: int) -> QoSProfile:
@@ -15,10 +15,15 @@ def _keep_last(depth: int) -> QoSProfile:
     return QoSProfile(depth=depth, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-HEADINGS_OUT = QoSProfile(depth=1000)
-# Best effort accepts every publisher and holds up none; losses are counted.
-HEADINGS_IN = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
-PAIRS = QoSProfile(depth=1000)
+#: Fast DDS keeps no more; where a profile asks for more, a full subscription stops for ever.
+_MOST = 5000
+
+# Kept until every reliable subscriber has them: 50 s at 100 Hz of a network that is cut off.
+HEADINGS_OUT = QoSProfile(depth=_MOST)
+HEADINGS_IN = QoSProfile(depth=_MOST)
+# For publishers that do not send again what is lost.
+HEADINGS_UNRELIABLE = QoSProfile(depth=_MOST, reliability=ReliabilityPolicy.BEST_EFFORT)
+PAIRS = QoSProfile(depth=_MOST)
 LEDGER = QoSProfile(depth=10)
 STATUS = QoSProfile(depth=10)
 MARKER = _keep_last(100)

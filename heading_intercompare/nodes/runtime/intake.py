@@ -8,7 +8,12 @@ import time
 from typing import Mapping, Sequence
 
 from rclpy.node import Node
-from rclpy.qos import qos_check_compatible, QoSCompatibility, QoSProfile
+from rclpy.qos import (
+    qos_check_compatible,
+    QoSCompatibility,
+    QoSProfile,
+    ReliabilityPolicy,
+)
 from rclpy.subscription import Subscription
 
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
@@ -35,6 +40,8 @@ class Intake:
         Accepted message types, by name; the publisher's decides.
     qos : QoSProfile
         Quality of service of the subscription.
+    unreliable : QoSProfile, optional
+        The same where a publisher is best effort, which a reliable subscription does not hear.
     health : Health
         Shows the state of this input.
     stale_s : float, optional
@@ -56,6 +63,8 @@ class Intake:
         Messages that could not be read.
     publishers : int
         Publishers seen at the last `look`.
+    resubscribed : int
+        How often the subscription was made again for a best-effort publisher that joined.
     open : bool
         Subscribe when a publisher is seen. While this is False, no subscription is made.
 
@@ -65,12 +74,17 @@ class Intake:
     the publisher before the publisher knows it. A publisher that waits for its subscription then
     loses no message, even if the subscription is best effort.
 
+    A subscription is as reliable as its publishers. When a best-effort publisher joins reliable
+    ones, it is made again; what they publish in between is counted as lost. It stays best effort
+    until all publishers are gone.
+
     """
 
     def __init__(self, node: Node, topic: str, types: Mapping[str, type], qos: QoSProfile,
-                 health: Health, *, stale_s: float | None = None, sole: bool = True,
-                 needed: bool = True) -> None:
-        self._node, self._topic, self._types, self._qos = node, topic, types, qos
+                 health: Health, *, unreliable: QoSProfile | None = None,
+                 stale_s: float | None = None, sole: bool = True, needed: bool = True) -> None:
+        self._node, self._topic, self._types = node, topic, types
+        self._reliable, self._unreliable, self._qos = qos, unreliable, qos
         self._health, self._stale_s, self._sole, self._needed = health, stale_s, sole, needed
         self.full_name = resolve_topic(node, topic)
         self._subscription: Subscription | None = None
@@ -80,6 +94,8 @@ class Intake:
         self.type_name: str | None = None
         self.open = True
         self.received = self.last_sequence = self.refused = self.publishers = 0
+        self.resubscribed = 0
+        self._left: list[tuple[bytes, Mapping[str, int]]] = []
         self._why_refused = ''
         self._numbering = Numbering()
         health.add_refresher(self._note)
@@ -88,9 +104,9 @@ class Intake:
         """Return the messages since the last call, each with its info."""
         if self._subscription is None:
             self.look()
-            if self._subscription is None:
-                return []
-        taken = take_all(self._subscription)
+        taken, self._left = self._left, []
+        if self._subscription is not None:
+            taken += take_all(self._subscription)
         if taken:
             numbers = [info['publication_sequence_number'] for _, info in taken]
             self._numbering.take(numbers)
@@ -116,12 +132,21 @@ class Intake:
         """Look for publishers and subscribe to their type; return what is wrong, '' if nothing."""
         self.publishers = self._node.count_publishers(self.full_name)
         if not self.publishers:
+            if self._qos is self._unreliable:
+                self._unsubscribe()
+                self._qos = self._reliable
             return ''
         infos = self._node.get_publishers_info_by_topic(self.full_name)
         found = {info.topic_type for info in infos}
         good = [name for name in self._types if name in found]
-        if self.open and good and self._subscription is None:
-            self._subscribe(good[0])
+        if self._unreliable is not None and self._qos is self._reliable and any(
+                info.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT for info in infos):
+            self._qos = self._unreliable
+            self.resubscribed += self._subscription is not None
+            self._unsubscribe()
+        wanted = [name for name in good if self.type_name in (None, name)]
+        if self.open and wanted and self._subscription is None:
+            self._subscribe(wanted[0])
         strange = sorted(found - {self.type_name} - set(() if self.type_name else good))
         if strange:
             return (f'{self._topic} has the type {", ".join(strange)}; must be '
@@ -141,6 +166,13 @@ class Intake:
             callback_group=self._group, raw=True)
         self.type_name = type_name
 
+    def _unsubscribe(self) -> None:
+        """Give up the subscription, but not what it holds."""
+        if self._subscription is not None:
+            self._left += take_all(self._subscription)
+            self._node.destroy_subscription(self._subscription)
+            self._subscription = None
+
     def _note(self) -> None:
         """Report the state of this input."""
         now_s = time.monotonic()
@@ -158,5 +190,6 @@ class Intake:
         self._beat_s, self._beat_n = now_s, self.received
         self._health.note(self._topic, level, words, type=self.type_name,
                           publishers=self.publishers, received=self.received, lost=self.lost,
-                          refused=self.refused or None, rate_hz=rate_hz, age_s=age_s,
+                          refused=self.refused or None,
+                          resubscribed=self.resubscribed or None, rate_hz=rate_hz, age_s=age_s,
                           latency_s=self._latency_s)

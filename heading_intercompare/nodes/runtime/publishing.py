@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import Iterable, Sequence
 
@@ -15,7 +16,7 @@ from heading_intercompare.messages.status_messages import OK, WARN
 
 from .health import Health
 
-__all__ = ['Allowance', 'Audience', 'await_acknowledgement']
+__all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'FlowControl']
 
 # Discovery between processes takes up to two seconds; a longer wait than this is a warning.
 _PATIENCE_S = 5.0
@@ -76,6 +77,52 @@ class Allowance:
     def spend(self, n: int) -> None:
         """Count messages that were published."""
         self._left -= n
+
+
+class FlowControl:
+    """
+    Holds publishing back until reliable subscribers have acknowledged what was sent.
+
+    Parameters
+    ----------
+    publishers : iterable of Publisher
+        Each keeps more messages than the window.
+    health : Health
+        Shows that it waits.
+    window : int
+        Most messages sent and perhaps not acknowledged.
+    patience_s : float
+        Publish without room after this time: a subscriber that hangs must not stop the others.
+
+    """
+
+    def __init__(self, publishers: Iterable[Publisher], health: Health, *, window: int = 2000,
+                 patience_s: float = math.inf) -> None:
+        self._publishers, self._health = [*publishers], health
+        self._window, self._patience_s = window, patience_s
+        self._sent, self._full_s = 0, math.inf
+
+    def has_room(self) -> bool:
+        """Tell whether a message may be published now."""
+        if self._sent < self._window:
+            return True
+        if all(publisher.wait_for_all_acked(Duration(nanoseconds=0))
+               for publisher in self._publishers):
+            if self._full_s < math.inf:
+                self._health.note('flow', OK, 'subscribers keep up')
+            self._sent, self._full_s = 0, math.inf
+            return True
+        now_s = time.monotonic()
+        self._full_s = min(self._full_s, now_s)
+        waited_s = now_s - self._full_s
+        if waited_s > _PATIENCE_S:
+            self._health.note('flow', WARN, f'waiting for subscribers that do not keep up: '
+                              f'{self._sent} messages are not acknowledged')
+        return waited_s > self._patience_s
+
+    def spend(self, n: int) -> None:
+        """Count messages that were published."""
+        self._sent += n
 
 
 def await_acknowledgement(publishers: Iterable[Publisher], timeout_s: float = 5.0) -> bool:

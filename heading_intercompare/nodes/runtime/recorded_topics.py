@@ -77,7 +77,8 @@ def make_intakes(node: Node, settings: Settings, health: Health) -> dict[str, Re
         # First: nobody waits for it, but its subscription must be there when the headings start.
         rows.insert(0, (TRUTH_TOPIC, TRUTH_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, False))
     return {topic: Recorded(_offer(offered), Intake(
-        node, topic, types, taken, health, sole=False, needed=expected), expected)
+        node, topic, types, taken, health, sole=False, needed=expected,
+        unreliable=qos.HEADINGS_UNRELIABLE if taken is qos.HEADINGS_IN else None), expected)
         for topic, types, taken, offered, expected in rows}
 
 

@@ -154,10 +154,59 @@ def test_publishers_that_count_by_themselves_have_lost_nothing(ros):
 
 def test_a_qos_mismatch_is_an_error(ros):
     intake, heard = intake_of(ros, qos.PAIRS)
-    ros.plain.create_publisher(Imu, 'h', qos.HEADINGS_IN)
+    ros.plain.create_publisher(Imu, 'h', qos.HEADINGS_UNRELIABLE)
     ros.spin_until(lambda: state(heard, 'QoS mismatch'))
     assert 'test_node' in state(heard, 'QoS mismatch')[1]
     assert intake.received == 0
+
+
+def reliability(ros):
+    """Return the reliabilities of the subscriptions to `h`."""
+    infos = ros.plain.get_subscriptions_info_by_topic('h')
+    return [info.qos_profile.reliability for info in infos]
+
+
+def test_a_reliable_publisher_loses_nothing_to_a_taker_that_is_late(ros):
+    """3000 messages wait to be taken: a subscription that keeps the last 1000 loses 2000."""
+    intake, _ = intake_of(ros, unreliable=qos.HEADINGS_UNRELIABLE)
+    publisher = publisher_to(ros, intake)
+    assert reliability(ros) == [ReliabilityPolicy.RELIABLE]
+    for message in headings(0, 3000):
+        publisher.publish(message)
+    assert seconds(take(ros, intake, 3000)) == list(range(3000))
+    assert intake.lost == 0
+
+
+def test_a_best_effort_publisher_is_heard_from_its_first_message(ros):
+    intake, _ = intake_of(ros, unreliable=qos.HEADINGS_UNRELIABLE)
+    publisher = publisher_to(ros, intake, profile=qos.HEADINGS_UNRELIABLE)
+    assert reliability(ros) == [ReliabilityPolicy.BEST_EFFORT] and intake.resubscribed == 0
+    publisher.publish(headings(7, 8)[0])
+    assert seconds(take(ros, intake, 1)) == [7]
+
+
+def test_a_best_effort_publisher_that_joins_is_heard_beside_a_reliable_one(ros):
+    intake, heard = intake_of(ros, unreliable=qos.HEADINGS_UNRELIABLE, sole=False)
+    one = publisher_to(ros, intake)
+    one.publish(headings(1, 2)[0])
+    ros.spin_until(lambda: intake._subscription is not None)
+    other = ros.plain.create_publisher(Imu, 'h', qos.HEADINGS_UNRELIABLE)
+    ros.spin_until(lambda: intake.look() == '' and other.get_subscription_count() == 1)
+    assert reliability(ros) == [ReliabilityPolicy.BEST_EFFORT] and intake.resubscribed == 1
+    for publisher, at in ((one, 2), (other, 3)):
+        publisher.publish(headings(at, at + 1)[0])
+    # What waited in the old subscription is not lost.
+    assert sorted(seconds(take(ros, intake, 3))) == [1, 2, 3]
+    ros.spin_until(lambda: any(value.key == 'resubscribed' and value.value == '1'
+                               for m in heard for s in m.status for value in s.values))
+
+
+def test_when_all_publishers_are_gone_the_next_reliable_one_is_heard_reliably(ros):
+    intake, _ = intake_of(ros, unreliable=qos.HEADINGS_UNRELIABLE)
+    ros.plain.destroy_publisher(publisher_to(ros, intake, profile=qos.HEADINGS_UNRELIABLE))
+    ros.spin_until(lambda: intake.look() == '' and not intake.publishers)
+    publisher_to(ros, intake)
+    assert reliability(ros) == [ReliabilityPolicy.RELIABLE] and intake.resubscribed == 0
 
 
 def test_silence_is_a_warning(ros):

@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Publishing no faster than subscribers take."""
+
+from __future__ import annotations
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+from sensor_msgs.msg import Imu
+
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.batches import take_all, Unwatched
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.publishing import FlowControl
+
+
+def flow_of(ros, **kwargs):
+    """Return a flow of the topic `h`, a function that publishes n messages, its subscription."""
+    node = ros.add(Node, 'sender')
+    publisher = node.create_publisher(Imu, 'h', qos.HEADINGS_OUT)
+    taker = ros.plain.create_subscription(Imu, 'h', lambda _: None, qos.HEADINGS_IN, raw=True,
+                                          callback_group=Unwatched())
+    ros.spin_until(lambda: publisher.get_subscription_count() == 1)
+    flow = FlowControl([publisher], Health(node), **kwargs)
+
+    def publish(n):
+        for _ in range(n):
+            publisher.publish(Imu())
+        flow.spend(n)
+    return flow, publish, taker
+
+
+def test_there_is_room_while_subscribers_acknowledge(ros):
+    flow, publish, taker = flow_of(ros, window=500)
+    taken = []
+    for _ in range(4):
+        publish(500)
+        ros.spin_until(flow.has_room)
+    ros.spin_until(lambda: taken.extend(take_all(taker)) or len(taken) == 2000)
+    assert [info['publication_sequence_number'] for _, info in taken] == list(range(1, 2001))
+
+
+class Unacknowledged:
+    """A publisher whose subscribers acknowledge nothing until they are told to."""
+
+    acknowledged = False
+
+    def wait_for_all_acked(self, timeout):
+        """Tell at once whether all is acknowledged."""
+        assert timeout.nanoseconds == 0, 'a node must not wait here'
+        return self.acknowledged
+
+
+def test_without_acknowledgement_there_is_no_room_until_it_comes(ros):
+    heard = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    publisher = Unacknowledged()
+    flow = FlowControl([publisher], Health(ros.add(Node, 'sender')), window=10)
+    for _ in range(10):
+        assert flow.has_room()
+        flow.spend(1)
+    assert not flow.has_room()
+    ros.spin_until(lambda: not flow.has_room() and any(
+        '10 messages are not acknowledged' in s.message for m in heard for s in m.status), 20.0)
+    publisher.acknowledged = True
+    assert flow.has_room()
+    ros.spin_until(lambda: any('subscribers keep up' in s.message for m in heard
+                               for s in m.status))
+
+
+def test_patience_ends(ros):
+    flow = FlowControl([Unacknowledged()], Health(ros.plain), window=1, patience_s=0.2)
+    flow.spend(1)
+    assert not flow.has_room()
+    ros.spin_until(flow.has_room)
+
+
+def test_without_a_publisher_there_is_always_room(ros):
+    flow = FlowControl([], Health(ros.plain), window=1)
+    flow.spend(5)
+    assert flow.has_room()
