@@ -130,7 +130,7 @@ def test_a_bag_with_a_wrong_mark_is_named_and_the_others_judged(
     with BagWriter(marked) as writer:
         writer.add_topic('compliance/marker', kind)
         writer.write('compliance/marker', encode(kind, message), S)
-    why = f"topic '/compliance/marker': {why}; with --runs no mark counts"
+    why = f"topic '/compliance/marker': {why}; --runs ignores all marks"
     verdict, said = judged(capsys, marked, bags[0])
     assert said == f'note: {marked}: not judged: {why}\n'
     assert [run['source'] for run in verdict['runs']] == bags[:1]
@@ -206,7 +206,7 @@ def test_a_source_in_the_table_of_runs_may_be_written_as_another_path(bags, tmp_
     assert [(run['source'], run['n']) for run in verdict['runs']] == [
         (bags[0], 500), (bags[1], 600)]
     assert 'the table of runs has no row for it' in verdict['inputs'][2]['no_run']
-    assert said.endswith(f'note: {table}: source gone is none of the INPUTs\n')
+    assert said.endswith(f'note: {table}: source gone is not one of the INPUTs\n')
 
 
 def test_a_source_that_means_several_inputs_is_refused(bags, tmp_path, capsys):
@@ -387,7 +387,7 @@ class Failing(Executor):
 
 @pytest.mark.parametrize('error, why', [
     (BrokenExecutor('the host burned'), 'the host burned'),
-    (None, 'the executor gave it up')])
+    (None, 'the executor dropped it')])
 def test_what_an_executor_does_not_do_is_named_and_the_campaign_goes_on(bags, error, why):
     settings = Settings.from_mapping({'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1})
     found = campaign.judge_inputs(bags[:2], settings, executor=Failing(error))

@@ -218,7 +218,7 @@ def test_an_input_that_was_judged_with_other_libraries_has_a_note(
     monkeypatch.setattr(campaign, 'describe_libraries', lambda: 'numpy 0.9 and scipy 0.1')
     _, said = analyze(capsys, folder / 'trial_0', '--dask', cluster.scheduler_address)
     assert said == (f'note: {folder / "trial_0"}: judged with {there} on {socket.gethostname()}, '
-                    'here are numpy 0.9 and scipy 0.1: last digits may differ\n')
+                    'but here are numpy 0.9 and scipy 0.1: last digits may differ\n')
 
 
 @pytest.mark.parametrize('inputs', [['nowhere'], ['nowhere', 'neither']])
@@ -329,7 +329,7 @@ def test_a_worker_with_other_software_is_named_before_work_starts(capsys, tmp_pa
                    workers=[worker])
         said = refusal(capsys, tmp_path / 'nowhere', '--dask', spoilt.scheduler_address)
     here = module.VERSION
-    assert f'heading_intercompare is {here} here, worker {worker} {why}' in said
+    assert f'heading_intercompare is {here} here, but worker {worker} {why}' in said
 
 
 @pytest.mark.parametrize('address', ['tcp://127.0.0.1:{port}', '127.0.0.1:{port}',
@@ -347,7 +347,7 @@ def test_where_no_scheduler_is_one_line_says_so_in_time(folder, capsys, monkeypa
 def test_a_worker_is_not_taken_for_a_scheduler(cluster, folder, capsys):
     address = next(iter(cluster.scheduler.workers))
     said = refusal(capsys, folder / 'trial_0', '--dask', address)
-    assert f'--dask {address}: no Dask scheduler answers there: what does is a Worker\n' in said
+    assert f'--dask {address}: no Dask scheduler answers there: a Worker does\n' in said
 
 
 @pytest.mark.parametrize('words', [b'SSH-2.0-x\r\n', bytes(64), b'', b'\x08' + bytes(15)])
@@ -362,7 +362,7 @@ def test_another_program_is_not_taken_for_a_scheduler(
         greeted = beside.submit(greet)
         said = refusal(capsys, folder / 'trial_0', '--dask', address)
         greeted.result(DEADLINE_S)
-    why = 'what does is another program' if words else 'not within 0.5 s'
+    why = 'another program does' if words else 'not within 0.5 s'
     assert f'--dask {address}: no Dask scheduler answers there: {why}\n' in said
     assert not [each for each in caplog.records if each.levelno == logging.CRITICAL]
 
@@ -370,12 +370,12 @@ def test_another_program_is_not_taken_for_a_scheduler(
 def test_a_scheduler_of_another_version_is_refused(cluster, folder, capsys, monkeypatch):
     monkeypatch.setattr(module, 'DISTRIBUTED', '1.0')
     said = refusal(capsys, folder / 'trial_0', '--dask', cluster.scheduler_address)
-    assert f'distributed is 1.0 here, the scheduler has {distributed.__version__}' in said
+    assert f'distributed is 1.0 here, but the scheduler has {distributed.__version__}' in said
 
 
 @pytest.mark.parametrize('text, why', [
-    (None, 'No such file'), ('{', 'is not JSON'), ('[]', 'is not the file of a Dask scheduler'),
-    ('{"address": 1}', 'is not the file of a Dask scheduler'), ('\udcff', 'is not JSON')])
+    (None, 'No such file'), ('{', 'must be JSON'), ('[]', 'is not the file of a Dask scheduler'),
+    ('{"address": 1}', 'is not the file of a Dask scheduler'), ('\udcff', 'must be JSON')])
 def test_a_wrong_file_of_a_scheduler_is_named(folder, capsys, tmp_path, text, why):
     file = tmp_path / 'scheduler.json'
     if text is not None:
