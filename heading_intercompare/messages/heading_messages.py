@@ -56,7 +56,7 @@ def _template(type_name: str, frame_id: str) -> np.ndarray:
 def _rows(type_name: str, stamp_ns: Integers, frame_id: str, reals: Reals) -> np.ndarray:
     """Return messages that consist of a header and reals, shape (n, number of reals)."""
     sec, nanosec = np.divmod(stamp_ns, _SECOND_NS)
-    beyond = (sec < -2**31) | (sec >= 2**31)
+    beyond = (stamp_ns < -TIME_LIMIT_NS) | (stamp_ns >= TIME_LIMIT_NS)
     if beyond.any():
         raise MessageError(f'stamp {stamp_ns[np.argmax(beyond)]} ns does not fit a ROS message: '
                            'must be before 19 January 2038')

@@ -10,7 +10,7 @@ indexes after it are believed if they name each of its messages once, with its l
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, NamedTuple
+from typing import Callable, NamedTuple, Sequence
 
 from mcap.opcode import Opcode
 import numpy as np
@@ -41,7 +41,7 @@ _LARGE = 2**26
 _INDEX_BYTES = 2**13
 
 #: Channels, each with its number of messages.
-Counts = tuple[tuple[int, int], ...]
+Counts = Sequence[tuple[int, int]]
 
 
 class Chunk(NamedTuple):

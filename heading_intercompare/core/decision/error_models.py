@@ -275,7 +275,7 @@ def tail(model: str, ratio: float, k: ArrayLike) -> np.ndarray:
     Returns
     -------
     ndarray, shape of `k`
-        P(|x - a| > k sqrt(sigma^2 + sigma_ref^2)), which is strict but for continuous laws no
+        ``P(|x - a| > k sqrt(sigma^2 + sigma_ref^2))``, which is strict but for continuous laws no
         different. Relative accuracy holds far into the tail.
 
     """

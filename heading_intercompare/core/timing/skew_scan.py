@@ -125,7 +125,7 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
     -----
     x_i(L) = TS(t_i) - RS(t_i - L), wrapped, the unwrapped RS interpolated linearly; the set of
     i is the one that is inside the RS at both ends of the range. L_0 is the grid point of least
-    variance v, L* = L_0 - step (v_+ - v_-) / (2 (v_+ - 2 v_0 + v_-)). Of more than 20000
+    variance v, ``L* = L_0 - step (v_+ - v_-) / (2 (v_+ - 2 v_0 + v_-))``. Of more than 20000
     readings, L_0 is sought on every so many-th one, then moved to the nearest minimum of all.
 
     Interpolating halfway between two RS readings averages their noise, which draws the minimum

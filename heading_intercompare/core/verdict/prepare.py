@@ -58,7 +58,7 @@ class PreparedRun:
     variance_deg2: float | None
 
     def deviations(self, variant: str) -> Reals:
-        """Return what the counts are taken of: |x| in variant A, else about what is removed."""
+        """Return what the counts are taken of: ``|x|`` in variant A, else about mean or drift."""
         about = self.x_deg
         if variant != 'A':
             about = self.x_deg - self.moments.mean_deg if self.residual_deg is None \
