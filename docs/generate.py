@@ -166,11 +166,11 @@ def parameter_file() -> str:
         # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
         # SPDX-License-Identifier: Apache-2.0
         #
-        # All settings with their defaults: a ROS parameter file, which the command line also reads:
+        # All settings with their defaults: a ROS parameter file, also for the command line:
         #   ros2 launch heading_intercompare intercompare.launch.py config:=FILE
         #   heading-intercompare analyze BAG --config FILE
-        # Copy this file and edit the copy; settings that you leave out keep their defaults. Settings
-        # without a default are commented out with an example value: remove the # to set one.
+        # Copy this file and edit the copy; settings that you leave out keep their defaults. A
+        # setting without a default is commented out with an example value: remove the # to set it.
         # Required are norms.sigma_ref_max_deg, and norms.sigma_max_deg or norms.preset.
         # Written by docs/generate.py.
         """)
