@@ -49,7 +49,7 @@ def find_chunk_head(data: bytes) -> ChunkHead | None:
     """
     Return the head of the chunk whose record begins these bytes; None if it contradicts itself.
 
-    The opcode may be wrong if the head has a checksum, for that can later prove the chunk.
+    The opcode may be wrong if the head has a checksum, because that can prove the chunk.
     """
     if len(data) < HEAD.size + CHUNK_HEAD.size:
         return None

@@ -231,7 +231,7 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
         raise BagError('already exists; a bag is never overwritten', target)
     paths = mcap_files(source)
     if source.resolve() in target.resolve().parents:
-        raise BagError(f'lies in the bag that is recovered; write it beside {source}', target)
+        raise BagError(f'lies inside the bag to recover; write it next to {source}', target)
     files, others = _take_inventories(paths, progress)
     total = _sum_up(files)
     for path, problem in others:

@@ -227,7 +227,7 @@ def test_an_existing_bag_is_not_overwritten(write_bag, tmp_path):
 def test_a_bag_is_not_written_into_the_one_that_is_recovered(write_bag, tmp_path):
     path = write_bag()
     for target in (path / 'new.mcap', path / 'a' / 'b', tmp_path / 'x' / '..' / path.name / 'c'):
-        with pytest.raises(BagError, match='lies in the bag that is recovered; write it beside'):
+        with pytest.raises(BagError, match='lies inside the bag to recover; write it next to'):
             recover(path, target)
     assert sorted(p.name for p in path.iterdir()) == ['metadata.yaml', 'trial_0.mcap']
     recover(path / 'trial_0.mcap', path / 'of_the_file')
