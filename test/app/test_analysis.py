@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Recorded runs judged from Python: the verdicts of the command line, its words as warnings."""
+"""Recorded runs judged from Python: the verdicts of the command line, its notes as warnings."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ def bags(tmp_path, capsys):
 
 
 def judged(capsys, *arguments) -> tuple[dict, str]:
-    """Return the JSON of `analyze` and what it says beside it."""
+    """Return the JSON of `analyze` and its other output."""
     capsys.readouterr()
     assert main(['analyze', *arguments, *NORMS, '--json', '-']) == 0
     out, err = capsys.readouterr()
@@ -72,7 +72,7 @@ def judged(capsys, *arguments) -> tuple[dict, str]:
 
 @pytest.fixture
 def processes(monkeypatch):
-    """Have even small inputs judged in processes of their own."""
+    """Judge even small inputs in their own processes."""
     monkeypatch.setattr(campaign, '_WORTH_BYTES', 0)
 
 
@@ -268,7 +268,7 @@ def test_what_a_cluster_does_not_do_is_refused_before_a_file_is_touched(
 
 @pytest.mark.process
 def test_a_process_that_dies_is_no_end_of_the_others():
-    """An exit code 3 instead of an answer: what a process killed for want of memory leaves."""
+    """Exit with code 3 instead of an answer, like a process killed when memory ran out."""
     broken = Future()
     broken.set_exception(BrokenProcessPool())
     job = SimpleNamespace(survive=os._exit, unread=lambda path, why: (path, why))
@@ -291,7 +291,7 @@ def entered(gate, process) -> int:
 @pytest.mark.parametrize('number, code', [
     (signal.SIGINT, 130), (signal.SIGTERM, -signal.SIGTERM), (signal.SIGKILL, -signal.SIGKILL)])
 def test_no_process_outlives_the_command(tmp_path, number, code):
-    """Two of its processes wait for what will never come; a third input is not begun."""
+    """Two of its processes wait for ever; a third input is not started."""
     gates = [tmp_path / f'{i}.csv' for i in range(3)]
     for gate in gates:
         os.mkfifo(gate)

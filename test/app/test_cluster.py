@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A campaign on a cluster: the verdict of one process, and one line for whatever is wrong."""
+"""A campaign on a cluster: the same verdict as in one process, and one line for each mistake."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture
 def gate(tmp_path):
-    """Return a csv that is a named pipe: who reads it waits until a test lets him."""
+    """Return a csv that is a named pipe: its reader waits until a test releases it."""
     path = tmp_path / 'gate.csv'
     os.mkfifo(path)
     return path
@@ -105,7 +105,7 @@ def gate(tmp_path):
 
 @pytest.fixture
 def processes(monkeypatch):
-    """Have even small inputs judged in processes of their own, where there is no cluster."""
+    """Judge even small inputs in their own processes if there is no cluster."""
     monkeypatch.setattr(campaign, '_WORTH_BYTES', 0)
 
 
@@ -122,21 +122,21 @@ def norms() -> list[str]:
 
 
 def analyze(capsys, *arguments: str | Path, code: int = 0) -> tuple[str, str]:
-    """Return what `analyze` prints, and what it says beside it."""
+    """Return what `analyze` prints on stdout and on stderr."""
     capsys.readouterr()
     assert main(['analyze', *map(str, arguments), *norms(), '--json', '-']) == code
     return capsys.readouterr()
 
 
 def refusal(capsys, *arguments: str | Path) -> str:
-    """Return the one line with which `analyze` gives up."""
+    """Return the one line with which `analyze` fails."""
     out, err = analyze(capsys, *arguments, code=2)
     assert out == '' and err.count('\n') == 1
     return err
 
 
 def eventually(condition: Callable[[], Any]) -> Any:
-    """Return what a condition gives as soon as it holds."""
+    """Wait until a condition holds, and return its value."""
     deadline = time.monotonic() + DEADLINE_S
     while not (found := condition()):
         assert time.monotonic() < deadline
@@ -146,7 +146,7 @@ def eventually(condition: Callable[[], Any]) -> Any:
 
 @contextmanager
 def held(gate: Path) -> Iterator[None]:
-    """Hold up who reads a pipe, as soon as somebody does; the end lets him see its end."""
+    """Hold up the reader of a pipe once there is one; at the end it sees the end of the pipe."""
     def opened() -> int | None:
         try:
             return os.open(gate, os.O_WRONLY | os.O_NONBLOCK)

@@ -61,7 +61,7 @@ def test_bytes_that_are_no_text_are_refused():
 
 
 def test_nesting_costs_no_more_than_its_length():
-    """As deep as the file may be long; Python would end with a RecursionError."""
+    """As deep as the size limit allows; Python would end with a RecursionError."""
     with pytest.raises(YamlError, match='nested deeper'):
         load_yaml('[' * (2**20 - 1))
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bags read: by whomever they were written, whole, cut or damaged."""
+"""Reading of bags: of any writer, complete, cut or damaged."""
 
 from __future__ import annotations
 
@@ -285,7 +285,7 @@ def test_rubbish_behind_a_cut_is_left_out(tmp_path, tail):
 
 
 def test_no_flipped_byte_goes_unnoticed_or_ends_in_a_traceback(tmp_path, rng):
-    """Every byte of the data section is under a checksum, or its change breaks the format."""
+    """Every byte of the data section has a checksum, or changing it breaks the format."""
     sent = list(BagReader(mcap_file(tmp_path / 'a.mcap', remarks(60))).messages())
     whole = (tmp_path / 'a.mcap').read_bytes()
     path = tmp_path / 'b.mcap'
