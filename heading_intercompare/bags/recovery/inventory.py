@@ -299,7 +299,7 @@ def take_inventory(path: Path, progress: Callable[[str], None]) -> Inventory:
 def _take(found: Inventory, item: Sound, salvage: Salvage) -> None:
     opcode = item.record.opcode
     if item.begins:
-        # Only a header at the very beginning starts another file; elsewhere this file was torn.
+        # Only a header just after magic bytes begins another file; elsewhere the file was torn.
         if found.begun:
             found.definitions.begin_file()
             found.sections.append(Section(found.definitions.epoch))
