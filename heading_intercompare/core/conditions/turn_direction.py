@@ -11,7 +11,7 @@ import numpy as np
 
 from heading_intercompare.core.statistics.blocking import sum_covariance
 from heading_intercompare.core.timing.skew_instrument import common_tracks
-from heading_intercompare.core.timing.skew_search import coarser
+from heading_intercompare.core.timing.skew_search import coarsen
 
 __all__ = ['Direction', 'find_turn_direction']
 
@@ -101,7 +101,7 @@ def find_turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndar
 def _on_even_times(stamp_ns: np.ndarray, x_deg: np.ndarray,
                    rs_deg: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
     """Return both headings, unwrapped, on even times; their step and that before, seconds."""
-    ts, rs = (coarser(track, _GRID_S) for track in common_tracks(stamp_ns, x_deg, rs_deg))
+    ts, rs = (coarsen(track, _GRID_S) for track in common_tracks(stamp_ns, x_deg, rs_deg))
     span = float(rs.t_s[-1] - rs.t_s[0])
     grid_s = _GRID_S
     while span / grid_s > _MOST and grid_s < _COARSEST_S:

@@ -53,7 +53,7 @@ def _ledger_shares(run: RunVerdict, share: LedgerSegment, inside: LedgerSegment,
     for stream, n in received.items():
         # After a stamp of the future no reading makes a pair any more: the run ends there, but
         # not for want of readings.
-        late = LedgerKey.rejected(stream, 'stamp_not_increasing')
+        late = LedgerKey.of_rejected(stream, 'stamp_not_increasing')
         behind = share.counts.get(late, 0) - counts.get(late, 0)
         if n + behind:
             rejected = sum(inside.rejected(stream).values())

@@ -290,7 +290,7 @@ def test_a_silence_of_the_pairs_divides_the_ledger():
     assert second.counts == {'paired': 2, 'ts_paired': 2, 'rs_used': 2}
     # What lies between two runs belongs to the one before, but not to what it lost.
     assert ledger.shares([S, 100 * S])[0].counts['ts_unpaired'] == 1
-    assert ledger.between(S, 2 * S).counts == first.counts
+    assert ledger.count_between(S, 2 * S).counts == first.counts
 
 
 def test_what_is_lost_within_a_run_is_told_from_what_came_before_and_after():
@@ -302,7 +302,7 @@ def test_what_is_lost_within_a_run_is_told_from_what_came_before_and_after():
         for lo in range(0, 60, size):
             pairer.update(ts[lo:lo + size], rs[lo:lo + size])
         pairer.flush()
-        inside = pairer.ledger.between(10 * S, 40 * S).counts
+        inside = pairer.ledger.count_between(10 * S, 40 * S).counts
         assert (inside['ts_unpaired'], inside['ts_paired']) == (9, 22)
         assert pairer.ledger.total.counts['ts_unpaired'] == 60 - 22
 
