@@ -9,7 +9,7 @@ from typing import Sequence
 from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
 from heading_intercompare.core.decision.gk import Printed
 from heading_intercompare.core.decision.guarded import Guarded, REASONS
-from heading_intercompare.core.decision.sequential import LookVerdict, rejecting
+from heading_intercompare.core.decision.sequential import find_rejection, LookVerdict
 from heading_intercompare.core.outcome import Outcome
 
 from .validity import DOUBTFUL, Finding, gravest, VOID, VOID_REASONS, worst_effect
@@ -73,7 +73,7 @@ def with_looks(outcome: Outcome, reason: str,
     """
     if reason in _ALWAYS_VOID:
         return outcome, reason
-    if outcome is not Outcome.NON_COMPLIANT and rejecting(looks) is not None:
+    if outcome is not Outcome.NON_COMPLIANT and find_rejection(looks) is not None:
         return Outcome.NON_COMPLIANT, 'rejected_at_a_look'
     return outcome, reason
 
@@ -81,7 +81,7 @@ def with_looks(outcome: Outcome, reason: str,
 def effect_with_looks(findings: Sequence[Finding], reason: str,
                       looks: Sequence[LookVerdict]) -> str:
     """Return the gravest effect, that at the look included which decided."""
-    at_end, decided = worst_effect(findings), rejecting(looks)
+    at_end, decided = worst_effect(findings), find_rejection(looks)
     if reason != 'rejected_at_a_look' or decided is None:
         return at_end
     return gravest((at_end, decided.validity_effect))

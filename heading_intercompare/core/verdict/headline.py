@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Sequence
 
 from heading_intercompare.core.decision.coverage import Coverage, span_words
-from heading_intercompare.core.decision.sequential import LookVerdict, rejecting
+from heading_intercompare.core.decision.sequential import find_rejection, LookVerdict
 from heading_intercompare.core.outcome import Outcome
 
 from .validity import DOUBTFUL, Finding, VOID
@@ -73,7 +73,7 @@ def add_looks(at_end: str, outcome: Outcome, reason: str,
     looks : sequence of LookVerdict
 
     """
-    look = rejecting(looks)
+    look = find_rejection(looks)
     if reason == 'rejected_at_a_look' and look is not None:
         said = look.headline.removeprefix(OUTCOME_WORDS['non_compliant'])
         return (f'{OUTCOME_WORDS["non_compliant"]} at look {look.look} of {look.looks}, after '

@@ -183,7 +183,7 @@ def _convention(e: Examined) -> Finding:
                        f'stays at {found.angle_deg:.1f} deg: one of them counts '
                        f'counter-clockwise{_unless_late(found.turned_deg)}')
     mean = e.found.signs.mean
-    if mean.torn(e.settings.wrap_center_deg):
+    if mean.is_torn(e.settings.wrap_center_deg):
         return Finding('convention', VOID, 'the differences lie on the seam of wrap_center_deg',
                        'the differences are reduced to 180 deg either way of '
                        f'{e.settings.wrap_center_deg:g} deg, which tears them apart: they lie '

@@ -171,13 +171,13 @@ def test_the_share_beyond_the_seam_by_hand():
     """179 three times and -179 once, about 180: one of four is a whole turn away."""
     found = estimate_mean_difference([179.0, 179.0, -179.0, 179.0])
     assert found.seam_share == 0.25
-    assert found.torn(0.0) and not found.torn(180.0)
-    assert estimate_mean_difference([1.0, 359.0]).torn(180.0)
+    assert found.is_torn(0.0) and not found.is_torn(180.0)
+    assert estimate_mean_difference([1.0, 359.0]).is_torn(180.0)
     assert estimate_mean_difference([270.0, 271.0, 269.0]).seam_share == 0.0
-    assert not estimate_mean_difference([]).torn(0.0)
+    assert not estimate_mean_difference([]).is_torn(0.0)
 
 
 def test_wild_readings_are_not_the_seam(rng):
     """A sensor near zero of which one reading in fifty is anything."""
     x = np.where(rng.random(5000) < 0.02, rng.uniform(-180.0, 180.0, 5000), 0.0)
-    assert not estimate_mean_difference(x).torn(0.0)
+    assert not estimate_mean_difference(x).is_torn(0.0)

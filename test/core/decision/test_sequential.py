@@ -51,7 +51,7 @@ def test_the_shares_add_up_to_the_risk(looks):
 
 def test_each_look_is_taken_once_and_at_its_time():
     looks = Looks(80.0, 4, ANY)
-    taken = [[look.index for look in looks.due(span)]
+    taken = [[look.index for look in looks.take_due(span)]
              for span in (0.0, 9.999999999, 10.0, 10.0, 45.0, 79.0, 80.0, 500.0)]
     assert taken == [[], [], [0], [], [1, 2], [], [3], []]
     assert looks.taken == 4
@@ -97,7 +97,7 @@ def test_looking_often_keeps_the_risk_of_white_errors(rng):
     accepted = 0
     for _ in range(400):
         x = rng.standard_normal(3200)
-        for look in Looks(3200.0, 5, ANY).due(3200.0):
+        for look in Looks(3200.0, 5, ANY).take_due(3200.0):
             n = look.span_ns // 10 ** 9
             evidence = gather_evidence(Cells.of(x[:n]), n_plus=0, n_plus_plus=0, span_s=float(n),
                                        mean_deg=0.0)
