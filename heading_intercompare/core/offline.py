@@ -83,7 +83,7 @@ def _judge_again(ts: Headings, rs: Headings, result: RunResult, settings: Settin
 
 def _fix_method(result: RunResult, rule: Pairing) -> Pairing:
     """Replace the method 'auto' by the one that it chose in a run."""
-    sensor = result.verdict.pairing.interpolated(rule.method)
+    sensor = result.verdict.pairing.find_interpolated(rule.method)
     if sensor is None:
         return rule
     return replace(rule, method='interpolate' if sensor == 'rs' else 'interpolate_ts')

@@ -118,9 +118,9 @@ def test_command_of_now_happens_with_the_next_block(step_s):
     (lambda t: t.inject('ts', 'melt'), "fault 'melt': must be freeze or"),
     (lambda t: t.command('ts', 'dance'), "command 'dance': must be gyrocompass or"),
     (lambda t: t.command('rs', 'gyrocompass'), "a sensor of the model 'ideal' has no modes"),
-    (lambda t: t.inject('ts', 'jump', t_s=10.0), r't_s = 10.0: must not be before 20 s'),
+    (lambda t: t.inject('ts', 'jump', t_s=10.0), r't_s = 10.0: must be at least 20 s'),
     (lambda t: t.mend('ts', 'jump'), 'jump is not present'),
-    (lambda t: (t.inject('rs', 'jump'), t.inject('rs', 'jump')), 'jump is present already')])
+    (lambda t: (t.inject('rs', 'jump'), t.inject('rs', 'jump')), 'jump is already present')])
 def test_what_cannot_be_is_refused_with_its_reason(act, words):
     trial = begun()
     trial.advance(20.0)

@@ -245,7 +245,7 @@ def test_one_bad_reading_is_named_and_not_called_a_slow_error(pair):
     assert run.reason == 'outliers_decide'
     evidence = next(f.evidence for f in run.validity if f.condition == 'outliers')
     assert str(STAMPS[5000]) in evidence and '+40 deg' in evidence
-    assert 'without the outcome is compliant' in evidence
+    assert 'without them the outcome is compliant' in evidence
 
 
 def test_an_outlier_that_decides_nothing_does_not_bind(pair):

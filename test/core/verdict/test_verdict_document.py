@@ -163,7 +163,7 @@ def test_a_verdict_of_2_0_that_lacks_a_key_says_how_it_is_made_anew():
     mapping = of_2_0(judged().to_dict())
     del mapping['runs'][0]['looks']
     with pytest.raises(VerdictError, match=r'^runs\[0\].looks is missing; if an earlier version '
-                       'wrote it, judge the recordings anew, with `analyze` or `rejudge`$'):
+                       'wrote it, judge the recordings again, with `analyze` or `rejudge`$'):
         Verdict.from_dict(mapping)
 
 
@@ -190,7 +190,7 @@ def test_the_hash_of_the_settings_is_found_as_the_page_says(tmp_path):
 def test_settings_changed_by_another_hand_are_seen():
     mapping = judged().to_dict()
     mapping['settings']['norms.sigma_max_deg'] = 0.4
-    with pytest.raises(VerdictError, match='they are not those it was made with'):
+    with pytest.raises(VerdictError, match='so they were changed afterwards'):
         Verdict.from_dict(mapping)
 
 
@@ -201,7 +201,7 @@ def test_a_later_minor_version_is_read_and_a_later_major_one_is_not():
     for newer in ({'schema_version': '3.0'}, {'schema': 'heading_intercompare/verdict/3'},
                   {'schema': 'heading_intercompare/verdict/3', 'schema_version': '3.1'}):
         with pytest.raises(VerdictError, match="/[23]'; a newer version of heading_intercompare "
-                           'wrote it: read it with that one, or install it$'):
+                           'wrote it: install that version to read it$'):
             Verdict.from_dict({**mapping, **newer})
 
 
@@ -225,7 +225,7 @@ def test_whatever_value_is_of_a_wrong_type_is_named():
     ({}, "schema = None: must be 'heading_intercompare/verdict/2'"),
     ({'schema': 'heading_intercompare/verdict/1'},
      "schema = 'heading_intercompare/verdict/1': must be .*/2'; an earlier version .*: judge "
-     'the recordings anew, with `analyze` or `rejudge`$'),
+     'the recordings again, with `analyze` or `rejudge`$'),
     ({'schema': 'heading_intercompare/verdict/0'}, "verdict/0': must be '[a-z_/]*/2'$"),
     ({'schema_version': 2}, "schema_version = 2: must be text such as '2.1'"),
     ({'schema_version': '2'}, "schema_version = '2': must be text"),

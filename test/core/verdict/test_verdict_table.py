@@ -69,7 +69,8 @@ def test_what_is_absent_is_a_dash_and_what_is_rejected_has_its_reason():
 
 def test_without_runs_the_reason_stands_there():
     empty = judged(0)
-    assert str(empty).endswith('No run: no pair was made, or none in a run long enough.')
+    assert str(empty).endswith(
+        'No run: there are no pairs, or none in a run of sufficient length.')
     given = replace(empty, inputs=[Input('a.mcap', error='is cut')])
     assert str(given).endswith('not judged: a.mcap: is cut')
 
