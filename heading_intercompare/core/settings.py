@@ -427,8 +427,8 @@ class Detectors(Checked):
     frozen_s: float = setting(
         5.0, 'a sensor is frozen if it repeats its value for at least this time [s]', 0.0)
     frozen_moved_deg: float = setting(
-        0.0, 'and the other sensor meanwhile turns by more than this, and by more than the errors '
-        'and steps of both explain [deg]', 0.0, 180.0)
+        0.0, 'a frozen sensor counts only if the other one meanwhile turns by more than this, and '
+        'by more than the errors and steps of both explain [deg]', 0.0, 180.0)
     same_source_share: float = setting(
         0.001, 'the sensors are one if at most this share of the changing readings differs', 0.0,
         1.0)
