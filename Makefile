@@ -6,7 +6,7 @@
 # make test       install into .venv and run everything that CI runs
 # make release    what goes before a release: hours of fuzz, and the tables of the decision rule
 # make test-pins  the tests with the versions of Ubuntu 24.04 (needs Python 3.12)
-# make docs       write what docs and config repeat of the sources: settings, list of modules
+# make docs       write what docs and config repeat of the sources, and build the site: docs/_build
 # make format     sort imports and mend form
 # make clean      remove what the others made
 #
@@ -27,6 +27,7 @@ PYTHON312 := $(shell for p in python3.12 "$$(pyenv prefix 3.12 2>/dev/null)/bin/
 # Two workers; tests that run graphs stay together in one (conftest.py says which).
 WORKERS ?= 2
 TESTS := -m pytest --numprocesses $(WORKERS) --dist loadgroup --no-loadscope-reorder
+SITE := $(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html docs docs/_build
 TABLES := A B E cells gaps drift rates runs means looks short
 
 .PHONY: demo quick test test-pins release docs format clean help
@@ -43,16 +44,17 @@ quick: .venv/.test
 	@.ci/step 'quick tests' $(BIN)/python $(TESTS) -q -m 'not (slow or ros or process)' test $(PYTEST)
 
 test: .venv/.test
-	@.ci/step '1/4 form' $(BIN)/ruff check .
+	@.ci/step '1/5 form' $(BIN)/ruff check .
 	@if $(BIN)/python -c 'import numpy; numpy.strings.slice' 2>/dev/null; \
-		then .ci/step '2/4 types' $(BIN)/mypy; \
-		else echo '== 2/4 left out: types are checked with numpy 2.3 or later'; fi
-	@.ci/step '3/4 tests, examples in docstrings, installation with pip and with colcon' \
+		then .ci/step '2/5 types' $(BIN)/mypy; \
+		else echo '== 2/5 left out: types are checked with numpy 2.3 or later'; fi
+	@.ci/step '3/5 documentation' $(SITE)
+	@.ci/step '4/5 tests, examples in docstrings, installation with pip and with colcon' \
 		$(BIN)/python $(TESTS) --durations=10 $(PYTEST)
 ifeq ($(PYTHON312),)
-	@echo '== 4/4 left out: the tests with the versions of Ubuntu 24.04 need Python 3.12'
+	@echo '== 5/5 left out: the tests with the versions of Ubuntu 24.04 need Python 3.12'
 else
-	@.ci/step '4/4 the quick tests with the versions of Ubuntu 24.04' \
+	@.ci/step '5/5 the quick tests with the versions of Ubuntu 24.04' \
 		$(MAKE) --no-print-directory test-pins
 endif
 
@@ -61,6 +63,8 @@ test-pins: .venv-pins/.test
 
 release: test
 	@.ci/step 'large fuzz' env HYPOTHESIS_PROFILE=release $(BIN)/python $(TESTS) test/bags test/nodes
+	@.ci/venv .venv ros,serial,fast,dask,docs,test,dev,notebook
+	@.ci/step 'notebooks' $(BIN)/jupyter execute examples/*.ipynb
 	@.ci/step 'soak of 30 min' env HEADING_INTERCOMPARE_SOAK_S=1800 \
 		$(BIN)/python -m pytest test/nodes/test_soak.py
 	@for table in $(TABLES); do \
@@ -71,6 +75,9 @@ release: test
 
 docs: .venv/.test
 	$(BIN)/python docs/generate.py
+	$(BIN)/python docs/house.py
+	$(SITE)
+	@echo '== docs/_build/index.html'
 
 format: .venv/.test
 	$(BIN)/ruff check --fix .
@@ -80,7 +87,7 @@ format: .venv/.test
 	@touch $@
 
 .venv/.test: $(INSTALLED)
-	@.ci/venv .venv ros,serial,fast,dask,test,dev
+	@.ci/venv .venv ros,serial,fast,dask,docs,test,dev
 	@touch $@ .venv/.demo
 
 .venv-pins/.test: $(INSTALLED) .ci/ubuntu-24.04.txt
@@ -90,5 +97,5 @@ format: .venv/.test
 	@touch $@
 
 clean:
-	rm -rf .venv .venv-pins build install log demo_out *.egg-info .pytest_cache .hypothesis \
+	rm -rf docs/_build docs/reference/api docs/reference/commands.md .venv .venv-pins build install log demo_out *.egg-info .pytest_cache .hypothesis \
 		.ruff_cache .mypy_cache

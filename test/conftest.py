@@ -11,6 +11,10 @@ import tempfile
 import numpy as np
 import pytest
 
+from heading_intercompare.core.pipeline import Intercomparison
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.settings import Settings
+
 os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'
 os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'OFF')
 os.environ.setdefault('ROS_LOG_DIR', tempfile.mkdtemp(prefix='heading_intercompare_log_'))
@@ -22,6 +26,18 @@ ROOT = Path(__file__).resolve().parent.parent
 def rng():
     """Return a seeded generator; a test with it gives the same result every time."""
     return np.random.default_rng(20160716)
+
+
+@pytest.fixture
+def verdict_of_two_runs():
+    """Return the verdict on 200 s and 201 s of pairs, 200 s apart, from second 10**9 + 1 on."""
+    stamps = np.concatenate((np.arange(1, 201), np.arange(400, 601))) * 10 ** 9 + 10 ** 18
+    comparison = Intercomparison(Settings.from_mapping(
+        {'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}}))
+    comparison.update(ts=Headings.of(stamps, 90.0 + 0.1 * np.sin(np.arange(401) * 2.0)),
+                      rs=Headings.of(stamps, np.full(401, 90.0)))
+    comparison.finish()
+    return comparison.verdict()
 
 
 @pytest.fixture(scope='session')

@@ -83,7 +83,7 @@ TESTS_OF_SEVERAL = {
     'nodes/test_graph_processes', 'nodes/test_launch', 'nodes/test_real_logs_over_udp',
     'nodes/test_recorder_process', 'nodes/test_soak',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_equations',
-    'test_examples', 'test_packaging', 'test_settings',
+    'test_examples', 'test_packaging', 'test_settings', 'test_site',
 }
 
 # Core is a function of its input: it reads no clock, file or network, and says nothing.

@@ -67,11 +67,10 @@ def load_config(path: str | None) -> Config:
         parameters = section['ros__parameters'] or {}
         if not isinstance(parameters, dict):
             raise SettingsError(f'{path}: section {name!r}: ros__parameters must be a mapping')
-        values: dict[str, Any] = {}
-        for setting, value in flatten(parameters):
-            if setting in values:
-                raise SettingsError(f'{path}: section {name!r}: {setting} is given twice')
-            values[setting] = value
+        try:
+            values = flatten(parameters)
+        except SettingsError as error:
+            raise SettingsError(f'{path}: section {name!r}: {error}') from error
         sections[str(name).lstrip('/') if name != SHARED else SHARED] = values
     return Config(path, sections.pop(SHARED, {}), sections)
 

@@ -18,7 +18,20 @@ from heading_intercompare.report import SeriesSketch
 from .inputs import analyze_input
 from .run_table import RunTable
 
-__all__ = ['Job', 'Judged']
+__all__ = ['explain_unreadable', 'Job', 'Judged', 'UNREADABLE']
+
+UNREADABLE = (OSError, ValueError, MemoryError)
+"""What an input raises that cannot be judged."""
+
+
+def explain_unreadable(error: Exception, path: str) -> str:
+    """Return why the input at `path` raised one of `UNREADABLE`: one line without the path."""
+    if isinstance(error, MemoryError):
+        return 'there is not enough memory for it'
+    why = str(error)
+    if isinstance(error, OSError) and error.strerror:
+        why = error.strerror
+    return ' '.join(why.removeprefix(f'{path}: ').split())
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,12 +112,8 @@ class Job:
         """Judge one input among others; one that cannot be read says why."""
         try:
             return self.judge(path, place=place)
-        except OSError as error:
-            return self.unread(path, error.strerror or str(error))
-        except ValueError as error:
-            return self.unread(path, str(error).removeprefix(f'{place or path}: '))
-        except MemoryError:
-            return self.unread(path, 'there is not enough memory for it')
+        except UNREADABLE as error:
+            return self.unread(path, explain_unreadable(error, place or path))
 
     def unread(self, path: str, why: str) -> Judged:
         """Return what there is to say of an input that could not be read."""

@@ -13,11 +13,12 @@ from heading_intercompare.bags.rosbag2.provenance import read_texts, RECORD, REP
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import leave_out_gone, Settings, SettingsError
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
-from heading_intercompare.core.verdict.validity import DOUBTFUL
+from heading_intercompare.core.verdict.validity import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictError
 
 from .analysis import judge_bags
 from .config import Config, settings_for
+from .job import explain_unreadable, UNREADABLE
 
 __all__ = ['CHANGED', 'FormerVerdict', 'rejudge', 'rejudge_bag', 'Rejudged', 'SAME', 'UNJUDGED',
            'WITHOUT_REPORT']
@@ -59,7 +60,7 @@ class FormerVerdict:
     @property
     def words(self) -> str:
         """The outcome, its doubt and what judged, in words."""
-        doubt = ', DOUBTFUL' if _is_doubtful(self.outcome, self.validity_effect) else ''
+        doubt = ', DOUBTFUL' if is_doubtful(self.outcome, self.validity_effect) else ''
         rule = 'an unnumbered rule' if self.rule_version is None else f'rule {self.rule_version}'
         return f'{OUTCOME_WORDS[self.outcome.value]}{doubt} by {rule}'
 
@@ -159,12 +160,8 @@ def rejudge(paths: Sequence[str], config: Config | None = None, assignments: Seq
         progress(f'{done} done, {path}')
         try:
             found.append(rejudge_bag(path, config, assignments, jobs=jobs))
-        except OSError as error:
-            found.append(_unjudged(path, error.strerror or str(error)))
-        except ValueError as error:
-            found.append(_unjudged(path, str(error).removeprefix(f'{path}: ')))
-        except MemoryError:
-            found.append(_unjudged(path, 'there is not enough memory for it'))
+        except UNREADABLE as error:
+            found.append(Rejudged(path, UNJUDGED, error=explain_unreadable(error, path)))
     return sorted(found, key=lambda each: each.rank)
 
 
@@ -195,23 +192,14 @@ def _compare(path: str, former: FormerVerdict | None, verdict: Verdict,
     if former is None:
         status = WITHOUT_REPORT
     else:
-        doubtful = _is_doubtful(verdict.outcome, verdict.validity_effect)
+        doubtful = is_doubtful(verdict.outcome, verdict.validity_effect)
         # Rule 1 doubted nothing: what it certified and is doubtful now has changed.
         same = (former.outcome is verdict.outcome
-                and _is_doubtful(former.outcome, former.validity_effect) == doubtful)
+                and is_doubtful(former.outcome, former.validity_effect) == doubtful)
         status = SAME if same else CHANGED
     return Rejudged(path, status, former, verdict.outcome, verdict.headline,
                     verdict.validity_effect, verdict.rule_version, verdict.settings_sha256,
                     changed, gone, None, notes)
-
-
-def _unjudged(path: str, why: str) -> Rejudged:
-    return Rejudged(path, UNJUDGED, error=' '.join(why.split()))
-
-
-def _is_doubtful(outcome: Outcome, effect: str | None) -> bool:
-    """Tell whether a decision is doubtful; what is not decided need not be doubted."""
-    return outcome is not Outcome.INDETERMINATE and effect == DOUBTFUL
 
 
 def _read_report(reader: BagReader) -> tuple[Mapping[str, Any] | None, list[str]]:

@@ -3,8 +3,8 @@
 """
 MCAP bags of rosbag2, to and from chunks; no ROS needed.
 
-The rooms stand on each other in this order: `mcap`, `parallel`, `rosbag2`, `recording`,
-`recovery`; `csv` stands beside them.
+Each room builds on the ones before it: `mcap`, `parallel`, `rosbag2`, `recording`, `recovery`.
+`csv` stands apart.
 """
 
 from typing import TYPE_CHECKING

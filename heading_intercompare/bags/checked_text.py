@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Texts that come from outside: whether they are UTF-8, and numbers in them."""
+"""Checks on text from outside: whether it is UTF-8, and numbers in it."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from .errors import BagError
 
 __all__ = ['decimal', 'utf8']
 
-#: No count has more.
+#: No count has more digits.
 _DIGITS = 18
 
 
 def decimal(text: str, digits: int = _DIGITS) -> int | None:
-    """Return the number that a text is; None if it is none, or has more digits than allowed."""
+    """Return a text as a whole number; None if it is not one or has more than `digits` digits."""
     return int(text) if text.isascii() and text.isdecimal() and len(text) <= digits else None
 
 
 def utf8(text: str, what: str) -> str:
-    """Return a text as it is; BagError, with what it is, if its bytes were not UTF-8."""
+    """Return the text unchanged; raise BagError, naming `what`, if its bytes were not UTF-8."""
     try:
         text.encode()
     except UnicodeEncodeError:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The one error of bags and csv files: what, where, what is allowed, in one line."""
+"""The one error for bags and csv files: what, where, what is allowed, in one line."""
 
 from __future__ import annotations
 
@@ -11,28 +11,28 @@ __all__ = ['BagError']
 
 class BagError(ValueError):
     """
-    A bag, a message in it or a csv of pairs cannot be used.
+    A bag, a message in it, or a csv file of pairs cannot be used.
 
     Parameters
     ----------
     problem : str
-        What is wrong and what would be right.
+        What is wrong, and what is allowed.
     path : str or path, optional
         The file.
     offset : int, optional
-        Byte in the file at which it went wrong.
+        Byte of the file at which the problem begins.
 
     """
 
     def __init__(self, problem: str, path: str | os.PathLike[str] = '',
                  offset: int | None = None) -> None:
         place = f'{os.fspath(path)}: ' if os.fspath(path) else ''
-        behind = '' if offset is None else f' (at byte {offset})'
-        super().__init__(f'{place}{problem}{behind}')
+        suffix = '' if offset is None else f' (at byte {offset})'
+        super().__init__(f'{place}{problem}{suffix}')
         self.problem = problem
         self.path = os.fspath(path)
         self.offset = offset
 
     def at(self, path: str | os.PathLike[str], offset: int | None = None) -> 'BagError':
-        """Return the same error with its place."""
+        """Return the same error with a path and an offset."""
         return BagError(self.problem, path, offset)

@@ -21,17 +21,17 @@ class BagSettings(Checked):
     compression: str = setting(
         'zstd', 'compression of the chunks', choices=('none', 'lz4', 'zstd'))
     flush_interval_s: float = setting(
-        0.5, 'longest time that messages stay in memory while recording; what is lost when the '
-        'recorder is killed [s]', 0.0, 3600.0)
+        0.5, 'longest time that messages stay in memory while recording; this much is lost if '
+        'the recorder is killed [s]', 0.0, 3600.0)
     fsync_interval_s: float = setting(
-        1.0, 'longest time that what was written may stay in the cache of the operating system; '
-        'what is lost when power fails [s]', 0.0, 3600.0)
+        1.0, 'longest time that written data may stay in the cache of the operating system; '
+        'this much is lost if power fails [s]', 0.0, 3600.0)
     split_bytes: int = setting(
-        0, 'size at which a bag goes on in a new file; 0: never [bytes]', 0, 2**50)
+        0, 'size at which a bag continues in a new file; 0: never [bytes]', 0, 2**50)
     split_duration_s: float = setting(
-        0.0, 'time after which a bag goes on in a new file; 0: never [s]', 0.0, 1e9)
+        0.0, 'time after which a bag continues in a new file; 0: never [s]', 0.0, 1e9)
     free_space_mb: float = setting(
-        100.0, 'nothing is recorded while less than this is free on the disk [MB]', 0.0, 1e9)
+        100.0, 'recording stops while less than this is free on the disk [MB]', 0.0, 1e9)
     waiting_mb: float = setting(
-        64.0, 'messages kept in memory while they cannot be written; what comes then is lost and '
-        'counted [MB]', 0.0, 100000.0)
+        64.0, 'memory for messages that cannot be written at the moment; further messages are '
+        'lost and counted [MB]', 0.0, 100000.0)

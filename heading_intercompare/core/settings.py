@@ -154,11 +154,20 @@ def _check_value(rule: Setting, value: Any) -> Any:
     return value
 
 
-def flatten(mapping: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
-    """Yield dotted names and values of a nested mapping."""
+def flatten(mapping: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of a nested mapping by dotted name; SettingsError if one comes twice."""
+    values: dict[str, Any] = {}
+    for name, value in _walk(mapping, ''):
+        if name in values:
+            raise SettingsError(f'{name} is given twice')
+        values[name] = value
+    return values
+
+
+def _walk(mapping: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
     for name, value in mapping.items():
         if isinstance(value, Mapping):
-            yield from flatten(value, f'{prefix}{name}.')
+            yield from _walk(value, f'{prefix}{name}.')
         else:
             yield f'{prefix}{name}', value
 
@@ -212,18 +221,16 @@ def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
 
     """
     rules = {rule.name: rule for rule in list_settings(settings_class)}
-    values, given = {}, list(flatten(mapping))
-    named = {name for name, _ in given}
-    if gone := [name for name in _GONE if name in named and name not in rules]:
+    given = flatten(mapping)
+    if gone := [name for name in _GONE if name in given and name not in rules]:
         # All at once: an old file would be refused once for each.
         alike = {why: ', '.join(repr(name) for name in gone if _GONE[name] == why)
                  for why in dict.fromkeys(map(_GONE.__getitem__, gone))}
         raise SettingsError('; '.join(f'setting {names} {why}' for why, names in alike.items()))
-    for name, value in given:
+    values = {}
+    for name, value in given.items():
         if name not in rules:
             raise explain_unknown('setting', name, rules)
-        if name in values:
-            raise SettingsError(f'{name} is given twice')
         values[name] = _check_value(rules[name], value)
     return _build(settings_class, values, '')
 

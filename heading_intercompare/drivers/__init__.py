@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bytes of NMEA sentences and csv, from wherever, to headings."""
+"""NMEA sentences and csv, from a network, serial line or file, to headings."""
 
 from typing import TYPE_CHECKING
 

@@ -3,11 +3,11 @@
 """
 Csv of headings, as decoders of NMEA 2000 (PGN 127250) write them.
 
-A header, then a row per reading. Columns `t_ns` (integer nanoseconds UTC) and `heading_deg` are
-needed; `deviation_deg`, `variation_deg` (east positive), `reference_0true_1mag` and `src` are
-used if present. Reference 0 is a true heading, 1 a magnetic one to which deviation (none if
-empty) and variation are added. Of several sources the setting `talker` or, without it, the first
-heard is taken.
+A header, then one row per reading. Columns `t_ns` (integer nanoseconds UTC) and `heading_deg` are
+required. `deviation_deg`, `variation_deg` (east positive), `reference_0true_1mag` and `src` are
+used if present. Reference 0 is a true heading; 1 is a magnetic one, to which deviation (0 if
+empty) and variation are added. The setting `talker` selects one of several sources; without it,
+the first one in the log is used.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def _cells(line: bytes) -> list[str]:
 
 
 def is_csv(first_line: bytes) -> bool:
-    """Tell whether this is the header of a csv of headings."""
+    """Tell whether this line is the header of a csv of headings."""
     return b'heading_deg' in first_line and 'heading_deg' in _cells(first_line)
 
 
@@ -51,16 +51,16 @@ class CsvDecoder:
     Parameters
     ----------
     path : str
-        The log, named in errors.
+        Path of the log, for errors.
     header : bytes
         Its first line.
     settings : DriverSettings
-        Only `talker` matters.
+        Only `talker` is used.
 
     Raises
     ------
     DriverError
-        If a needed column is missing.
+        If a required column is missing.
 
     """
 
@@ -68,8 +68,8 @@ class CsvDecoder:
         self._columns = {name: i for i, name in enumerate(_cells(header))}
         missing = [name for name in _NEEDED if name not in self._columns]
         if missing:
-            raise DriverError(f'{path}: column {missing[0]} is missing; a csv of headings has '
-                              f'the columns {" and ".join(_NEEDED)}')
+            raise DriverError(f'{path}: column {missing[0]} is missing; a csv of headings must '
+                              f'have the columns {" and ".join(_NEEDED)}')
         self._src = settings.talker
         self._counts: Counter[str] = Counter()
         self._in_header = True
@@ -77,7 +77,7 @@ class CsvDecoder:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Rows that gave no heading so far, by reason."""
+        """Rows so far that gave no heading, by reason."""
         return dict(sorted(self._counts.items()))
 
     def feed(self, data: bytes, received_ns: int | None = None) -> Headings:
@@ -101,7 +101,7 @@ class CsvDecoder:
         return Headings(np.array(stamps, np.int64), wrap360(np.array(headings)))
 
     def flush(self) -> Headings:
-        """Return what is left at the end of the log."""
+        """Return the last headings at the end of the log."""
         return self.feed(b'\n')
 
     def _read(self, row: list[str]) -> tuple[int, float]:

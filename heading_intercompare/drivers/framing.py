@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Bytes cut into sentences, with their checksums verified.
+Bytes to sentences, with their checksums verified.
 
-A sentence starts at `$` or `!` wherever that stands, so what comes before it does not matter:
-log stamps, TAG blocks, the header `UdPbC` of IEC 61162-450, garbage, the rest of a damaged
-sentence. It ends with its checksum or with the line. How the bytes were split on their way has no
-influence on the sentences.
+A sentence starts at `$` or `!` wherever that stands. So anything may come before it: log stamps,
+TAG blocks, the header `UdPbC` of IEC 61162-450, garbage, the rest of a damaged sentence. It ends
+with its checksum or with the line. The sentences do not depend on how the bytes were split on
+their way.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ import numpy as np
 
 __all__ = ['Frame', 'Framer', 'KEPT_PREFIX', 'MAX_SENTENCE', 'split']
 
-#: Bytes of a sentence; a longer one is `too_long`.
+#: Most bytes of a sentence; a longer one is `too_long`.
 MAX_SENTENCE = 1024
-#: Bytes before a sentence that are looked at for a stamp and TAG blocks.
+#: Bytes before a sentence that are searched for a stamp and TAG blocks.
 KEPT_PREFIX = 256
-#: Bytes held back of a line that does not end; more of it is looked at no further.
+#: Most bytes kept of a line that does not end; beyond that it is shortened.
 MAX_OPEN = 16_384
 
 _PIECE = re.compile(
-    rb'([^\r\n$!]*)'                                       # what stands before the sentence
+    rb'([^\r\n$!]*)'                                       # the prefix of the sentence
     rb'(?:([$!])([^\r\n$!*]*)'                             # its start, its text
     rb'(?:\*([0-9A-Fa-f]{2})([^\r\n$!]*[\r\n]+)?'          # its checksum, the rest of the line
     rb'|(\*?[^\r\n$!]*[\r\n]+)?)'                          # or none: the end of the line, or cut
@@ -36,12 +36,12 @@ _HEX = {f'{a}{b}'.encode(): int(a + b, 16)
         for a in '0123456789abcdefABCDEF' for b in '0123456789abcdefABCDEF'}
 
 
-#: One sentence: when it came [ns], what stood before it, its text, whether it had a checksum.
+#: One sentence: time of receipt [ns], the bytes before it, its text, whether it had a checksum.
 Frame = Tuple[Optional[int], bytes, bytes, bool]
 
 
 def _checksums(texts: list[bytes]) -> list[int]:
-    """Exclusive or of the bytes of each text."""
+    """Return the exclusive or of the bytes of each text."""
     joined = np.frombuffer(b'\0'.join(texts) + b'\0', np.uint8)
     starts = np.zeros(len(texts), np.intp)
     np.cumsum([len(text) + 1 for text in texts[:-1]], out=starts[1:])
@@ -50,21 +50,21 @@ def _checksums(texts: list[bytes]) -> list[int]:
 
 class Framer:
     """
-    Cuts what a source delivers into sentences.
+    Cuts the bytes from a source into sentences.
 
     Parameters
     ----------
     datagrams : bool
-        Each `feed` is a datagram, complete in itself: its end ends a line. Otherwise the bytes
-        are a stream, and a sentence may be spread over many feeds.
+        Each `feed` is a complete datagram: its end ends a line. Otherwise the bytes are a stream,
+        and a sentence may span many feeds.
 
     Attributes
     ----------
     counts : Counter
-        What was not a sentence, by reason. `no_sentence`: a line without `$` or `!` (blank lines
-        do not count). `cut`: a sentence without a checksum that another one, or the end of the
-        stream, broke off. `bad_checksum`: the checksum is wrong or not two hex digits.
-        `too_long`: more than 1024 bytes.
+        Lines and pieces that gave no sentence, by reason. `no_sentence`: a line without `$` or
+        `!` (blank lines do not count). `cut`: a sentence without a checksum, cut off by another
+        one or by the end of the stream. `bad_checksum`: the checksum is wrong or not two hex
+        digits. `too_long`: more than 1024 bytes.
 
     """
 
@@ -77,14 +77,14 @@ class Framer:
 
     def feed(self, data: bytes, received_ns: int | None) -> list[Frame]:
         """
-        Take bytes and return the sentences of all lines that they complete.
+        Take bytes and return the sentences of the lines that they complete.
 
         Parameters
         ----------
         data : bytes
-            What came, split anywhere.
+            The bytes received, split anywhere.
         received_ns : int or None
-            When it came. A sentence is stamped with the coming of its first byte.
+            When they were received. A sentence gets the time of its first byte.
 
         """
         if self._datagrams:
@@ -104,7 +104,7 @@ class Framer:
         return frames
 
     def flush(self) -> list[Frame]:
-        """Return what is left at the end of the stream; a last one without checksum is cut."""
+        """Return the last sentences at the end of the stream; one without checksum is cut."""
         text, known = self._open, self._open_ns
         self._open, self._open_ns = b'', []
         if known:
@@ -114,7 +114,7 @@ class Framer:
         return []
 
     def _shorten(self) -> list[Frame]:
-        """Return the sentences that others end in a line that does not; hold back less of it."""
+        """Shorten a line that does not end; return the sentences that another one in it ends."""
         start = max(self._open.rfind(b'$'), self._open.rfind(b'!'))
         if start < 0:
             self._open = self._open[-KEPT_PREFIX:]
@@ -131,10 +131,10 @@ class Framer:
     def _frames(self, text: bytes, known: list[int | None], received_ns: int | None,
                 ends: bool = True) -> list[Frame]:
         """
-        Return the sentences of a text that ends a line or, not `ends`, breaks off with a start.
+        Return the sentences of a text that ends a line or, if not `ends`, ends at a new start.
 
-        The first starts came at the instants known, the others at `received_ns`. A sentence that
-        follows another one in its line at once has before it what that one has.
+        The first starts were received at the times in `known`, the others at `received_ns`. A
+        sentence directly after another one in its line gets the same prefix.
         """
         pieces = _PIECE.findall(text)
         if not ends:
@@ -168,6 +168,6 @@ class Framer:
 
 
 def split(line: bytes) -> tuple[bytes, bytes] | None:
-    """Return what stands before the first sentence of a line, and its text; None without one."""
+    """Return the prefix and text of the first sentence of a line; None if there is none."""
     match = _PIECE.match(line if line.endswith((b'\n', b'\r')) else line + b'\n')
     return (match[1], match[3]) if match and match[2] else None

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Times as text: stamps before the sentences of a log, ZDA, time of day. All exact integers.
+Times in text: stamps before the sentences of a log, ZDA, time of day. All exact integers.
 
-Text is always ASCII bytes. What has more than nine decimals is cut to the nanosecond.
+Text is always ASCII bytes. Decimals after the ninth are cut off.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _FORMS = {
 
 
 def _pattern(*names: str) -> re.Pattern:
-    """Stamp that ends a text, but for separators; groups in threes: seconds, decimals, zone."""
+    """Return a pattern for a stamp at the end of a text; groups: seconds, decimals, zone."""
     forms = b'|'.join(_FORMS[name] for name in names)
     return re.compile(rb'(?<![0-9A-Za-z.+-])(?:' + forms + rb')[\s,;:]*\Z')
 
@@ -56,7 +56,7 @@ def _date_ns(year: int, month: int, day: int) -> int:
 
 
 def _year_day_ns(year: bytes, day: bytes) -> int:
-    """Day of the year, 1 to 366; two digits of the year are 1969 to 2068, as in POSIX."""
+    """Return the start of a day of the year, 1 to 366; years of two digits as in POSIX."""
     y, d = int(year), int(day)
     if len(year) == 2:
         y += 2000 if y < 69 else 1900
@@ -68,7 +68,7 @@ def _year_day_ns(year: bytes, day: bytes) -> int:
 
 @lru_cache(maxsize=1024)
 def _second_ns(text: bytes) -> int:
-    """Nanoseconds of the part of a stamp before its fraction."""
+    """Return the part of a stamp before its fraction, nanoseconds."""
     if b':' not in text:
         return int(text) * 10 ** (19 - len(text))
     day, clock = text[:-9], text[-8:].split(b':')
@@ -97,7 +97,7 @@ def _stamp_ns(text: bytes, stamp_format: str) -> int | None:
 
 
 def _tag(prefix: bytes) -> int | None:
-    """`c:` of the last TAG block with a correct checksum that has one."""
+    """Return the time `c:` of the last TAG block that has one and a correct checksum."""
     for text, checksum in reversed(_TAG.findall(prefix)):
         if reduce(xor, text, 0) == int(checksum, 16):
             for field in text.split(b','):
@@ -113,8 +113,8 @@ def log_stamp_ns(prefix: bytes, stamp_format: str = 'auto') -> int | None:
     Parameters
     ----------
     prefix : bytes
-        What stands between the start of the line, or the sentence before, and the sentence. The
-        stamp ends it, but for separators and TAG blocks; anything may stand before the stamp.
+        The bytes from the start of the line, or from the sentence before, to the sentence. The
+        stamp is at the end; only separators and TAG blocks may follow it. Anything may precede it.
     stamp_format : {'auto', 'iso', 'doy', 'epoch', 'tag'}
         'iso': `2014-08-01T00:00:00.183000Z`, also with a blank or a colon for the T, without Z
         (UTC), or with an offset such as `+02:00`. 'doy': `19+085:10:05:54.447`, year with two or
@@ -166,8 +166,8 @@ def zda_ns(fields: list[bytes]) -> int:
     Parameters
     ----------
     fields : list of bytes
-        Its fields with the address: `xxZDA,hhmmss.ss,dd,mm,yyyy,...`; what follows the year is
-        the local zone and does not matter, for the time is UTC.
+        Its fields with the address: `xxZDA,hhmmss.ss,dd,mm,yyyy,...`. The time is UTC; the local
+        zone after the year is ignored.
 
     Returns
     -------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whole logs into headings: NMEA with or without stamps before the sentences, and csv."""
+"""Whole logs to headings: NMEA with or without stamps before the sentences, and csv."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ __all__ = ['LogReader', 'read_log']
 
 class LogReader:
     """
-    Headings of a log, in chunks; iterate once.
+    Reads the headings of a log, in chunks; iterate once.
 
     Parameters
     ----------
     path : path-like
         A log of NMEA sentences, or a csv of headings (`csv_log`).
     settings : DriverSettings, optional
-        `source` and `speed` do not matter here.
+        `source` and `speed` are ignored.
     block_bytes : int
         Bytes read at once; each block gives one chunk.
 
     Attributes
     ----------
     size, position : int
-        Bytes of the log, and of them read so far, to show progress.
+        Bytes of the log, and bytes read so far, to show progress.
 
     Raises
     ------
     OSError
         If the log cannot be read.
     DriverError
-        If it is empty, or a csv without the columns needed.
+        If the log is empty, or a csv without the required columns.
 
     """
 
@@ -63,12 +63,12 @@ class LogReader:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Everything that gave no heading so far, by reason; `NmeaDecoder.counts`."""
+        """Everything so far that gave no heading, by reason; see `NmeaDecoder.counts`."""
         return self._decoder.counts
 
     @property
     def sentence(self) -> str | None:
-        """Talker and kind of what is taken ('HEHDT'); None before it is known, and of a csv."""
+        """Talker and kind of the chosen sentence ('HEHDT'); None if unknown yet, and for a csv."""
         name = getattr(self._decoder, 'chosen', None)
         return None if name is None else str(name)
 
@@ -84,28 +84,28 @@ class LogReader:
 def read_log(path: str | PathLike, settings: DriverSettings | None = None
              ) -> tuple[Headings, dict[str, int]]:
     """
-    Return all headings of a log, and the count of everything that gave none, by reason.
+    Return all headings of a log, and counts of everything that gave none, by reason.
 
     Parameters
     ----------
     path : path-like
         A log of NMEA sentences, or a csv of headings.
     settings : DriverSettings, optional
-        Sentence, talker, time, form of the stamps; `source` and `speed` do not matter here.
+        Sentence, talker, time, form of the stamps; `source` and `speed` are ignored.
 
     Returns
     -------
     headings : Headings
-        In the order of the log, whose stamps need not increase. Empty if no line gives one.
+        In the order of the log; the stamps need not increase. Empty if no line gives a heading.
     counts : dict of str to int
-        Lines by reason; with the headings they add up to all lines. `NmeaDecoder.counts`.
+        Lines by reason, see `NmeaDecoder.counts`; with the headings they add up to all lines.
 
     Raises
     ------
     OSError
         If the log cannot be read.
     DriverError
-        If it is empty, or a csv without the columns needed.
+        If the log is empty, or a csv without the required columns.
 
     """
     reader = LogReader(path, settings)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bytes of NMEA 0183 into headings, with a count of everything that gave none."""
+"""NMEA 0183 bytes to headings, with a count of everything that gave none."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from heading_intercompare.core.records import Headings
 
 from .framing import Frame, Framer, KEPT_PREFIX
 from .log_stamps import day_time_ns, log_stamp_ns, nearest_day_ns, zda_ns
-from .sentence_choice import accepts, best, heard_in
+from .sentence_choice import accepts, choose_sentence, find_sentence
 from .sentences import heading_of, identify, may_lack_checksum, Name, Rejected
 from .settings import DriverSettings
 
@@ -21,7 +21,7 @@ __all__ = ['NmeaDecoder']
 
 
 class _Column:
-    """Readings of one kind of sentence and one talker, and what was wrong with the others."""
+    """Readings of one kind of sentence and one talker, and counts of its rejected sentences."""
 
     __slots__ = ('counts', 'heading_deg', 'n', 'stamp_ns')
 
@@ -38,38 +38,38 @@ class _Column:
 
 class NmeaDecoder:
     r"""
-    Turns what a source delivers into headings of one sensor.
+    Turns the bytes of a source into headings of one sensor.
 
     Parameters
     ----------
     settings : DriverSettings
-        The scheme of `source` matters: udp delivers datagrams, each complete in itself; the
-        lines of a file carry their own stamps. Without a source the bytes are a live stream.
+        The scheme of `source` matters: udp delivers complete datagrams; the lines of a file carry
+        their own stamps. Without a source the bytes are a live stream.
 
     Attributes
     ----------
     lines : int
-        Sentences and lines without one that were seen, so far: the headings returned, those held
-        while listening, and the sum of `counts`.
+        Sentences, and lines without one, seen so far: the headings returned, those held while
+        listening, and the sum of `counts`.
 
     Notes
     -----
-    *Which sentence.* One kind and one talker (`sentence_choice`). A file is searched beforehand; a
-    live line with sentence 'auto' is listened to for `learn_s` from the first heading sentence on,
-    by the times of receipt: until then readings are held, then those of the best kind are
-    returned. `feed(b'', now_ns)` lets that time pass on a line that has fallen silent.
+    *Which sentence.* One kind and one talker (`sentence_choice`). A file is searched beforehand.
+    On a live line with sentence 'auto', the decoder listens for `learn_s` of receipt time after
+    the first heading sentence. It holds all readings until then, and returns those of the best
+    kind. On a line that has fallen silent, `feed(b'', now_ns)` makes that time pass.
 
-    *Stamps of receipt.* Live, the time at which the first byte of the sentence came; in a file,
-    the stamp before the sentence, which is also taken from a live line if `stamp_format` names
-    its form.
+    *Stamps of receipt.* On a live line, the time of receipt of the first byte of the sentence. In
+    a file, the stamp before the sentence; also on a live line if `stamp_format` names its form.
 
-    *Stamps of validity.* A heading takes the time of the ZDA before it, if it is the first
+    *Stamps of validity.* A heading takes the time of the ZDA before it if it is the first
     sentence of its kind and talker after that ZDA: one ZDA opens one burst. A heading before any
-    ZDA, a second one in a burst, and one after a ZDA that cannot be read have no time of
-    validity. PASHR with a time of its own takes that, on the day that puts it nearest to the
-    last ZDA or, without one, to the time of receipt.
+    ZDA, a second one in a burst, and one after an unreadable ZDA have no time of validity. PASHR
+    with its own time takes that, on the day that puts it nearest to the last ZDA or, without one,
+    to the time of receipt.
 
-    *Order.* That of the bytes. Stamps that do not increase are left to the pairing.
+    *Order.* The headings keep the order of the bytes. The pairing deals with stamps that do not
+    increase.
 
     Examples
     --------
@@ -91,7 +91,7 @@ class NmeaDecoder:
         if scheme != 'file' and settings.stamp_format == 'auto':
             self._stamp_format = 'none'
         self._from_file = scheme == 'file'
-        self._chosen = heard_in(address.path, settings) if self._from_file else None
+        self._chosen = find_sentence(address.path, settings) if self._from_file else None
         self._chosen_column = _Column()
         self._held: dict[Name, _Column] = {}
         self._learning_since_ns: int | None = None
@@ -104,13 +104,13 @@ class NmeaDecoder:
     @property
     def counts(self) -> dict[str, int]:
         """
-        Everything that gave no heading so far, by reason.
+        Everything so far that gave no heading, by reason.
 
-        Beside those of `Framer`: `no_checksum`; `not_heading`: sound sentences of other kinds;
-        `other_sentence.KIND`, `other_talker.XX`: headings that were not chosen;
+        In addition to the reasons of `Framer`: `no_checksum`; `not_heading`: intact sentences of
+        other kinds; `other_sentence.KIND`, `other_talker.XX`: headings that were not chosen;
         `too_few_fields`, `empty_heading`, `bad_field`, `out_of_range`, `not_true`,
-        `invalid_mode.X` (THS), `no_variation` (HDG), `invalid_quality` (PSXN,20 before PSXN,23
-        says so); `no_stamp`, `bad_stamp`, `no_validity_time`, `bad_time` (a ZDA).
+        `invalid_mode.X` (THS), `no_variation` (HDG), `invalid_quality` (the PSXN,20 before a
+        PSXN,23 says so); `no_stamp`, `bad_stamp`, `no_validity_time`, `bad_time` (a ZDA).
         """
         return dict(sorted(self._counts.items()))
 
@@ -132,14 +132,14 @@ class NmeaDecoder:
         Parameters
         ----------
         data : bytes
-            A datagram, or a piece of the stream split anywhere; may be empty.
+            A datagram, or a piece of the stream, split anywhere; may be empty.
         received_ns : int or None
-            Time of receipt, nanoseconds UTC; not used where lines carry stamps.
+            Time of receipt, nanoseconds UTC; not used if the lines carry stamps.
 
         Returns
         -------
         Headings
-            In the order of the bytes; none while still listening.
+            In the order of the bytes; none while it still listens.
 
         """
         for frame in self._framer.feed(data, received_ns):
@@ -147,19 +147,19 @@ class NmeaDecoder:
         if self._held:
             if self._learning_since_ns is None:
                 self._learning_since_ns = received_ns
-            if self._settings.sentence != 'auto' or self._learnt(received_ns):
+            if self._settings.sentence != 'auto' or self._has_learnt(received_ns):
                 self._choose()
-        return self._drained()
+        return self._drain()
 
     def flush(self) -> Headings:
-        """Return what is left at the end of the stream."""
+        """Return the last headings at the end of the stream."""
         for frame in self._framer.flush():
             self._take(frame)
         if self._held:
             self._choose()
-        return self._drained()
+        return self._drain()
 
-    def _learnt(self, now_ns: int | None) -> bool:
+    def _has_learnt(self, now_ns: int | None) -> bool:
         since_ns = self._learning_since_ns
         if now_ns is None or since_ns is None:
             return False
@@ -167,8 +167,8 @@ class NmeaDecoder:
         return now_ns - since_ns >= self._settings.learn_s * 1e9
 
     def _choose(self) -> None:
-        """Settle for the best of the sentences heard, and account for the others."""
-        self._chosen = best(self._held)
+        """Choose the best of the sentences heard, and count the others."""
+        self._chosen = choose_sentence(self._held)
         for name, column in self._held.items():
             if name == self._chosen:
                 self._chosen_column = column
@@ -177,19 +177,19 @@ class NmeaDecoder:
                 self._counts[self._other(name)] += column.n
         self._held = {}
 
-    def _drained(self) -> Headings:
+    def _drain(self) -> Headings:
         chunk = self._chosen_column.drain()
         self._n_headings += len(chunk)
         return chunk
 
     def _other(self, name: Name) -> str:
-        """Why a heading sentence is not the one taken."""
+        """Return the reason under which to count a heading sentence that was not chosen."""
         kind = self._chosen.kind if self._chosen else self._settings.sentence
         return (f'other_talker.{name.talker}' if name.kind == kind or kind == 'auto'
                 else f'other_sentence.{name.kind}')
 
     def _take(self, frame: Frame) -> None:
-        """Put one sentence where it belongs: a reading or a count."""
+        """Turn one sentence into a reading or a count."""
         received_ns, prefix, text, checked = frame
         name = identify(text)
         if not (checked or self._lenient or may_lack_checksum(name)):
@@ -219,7 +219,7 @@ class NmeaDecoder:
         column.heading_deg.append(heading_deg)
 
     def _note(self, text: bytes) -> str:
-        """Keep what another sentence says of the headings to come; return how it is counted."""
+        """Keep what another sentence says about later headings; return the reason to count it."""
         if text[2:6] == b'ZDA,' and self._validity:
             self._stamped.clear()
             try:

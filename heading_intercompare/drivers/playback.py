@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A log played at its own pace, as if its sentences came in live."""
+"""The playback of a log at its own pace, as if its sentences arrived live."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ _MAX_READ = 1000
 
 class FileSource:
     """
-    Plays a log line by line, at log time times `speed`.
+    Plays a log line by line, at `speed` relative to log time.
 
-    Each line keeps its log stamp as its time of receipt; one without a stamp comes with None,
-    right after the line before. The clock starts with the first `read`.
+    Each line keeps its log stamp as its time of receipt. A line without a stamp follows the line
+    before at once, with None. The clock starts with the first `read`.
 
     Attributes
     ----------
     first_ns : int or None
-        First stamp of the log; None if no line has one, then the log is not paced.
+        First stamp of the log; None if no line has one. Then the log is played without pacing.
     origin_ns : int or None
-        Log time that is played at the first `read`; `first_ns` unless set. Give the logs of two
-        sensors the same one, the smaller `first_ns`, to play them in step.
+        Log time at the first `read`; `first_ns` unless set. To play the logs of two sensors in
+        step, set it to the smaller `first_ns` for both.
 
     Raises
     ------
     OSError
         If the log cannot be read.
     DriverError
-        If it is empty, or a csv.
+        If the log is empty, or a csv.
 
     """
 
@@ -52,8 +52,8 @@ class FileSource:
         if not first or is_csv(first):
             self._file.close()
             raise DriverError(f'{self._path}: no lines' if not first else
-                              f'{self._path}: a csv is imported, not played; give a log of '
-                              'NMEA sentences')
+                              f'{self._path}: a csv cannot be played, only imported; must be a '
+                              'log of NMEA sentences')
         self._file.seek(0)
         self.first_ns = next((ns for ns, _ in iter(self._line, None) if ns is not None), None)
         self.origin_ns = self.first_ns
@@ -88,7 +88,7 @@ class FileSource:
         return lines
 
     def close(self) -> None:
-        """Close the log; nothing more is returned."""
+        """Close the log; `read` returns nothing more."""
         self._next = None
         self._file.close()
 

@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Which one kind of sentence a source is read from.
+The choice of the one kind of sentence to read from a source.
 
-Of the kinds present, the first of THS, HDT, PASHR, PSXN,23, PUHAW,UVH, HDG, and of that kind the
-talker heard first: two sensors on one line are never mixed. Present is a kind that was heard
-undamaged, whatever it said: THS that calls itself invalid is not replaced by an HDT that cannot.
+It is the first kind present of THS, HDT, PASHR, PSXN,23, PUHAW,UVH, HDG, and of that kind the
+talker heard first. So two sensors on one line are never mixed. A kind is present if one intact
+sentence was heard, whatever it said: a THS that calls itself invalid is not replaced by an HDT,
+which has no way to say so.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from .framing import Framer, MAX_SENTENCE
 from .sentences import identify, may_lack_checksum, Name
 from .settings import DriverSettings, SENTENCES
 
-__all__ = ['accepts', 'best', 'heard_in']
+__all__ = ['accepts', 'choose_sentence', 'find_sentence']
 
 _TOKENS = {'THS': b'THS,', 'HDT': b'HDT,', 'PASHR': b'PASHR,', 'PSXN,23': b'PSXN,23,',
            'PUHAW,UVH': b'PUHAW,UVH,', 'HDG': b'HDG,'}
@@ -26,21 +27,21 @@ _BLOCK = 1 << 16
 
 
 def accepts(name: Name, settings: DriverSettings) -> bool:
-    """Tell whether the settings leave this sentence to choose."""
+    """Tell whether the settings allow this sentence."""
     return (settings.sentence in ('auto', name.kind)
             and (settings.talker is None or not name.talker or settings.talker == name.talker))
 
 
-def best(names: Iterable[Name]) -> Name:
-    """Return the name to take of those heard, given in the order in which they were heard."""
+def choose_sentence(names: Iterable[Name]) -> Name:
+    """Return the sentence to use of those heard, given in the order in which they were heard."""
     return min(names, key=lambda name: SENTENCES.index(name.kind))
 
 
-def heard_in(path: str | PathLike, settings: DriverSettings) -> Name | None:
+def find_sentence(path: str | PathLike, settings: DriverSettings) -> Name | None:
     """
-    Return the sentence to take of a log, or None if it has none.
+    Return the sentence to use from a log, or None if it has none.
 
-    The log is searched for each kind in turn; lines are read only where a kind may stand.
+    It searches the log for each kind in turn, and reads only the lines where a kind may stand.
 
     Raises
     ------
@@ -61,7 +62,7 @@ def heard_in(path: str | PathLike, settings: DriverSettings) -> Name | None:
 
 
 def _names(log: mmap.mmap, token: bytes, lenient: bool) -> Iterator[Name]:
-    """Yield the heading sentences of the log from each place on where the token stands."""
+    """Yield the heading sentences of the log around each place of the token."""
     at = log.find(token)
     while at >= 0:
         start = max(at - MAX_SENTENCE, log.rfind(b'\n', max(0, at - MAX_SENTENCE), at) + 1, 0)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the sentences say: which are headings, how each kind is read, what is not accepted.
+The heading sentences: how to recognise and read each kind, and what is rejected.
 
-A heading is a number from 0 to 360; 360 is 0. Fields may be padded with blanks.
+A heading is a number from 0 to 360; 360 is read as 0. Fields may be padded with blanks.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ __all__ = ['heading_of', 'identify', 'may_lack_checksum', 'Name', 'PARSERS', 'Re
 
 
 class Rejected(Exception):
-    """A sentence gives no heading; `reason` is the name under which it is counted."""
+    """A sentence gives no heading; `reason` names the count it goes to."""
 
     def __init__(self, reason: str) -> None:
         super().__init__(reason)
@@ -32,7 +32,7 @@ class Name(NamedTuple):
     talker: str
 
     def __str__(self) -> str:
-        """Return what the sentence begins with: talker, then kind."""
+        """Return the start of the sentence: talker, then kind."""
         return f'{self.talker}{self.kind}'
 
 
@@ -44,10 +44,10 @@ _is_pashr = re.compile(rb'PASHR,(?:ATT,|,|\d)').match
 
 def identify(text: bytes) -> Name | None:
     """
-    Return which heading sentence this is, or None for any other sentence.
+    Return the name of a heading sentence, or None for any other sentence.
 
-    PASHR is taken in the form of POS MV and Seapath, where a time or nothing follows, and as
-    PASHR,ATT; other PASHR sentences are no headings.
+    PASHR is accepted in the form of POS MV and Seapath, where a time or an empty field follows,
+    and as PASHR,ATT. Other PASHR sentences are not headings.
 
     Examples
     --------
@@ -95,7 +95,7 @@ def _heading(fields: list[bytes], index: int) -> float:
 
 
 def _true_heading(fields: list[bytes], index: int) -> float:
-    """Heading whose next field says T."""
+    """Return a heading whose next field must be T."""
     heading_deg = _heading(fields, index)
     if _field(fields, index + 1).strip() != b'T':
         raise Rejected('not_true')
@@ -111,7 +111,7 @@ def _parse_ths(fields: list[bytes]) -> float:
     """
     Read `xxTHS,heading,mode`; only mode A, autonomous, is a measurement of the sensor.
 
-    V is not valid, S a simulator, M an operator's input, E dead reckoning or a back-up sensor.
+    V means not valid, S simulator, M manual input, E dead reckoning or a back-up sensor.
     """
     mode = _field(fields, 2).strip().decode('latin-1')
     if mode != 'A':
@@ -123,7 +123,7 @@ def _parse_pashr(fields: list[bytes]) -> float:
     """
     Read `PASHR,time,heading,T,roll,pitch,heave,...` or `PASHR,ATT,time,heading,pitch,roll,...`.
 
-    The status flags of the first form mean different things from maker to maker; not used.
+    The status flags of the first form are not used: their meaning differs from maker to maker.
     """
     return _heading(fields, 3) if fields[1] == b'ATT' else _true_heading(fields, 2)
 
@@ -134,7 +134,7 @@ def _parse_psxn23(fields: list[bytes]) -> float:
 
 
 def _parse_uvh(fields: list[bytes]) -> float:
-    """Read `PUHAW,UVH,u,v,heading`, written by UHDAS beside its currents."""
+    """Read `PUHAW,UVH,u,v,heading`, which UHDAS writes with its currents."""
     return _heading(fields, 4)
 
 
@@ -153,7 +153,7 @@ def _parse_hdg(fields: list[bytes]) -> float:
     """
     Read `xxHDG,sensor heading,deviation,E/W,variation,E/W`; E is added, W subtracted.
 
-    An empty deviation is none. Without variation the true heading is unknown.
+    An empty deviation counts as 0. Without variation the true heading is unknown.
     """
     sensor_deg = _heading(fields, 1)
     deviation_deg, variation_deg = _east(fields, 2), _east(fields, 4)
@@ -162,7 +162,7 @@ def _parse_hdg(fields: list[bytes]) -> float:
     return float(wrap360(sensor_deg + (deviation_deg or 0.0) + variation_deg))
 
 
-#: Kind of sentence -> its parser: fields with the address -> heading [deg]; raises Rejected.
+#: Kind of sentence -> its parser, from fields with the address to heading [deg]; raises Rejected.
 PARSERS: dict[str, Callable[[list[bytes]], float]] = {
     'THS': _parse_ths,
     'HDT': _parse_hdt,
@@ -176,13 +176,13 @@ PARSERS: dict[str, Callable[[list[bytes]], float]] = {
 @lru_cache(maxsize=1 << 16)
 def heading_of(text: bytes) -> float:
     """
-    Return the heading that a sentence gives.
+    Return the heading in a sentence.
 
     Parameters
     ----------
     text : bytes
-        What stands between `$` and `*`, of a sentence that `identify` knows. A gyrocompass
-        repeats itself, so the last 65536 texts are remembered (16 MB).
+        The text between `$` and `*` of a sentence that `identify` knows. A gyrocompass repeats
+        itself, so the last 65536 texts are cached (16 MB).
 
     Returns
     -------
@@ -192,7 +192,7 @@ def heading_of(text: bytes) -> float:
     Raises
     ------
     Rejected
-        If it gives none; `reason` says why.
+        If it gives no heading; `reason` says why.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What can be set on a driver, and the addresses of heading sources."""
+"""Settings of a driver, and the addresses of heading sources."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from heading_intercompare.core.settings import Checked, setting, SettingsError
 
 __all__ = ['Address', 'DriverError', 'DriverSettings', 'parse_address']
 
-#: Kinds of heading sentence; of those present, 'auto' takes the first.
+#: Kinds of heading sentence; 'auto' uses the first of those present.
 SENTENCES = ('THS', 'HDT', 'PASHR', 'PSXN,23', 'PUHAW,UVH', 'HDG')
 
 _FORMS = ('must be file:PATH, udp://HOST:PORT[?interface=IP], tcp://HOST:PORT '
@@ -67,14 +67,14 @@ def parse_address(source: str) -> Address:
     Parameters
     ----------
     source : str
-        `file:PATH` (everything after the colon is the path, as it stands),
+        `file:PATH` (everything after the colon is the path, unchanged),
         `udp://HOST:PORT` (a multicast group is joined; `udp://:PORT` listens on all addresses),
         `tcp://HOST:PORT`, or `serial:DEVICE?baud=4800`.
 
     Raises
     ------
     SettingsError
-        If the URL is none of these: what is wrong and what is allowed.
+        If the URL is none of these; it says what is wrong and what is allowed.
 
     Examples
     --------
@@ -148,20 +148,20 @@ def _whole(source: str, name: str, text: str, lo: int, hi: int) -> int:
 
 @dataclass(frozen=True, slots=True)
 class DriverSettings(Checked):
-    """Where headings come from, which sentences are taken and how they are stamped."""
+    """Where headings come from, which sentences are used and how they are stamped."""
 
     source: str | None = setting(
         None, 'where sentences come from: file:PATH, udp://HOST:PORT (a multicast group is '
         'joined), tcp://HOST:PORT or serial:DEVICE?baud=4800')
     topic: str = setting('ts/heading', 'topic on which the headings are published')
     sentence: str = setting(
-        'auto', "kind of sentence taken; 'auto': the first of those present, in this order",
+        'auto', "kind of sentence to use; 'auto': the first of those present, in this order",
         choices=('auto', *SENTENCES))
     talker: str | None = setting(
-        None, 'talker whose sentences are taken (HE, GP, IN; source number of a csv); none: the '
+        None, 'talker whose sentences are used (HE, GP, IN; source number of a csv); none: the '
         'first heard')
     time: str = setting(
-        'receipt', "stamps: time of 'receipt' (of a log: the stamp of the line), or of "
+        'receipt', "stamps: time of 'receipt' (in a log: the stamp of the line), or of "
         "'validity' (ZDA of the same stream, own time of PASHR)",
         choices=('receipt', 'validity'))
     stamp_format: str = setting(
@@ -169,14 +169,14 @@ class DriverSettings(Checked):
         "on a live line; 'iso', 'doy' (YY+DDD:HH:MM:SS), 'epoch', 'tag' (c: of a TAG block), "
         "'none'", choices=('auto', 'iso', 'doy', 'epoch', 'tag', 'none'))
     checksum: str = setting(
-        'required', "'required' (but for PUHAW,UVH, which has none); 'if_present': sentences "
-        'without a checksum are taken too', choices=('required', 'if_present'))
+        'required', "'required' (except for PUHAW,UVH, which has none); 'if_present': sentences "
+        'without a checksum are used too', choices=('required', 'if_present'))
     speed: float = setting(
-        1.0, 'speed at which a file is played, times log time; 0: as fast as possible', 0.0)
+        1.0, 'speed at which a file is played, relative to log time; 0: as fast as possible', 0.0)
     learn_s: float = setting(
-        2.0, "time of listening before sentence 'auto' chooses on a live line [s]", 0.0, 600.0)
+        2.0, "time to listen on a live line before sentence 'auto' chooses [s]", 0.0, 600.0)
     reconnect_s: float = setting(
-        2.0, 'time between attempts to reach a TCP server or serial device again [s]', 0.1,
+        2.0, 'time between attempts to reconnect to a TCP server or serial device [s]', 0.1,
         3600.0)
 
     def __post_init__(self) -> None:
@@ -187,7 +187,7 @@ class DriverSettings(Checked):
 
     @property
     def address(self) -> Address:
-        """The parsed source; SettingsError if none is set."""
+        """The parsed source; SettingsError if no source is set."""
         if self.source is None:
             raise SettingsError(f'source is required: {_FORMS}')
         return parse_address(self.source)

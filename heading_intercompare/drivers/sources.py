@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Where bytes come from: file, UDP, TCP, serial line. One thread, nothing runs between two reads.
+Sources of bytes: file, UDP, TCP, serial line. They use no threads; nothing runs between reads.
 
 Every source has `read(timeout_s) -> list of (received_ns, bytes)`, `exhausted`, `status` (words
 for a diagnostic) and `close()`.
@@ -26,28 +26,28 @@ _LINE_END = b'\r\n'
 
 
 class Source(Protocol):
-    """What `open_source` returns."""
+    """A source of bytes, as `open_source` returns it."""
 
     exhausted: bool
     status: str
 
     def read(self, timeout_s: float) -> list[tuple[int | None, bytes]]:
-        """Return what has come, at once or after at most `timeout_s`; may be nothing."""
+        """Return the bytes received; wait at most `timeout_s` for some. May return nothing."""
 
     def close(self) -> None:
-        """Give up the file, socket or device."""
+        """Release the file, socket or device."""
 
 
 class UdpSource:
     """
     Listens for datagrams; joins the group if the host is a multicast address.
 
-    A multicast group or a broadcast address (`….255`) can be listened to by several processes.
+    Several processes can listen to one multicast group or broadcast address (`….255`).
 
     Raises
     ------
     OSError
-        If the address cannot be listened on, or the group cannot be joined.
+        If it cannot listen on the address, or cannot join the group.
 
     """
 
@@ -74,7 +74,7 @@ class UdpSource:
             self._socket.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
 
     def read(self, timeout_s: float) -> list[tuple[int | None, bytes]]:
-        """Return the datagrams that have come, at most 1000."""
+        """Return the datagrams received, at most 1000."""
         datagrams: list[tuple[int | None, bytes]] = []
         if select.select([self._socket], [], [], timeout_s)[0]:
             while len(datagrams) < _MAX_READ:
@@ -91,14 +91,14 @@ class UdpSource:
 
 
 class TcpLine:
-    """Connection to a TCP server, made without waiting for it."""
+    """A connection to a TCP server that does not block while connecting."""
 
     def __init__(self, address: Address) -> None:
         self._address, self._attempts = address, 0
         self._socket: socket.socket | None = None
 
     def connect(self, timeout_s: float) -> bool:
-        """Tell whether the server has answered yet; OSError if it refuses."""
+        """Return whether the server has answered by now; OSError if it refuses."""
         if self._socket is None:
             self._begin()
         _, writable, failed = select.select([], [self._socket], [self._socket], timeout_s)
@@ -110,7 +110,7 @@ class TcpLine:
         return True
 
     def _begin(self) -> None:
-        """Start to connect; each attempt takes the next address that the host's name has."""
+        """Start to connect; each attempt uses the next address of the host name."""
         found = socket.getaddrinfo(self._address.host, self._address.port,
                                    type=socket.SOCK_STREAM)
         family, kind, protocol, _, place = found[self._attempts % len(found)]
@@ -126,7 +126,7 @@ class TcpLine:
             raise OSError(code, os.strerror(code))
 
     def receive(self, timeout_s: float) -> bytes:
-        """Return what has come, or nothing; OSError if the connection is broken."""
+        """Return the bytes received, maybe none; OSError if the connection is broken."""
         if not select.select([self._socket], [], [], timeout_s)[0]:
             return b''
         data = self._socket.recv(65536)
@@ -143,7 +143,7 @@ class TcpLine:
 
 class _SerialLine:
     """
-    Serial device, 8N1.
+    A serial device, 8N1.
 
     Raises
     ------
@@ -161,13 +161,13 @@ class _SerialLine:
         self._serial, self._address, self._port = serial, address, None
 
     def connect(self, timeout_s: float) -> bool:
-        """Open the device; OSError if that is impossible."""
+        """Open the device; OSError if that fails."""
         self._port = self._serial.Serial(self._address.path, self._address.baud,
                                          timeout=timeout_s, exclusive=True)
         return True
 
     def receive(self, timeout_s: float) -> bytes:
-        """Return what has come, or nothing; OSError if the device is gone."""
+        """Return the bytes received, maybe none; OSError if the device is gone."""
         if self._port.timeout != timeout_s:
             self._port.timeout = timeout_s
         data = self._port.read(1)
@@ -182,10 +182,10 @@ class _SerialLine:
 
 class LineSource:
     """
-    A TCP or serial line that may break: tried again every `reconnect_s`.
+    A TCP or serial line that may break; it reconnects every `reconnect_s`.
 
-    When it breaks, the sentence that was being received is ended, so that the next bytes do not
-    continue it.
+    When the line breaks, a line end is inserted, so that later bytes do not continue the cut
+    sentence.
     """
 
     def __init__(self, settings: DriverSettings, line: TcpLine | _SerialLine,
@@ -200,7 +200,7 @@ class LineSource:
         self.status = f'connecting to {self._source}'
 
     def read(self, timeout_s: float) -> list[tuple[int | None, bytes]]:
-        """Return what has come; nothing while the line is down."""
+        """Return the bytes received; nothing while the line is down."""
         pause = self._retry_at - self._clock()
         if not self._up and pause > 0.0:
             self._wait(min(pause, timeout_s))
@@ -211,11 +211,11 @@ class LineSource:
                 return []
             data = self._line.receive(timeout_s)
         except OSError as error:
-            return self._broken(str(error))
+            return self._drop(str(error))
         return [(self._now_ns(), data)] if data else []
 
     def connect(self, timeout_s: float) -> None:
-        """Try to bring the line up; OSError if it is refused."""
+        """Try to connect; OSError if that fails."""
         self._up = self._line.connect(timeout_s)
         if self._up:
             self.status = f'connected to {self._source}'
@@ -225,7 +225,7 @@ class LineSource:
         self._line.close()
         self._up = False
 
-    def _broken(self, why: str) -> list[tuple[int | None, bytes]]:
+    def _drop(self, why: str) -> list[tuple[int | None, bytes]]:
         was_up = self._up
         self.close()
         self._retry_at = self._clock() + self._reconnect_s
@@ -238,35 +238,35 @@ def _open_tcp(settings: DriverSettings, now_ns: Callable[[], int]) -> LineSource
 
 
 def _open_serial(settings: DriverSettings, now_ns: Callable[[], int]) -> LineSource:
-    """Open the device at once, for a wrong name is the user's mistake."""
+    """Open the device at once: a wrong name is the user's mistake."""
     source = LineSource(settings, _SerialLine(settings.address), now_ns)
     source.connect(0.0)
     return source
 
 
-#: Scheme of a source URL -> what opens it.
+#: Scheme of a source URL -> the function that opens it.
 _SOURCES: dict[str, Callable[[DriverSettings, Callable[[], int]], Source]] = {
     'file': FileSource, 'udp': UdpSource, 'tcp': _open_tcp, 'serial': _open_serial}
 
 
 def open_source(settings: DriverSettings, now_ns: Callable[[], int] = time.time_ns) -> Source:
     """
-    Return the source that the settings name, open.
+    Open the source that the settings name.
 
     Parameters
     ----------
     settings : DriverSettings
-        With `source` set.
+        Settings with `source` set.
     now_ns : callable
-        Clock that stamps what a live source receives, nanoseconds UTC.
+        Clock that stamps the bytes of a live source, nanoseconds UTC.
 
     Raises
     ------
     SettingsError
         If no source is set, or its URL is wrong.
     OSError
-        If the file, port or device cannot be opened. A TCP server need not be there yet; `read`
-        connects, and `status` tells how that goes.
+        If the file, port or device cannot be opened. A TCP server need not be up yet: `read`
+        connects, and `status` reports the progress.
     DriverError
         If a log is empty or a csv, or pyserial is missing.
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Messages of ROS 2 to bytes and back, for bags and for nodes; no ROS needed.
+ROS 2 messages to bytes and back, for bags and nodes; no ROS needed.
 
-Headings and pairs are whole chunks in columns (`heading_messages`); the others come one by one
-(`cdr`).
+Headings and pairs are converted as whole chunks in columns (`heading_messages`), other messages
+one by one (`cdr`).
 """
 
 from typing import TYPE_CHECKING

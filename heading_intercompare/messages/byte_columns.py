@@ -15,22 +15,22 @@ __all__ = ['gather', 'join_messages', 'split_rows']
 
 
 def _plain(dtype: np.dtype) -> np.dtype:
-    """Return the type as bytes: numpy copies those at once, but structures field by field."""
+    """Return the dtype as raw bytes: numpy copies these at once, but structures by field."""
     return np.dtype(f'V{dtype.itemsize}') if dtype.names or dtype.shape else dtype
 
 
 def gather(data: bytes, kind: DTypeLike, at: Integers) -> np.ndarray:
     """
-    Return the values at byte offsets of some data, aligned or not.
+    Return the values at the given byte offsets of some data, aligned or not.
 
     Parameters
     ----------
     data : bytes
-        Where the values are.
+        The bytes that hold the values.
     kind : dtype
-        What they are, with its byte order; several in a row if it has a shape.
+        Type of the values, with its byte order; several in a row if it has a shape.
     at : ndarray of int64, shape (n,)
-        Where each of them starts; it must lie within the data.
+        Offset of each value; it must lie within the data.
 
     """
     dtype = np.dtype(kind)
@@ -41,12 +41,12 @@ def gather(data: bytes, kind: DTypeLike, at: Integers) -> np.ndarray:
 
 
 def join_messages(messages: Sequence[bytes]) -> tuple[bytes, Integers, Integers]:
-    """Return n >= 0 messages one behind the other, the first byte of each, and that behind it."""
+    """Return n >= 0 messages joined, the first byte of each, and the byte after its last."""
     ends = np.cumsum([0, *map(len, messages)], dtype=np.int64)
     return b''.join(messages), ends[:-1], ends[1:]
 
 
 def split_rows(rows: np.ndarray) -> list[bytes]:
-    """Return rows of uint8, shape (n, size), as n messages."""
+    """Return the rows of a uint8 array, shape (n, size), as n messages."""
     data, size = rows.tobytes(), rows.shape[1]
     return [data[at:at + size] for at in range(0, len(data), size)]

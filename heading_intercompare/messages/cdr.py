@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Messages to bytes and back: XCDR1 as ROS 2 puts it on the wire and into bags.
+Single messages to bytes and back: XCDR1, as ROS 2 sends and records it.
 
-Four bytes say the byte order, then come the fields, each aligned to its own size counted from
-behind those four. For single messages; `heading_messages` treats whole chunks at once.
+The first four bytes give the byte order. The fields follow, each aligned to its own size, counted
+from the end of those four bytes. `heading_messages` converts whole chunks at once.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ __all__ = ['decode', 'encode']
 
 _LITTLE = b'\x00\x01\x00\x00'
 _BYTE_ORDER = {b'\x00\x00': '>', b'\x00\x01': '<'}
-#: Lengths of strings and sequences, by byte order.
+#: Format of the lengths of strings and sequences, by byte order.
 _LENGTH = {order: struct.Struct(f'{order}I') for order in '<>'}
 _SIZE = {code: struct.calcsize(f'<{code}') for code in CODES.values()}
 
 
 @lru_cache(maxsize=None)
 def _names(type_name: str, name: str) -> frozenset[str]:
-    """Return the names of the fields of one of the types that a type is made of."""
+    """Return the field names of a type, or of a type nested in it."""
     return frozenset(field.name for field in definitions_of(type_name)[name])
 
 
@@ -158,7 +158,7 @@ def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
     type_name : str
         A key of `schemas.TYPE_HASHES`, such as 'std_msgs/msg/String'.
     message : mapping
-        Field names to numbers, strings, sequences and such mappings. Absent fields are zero.
+        Field names to numbers, strings, sequences and nested mappings. Absent fields are zero.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The one error of messages: what is wrong with bytes, fields or definitions, in one line."""
+"""The one error for messages: what is wrong with bytes, fields or definitions, in one line."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class MessageError(ValueError):
     Parameters
     ----------
     problem : str
-        What is wrong and what would be right.
+        What is wrong, and what is allowed.
     offset : int, optional
         First byte of the message in the data that holds it.
 

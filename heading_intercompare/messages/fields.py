@@ -52,12 +52,12 @@ Definitions = Mapping[str, tuple[Field, ...]]
 
 
 def full_name(type_name: str) -> str:
-    """Return package/msg/Type of package/Type; other names unchanged."""
+    """Return package/Type as package/msg/Type; other names unchanged."""
     return type_name if '/msg/' in type_name else type_name.replace('/', '/msg/', 1)
 
 
 def short_name(type_name: str) -> str:
-    """Return package/Type of package/msg/Type; other names unchanged."""
+    """Return package/msg/Type as package/Type; other names unchanged."""
     return type_name.replace('/msg/', '/')
 
 
@@ -82,20 +82,20 @@ def _fields(package: str, text: str) -> Iterator[Field]:
 
 def definitions_in(type_name: str, text: str) -> Definitions:
     """
-    Return the fields of a type and of those it depends on.
+    Return the fields of a type and of the types it depends on.
 
     Parameters
     ----------
     type_name : str
-        The type that the text opens with.
+        The type that the text begins with.
     text : str
-        A definition followed by the definitions it depends on, each behind a line of equals
-        signs and one that reads 'MSG: package/Type', as MCAP schemas of encoding ros2msg.
+        A definition, then the definitions it depends on. Each of these follows a line of equals
+        signs and a line 'MSG: package/Type', as in MCAP schemas of encoding ros2msg.
 
     Raises
     ------
     MessageError
-        If a line is neither a field, a constant nor a comment.
+        If a line is not a field, a constant or a comment.
 
     """
     first, *others = _SEPARATOR.split(text)
@@ -112,7 +112,7 @@ def definitions_in(type_name: str, text: str) -> Definitions:
 def leaves(type_name: str, definitions: Definitions,
            depth: int = _DEEPEST) -> Iterator[tuple[str, str, int | None]]:
     """
-    Yield path, letter of `CODES` and size of all primitive fields, in the order of the wire.
+    Yield path, letter of `CODES` and size of all primitive fields, in wire order.
 
     Raises
     ------

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Whole chunks of headings and pairs as messages and back.
+Whole chunks of headings and pairs to messages and back.
 
 A chunk of n messages is n rows of bytes. Decoding gathers each field of all messages with one
-numpy call, wherever the messages lie and however long their frame names are. Either byte order is
-read; what does not start as plain CDR is refused.
+numpy call, wherever the messages lie and however long their frame names are. It reads either byte
+order, and rejects messages that do not start as plain CDR.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ PAIRS_TYPE = 'geometry_msgs/msg/TwistStamped'
 _QUATERNION_STAMPED = 'geometry_msgs/msg/QuaternionStamped'
 _ODOMETRY = 'nav_msgs/msg/Odometry'
 
-#: Bytes between the strings of each accepted type and its quaternion.
+#: Accepted types, each with the number of bytes between its strings and its quaternion.
 HEADING_TYPES = {
     IMU: 0,
     _QUATERNION_STAMPED: 0,
@@ -49,17 +49,17 @@ _SECOND_NS = 1_000_000_000
 
 @lru_cache(maxsize=64)
 def _template(type_name: str, frame_id: str) -> np.ndarray:
-    """Return a message that is zero but for its frame."""
+    """Return a message with this frame and zeros otherwise."""
     return np.frombuffer(encode(type_name, {'header': {'frame_id': frame_id}}), np.uint8)
 
 
 def _rows(type_name: str, stamp_ns: Integers, frame_id: str, reals: Reals) -> np.ndarray:
-    """Return messages of a header and then nothing but reals, shape (n, number of reals)."""
+    """Return messages that consist of a header and reals, shape (n, number of reals)."""
     sec, nanosec = np.divmod(stamp_ns, _SECOND_NS)
-    beyond = (sec < -2**31) | (sec >= 2**31)
+    beyond = (stamp_ns < -TIME_LIMIT_NS) | (stamp_ns >= TIME_LIMIT_NS)
     if beyond.any():
-        raise MessageError(f'stamp {stamp_ns[np.argmax(beyond)]} ns does not fit a ROS message, '
-                           'which ends in January 2038')
+        raise MessageError(f'stamp {stamp_ns[np.argmax(beyond)]} ns does not fit a ROS message: '
+                           'must be before 19 January 2038')
     template = _template(type_name, frame_id)
     rows = np.empty((len(stamp_ns), len(template)), np.uint8)
     rows[:] = template
@@ -71,7 +71,7 @@ def _rows(type_name: str, stamp_ns: Integers, frame_id: str, reals: Reals) -> np
 
 
 def _align(position: Integers | int, size: int) -> Integers | int:
-    """Return the next place that a power of two divides."""
+    """Return the next multiple of a size, which is a power of two."""
     return (position + (size - 1)) & -size
 
 
@@ -83,21 +83,22 @@ def encode_imu(headings: Headings, frame_id: str, *, sigma_deg: ArrayLike = 0.0,
     Parameters
     ----------
     headings : Headings
-        n readings; nan marks those that the sensor calls invalid.
+        n readings; nan marks those that the sensor reports as invalid.
     frame_id : str
         Frame of the header.
     sigma_deg : array_like, scalar or shape (n,)
         Standard deviation of the heading, degrees; 0 when unknown.
     turn_rate_deg_s : array_like, scalar or shape (n,), optional
-        Rate of turn, degrees a second, positive to starboard; nan where unknown.
+        Rate of turn, degrees per second, positive to starboard; nan where unknown.
 
     Returns
     -------
     ndarray of uint8, shape (n, size)
-        One CDR message a row. ENU: yaw = 90 - heading; `orientation_covariance[8]` in square
-        radians, its `[0]` -1 and the quaternion zero for an invalid heading;
-        `angular_velocity.z` minus the rate of turn, rad/s, its covariance `[0]` -1 when unknown;
-        linear acceleration covariance `[0]` -1.
+        One CDR message per row. The axes are ENU: yaw = 90 - heading.
+        `orientation_covariance[8]` is the variance in square radians; for an invalid heading
+        `orientation_covariance[0]` is -1 and the quaternion zero. `angular_velocity.z` is minus
+        the rate of turn, rad/s; `angular_velocity_covariance[0]` is -1 when that is unknown.
+        `linear_acceleration_covariance[0]` is -1.
 
     Raises
     ------
@@ -124,9 +125,9 @@ def encode_imu(headings: Headings, frame_id: str, *, sigma_deg: ArrayLike = 0.0,
 def imu_messages(headings: Headings, frame_id: str, *, sigma_deg: ArrayLike = 0.0,
                  turn_rate_deg_s: ArrayLike | None = None) -> list[bytes]:
     """
-    Return the messages of `encode_imu` one by one, to be published.
+    Return the messages of `encode_imu` one by one, for publishing.
 
-    A reading is left out whose stamp is before 1970 or beyond the range of a message.
+    Readings with a stamp before 1970 or beyond the range of a message are skipped.
     """
     fits = (headings.stamp_ns >= 0) & (headings.stamp_ns < TIME_LIMIT_NS)
     if not fits.all():
@@ -152,8 +153,8 @@ def encode_pairs(pairs: Pairs, frame_id: str = '') -> np.ndarray:
     Returns
     -------
     ndarray of uint8, shape (n, size)
-        One CDR message a row, with the stamp of the pair. Linear: TS - RS wrapped, RS heading,
-        TS heading, degrees; angular: lag in seconds, variance factors of RS and TS.
+        One CDR message per row, with the stamp of the pair. Linear: TS - RS wrapped, RS heading,
+        TS heading, degrees. Angular: lag in seconds, variance factors of RS and TS.
 
     Raises
     ------
@@ -170,30 +171,31 @@ def encode_pairs(pairs: Pairs, frame_id: str = '') -> np.ndarray:
 
 
 def pair_messages(pairs: Pairs) -> list[bytes]:
-    """Return the messages of `encode_pairs` one by one, to be published."""
+    """Return the messages of `encode_pairs` one by one, for publishing."""
     return split_rows(encode_pairs(pairs)) if len(pairs) else []
 
 
 _HEADER = np.dtype([('order', '<u2'), ('options', '<u2'), ('sec', '<i4'), ('nanosec', '<u4'),
                     ('length', '<u4')])
-#: The byte order in a header: 0, 0 for big-endian and 0, 1 for little-endian, read as `order`.
+#: `order` of a header: bytes 0, 0 for big-endian, bytes 0, 1 for little-endian.
 _BIG, _LITTLE = 0x0000, 0x0100
-#: Of a quaternion x, y, z, w; of an Imu also the first covariance: whether there is one.
+#: x, y, z, w; for an Imu also the first covariance, which says whether there is an orientation.
 _QUATERNION, _IMU_ORIENTATION = np.dtype(('<f8', 4)), np.dtype(('<f8', 5))
-#: Of a Twist the linear and the angular velocity.
+#: Linear and angular velocity of a Twist.
 _TWIST = np.dtype(('<f8', 6))
-#: Lags beyond do not fit an int64 of nanoseconds.
+#: Longer lags do not fit an int64 of nanoseconds.
 _MOST_LAG_S = 9e9
 
 _Chunk = TypeVar('_Chunk', Headings, Pairs)
-#: Data, first byte and size of each message of one byte order, and their headers, to a chunk.
+#: Converts messages of one byte order to a chunk, from the data, their first bytes, their sizes
+#: and their headers.
 _DecodeOne = Callable[[bytes, Integers, Integers, np.ndarray], _Chunk]
 _ByteOrder = Literal['<', '>']
 
 
 def _check_size(type_name: str, start: Integers, size: Integers,
                 least: Integers | int) -> None:
-    """Refuse messages that are shorter than the bytes of their fields."""
+    """Raise MessageError if a message is shorter than its fields need."""
     short = size < least
     if short.any():
         first = int(np.argmax(short))
@@ -203,7 +205,7 @@ def _check_size(type_name: str, start: Integers, size: Integers,
 
 def _decode(type_name: str, data: bytes, start: Integers, stop: Integers,
             decode_one: _DecodeOne[_Chunk]) -> _Chunk:
-    """Return the chunk in a stretch of bytes, of messages of either byte order."""
+    """Return the chunk in a stretch of bytes; each message may have either byte order."""
     size = stop - start
     _check_size(type_name, start, size, _HEADER.itemsize)
     header = gather(data, _HEADER, start)
@@ -222,7 +224,7 @@ def _decode(type_name: str, data: bytes, start: Integers, stop: Integers,
 
 
 def _end_of_strings(header: np.ndarray) -> tuple[_ByteOrder, Integers | int]:
-    """Return the byte order of messages, and where the names of their frames end."""
+    """Return the byte order of messages, and where their frame names end."""
     sign: _ByteOrder = '>' if header.dtype['length'].byteorder == '>' else '<'
     length = header['length'].astype(np.int64)
     if length.size and (length == length[0]).all():
@@ -231,7 +233,7 @@ def _end_of_strings(header: np.ndarray) -> tuple[_ByteOrder, Integers | int]:
 
 
 def _stamps(header: np.ndarray) -> Integers:
-    """Return the stamps of headers, nanoseconds."""
+    """Return the stamps in headers, nanoseconds."""
     stamp_ns: Integers = header['sec'].astype(np.int64) * _SECOND_NS
     stamp_ns += header['nanosec']
     return stamp_ns
@@ -240,7 +242,7 @@ def _stamps(header: np.ndarray) -> Integers:
 def decode_headings(type_name: str, convention: str, data: bytes, start: Integers,
                     stop: Integers) -> Headings:
     """
-    Return the headings in a stretch of bytes that holds messages.
+    Return the headings in the messages that a stretch of bytes holds.
 
     Parameters
     ----------
@@ -251,19 +253,19 @@ def decode_headings(type_name: str, convention: str, data: bytes, start: Integer
     data : bytes
         Any bytes that hold the messages.
     start, stop : ndarray of int64, shape (n,)
-        First byte of each message and the byte behind its last.
+        First byte of each message, and the byte after its last.
 
     Returns
     -------
     Headings
-        In the order of `start`; nan where the quaternion is zero or not finite, or where an Imu
-        says by `orientation_covariance[0] = -1` that it has no orientation.
+        In the order of `start`. A heading is nan where the quaternion is zero or not finite, or
+        where `orientation_covariance[0] = -1` of an Imu says that there is no orientation.
 
     Raises
     ------
     MessageError
-        If a message is too short for its type or does not start as CDR; the offset is that in
-        `data`.
+        If a message is too short for its type or does not start as CDR; the offset is its place
+        in `data`.
 
     """
     return _decode(type_name, data, start, stop, partial(_headings, type_name, convention))
@@ -289,26 +291,26 @@ def _headings(type_name: str, convention: str, data: bytes, start: Integers, siz
 
 def decode_pairs(data: bytes, start: Integers, stop: Integers) -> Pairs:
     """
-    Return the pairs in a stretch of bytes that holds messages of `encode_pairs`, to the bit.
+    Return the pairs in the messages of `encode_pairs` that a stretch of bytes holds, to the bit.
 
     Parameters
     ----------
     data : bytes
         Any bytes that hold the messages.
     start, stop : ndarray of int64, shape (n,)
-        First byte of each message and the byte behind its last.
+        First byte of each message, and the byte after its last.
 
     Returns
     -------
     Pairs
-        In the order of `start`. Earlier versions left the factor of the TS at 0, as they did not
-        interpolate it: that is 1.
+        In the order of `start`. A TS factor of 0 is read as 1: recordings made without TS
+        interpolation have 0 there.
 
     Raises
     ------
     MessageError
-        If a message is too short, does not start as CDR, or has a lag that is no time; the offset
-        is that in `data`.
+        If a message is too short, does not start as CDR, or has an impossible lag; the offset is
+        its place in `data`.
 
     """
     return _decode(PAIRS_TYPE, data, start, stop, _pairs)
@@ -324,7 +326,7 @@ def _pairs(data: bytes, start: Integers, size: Integers, header: np.ndarray) -> 
     endless = ~(np.abs(lag_s) < _MOST_LAG_S)
     if endless.any():
         first = int(np.argmax(endless))
-        raise MessageError(f'{PAIRS_TYPE} message has a lag of {lag_s[first]} s',
+        raise MessageError(f'{PAIRS_TYPE} message has an impossible lag of {lag_s[first]} s',
                            offset=int(start[first]))
     return Pairs(_stamps(header), ts_deg, rs_deg, np.rint(lag_s * 1e9).astype(np.int64),
                  rs_factor, np.where(ts_factor == 0.0, 1.0, ts_factor))
@@ -332,7 +334,7 @@ def _pairs(data: bytes, start: Integers, size: Integers, header: np.ndarray) -> 
 
 def _read_sound(decode: Callable[..., _Chunk], messages: Sequence[bytes],
                 kind: type[_Chunk]) -> tuple[_Chunk, list[str]]:
-    """Return the chunk of the messages that can be read, and what is wrong with the others."""
+    """Return the chunk of the readable messages, and what is wrong with the others."""
     if not messages:
         return kind.empty(), []
     try:
@@ -358,19 +360,19 @@ def read_headings(type_name: str, convention: str,
     type_name, convention
         As for `decode_headings`.
     messages : sequence of bytes
-        n >= 0, in the order in which they came.
+        n >= 0 messages, in order of arrival.
 
     Returns
     -------
     headings : Headings
-        To the bit what `decode_headings` makes of the recorded messages.
+        The same, to the bit, as `decode_headings` returns for the recorded messages.
     refused : list of str
-        What is wrong with each message that cannot be read.
+        For each unreadable message, what is wrong with it.
 
     """
     return _read_sound(partial(decode_headings, type_name, convention), messages, Headings)
 
 
 def read_pairs(messages: Sequence[bytes]) -> tuple[Pairs, list[str]]:
-    """Return the pairs in single messages, and what is wrong with each that cannot be read."""
+    """Return the pairs in single messages, and what is wrong with each unreadable one."""
     return _read_sound(decode_pairs, messages, Pairs)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The ledger of a pairing as a message and back."""
+"""The ledger of a pairing, to a message and back."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SEGMENT = 'segment'
 
 
 def encode_ledger(ledger: Ledger, final: bool = False) -> bytes:
-    """Return a ledger: its total, then its segments, stamped with the newest reading."""
+    """Return a ledger as a message: total, then segments, with the stamp of the newest reading."""
     total = Status('ledger', OK, 'final' if final else 'so far',
                    {'final': final, **_words(ledger.total)})
     segments = [Status(f'{_SEGMENT} {number}', OK, '', {'start_ns': s.start_ns, **_words(s)})
@@ -38,7 +38,7 @@ def _key(word: str) -> LedgerKey:
     try:
         return LedgerKey(word)
     except ValueError:
-        raise MessageError(f'ledger: {word[:40]!r} is no key of a ledger') from None
+        raise MessageError(f'ledger: {word[:40]!r} is not a key of a ledger') from None
 
 
 def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
@@ -48,8 +48,8 @@ def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
     Raises
     ------
     MessageError
-        If it is damaged, counts what is no number or has no key, or a segment does not say where
-        it starts.
+        If the message is damaged, if a count is not a number or has an unknown key, or if a later
+        segment has no start.
 
     """
     newest_ns, statuses = decode_statuses(data)
@@ -63,5 +63,5 @@ def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
             segments.append(LedgerSegment(
                 start_ns, {_key(word): n for word, n in counts.items()}))
     if any(segment.start_ns is None for segment in segments[1:]):
-        raise MessageError('ledger: a segment behind the first has no start_ns')
+        raise MessageError('ledger: a segment after the first has no start_ns')
     return Ledger.from_segments(segments, newest_ns or None), final

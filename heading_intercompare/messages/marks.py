@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Marks that start and stop runs, as messages and back."""
+"""Marks that start and stop runs, to messages and back."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ MARKS = ('start', 'stop')
 
 
 def encode_mark(kind: str, ns: int) -> bytes:
-    """Return a mark, 'start' or 'stop', stamped with the newest pair, as `STATUS_TYPE`."""
+    """Return a mark, 'start' or 'stop', as `STATUS_TYPE`; `ns` is the stamp of the newest pair."""
     return encode_statuses(ns, [Status('marker', OK, kind)])
 
 
 def decode_marks(data: bytes) -> list[tuple[str, int]]:
-    """Return kind and stamp, nanoseconds, of the marks in a message; MessageError if damaged."""
+    """Return the kind and stamp (ns) of the marks in a message; MessageError if damaged."""
     ns, statuses = decode_statuses(data)
     return [(one.message, ns) for one in statuses]

@@ -3,8 +3,8 @@
 """
 Definitions and type hashes of the messages in our bags.
 
-Where ROS is installed the schema text is the installed one, to the byte as rosbag2 records it.
-Elsewhere it is the one below: the fields without the comments, which reads the same.
+Where ROS is installed, the schema text is the installed one, to the byte as rosbag2 records it.
+Elsewhere it is the text below: the same fields without comments, which readers treat alike.
 """
 
 from __future__ import annotations
@@ -86,11 +86,11 @@ class Schema:
     type_name : str
         As package/msg/Type.
     text : str
-        The definition and all it depends on.
+        The definition and all definitions it depends on.
     type_hash : str
         REP-2016 hash, or empty when unknown.
     encoding : str
-        Of the text: ros2msg, or ros2idl as other recorders may write it.
+        Encoding of the text: ros2msg, or ros2idl, which other recorders may write.
 
     """
 
@@ -101,7 +101,7 @@ class Schema:
 
 
 def _find_installed(name: str, suffix: str) -> Path | None:
-    """Return the installed file of package/Type, or None."""
+    """Return the path of the installed file of package/Type, or None."""
     package, _, kind = name.partition('/')
     prefixes = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep) + [sys.prefix]
     for prefix in filter(None, prefixes):
@@ -119,7 +119,7 @@ def _installed_text(name: str) -> str:
 
 
 def _assemble(name: str, text_of: Callable[[str], str]) -> str:
-    """Return the text of a type, then of its dependencies: depth first, sorted, each once."""
+    """Return the text of a type and then of its dependencies: depth first, sorted, each once."""
     seen = {name}
 
     def append(current: str) -> str:
@@ -149,14 +149,14 @@ def _hash_of(type_name: str) -> str:
 
 @lru_cache(maxsize=None)
 def shipped_schema(type_name: str) -> Schema:
-    """Return the schema made of `DEFINITIONS`; LookupError if the type is not among them."""
+    """Return the schema built from `DEFINITIONS`; LookupError if the type is not in them."""
     text = _assemble(short_name(type_name), DEFINITIONS.__getitem__)
     return Schema(type_name, text, TYPE_HASHES.get(type_name, ''))
 
 
 def schema_of(type_name: str) -> Schema:
     """
-    Return the schema of a message type: the installed one if there is one, else ours.
+    Return the schema of a message type: the installed one, or ours if none is installed.
 
     Raises
     ------
@@ -183,13 +183,13 @@ def schema_of(type_name: str) -> Schema:
 
 @lru_cache(maxsize=None)
 def definitions_of(type_name: str) -> Definitions:
-    """Return the fields of a type of `DEFINITIONS` and of its dependencies."""
+    """Return the fields of a type in `DEFINITIONS` and of its dependencies."""
     return definitions_in(type_name, shipped_schema(type_name).text)
 
 
 def layout_problem(type_name: str, encoding: str, text: str) -> str | None:
     """
-    Return how a schema in a bag differs from the message layout we assume, or None.
+    Return how a schema in a bag differs from the layout we expect; None if it does not.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ def layout_problem(type_name: str, encoding: str, text: str) -> str | None:
     ours = list(leaves(name, definitions_of(type_name)))
     for (path, *kind), (their_path, *their_kind) in zip(ours, theirs):
         if path != their_path or kind != their_kind:
-            return f'its schema has field {their_path} where {path} belongs'
+            return f'its schema has field {their_path} where {path} is expected'
     if len(ours) != len(theirs):
         return f'its schema has {len(theirs)} fields instead of {len(ours)}'
     return None

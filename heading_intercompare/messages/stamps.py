@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Nanoseconds to the stamps of messages and back."""
+"""Nanoseconds to message stamps and back."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ['CLOCK_TYPE', 'encode_clock', 'stamp_fields', 'stamp_ns', 'TIME_LIMIT
 CLOCK_TYPE = 'rosgraph_msgs/msg/Clock'
 
 TIME_LIMIT_NS = 2 ** 31 * 1_000_000_000
-"""No stamp of a ROS message reaches this (January 2038)."""
+"""Stamps of ROS messages are below this (January 2038)."""
 
 _SECOND_NS = 1_000_000_000
 

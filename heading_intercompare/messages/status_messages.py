@@ -3,8 +3,8 @@
 """
 Statuses to diagnostic messages and back.
 
-Numbers are bare texts with the unit in the key, so that tools can plot them; integers stay
-integers, reals are written so that they read back to the bit.
+Numbers are plain texts with the unit in the key, so that tools can plot them. Integers stay
+integers; reals read back to the bit.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ class Status:
     Attributes
     ----------
     name : str
-        Of what is spoken.
+        The thing whose status it is.
     level : int
         `OK`, `WARN` or `ERROR`.
     message : str
         The state in words.
     values : mapping of str to object
-        Figures, in the order in which they are shown; None is left out.
+        Figures, in display order; None is skipped.
 
     """
 
@@ -57,7 +57,7 @@ class Status:
 
 
 def encode_statuses(ns: int, statuses: Iterable[Status]) -> bytes:
-    """Return statuses under a stamp, nanoseconds, as a message of `STATUS_TYPE`."""
+    """Return statuses as a message of `STATUS_TYPE` with a stamp, nanoseconds."""
     return encode(STATUS_TYPE, {'header': {'stamp': stamp_fields(ns)}, 'status': [
         {'level': one.level, 'name': one.name, 'message': one.message,
          'values': [{'key': key, 'value': _text(value)} for key, value in one.values.items()
@@ -65,7 +65,7 @@ def encode_statuses(ns: int, statuses: Iterable[Status]) -> bytes:
 
 
 def decode_statuses(data: bytes) -> tuple[int, list[Status]]:
-    """Return stamp and statuses of a message, their values as texts; MessageError if damaged."""
+    """Return stamp and statuses of a message, with values as texts; MessageError if damaged."""
     fields = decode(STATUS_TYPE, data)
     return stamp_ns(fields['header']['stamp']), [
         Status(one['name'], one['level'], one['message'],
@@ -74,5 +74,5 @@ def decode_statuses(data: bytes) -> tuple[int, list[Status]]:
 
 
 def encode_figures(name: str, figures: Mapping[str, Any], ns: int) -> bytes:
-    """Return figures of the window or of the run in progress; absent ones are left out."""
+    """Return figures of the window or the run in progress as a message; None is skipped."""
     return encode_statuses(ns, [Status(name, OK, 'figures, not a verdict', figures)])

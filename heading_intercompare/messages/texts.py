@@ -17,6 +17,6 @@ def encode_text(text: str) -> bytes:
 
 
 def decode_text(data: bytes) -> str:
-    """Return the text of a std_msgs/msg/String; MessageError where it is damaged."""
+    """Return the text of a std_msgs/msg/String; MessageError if it is damaged."""
     text: str = decode(TEXT_TYPE, data)['data']
     return text

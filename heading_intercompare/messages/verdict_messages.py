@@ -28,13 +28,13 @@ def _run_values(run: RunVerdict) -> dict[str, Any]:
 
 
 def verdict_level(outcome: Outcome, effect: str) -> int:
-    """Return the level of a verdict: OK only for a certificate that nothing puts in doubt."""
+    """Return the level of a verdict: OK only if it is compliant, and neither void nor doubtful."""
     level = OUTCOME_LEVELS[outcome]
     return WARN if level == OK and effect in (DOUBTFUL, VOID) else level
 
 
 def encode_verdict(verdict: Verdict, ns: int, early: LookVerdict | None = None) -> bytes:
-    """Return a verdict: the conclusion, each run with its reason, a look at the one going on."""
+    """Return a verdict: conclusion, each run with its reason, a look at the run in progress."""
     whole = Status('verdict', verdict_level(verdict.outcome, verdict.validity_effect),
                    verdict.headline,
                    {'outcome': verdict.outcome, 'paper_outcome': verdict.paper_outcome,

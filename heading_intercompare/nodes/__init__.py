@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The nodes of ROS 2, and their graph in one process.
+The ROS 2 nodes, and their graph in one process.
 
-A module here is an executable; what they share is in `ros` and `runtime`.
+Each node is a module here and an executable; the rooms `ros` and `runtime` hold what they share.
 """
 
 from typing import TYPE_CHECKING

@@ -34,7 +34,7 @@ from .settings import ComplianceNode, Taking
 
 __all__ = ['Compliance', 'main']
 
-# How long the last messages of a synchronizer that has gone may still be under way.
+# How long the last messages of a synchronizer that has ended may still be under way.
 _ALONE_S = 0.3
 
 
@@ -48,7 +48,7 @@ class Compliance(Node):
         self._settings, taking, self._own = declare(self, Settings, Taking, ComplianceNode)
         self._health = Health(self)
         self._compliance = PureCompliance(self._settings, source='live',
-                                          keeper=lambda: Spool(self._stays).keep)
+                                          keeper=lambda: Spool(self._warn_of_memory).keep)
         self.get_logger().info(least_duration_words(self._settings.risk))
         self._reporting = Reporting(self, self._compliance, self._own, self._health)
         self._pairs = Intake(self, 'pairs', PAIRS_TYPES, qos.PAIRS, self._health,
@@ -93,7 +93,7 @@ class Compliance(Node):
         if self._end_s is not None and not self.ended:
             self._finish_if_complete()
 
-    def _stays(self, why: str) -> None:
+    def _warn_of_memory(self, why: str) -> None:
         self._health.note('run', WARN, f'the run in progress stays in memory: {why}', latch=True)
 
     def _beat(self) -> None:
@@ -110,18 +110,18 @@ class Compliance(Node):
                 self._health.note('marker', WARN, f'mark {kind!r} is neither start nor stop')
 
     def _set_mark(self, kind: str, stamp_ns: int) -> None:
-        # Marks of its own come back, and a late joiner gets all: each counts once.
+        # Its own marks come back, and a late subscriber gets all marks: count each once.
         if (kind, stamp_ns) not in self._marks:
             self._marks.add((kind, stamp_ns))
             self._compliance.mark(kind, stamp_ns)
 
     def _command(self, kind: str, response: Trigger.Response) -> Trigger.Response:
-        """Mark the newest pair; what came before belongs to what was before."""
+        """Set a mark after the newest pair; pairs up to it belong to the run before."""
         self._drain()
         stamp_ns = self._compliance.newest_ns or 0
         self._set_mark(kind, stamp_ns)
         self._marker.publish(encode_mark(kind, stamp_ns))
-        response.success, response.message = True, f'{kind} behind the pair of {stamp_ns} ns'
+        response.success, response.message = True, f'{kind} after the pair of {stamp_ns} ns'
         self._reporting.look(self._pairs.last_sequence)
         return response
 
@@ -131,7 +131,7 @@ class Compliance(Node):
         return response
 
     def end(self) -> None:
-        """Take the last pairs and the final ledger, then end the run and report."""
+        """Take the last pairs and the final ledger, then end the run and report on it."""
         self._health.mute()
         self._end_s = time.monotonic() + self._own.end_wait_s
         self._alone_s = time.monotonic() + _ALONE_S

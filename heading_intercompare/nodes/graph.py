@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The graph in one process: what `launch` runs as processes, in one context.
+The graph in one process and one context; the launch files run it as several processes.
 
-The judge has a thread of its own. The end of a long run takes seconds, in which readings must be
-stamped, paired and recorded all the same.
+The node that judges has its own thread. Judging a long run takes seconds, and meanwhile readings
+must still be stamped, paired and recorded.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ class Source(NamedTuple):
     make : type
         `NmeaDriver`, `SensorSimulator` or `Replayer`.
     name : str
-        Of the node.
+        Name of the node.
     settings : mapping
-        Its own parameters, dotted names.
+        Its own parameters, by dotted name.
 
     """
 
@@ -56,7 +56,7 @@ class Source(NamedTuple):
 
 @contextmanager
 def _context(private: bool) -> Iterator[Context]:
-    """Give a context of ROS; a private one sees nothing outside this process, nor is it seen."""
+    """Yield a ROS context; a private one is cut off from everything outside this process."""
     before = os.environ.get(_RANGE)
     if private:
         os.environ[_RANGE] = 'OFF'
@@ -72,16 +72,16 @@ def _context(private: bool) -> Iterator[Context]:
                 os.environ[_RANGE] = before
 
 
-def _in_step(sources: Sequence[Node]) -> None:
-    """Have all logs played from the first stamp of any."""
+def _align_logs(sources: Sequence[Node]) -> None:
+    """Start all logs at the earliest first stamp of any, so that they play in step."""
     logs = [s for s in sources if getattr(s, 'first_ns', None) is not None]
     for log in logs:
         log.play_from(min(other.first_ns for other in logs))
 
 
 @contextmanager
-def _beside(executor: SingleThreadedExecutor) -> Iterator[Future]:
-    """Spin an executor in a thread of its own; give what ends early only with an error."""
+def _spin_in_thread(executor: SingleThreadedExecutor) -> Iterator[Future]:
+    """Spin an executor in its own thread; yield its future, which ends early only on an error."""
     over = threading.Event()
 
     def spin() -> None:
@@ -101,34 +101,34 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                  own: Mapping[str, Mapping[str, Any]] | None = None, private: bool = False,
                  progress: Callable[[int], None] = lambda n_pairs: None) -> Verdict:
     """
-    Run sources, synchronizer and compliance until all sources are through, or a signal comes.
+    Run sources, synchronizer and compliance until all sources have finished, or a signal comes.
 
     Parameters
     ----------
     sources : sequence of Source
-        Who publishes the headings.
+        The nodes that publish the headings.
     settings : mapping
-        Those of the analysis, dotted names.
+        Settings of the analysis, by dotted name.
     output : str, optional
         Bag to record.
     report_dir : str, optional
         Folder for the reports.
     own : mapping of str to mapping, optional
-        Further parameters of synchronizer, compliance and recorder, by name of the node.
+        Further parameters of synchronizer, compliance and recorder, by node name.
     private : bool
-        Keep the graph within this process.
+        Hide the graph from other processes.
     progress : callable
-        Told the number of pairs, several times a second.
+        Called with the number of pairs several times per second.
 
     Returns
     -------
     Verdict
-        That of the last report.
+        The verdict of the last report.
 
     Raises
     ------
     SettingsError, DriverError, BagError, OSError
-        One line that says what is wrong.
+        If something the user gave is wrong; the message is one line.
 
     """
     heard = {'subscribers': 1 if output is None else 2}
@@ -149,13 +149,13 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
             nodes[1].state_sources({source.name: source.settings for source in sources})
         compliance, *others = nodes[:-len(sources)]
         running = nodes[-len(sources):]
-        _in_step(running)
-        with _beside(judging) as judged:
+        _align_logs(running)
+        with _spin_in_thread(judging) as judged:
             while not (stop.requested or judged.done() or all(s.done for s in running)):
                 executor.spin_once(0.2)
                 progress(compliance.n_pairs)
         judging.remove_node(compliance)
         executor.add_node(compliance)
-        # Sources first, then who takes their headings, then the verdict, then who records it.
+        # End the sources first, then the synchronizer, then compliance, then the recorder.
         end(executor, [*running, others[-1], compliance, *others[:-1]])
         return compliance.verdict

@@ -22,19 +22,23 @@ from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolv
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.publishing import all_acknowledged, Allowance, Audience
+from heading_intercompare.nodes.runtime.publishing import (
+    Allowance,
+    Audience,
+    await_acknowledgement,
+)
 from heading_intercompare.nodes.runtime.source_thread import Reading
 
 from .settings import DriverNode, Sending, Taking
 
 __all__ = ['main', 'NmeaDriver']
 
-#: Messages that go out in one go.
+#: Messages published at once.
 _PIECE = 200
 
 
 class NmeaDriver(Node):
-    """Publish what a source delivers; a file is begun once it is heard, and ends the node."""
+    """Publish the headings of a source; a file waits for subscribers, and ends the node."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('nmea_driver', **OVERRIDES, **kwargs)
@@ -55,46 +59,46 @@ class NmeaDriver(Node):
         self._audience = Audience(self, [self._publisher],
                                   sending.subscribers if self._reading.from_file else 0,
                                   self._health)
-        # What was held back until the sentence was chosen would overrun who takes it.
+        # Headings held until the sentence was chosen would overrun subscribers all at once.
         self._waiting: deque[Headings] = deque()
         self._allowance = Allowance(sending.max_rate_hz)
         self._later = every(self, 0.01, self._pass_on)
         self._flushed = self._ending = False
         self._published = self._beyond = self._published_before = 0
         self._newest_s = self._beat_s = time.monotonic()
-        self._health.before_beat(self._note)
+        self._health.add_refresher(self._note)
         every(self, 0.05, self._begin)
         self._begin()
 
     @property
     def first_ns(self) -> int | None:
-        """First stamp of a log; None of other sources."""
+        """First stamp of a log; None for other sources."""
         return getattr(self._reading.source, 'first_ns', None)
 
     def play_from(self, origin_ns: int) -> None:
-        """Play a log from a log time, in step with others; before it has begun."""
+        """Let a log start at a log time, to play in step with others; call it before the start."""
         self._reading.source.origin_ns = origin_ns
 
     def _begin(self) -> None:
-        if not self._reading.started and self._audience.there():
+        if not self._reading.started and self._audience.is_there():
             self._reading.start()
 
     def _pass_on(self) -> None:
-        """Publish the headings in what has come."""
+        """Publish the headings in the bytes received."""
         if self.ended:
             return
-        self._take([self._decoder.feed(data, ns) for ns, data in self._reading.received()])
+        self._take([self._decoder.feed(data, ns) for ns, data in self._reading.take()])
         if self._reading.over and not self._flushed:
             self._flushed = True
             self._take([self._decoder.flush()])
-        while self._waiting and self._allowance.left():
+        while self._waiting and self._allowance.has_left():
             self._publish(self._waiting.popleft())
         if self._waiting:
             self._later.reset()
             return
         self._later.cancel()
         if (self._flushed and not self.done) or self._ending:
-            all_acknowledged([self._publisher], 2.0 if self._ending else 5.0)
+            await_acknowledgement([self._publisher], 2.0 if self._ending else 5.0)
             self.done, self.ended = self._flushed, self._ending
 
     def _take(self, chunks: Sequence[Headings]) -> None:
@@ -113,7 +117,7 @@ class NmeaDriver(Node):
 
     def _note(self) -> None:
         if self._reading.started and not self.done:
-            # On a silent line the time of listening passes all the same.
+            # On a silent line this makes the time of listening pass.
             self._take([self._decoder.feed(b'', time.time_ns())])
             self._pass_on()
         now_s = time.monotonic()
@@ -128,13 +132,13 @@ class NmeaDriver(Node):
                           **self._decoder.counts)
 
     def end(self) -> None:
-        """Stop reading; it is ended when what has come is published."""
+        """Stop reading; `ended` becomes True once everything received is published."""
         self._reading.stop()
         self._ending = True
         self._pass_on()
 
     def destroy_node(self) -> None:
-        """Stop reading, and destroy the node."""
+        """Stop reading and destroy the node."""
         self._reading.stop()
         super().destroy_node()
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The node `recorder`: what is compared, and what comes of it, to a bag."""
+"""The node `recorder`: headings, pairs, verdicts and reports to a bag."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _QUIET_S = 0.3
 
 
 class Recorder(Node):
-    """Write headings, pairs, ledger, marks, verdicts and reports, at most a second late."""
+    """Record headings, pairs, ledger, marks, verdicts and reports, at most a second late."""
 
     done = False
 
@@ -68,16 +68,16 @@ class Recorder(Node):
         self._report = ''
         self._quiet_s = self._end_s = 0.0
         self._ending = False
-        self._health.before_beat(self._note)
+        self._health.add_refresher(self._note)
         every(self, taking.drain_period_s, self._drain)
 
     @property
     def written(self) -> int:
-        """Number of messages that were handed to the bag."""
+        """Number of messages handed to the bag."""
         return self._bag.written
 
     def state_sources(self, sources: Mapping[str, Mapping[str, Any]]) -> None:
-        """Write where the headings come from: settings by the name of their node."""
+        """Record where the headings come from: the settings of each source, by node name."""
         self._bag.metadata(RECORD, describe_origin(self._settings.to_mapping(), sources))
 
     def _drain(self) -> None:
@@ -117,7 +117,7 @@ class Recorder(Node):
                           faults=bag.faults, absent=bag.absent)
 
     def end(self) -> None:
-        """Go on until the other nodes are gone or time is up, for the last verdict."""
+        """Keep recording until the other nodes are gone or time is up, for the last verdict."""
         self._health.mute()
         now_s = time.monotonic()
         self._ending, self._quiet_s, self._end_s = (True, now_s + _QUIET_S,
@@ -142,7 +142,7 @@ class Recorder(Node):
         self.ended = True
 
     def _losses(self) -> dict[str, int]:
-        """Return what was received and what was lost, by topic and where."""
+        """Return the counts of messages received and lost, by topic."""
         topics = {intake.full_name: Counts(intake.received, intake.lost,
                                            self._bag.lost.get(intake.full_name, 0))
                   for _, intake, expected in self._topics.values() if expected or intake.received}

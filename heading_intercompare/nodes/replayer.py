@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The node `replayer`: headings and marks of a bag, at the time of the recording or faster."""
+"""The node `replayer`: headings and marks of a bag, at the pace of the recording or another."""
 
 from __future__ import annotations
 
@@ -26,21 +26,25 @@ from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.remapping import published_names
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.publishing import all_acknowledged, Allowance, Audience
+from heading_intercompare.nodes.runtime.publishing import (
+    Allowance,
+    Audience,
+    await_acknowledgement,
+)
 
 from .settings import ReplayerNode, Sending
 
 __all__ = ['main', 'Replayer']
 
 _TICK_S = 0.02
-# Synchronizer and compliance; who replays without them waits for this long.
+# Synchronizer and compliance; without them the replay starts after this time.
 _MARK_READERS = 2
 _MARK_WAIT_S = 5.0
 _PAUSED_BY = {'pause': True, 'resume': False, 'toggle_paused': None}
 
 
 class Replayer(Node):
-    """Publish the headings of a bag as they were recorded, after its marks; its end is the end."""
+    """Publish the marks of a bag, then its headings as recorded; done at the end of the bag."""
 
     def __init__(self, *, remapped: Collection[str] = (),
                  clock_ns: Callable[[], int] = time.monotonic_ns, **kwargs: Any) -> None:
@@ -53,7 +57,7 @@ class Replayer(Node):
         self._reader = BagReader(own.bag)
         topics = [settings.ts_topic, settings.rs_topic, MARKER_TOPIC]
         names = published_names(self, topics + ['/clock'] * own.clock, remapped)
-        # Nothing is read yet, but what is no heading is refused.
+        # This reads nothing yet, but rejects a topic that is not a heading.
         self._reader.headings(dict.fromkeys(topics[:2], 'enu'))
         self._headings = {}
         for topic, name in zip(topics[:2], names):
@@ -76,18 +80,18 @@ class Replayer(Node):
             self.create_service(Trigger, f'~/{name}', partial(self._serve, wanted))
         if self._replay.over:
             self.get_logger().warning(f'nothing to replay: {self._replay.part} has no heading')
-        self._health.before_beat(self._note)
+        self._health.add_refresher(self._note)
         every(self, _TICK_S, self._tick)
 
     @property
     def state(self) -> str:
-        """What it does, and where in the bag it is, in words."""
+        """What the node does, and its place in the bag, in words."""
         words = ('paused' if self._replay.paused else
                  'replaying' if self._begun else 'waiting for subscriptions')
         return f'{words} at {self._replay.place}'
 
     def pause(self, wanted: bool | None = None) -> str:
-        """Pause or go on, None: the other of the two; return what that did, in words."""
+        """Pause (True), resume (False) or toggle (None); return what was done, in words."""
         words = self._replay.pause(wanted)
         self._note()
         self._health.publish()
@@ -100,15 +104,15 @@ class Replayer(Node):
         return response
 
     def _publish_marks(self) -> None:
-        """Publish all marks before any heading: they work by stamp, and late ones would not."""
+        """Publish all marks before any heading: they act by stamp, and a late one would not."""
         topics = [name for name in self._reader.topics if name.lstrip('/') == MARKER_TOPIC]
         for message in self._reader.messages(topics) if topics else ():
             self._marker.publish(message.data)
             self._marks += 1
 
     def _ready(self) -> bool:
-        """Tell whether the headings are heard and the marks have arrived."""
-        if not self._audience.there():
+        """Tell whether the headings have subscribers, and the marks too."""
+        if not self._audience.is_there():
             return False
         self._heard_s = self._heard_s or time.monotonic()
         return (not self._marks or self._marker.get_subscription_count() >= _MARK_READERS
@@ -118,11 +122,11 @@ class Replayer(Node):
         if self.done or self.ended:
             return
         if not self._begun and self._ready():
-            all_acknowledged([self._marker])
+            await_acknowledgement([self._marker])
             self._begun = True
             self._replay.begin()
         until_s = time.monotonic() + _TICK_S
-        while (self._begun and time.monotonic() < until_s and self._allowance.left()
+        while (self._begun and time.monotonic() < until_s and self._allowance.has_left()
                and (message := self._replay.take()) is not None):
             self._headings[message.topic].publish(message.data)
             self._allowance.spend(1)
@@ -130,7 +134,7 @@ class Replayer(Node):
         if self._time:
             self._time.publish(encode_clock(self._replay.shown_ns))
         if self._replay.over:
-            all_acknowledged(self._headings.values())
+            await_acknowledgement(self._headings.values())
             self.done = True
 
     def _note(self) -> None:
@@ -140,8 +144,8 @@ class Replayer(Node):
                           paused=self._replay.paused, position_s=self._replay.place_s)
 
     def end(self) -> None:
-        """Stop."""
-        all_acknowledged(self._headings.values(), 2.0)
+        """Stop publishing, and wait until the last messages have arrived."""
+        await_acknowledgement(self._headings.values(), 2.0)
         self.ended = True
 
 

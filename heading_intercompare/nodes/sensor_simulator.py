@@ -28,19 +28,23 @@ from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolv
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.publishing import all_acknowledged, Allowance, Audience
+from heading_intercompare.nodes.runtime.publishing import (
+    Allowance,
+    Audience,
+    await_acknowledgement,
+)
 
 from .settings import Sending, SimulatorNode
 
 __all__ = ['main', 'SensorSimulator']
 
 _TICK_S = 0.05
-# As fast as possible, so much is simulated at a time.
+# Simulated time per step when running as fast as possible.
 _STEP_S = 0.5
 
 
 class SensorSimulator(Node):
-    """Publish a trial, its truth first, once both sensors are heard; its end ends the node."""
+    """Publish a trial, truth first, once both sensors have subscribers; its end ends the node."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('sensor_simulator', **OVERRIDES, **kwargs)
@@ -65,7 +69,7 @@ class SensorSimulator(Node):
             self.create_service(Trigger, f'~/{kind}', partial(self._command, kind))
         for kind in FAULTS:
             self.create_service(SetBool, f'~/inject_{kind}', partial(self._inject, kind))
-        self._health.before_beat(self._tell)
+        self._health.add_refresher(self._tell)
         every(self, _TICK_S, self._tick)
 
     def _tell(self) -> None:
@@ -81,21 +85,21 @@ class SensorSimulator(Node):
         return Simulation(self._scenario, start_ns).begin()
 
     def _tick(self) -> None:
-        if self.done or self.ended or not self._audience.there():
+        if self.done or self.ended or not self._audience.is_there():
             return
         trial = self._trial = self._trial or self._begin()
         speed, elapsed_s, step_s = self._own.speed, math.inf, _STEP_S
         if speed > 0.0:
             elapsed_s = (time.monotonic() - self._began_s) * speed
             step_s = _TICK_S * speed
-        while (not trial.over and trial.now_s + step_s <= elapsed_s and self._allowance.left()):
+        while not trial.over and trial.now_s + step_s <= elapsed_s and self._allowance.has_left():
             self._publish(trial.advance(trial.now_s + step_s))
         if trial.over:
-            all_acknowledged(self._publishers_of.values())
+            await_acknowledgement(self._publishers_of.values())
             self.done = True
 
     def _publish(self, chunk: SimulatedChunk) -> None:
-        """Publish the truth, the readings of both sensors in their order, and their state."""
+        """Publish the truth, the readings of both sensors in order, and their state."""
         for message in imu_messages(chunk.truth, self._frames['truth']):
             self._publishers_of['truth'].publish(message)
         for role, readings, statuses in (('ts', chunk.ts_readings, chunk.ts_statuses),
@@ -110,7 +114,7 @@ class SensorSimulator(Node):
                 self._report(role, status)
 
     def _report(self, role: str, status: AhrsStatus) -> None:
-        """State mode, progress and built-in tests of an AHRS; log what has happened."""
+        """Report mode, progress and built-in tests of an AHRS; log its events."""
         said = describe_condition(status)
         self._health.note(role, LEVELS[said.level], said.words, log=False, **said.figures)
         if status.message:
@@ -125,7 +129,7 @@ class SensorSimulator(Node):
                             lambda trial: act(trial, 'ts', kind))
 
     def _answer(self, response: Any, what: str, act: Callable[[Trial], float]) -> Any:
-        """Act on the trial, and say when that takes effect or why it cannot."""
+        """Act on the trial; answer when that takes effect, or why it cannot."""
         if self._trial is None or self._trial.over:
             response.success = False
             response.message = f'the trial {"is over" if self._trial else "has not begun"}'
@@ -140,8 +144,8 @@ class SensorSimulator(Node):
         return response
 
     def end(self) -> None:
-        """Stop."""
-        all_acknowledged(self._publishers_of.values(), 2.0)
+        """Stop publishing, and wait until the last messages have arrived."""
+        await_acknowledgement(self._publishers_of.values(), 2.0)
         self.ended = True
 
 

@@ -26,14 +26,14 @@ from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
-from heading_intercompare.nodes.runtime.publishing import all_acknowledged
+from heading_intercompare.nodes.runtime.publishing import await_acknowledgement
 from heading_intercompare.nodes.runtime.raw_subscription import subscribe
 
 from .settings import SynchronizerNode, Taking
 
 __all__ = ['main', 'Synchronizer']
 
-# Most pairs published at once; a subscription keeps 1000, and takes them as often.
+# Most pairs published at once; a subscription keeps 1000 and is emptied just as often.
 _BURST = 200
 
 
@@ -41,7 +41,7 @@ class Synchronizer(Node):
     """
     Publish `pairs` and `pairs/ledger`.
 
-    Headings are taken once somebody takes the pairs, so that no pair goes nowhere.
+    The node takes headings only once the pairs have subscribers, so that no pair is lost.
     """
 
     done = False
@@ -81,7 +81,7 @@ class Synchronizer(Node):
             self._finish_if_quiet()
 
     def _open_when_wanted(self) -> None:
-        """Open the inputs once the pairs have their takers, or when it has taken too long."""
+        """Open the inputs once the pairs have their subscribers, or after `startup_wait_s`."""
         if (self._pairs.get_subscription_count() >= self._own.subscribers
                 or time.monotonic() > self._open_at_s):
             for intake, _ in self._inputs:
@@ -111,7 +111,7 @@ class Synchronizer(Node):
         self._beat()
 
     def end(self) -> None:
-        """Take the headings that still come, until their publishers are gone or time is up."""
+        """Take the last headings, until their publishers are gone or time is up."""
         self._health.mute()
         self._end_s = time.monotonic() + self._own.end_wait_s
 
@@ -129,7 +129,7 @@ class Synchronizer(Node):
         if not self._waiting:
             self.ended = True
             self._beat()
-            all_acknowledged([self._pairs, self._ledger], 2.0)
+            await_acknowledgement([self._pairs, self._ledger], 2.0)
 
 
 def main(args: Sequence[str] | None = None) -> int:

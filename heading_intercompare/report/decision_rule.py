@@ -10,7 +10,7 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.norm_presets import PRESETS, sigma_max_deg
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Pairing, Settings
-from heading_intercompare.core.verdict.validity import DOUBTFUL
+from heading_intercompare.core.verdict.validity import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
 from .formatting import interval, number, outcome, value
@@ -121,7 +121,7 @@ def _several(settings: Settings, m: int) -> str:
 
 
 def _doubts(verdict: Verdict) -> str:
-    if verdict.outcome is not Outcome.INDETERMINATE and verdict.validity_effect == DOUBTFUL:
+    if is_doubtful(verdict.outcome, verdict.validity_effect):
         return ', but doubtfully: see the validity of the comparison'
     return ''
 

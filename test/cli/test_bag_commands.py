@@ -180,7 +180,7 @@ def test_info_of_a_bag_whose_recorder_lost_messages_says_so(tmp_path, capsys):
             'lost_on_the_way./ts/heading': 3})
     text = printed(capsys, 'info', tmp_path / 'bag')
     assert ('\ncomplete: no: 12 messages received but not written, '
-            '1 message in files that were taken away\n') in text
+            '1 message in files that were removed or moved\n') in text
 
 
 def test_info_of_a_bag_without_messages(tmp_path, capsys):
@@ -255,7 +255,7 @@ def test_rules_in_front_of_the_bag_are_not_taken_for_it(capsys):
 
 
 @pytest.mark.parametrize('options, words', [
-    (['--remap', 'pairs:=x'], "remap 'pairs': is not replayed; replayed are ts/heading, "
+    (['--remap', 'pairs:=x'], "remap 'pairs': is not replayed; must be one of ts/heading, "
      'rs/heading, compliance/marker'),
     (['-m', 'ts/heading:=x', '--remap', 'rs/heading:=x'], "topic 'rs/heading' would be published "
      "as /x, which is already the name of 'ts/heading'"),

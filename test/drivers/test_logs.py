@@ -13,7 +13,7 @@ import pytest
 
 from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.logs import LogReader, read_log
-from heading_intercompare.drivers.sentence_choice import heard_in
+from heading_intercompare.drivers.sentence_choice import find_sentence
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 
 DATA = Path(__file__).resolve().parent.parent / 'data' / 'nmea'
@@ -91,10 +91,10 @@ def test_a_damaged_sentence_does_not_decide_the_choice(tmp_path):
 def test_the_choice_finds_a_rare_talker_behind_many_lines_of_another(tmp_path):
     log = tmp_path / 'long.log'
     log.write_bytes(b'1772366400 $HEHDT,1.0,T*2E\n' * 200_000 + b'1772366401 $GPHDT,2.0,T*37\n')
-    name = heard_in(log, DriverSettings(talker='GP'))
+    name = find_sentence(log, DriverSettings(talker='GP'))
     assert name == ('HDT', 'GP')
-    assert heard_in(log, DriverSettings(talker='IN')) is None
-    assert heard_in(log, DriverSettings(sentence='THS')) is None
+    assert find_sentence(log, DriverSettings(talker='IN')) is None
+    assert find_sentence(log, DriverSettings(sentence='THS')) is None
 
 
 @pytest.mark.parametrize('end', [b'\n', b'\r\n', b'\r'])

@@ -131,7 +131,7 @@ def test_a_log_that_cannot_be_played_says_why(tmp_path):
     csv.write_text('t_ns,heading_deg\n1,2\n')
     with pytest.raises(DriverError, match=r'empty\.log: no lines'):
         open_source(DriverSettings(source=f'file:{empty}'))
-    with pytest.raises(DriverError, match=r'headings\.csv: a csv is imported, not played'):
+    with pytest.raises(DriverError, match=r'headings\.csv: a csv cannot be played, only imported'):
         open_source(DriverSettings(source=f'file:{csv}'))
     with pytest.raises(FileNotFoundError):
         open_source(DriverSettings(source=f'file:{tmp_path / "none.log"}'))

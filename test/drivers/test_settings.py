@@ -7,7 +7,7 @@ from __future__ import annotations
 import pytest
 
 from heading_intercompare.core.settings import from_mapping, SettingsError, to_mapping
-from heading_intercompare.drivers.sentence_choice import best
+from heading_intercompare.drivers.sentence_choice import choose_sentence
 from heading_intercompare.drivers.sentences import Name, PARSERS
 from heading_intercompare.drivers.settings import Address, DriverSettings, parse_address, SENTENCES
 
@@ -82,5 +82,5 @@ def test_a_driver_without_a_source_says_that_one_is_required():
 def test_every_kind_of_sentence_that_can_be_set_has_a_parser_and_its_order():
     assert tuple(PARSERS) == SENTENCES == ('THS', 'HDT', 'PASHR', 'PSXN,23', 'PUHAW,UVH', 'HDG')
     names = [Name(kind, 'HE') for kind in reversed(SENTENCES)]
-    assert best(names).kind == 'THS'
-    assert best([Name('HDT', 'GP'), Name('HDT', 'HE')]) == Name('HDT', 'GP')
+    assert choose_sentence(names).kind == 'THS'
+    assert choose_sentence([Name('HDT', 'GP'), Name('HDT', 'HE')]) == Name('HDT', 'GP')

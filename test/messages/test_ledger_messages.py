@@ -61,7 +61,7 @@ def test_a_count_that_is_no_number_is_refused():
 
 def test_a_key_that_no_ledger_has_is_refused():
     data = encode_statuses(1, [Status('segment 0', OK, '', {'paired': 3, 'ts_lost': 2})])
-    with pytest.raises(MessageError, match="ledger: 'ts_lost' is no key of a ledger"):
+    with pytest.raises(MessageError, match="ledger: 'ts_lost' is not a key of a ledger"):
         decode_ledger(data)
 
 

@@ -13,19 +13,8 @@ from heading_intercompare.messages.status_messages import decode_statuses, ERROR
 from heading_intercompare.messages.verdict_messages import encode_verdict
 
 
-def judged():
-    """Return the verdict on two runs."""
-    stamps = np.concatenate((np.arange(1, 201), np.arange(400, 601))) * 10 ** 9 + 10 ** 18
-    comparison = Intercomparison(Settings.from_mapping(
-        {'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}}))
-    comparison.update(ts=Headings.of(stamps, 90.0 + 0.1 * np.sin(np.arange(401) * 2.0)),
-                      rs=Headings.of(stamps, np.full(401, 90.0)))
-    comparison.finish()
-    return comparison.verdict()
-
-
-def test_a_verdict_says_what_was_found_and_why():
-    verdict = judged()
+def test_a_verdict_says_what_was_found_and_why(verdict_of_two_runs):
+    verdict = verdict_of_two_runs
     ns, (whole, *runs) = decode_statuses(encode_verdict(verdict, 10 ** 18))
     assert (ns, whole.message) == (10 ** 18, verdict.headline)
     assert whole.values['outcome'] == verdict.outcome.value

@@ -7,12 +7,7 @@ from __future__ import annotations
 import os
 import time
 
-import numpy as np
 import pytest
-
-from heading_intercompare.core.pipeline import Intercomparison
-from heading_intercompare.core.records import Headings
-from heading_intercompare.core.settings import Settings
 
 # Imports of ROS stand inside: without it this folder is skipped, not broken.
 collect_ignore_glob = []
@@ -88,15 +83,3 @@ def ros():
     made = Ros()
     yield made
     made.close()
-
-
-@pytest.fixture
-def judged():
-    """Return a comparison of two runs, ended."""
-    stamps = np.concatenate((np.arange(1, 201), np.arange(400, 601))) * 10 ** 9 + 10 ** 18
-    comparison = Intercomparison(Settings.from_mapping(
-        {'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}}))
-    comparison.update(ts=Headings.of(stamps, 90.0 + 0.1 * np.sin(np.arange(401) * 2.0)),
-                      rs=Headings.of(stamps, np.full(401, 90.0)))
-    comparison.finish()
-    return comparison

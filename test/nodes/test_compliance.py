@@ -172,7 +172,7 @@ def test_a_report_whose_ledger_does_not_come_is_published_all_the_same(ros, rng)
     graph.send(some_pairs(rng, 0, 100))
     graph.send(some_pairs(rng, 200, 210))
     ros.spin_until(lambda: graph.reports())
-    ros.spin_until(lambda: any('lacks the whole ledger' in s.message for m in states
+    ros.spin_until(lambda: any('last report is incomplete' in s.message for m in states
                                for s in m.status))
 
 

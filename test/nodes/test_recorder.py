@@ -293,7 +293,7 @@ def test_a_folder_that_is_removed_is_an_error_at_once_and_recording_goes_on(
     bag = finish(ros, node, sensor)
     kept = [m.sequence for m in bag.messages(['/ts/heading'])]
     assert kept[-10:] == list(range(11, 21))
-    said = f'{20 - len(kept)} messages in files that were taken away'
+    said = f'{20 - len(kept)} messages in files that were removed or moved'
     assert capfd.readouterr().err.count(said) == 2  # When it goes on, and at the end.
     state = of_bag(states)[-1]
     assert (state.level[0], state.message) == (WARN, f'recording again after 1 fault; {said}')
@@ -303,7 +303,7 @@ def test_a_folder_that_is_removed_is_an_error_at_once_and_recording_goes_on(
 
 
 def test_a_bag_is_never_overwritten(ros, tmp_path):
-    with pytest.raises(BagError, match='exists already'):
+    with pytest.raises(BagError, match='already exists'):
         ros.ours(Recorder, output=str(tmp_path))
 
 

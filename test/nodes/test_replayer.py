@@ -354,7 +354,7 @@ def test_a_bag_with_a_topic_of_its_own_name_can_go_out_under_the_usual_one(ros, 
 
 
 @pytest.mark.parametrize('rules, remapped, words', [
-    ([], ['pairs'], "remap 'pairs': is not replayed; replayed are ts/heading, rs/heading, "
+    ([], ['pairs'], "remap 'pairs': is not replayed; must be one of ts/heading, rs/heading, "
      'compliance/marker'),
     ([], ['/clock'], "remap '/clock': is not replayed"),
     ([], ['ts/heading', '/ts/heading'], "remap 'ts/heading': is given 2 times"),

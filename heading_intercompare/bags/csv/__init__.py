@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pairs and ensembles as comma-separated values."""
+"""Pairs and ensembles as csv files."""
 
 from typing import TYPE_CHECKING
 

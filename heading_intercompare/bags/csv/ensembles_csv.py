@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Ensembles of pairs as comma-separated values, in the columns that UHDAS users know.
+Ensembles of pairs as csv, in the columns that UHDAS users know.
 
-They are those of `ens_hcorr.asc`, which UHDAS writes beside the data of a current profiler: there
-`dh` is the heading of the reliable instrument, usually a gyro, minus that of the accurate one.
-With these as TS and RS, `mean_dh` has the same sign.
+They are the columns of `ens_hcorr.asc`, which UHDAS writes next to the data of a current profiler.
+There `dh` is the heading of the reliable instrument, usually a gyro, minus that of the accurate
+one. With these as TS and RS, `mean_dh` has the same sign.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _DAY_NS = 86400 * _SECOND_NS
 
 
 def _year_ns(stamp_ns: int) -> int:
-    """Return the beginning of the UTC year of a stamp; of 1970 where no calendar reaches."""
+    """Return the beginning of the UTC year of a stamp; that of 1970 if no calendar reaches it."""
     try:
         year = datetime.fromtimestamp(stamp_ns // _SECOND_NS, timezone.utc).year
     except (OverflowError, OSError, ValueError):
@@ -35,19 +35,24 @@ def _year_ns(stamp_ns: int) -> int:
 
 
 def _heading(heading_deg: float) -> str:
-    """Return a heading, below 360 also when it is rounded."""
+    """Return a heading as text, below 360 even after rounding."""
     return 'nan' if math.isnan(heading_deg) else f'{round(heading_deg, 4) % 360.0:.4f}'
 
 
 class EnsemblesCsvWriter:
     """
-    A csv of ensembles being written; an existing file is replaced.
+    Writes a csv of ensembles; an existing file is replaced.
 
-    The columns are `dday`, day of the year with decimals at the last pair (noon on 1 January is
-    0.5; counted on from the year of the first pair); `mean_hdg`, circular mean of the TS heading;
-    `last_hdg`, the last one; `mean_dh` and `std_dh`, mean and standard deviation of TS - RS,
-    installation offset not removed; `num`, finite pairs; `badflag`. Angles are in degrees; a
-    figure that does not exist is nan.
+    The columns:
+
+    - `dday`: decimal day of the year of the last pair. Noon on 1 January is 0.5; the count
+      continues from the year of the first pair.
+    - `mean_hdg`, `last_hdg`: circular mean of the TS heading, and the last one.
+    - `mean_dh`, `std_dh`: mean and standard deviation of TS - RS, installation offset not removed.
+    - `num`: number of finite pairs.
+    - `badflag`: see `std_limit_deg`.
+
+    Angles are in degrees; a figure that does not exist is nan.
 
     Parameters
     ----------
@@ -56,11 +61,11 @@ class EnsemblesCsvWriter:
     span_s : float
         Length of an ensemble, seconds.
     gap_s : float
-        No ensemble reaches across a longer silence, seconds.
+        An ensemble ends at a longer silence, seconds.
     std_limit_deg : float
-        `badflag` is 1 if `std_dh` is larger, or if `num` is below 2; else 0.
+        `badflag` is 1 if `std_dh` is larger or `num` is below 2, and 0 otherwise.
     wrap_center_deg : float
-        Middle of the range to which the differences are reduced, degrees.
+        Centre of the range to which the differences are wrapped, degrees.
 
     Raises
     ------
@@ -86,7 +91,7 @@ class EnsemblesCsvWriter:
         self.close()
 
     def write(self, pairs: Pairs) -> None:
-        """Take pairs; append a row for each ensemble that is complete."""
+        """Take pairs; append a row for each completed ensemble."""
         if self._year_ns is None and len(pairs):
             self._year_ns = _year_ns(int(pairs.stamp_ns[0]))
         self._append(self._ensembling.update(pairs))
@@ -100,7 +105,7 @@ class EnsemblesCsvWriter:
                              f'{_heading(last_ts)},{mean:.4f},{std:.4f},{num},{bad:d}\n')
 
     def close(self) -> None:
-        """Append the last ensemble and close the file; a second time does nothing."""
+        """Append the last ensemble and close the file; a second call does nothing."""
         if not self._file.closed:
             with self._file:
                 self._append(self._ensembling.finish())

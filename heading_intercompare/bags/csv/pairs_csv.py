@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pairs as comma-separated values: one pair a row, read back to the same bits."""
+"""Pairs as csv, one pair per row; reading gives back the same bits."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from heading_intercompare.core.records import Pairs
 
 __all__ = ['COLUMNS', 'PairsCsvWriter', 'read_pairs_csv', 'write_pairs_csv']
 
-#: Columns that are written; the reader takes all but the difference and the lag.
+#: Columns written; the reader ignores the difference and the lag.
 COLUMNS = ('stamp_ns', 'ts_deg', 'rs_deg', 'difference_deg', 'lag_s', 'rs_variance_factor',
            'ts_variance_factor')
 _FACTORS = COLUMNS[-2:]
@@ -28,7 +28,7 @@ _FIRST_BEYOND = 2**63
 
 
 def _stamp_of_seconds(text: str) -> int:
-    """Return nanoseconds of decimal seconds; the tenth decimal rounds, no float is involved."""
+    """Return decimal seconds as nanoseconds, rounded from the tenth decimal on, without floats."""
     whole, point, decimals = text.partition('.')
     if whole.isdecimal() and len(decimals) <= 9 and (decimals.isdecimal() or not decimals):
         return int(whole) * _SECOND_NS + int(decimals.ljust(9, '0'))
@@ -52,7 +52,7 @@ _STAMPS: dict[str, tuple[Callable[[str], int], str]] = {
 
 
 def _factor(text: str) -> float:
-    """Return a variance factor; 1 where none is given."""
+    """Return a variance factor; 1 if the text is empty."""
     factor = float(text) if text.strip() else 1.0
     if not 0.0 < factor <= 1.0:
         raise ValueError
@@ -60,16 +60,15 @@ def _factor(text: str) -> float:
 
 
 def _columns(path: str, header: list[str]) -> tuple[str, list[int], list[int | None]]:
-    """Return the name of the stamp column, where stamp, TS and RS are, and the factors if any."""
+    """Return the name of the stamp column, and the places of stamp, TS, RS, and of the factors."""
     names = [name.strip() for name in header]
     stamp = next((name for name in _STAMPS if name in names), None)
     absent = [name for name in ('ts_deg', 'rs_deg') if name not in names]
     if stamp is None:
         absent.insert(0, 'stamp_s or stamp_ns')
     if absent:
-        raise BagError(f'line 1 is {",".join(header)[:80]!r}: a header with the columns stamp_s '
-                       f'or stamp_ns, ts_deg, rs_deg belongs there; missing: '
-                       f'{", ".join(absent)}', path)
+        raise BagError(f'line 1 is {",".join(header)[:80]!r}: must be a header with the columns '
+                       f'stamp_s or stamp_ns, ts_deg, rs_deg; missing: {", ".join(absent)}', path)
     return (stamp, [names.index(name) for name in (stamp, 'ts_deg', 'rs_deg')],
             [names.index(name) if name in names else None for name in _FACTORS])
 
@@ -81,9 +80,9 @@ def read_pairs_csv(path: str | os.PathLike[str]) -> Iterator[Pairs]:
     Parameters
     ----------
     path : str or path
-        A header, then a row per pair. Columns `stamp_ns` or `stamp_s` (decimal, read exactly to
-        the nanosecond), `ts_deg`, `rs_deg` in any order; `rs_variance_factor` and
-        `ts_variance_factor` if they are there; others are ignored.
+        A header, then one row per pair. Columns in any order: `stamp_ns` or `stamp_s` (decimal,
+        read exactly to the nanosecond), `ts_deg`, `rs_deg`; optionally `rs_variance_factor` and
+        `ts_variance_factor`. Others are ignored.
 
     Yields
     ------
@@ -96,7 +95,7 @@ def read_pairs_csv(path: str | os.PathLike[str]) -> Iterator[Pairs]:
     OSError
         If the file cannot be read.
     BagError
-        For a header or a row that cannot be understood, with the number of its line.
+        If the header or a row is wrong, with the number of its line.
 
     """
     path = os.fspath(path)
@@ -104,8 +103,8 @@ def read_pairs_csv(path: str | os.PathLike[str]) -> Iterator[Pairs]:
         rows = csv.reader(file)
         header = next(rows, None)
         if header is None:
-            raise BagError('is empty; a header with the columns stamp_s or stamp_ns, ts_deg, '
-                           'rs_deg belongs there', path)
+            raise BagError('is empty; must begin with a header with the columns stamp_s or '
+                           'stamp_ns, ts_deg, rs_deg', path)
         name, places, factors = _columns(path, header)
         stamp_of, allowed = _STAMPS[name]
         last = max(*places, *(place for place in factors if place is not None))
@@ -156,14 +155,14 @@ def _pairs(columns: tuple[list, ...]) -> Pairs:
 
 class PairsCsvWriter:
     """
-    A csv of pairs being written; an existing file is replaced.
+    Writes a csv of pairs; an existing file is replaced.
 
     Parameters
     ----------
     path : str or path
         The file.
     wrap_center_deg : float
-        Middle of the range to which the differences are reduced, degrees.
+        Centre of the range to which the differences are wrapped, degrees.
 
     Raises
     ------
@@ -184,7 +183,7 @@ class PairsCsvWriter:
         self.close()
 
     def write(self, pairs: Pairs) -> None:
-        """Append a row per pair; the installation offset is not removed from the difference."""
+        """Append one row per pair; the installation offset stays in the difference."""
         columns = (pairs.stamp_ns, pairs.ts_deg, pairs.rs_deg,
                    subtract(pairs, wrap_center_deg=self._center_deg).x_deg,
                    pairs.lag_ns / _SECOND_NS, pairs.rs_variance_factor, pairs.ts_variance_factor)
@@ -192,7 +191,7 @@ class PairsCsvWriter:
             self._file.write(','.join(map(repr, row)) + '\n')
 
     def close(self) -> None:
-        """Close the file; a second time does nothing."""
+        """Close the file; a second call does nothing."""
         self._file.close()
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""MCAP files: records, chunks and indexes, read and written."""
+"""MCAP files: reading and writing of records, chunks and indexes."""
 
 from typing import TYPE_CHECKING
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The metadata and attachments of an MCAP file: where they are, and whether they are sound."""
+"""The metadata and attachments of an MCAP file: where they are, and whether they are intact."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ __all__ = ['find_records', 'parse_attachment']
 
 
 def parse_attachment(content: bytes) -> mcap.Attachment:
-    """Return an attachment from the bytes behind its head; BagError if it is damaged."""
+    """Return an attachment from the bytes after its head; BagError if it is damaged."""
     found = parse_record(mcap.Attachment, content)
     crc = int.from_bytes(content[-4:], 'little')
-    # Its checksum is of all its fields; pybag 0.13 takes that of the data.
+    # The checksum covers all fields; pybag 0.13 computes it over the data only.
     if crc not in (0, zlib.crc32(content[:-4])) and crc != zlib.crc32(found.data):
         raise BagError('attachment damaged: its checksum does not match')
     return found
@@ -30,7 +30,7 @@ def parse_attachment(content: bytes) -> mcap.Attachment:
 def find_records(stream: RecordStream, opcode: int, indexed: Sequence[int], begin: int,
                  end: int) -> list[int]:
     """
-    Return where the records of a kind are, in file order.
+    Return the offsets of the records of a kind, in file order.
 
     Parameters
     ----------
@@ -39,14 +39,14 @@ def find_records(stream: RecordStream, opcode: int, indexed: Sequence[int], begi
     opcode : int
         The kind.
     indexed : sequence of int
-        Where they are by the index. If it is wrong they are looked for.
+        Their offsets in the index. If any is wrong, the file is searched.
     begin, end : int
-        Bytes of the file between which they are.
+        Bytes of the file between which to search.
 
     Raises
     ------
     BagError
-        If they have to be looked for, and are fewer or the file is damaged.
+        If a search finds fewer records than the index lists, or a damaged record.
 
     """
     try:

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The checksum of chunks and attachments: CRC-32 as MCAP has it.
+The checksum of chunks and attachments: CRC-32 as in MCAP.
 
-The implementation of isal is used where it is installed (``pip install '.[fast]'``): it is some
-ten times as fast as that of zlib, which takes longer than decoding headings does.
+isal computes it where it is installed (``pip install '.[fast]'``), about ten times as fast as
+zlib. With zlib it takes longer than decoding the headings.
 """
 
 from __future__ import annotations

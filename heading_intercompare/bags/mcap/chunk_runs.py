@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Sound chunks of a file, several at once, and whether they can go into another file as they are.
+Intact chunks of a file, several at once, and whether they can be copied unchanged.
 
-A chunk is sound if its checksum is right, or it has none, and its records fill it. The message
-indexes behind it are believed if they name each of its messages once, with its log time.
+A chunk is intact if its checksum is right or missing, and its records fill it. The message
+indexes after it are believed if they name each of its messages once, with its log time.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, NamedTuple
+from typing import Callable, NamedTuple, Sequence
 
 from mcap.opcode import Opcode
 import numpy as np
@@ -33,42 +33,43 @@ from .message_blocks import (
 
 __all__ = ['Chunk', 'ChunkRun', 'ChunkRuns', 'count_messages', 'Counts', 'read_records']
 
-#: Small chunks are looked at together until their records are so long, or they are so many.
+#: Small chunks are checked together, up to this many bytes of records, or this many chunks.
 _RUN_BYTES, _RUN_CHUNKS = 2**20, 256
-#: Records of a chunk that claims more are decompressed by pieces.
+#: The records of a chunk that claims more are decompressed piece by piece.
 _LARGE = 2**26
-#: Read behind a chunk at once.
+#: Bytes read at once after a chunk, in search of message indexes.
 _INDEX_BYTES = 2**13
 
-#: Channels with the number of messages of each.
-Counts = tuple[tuple[int, int], ...]
+#: Channels, each with its number of messages.
+Counts = Sequence[tuple[int, int]]
 
 
 class Chunk(NamedTuple):
     """
-    A sound chunk.
+    An intact chunk.
 
     Attributes
     ----------
-    start, end, behind : int
-        Its first byte in the file, the one behind it, and the one behind its message indexes.
+    start, end, index_end : int
+        Its first byte in the file, the byte after its last, and the byte after its message
+        indexes.
     first_ns, last_ns : int
         Smallest and largest log time of its messages; 0 without messages.
     size, crc : int
         Length and checksum of its records.
     compression : str
-        As MCAP has it.
+        MCAP's name of the compression.
     packed : int
         Length of its compressed records.
     counts : Counts
-        Its messages whose log times can be, in the order of the indexes if these are right.
+        Its messages with valid log times, in the order of the indexes if these are right.
     definitions : frozenset of bytes
-        The schemas and channels in it, whole records.
+        The schemas and channels in it, as whole records.
     plain : bool
-        It has schemas and channels, then messages, of times that can be, and nothing else;
-        definitions may be repeated later.
+        It holds schemas and channels, then messages with valid times, and nothing else; the same
+        definitions may be repeated among the messages.
     indexed : bool
-        The message indexes behind it are right.
+        The message indexes after it are right.
     protected : bool
         It has a checksum.
 
@@ -76,7 +77,7 @@ class Chunk(NamedTuple):
 
     start: int
     end: int
-    behind: int
+    index_end: int
     first_ns: int
     last_ns: int
     size: int
@@ -93,20 +94,20 @@ class Chunk(NamedTuple):
 @dataclass(frozen=True, slots=True, eq=False)
 class ChunkRun:
     """
-    Chunks one behind the other.
+    Consecutive chunks of a file.
 
     Attributes
     ----------
     chunks : list of Chunk
-        At least one.
+        n >= 1 chunks.
     bases : ndarray of int64, shape (n + 1,)
-        Where the records of each begin in those of the block, and where those of the last end.
+        Where in the block the records of each chunk begin, and where those of the last end.
     edges : ndarray of int64, shape (n + 1,)
-        The first message of each in the block, and the number of messages.
+        The index in the block of the first message of each chunk, and the number of messages.
     block : Block
-        The records of all.
+        The records of all chunks.
     untimed : int
-        Messages with log times that cannot be.
+        Messages with impossible log times.
 
     """
 
@@ -118,11 +119,11 @@ class ChunkRun:
 
 
 class _Part(NamedTuple):
-    """A chunk that is decompressed and checked, and the message indexes behind it."""
+    """A decompressed and checked chunk, with the message indexes after it."""
 
     start: int
     head: ChunkHead
-    behind: int
+    index_end: int
     data: bytes | bytearray | memoryview
     crc: int
     index: list[tuple[int, bytes]]
@@ -130,7 +131,7 @@ class _Part(NamedTuple):
 
 def read_records(content: bytes, size: int,
                  zstd: zstandard.ZstdDecompressor) -> bytes | bytearray | memoryview:
-    """Return the records in the content of a chunk, checked; BagError if it is damaged."""
+    """Return the records in the content of a chunk and check them; BagError if it is damaged."""
     if size <= _LARGE:
         return unpack(content, zstd)
     data = decompress_begun(content)
@@ -143,21 +144,21 @@ def read_records(content: bytes, size: int,
 
 
 def count_messages(channels: np.ndarray) -> Counts:
-    """Return how many messages each channel has."""
+    """Return the number of messages of each channel."""
     numbers, counts = np.unique(channels, return_counts=True)
     return tuple(zip(numbers.tolist(), counts.tolist()))
 
 
 class ChunkRuns:
     """
-    Finds sound chunks in a file; never raises BagError.
+    Finds intact chunks in a file; never raises BagError.
 
     Parameters
     ----------
     read : callable
-        Returns so many bytes of the file from a byte on, fewer where it ends.
+        Given an offset and a size, returns that many bytes of the file, fewer at its end.
     size : int
-        Of the file.
+        Size of the file.
 
     """
 
@@ -168,7 +169,7 @@ class ChunkRuns:
         self._known: dict[tuple[bytes, ...], frozenset[bytes]] = {}
 
     def run(self, at: int, end: int | None = None) -> ChunkRun | None:
-        """Return the sound chunks from a byte on, up to another; None if there is none."""
+        """Return the intact chunks from byte `at` on, up to byte `end`; None if there is none."""
         parts: list[_Part] = []
         size = 0
         end = self._size if end is None else end
@@ -178,12 +179,12 @@ class ChunkRuns:
                 break
             parts.append(part)
             size += part.head.size
-            at = part.behind
-        found = self._joined(parts) if parts else None
-        return self._joined(parts[:1]) if found is None and len(parts) > 1 else found
+            at = part.index_end
+        found = self._join(parts) if parts else None
+        return self._join(parts[:1]) if found is None and len(parts) > 1 else found
 
     def _part(self, at: int, most: int) -> _Part | None:
-        """Return the chunk at a byte if it is sound, and no larger."""
+        """Return the chunk at a byte if it is intact and has at most `most` bytes of records."""
         head = find_chunk_head(self._read(at, HEAD_BYTES))
         if head is None or head.size > most or at + HEAD.size + head.length > self._size:
             return None
@@ -192,11 +193,11 @@ class ChunkRuns:
             data = read_records(content, head.size, self._zstd)
         except BagError:
             return None
-        index, behind = self._index(at + HEAD.size + head.length, head.size)
-        return _Part(at, head, behind, data, head.crc or crc32(data), index)
+        index, index_end = self._index(at + HEAD.size + head.length, head.size)
+        return _Part(at, head, index_end, data, head.crc or crc32(data), index)
 
     def _index(self, at: int, size: int) -> tuple[list[tuple[int, bytes]], int]:
-        """Return channels and entries of the message indexes at a byte, and the byte behind."""
+        """Return channel and entries of each message index from a byte on, and their end."""
         found = []
         most = size // MESSAGE_HEAD.size * ENTRY_BYTES
         ahead, begin = b'', at
@@ -220,8 +221,8 @@ class ChunkRuns:
             at += INDEX_HEAD.size + count
         return found, at
 
-    def _joined(self, parts: list[_Part]) -> ChunkRun | None:
-        """Return chunks as one block; None if their records do not fill them."""
+    def _join(self, parts: list[_Part]) -> ChunkRun | None:
+        """Join chunks to one block; None if their records do not fill them."""
         data = parts[0].data if len(parts) == 1 else b''.join([part.data for part in parts])
         bases = np.cumsum([0, *(part.head.size for part in parts)])
         entries = _Entries(parts, bases)
@@ -231,10 +232,10 @@ class ChunkRuns:
             return None
         at = block.start - MESSAGE_HEAD.size
         edges = np.searchsorted(at, bases)
-        if len(parts) > 1 and not _apart(block, bases, edges):
+        if len(parts) > 1 and not _are_apart(block, bases, edges):
             return None
         log = block.heads['log_time'].copy()
-        indexed = entries.right(block, at, log, edges)
+        indexed = entries.verify(block, at, log, edges)
         chunks, untimed = self._chunks(parts, block, bases, edges, log, indexed)
         return ChunkRun(chunks, bases, edges, block, untimed)
 
@@ -274,17 +275,17 @@ class ChunkRuns:
                 counts = count_messages(block.heads['channel'][lo:hi][timed])
                 untimed += int((~timed).sum())
             chunks.append(Chunk(
-                part.start, part.start + HEAD.size + head.length, part.behind, begin_ns, end_ns,
+                part.start, part.start + HEAD.size + head.length, part.index_end, begin_ns, end_ns,
                 head.size, part.crc, head.compression, head.packed, counts,
-                self._interned(others.get(i, ())), bool(plain[i]), indexed[i], head.crc > 0))
+                self._intern(others.get(i, ())), bool(plain[i]), indexed[i], head.crc > 0))
         return chunks, untimed
 
-    def _interned(self, records: list[bytes] | tuple[()]) -> frozenset[bytes]:
-        """Return records as a set, of which there is one only."""
+    def _intern(self, records: list[bytes] | tuple[()]) -> frozenset[bytes]:
+        """Return records as a set; equal records share one set."""
         return self._known.setdefault(tuple(records), frozenset(records))
 
 
-def _apart(block: Block, bases: np.ndarray, edges: np.ndarray) -> bool:
+def _are_apart(block: Block, bases: np.ndarray, edges: np.ndarray) -> bool:
     """Tell whether no record reaches from one chunk into the next."""
     inner, before = bases[1:-1], edges[1:-1] - 1
     within = before >= 0
@@ -295,7 +296,7 @@ def _apart(block: Block, bases: np.ndarray, edges: np.ndarray) -> bool:
 
 
 class _Entries:
-    """What the message indexes of several chunks say of their messages."""
+    """What the message indexes of several chunks say about their messages."""
 
     def __init__(self, parts: list[_Part], bases: np.ndarray) -> None:
         contents = [content for part in parts for _, content in part.index]
@@ -311,12 +312,12 @@ class _Entries:
         self._complete = all(part.index for part in parts)
 
     def offsets(self) -> np.ndarray | None:
-        """Return where they say that messages are; None if it cannot be all."""
+        """Return the offsets of the messages they name; None if a chunk has no index."""
         return self._at if self._complete else None
 
-    def right(self, block: Block, at: np.ndarray, log: np.ndarray,
-              edges: np.ndarray) -> list[bool]:
-        """Return for each chunk whether they name each of its messages once."""
+    def verify(self, block: Block, at: np.ndarray, log: np.ndarray,
+               edges: np.ndarray) -> list[bool]:
+        """Return for each chunk whether its indexes name each of its messages once."""
         order = np.argsort(self._at, kind='stable')
         channels = block.heads['channel']
         if len(at) == len(order) and (

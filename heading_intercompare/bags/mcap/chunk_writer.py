@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-MCAP written chunk by chunk, many messages at a time.
+The writer of MCAP files, chunk by chunk and many messages at a time.
 
-The file on disk ends with a whole chunk at every moment: a write that fails, for instance because
-the disk is full, is taken back, and what was to be written is kept for the next attempt.
+The file on disk always ends with a whole chunk. A write that fails, for instance because the disk
+is full, is undone, and the data is kept for the next attempt.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from .record_validity import find_attached
 
 __all__ = ['ChunkWriter', 'COMPRESSIONS']
 
-#: Fast, and on these messages hardly larger than higher levels.
+#: Fast; on these messages higher levels hardly compress better.
 _ZSTD_LEVEL = 1
 
 _CRC = struct.Struct('<I')
 
-#: Chunks from one that defines all topics to the next: a file whose first chunk is damaged and
-#: whose summary is cut can then still be understood.
+#: Every so often a chunk defines all topics again: a file whose first chunk is damaged and whose
+#: summary is cut can then still be read. Counted in chunks.
 _DEFINED_EVERY = 32
 
 _COMPRESS: dict[str, tuple[str, Callable[[bytes], bytes]]] = {
@@ -47,12 +47,12 @@ _COMPRESS: dict[str, tuple[str, Callable[[bytes], bytes]]] = {
     'zstd': ('zstd', lambda data: zstandard.ZstdCompressor(level=_ZSTD_LEVEL).compress(data)),
 }
 
-#: Compressions by their name in the settings, as MCAP has them.
+#: MCAP's names of the compressions, by their names in the settings.
 COMPRESSIONS = {name: written for name, (written, _) in _COMPRESS.items()}
 
 
 def _free(used: Mapping[int, object], wanted: int | None, numbers: Iterator[int]) -> int:
-    """Return a number that is not in use, the one wanted if that can be, or the next of some."""
+    """Return an unused number: `wanted` if it is free, otherwise the next free of `numbers`."""
     if wanted is not None and wanted not in used:
         return wanted
     return next(number for number in numbers if number not in used)
@@ -67,7 +67,7 @@ class ChunkWriter:
     file : binary file
         New, unbuffered, open for writing.
     compression : {'none', 'lz4', 'zstd'}
-        Of the chunks.
+        Compression of the chunks.
     chunk_bytes : int
         Size at which a chunk ends.
     library : str
@@ -83,12 +83,12 @@ class ChunkWriter:
         self._schemas: dict[int, mcap.Schema] = {}
         self._channels: dict[int, mcap.Channel] = {}
         self._schema_ids: dict[tuple[str, str, bytes], int] = {}
-        #: Those that were not tried yet: a number stays in use.
+        #: Numbers not tried yet, for channels and schemas: a number is never used again.
         self._numbers = count(1), count(1)
-        #: The records of both, in the order in which they came.
+        #: The records of schemas and channels, in order of arrival.
         self._defined: dict[bytes, None] = {}
         self._chunk_indexes: list[bytes] = []
-        #: Chunks since the last that defines all topics.
+        #: Chunks since the last one that defines all topics.
         self._undefined = 0
         self._extra_indexes: list[mcap.AttachmentIndex | mcap.MetadataIndex] = []
         self.counts: dict[int, int] = {}
@@ -108,7 +108,7 @@ class ChunkWriter:
         self._pieces: list[bytes] = []
         self._size = 0
         self._first, self._last = 2**64, 0
-        #: By channel, the entries of its message index: log time and offset.
+        #: The entries of the message index of each channel: log time and offset.
         self._index: dict[int, bytearray] = {}
         self._held: set[bytes] = set()
         if self._undefined >= _DEFINED_EVERY - 1:
@@ -136,9 +136,9 @@ class ChunkWriter:
                     metadata: Mapping[str, str], encoding: str = 'ros2msg',
                     numbers: tuple[int | None, int | None] = (None, None)) -> int:
         """
-        Return the number of a new channel; its definition opens the next chunk.
+        Add a channel and return its number; its definition goes into the chunk in memory.
 
-        `numbers` are those that the channel and its schema get if they are not in use.
+        `numbers` are the preferred numbers of the channel and its schema, used if they are free.
         """
         data = schema_text.encode()
         key = type_name, encoding, data
@@ -175,9 +175,9 @@ class ChunkWriter:
         Parameters
         ----------
         records : list of bytes
-            n records, in the order in which they shall be in the file.
+            n records, in the order to write them.
         channel, log_time_ns : ndarray of int64, shape (n,)
-            Of each record.
+            Channel and log time of each record.
 
         """
         ends = np.cumsum(np.fromiter(map(len, records), np.int64, len(records)))
@@ -194,7 +194,7 @@ class ChunkWriter:
             lo = hi
 
     def _index_all(self, channel: np.ndarray, log: np.ndarray, at: np.ndarray) -> None:
-        """Index messages that will be so far behind the end of what is in memory."""
+        """Index messages that will lie `at` bytes after the records in memory."""
         entries = np.stack((log, at + self._size), axis=1)
         for number in np.unique(channel).tolist():
             mine = entries[channel == number].astype('<i8').tobytes()
@@ -203,7 +203,7 @@ class ChunkWriter:
         self._last = max(self._last, int(log.max()))
 
     def fill(self, records: Records, lo: int) -> int:
-        """Take records from a place on until a chunk has ended; return how far."""
+        """Take records from `lo` on until a chunk is full; return the index of the next record."""
         ends = records.ends
         begin = int(ends[lo - 1]) if lo else 0
         hi = int(np.searchsorted(ends, begin + max(self._chunk_bytes - self._size, 0))) + 1
@@ -215,7 +215,7 @@ class ChunkWriter:
             self.end_chunk()
         return hi
 
-    # Chunks as they are
+    # Chunks copied unchanged
 
     @property
     def defined(self) -> frozenset[bytes]:
@@ -224,25 +224,25 @@ class ChunkWriter:
 
     @property
     def due(self) -> frozenset[bytes]:
-        """The definitions that the next chunk has to hold."""
+        """The definitions that the next chunk must hold."""
         return frozenset(self._held)
 
     @property
     def until_due(self) -> int:
-        """Chunks without definitions that may come before some that define all topics."""
+        """How many chunks without definitions may follow before all topics are defined again."""
         return max(_DEFINED_EVERY - 1 - self._undefined, 1)
 
     def append(self, data: bytes | bytearray | memoryview, chunks: Sequence[Chunk]) -> None:
         """
-        Write chunks as they are, with their message indexes; what is in memory goes before them.
+        Write chunks unchanged, with their message indexes, after the messages in memory.
 
         Parameters
         ----------
         data : bytes-like
-            The chunks and indexes, one behind the other.
+            The chunks and indexes, one after the other.
         chunks : sequence of Chunk
-            What is in them: channels and definitions of this file. The first has to hold those
-            that are `due`.
+            Their contents: channels and definitions of this file. The first must hold the
+            definitions that are `due`.
 
         """
         self.end_chunk()
@@ -255,7 +255,7 @@ class ChunkWriter:
         self._begin_chunk()
 
     def take_pending(self) -> list[tuple[int, bytes, int, int, int]]:
-        """Take the messages out of memory, each as `add` takes it; definitions stay."""
+        """Take the messages out of memory, each as arguments of `add`; definitions stay."""
         data = b''.join(self._pieces)
         messages, _ = walk(data, 0, len(data))
         taken = []
@@ -271,11 +271,11 @@ class ChunkWriter:
 
     @property
     def size(self) -> int:
-        """Bytes written."""
+        """Bytes written to the file."""
         return self._end
 
     def _append(self, data: bytes) -> None:
-        """Write all of it, or none and raise OSError."""
+        """Write all the data; or write nothing and raise OSError."""
         rest = memoryview(data)
         try:
             while rest:
@@ -311,7 +311,7 @@ class ChunkWriter:
     def _list(self, start: int, end: int, counts: Sequence[tuple[int, int]], first_ns: int,
               last_ns: int, compression: str, packed: int, size: int,
               definitions: set[bytes] | frozenset[bytes]) -> None:
-        """Take a chunk that is written into the indexes and statistics."""
+        """Enter a written chunk into the indexes and statistics."""
         self._chunk_indexes.append(
             chunk_index(start, end, counts, first_ns, last_ns, compression, packed, size))
         for channel, number in counts:
@@ -333,14 +333,14 @@ class ChunkWriter:
             create_time=time_ns, log_time=time_ns, name=name, media_type=media_type, data=data))))
 
     def append_attachment(self, record: bytearray) -> None:
-        """Write an attachment, a whole record whose lengths agree, with the right checksum."""
+        """Write an attachment from a whole record whose lengths agree; set its checksum."""
         data_at = find_attached(lambda at, size: record[at:at + size],
                                 Record(Opcode.ATTACHMENT, HEAD.size, len(record) - HEAD.size))
         crc_at = len(record) - _CRC.size
         with memoryview(record) as view:
             crc = crc32(view[HEAD.size:crc_at])
         _CRC.pack_into(record, crc_at, crc)
-        # The fields before the data, and no data.
+        # The fields before the data, followed by empty data.
         head = parse_record(mcap.Attachment,
                             bytes(record[HEAD.size:data_at - 8]) + bytes(8 + _CRC.size))
         index = mcap.AttachmentIndex(offset=self._end, length=len(record),
@@ -351,7 +351,7 @@ class ChunkWriter:
         self._extra_indexes.append(index)
 
     def sync(self) -> None:
-        """Return when what was written is on the disk."""
+        """Wait until the written data is on the disk."""
         os.fsync(self._file.fileno())
 
     def finish(self) -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Chunks of MCAP: decompressed, checked, and several of them joined to one block."""
+"""MCAP chunks: decompress them, check them, and join several to one block."""
 
 from __future__ import annotations
 
@@ -18,18 +18,19 @@ from .message_blocks import Block, block_of, HEAD
 
 __all__ = ['CHUNK_HEAD', 'Gathering', 'unpack']
 
-#: First and last log time, size and checksum of the decompressed records, length of a name.
+#: First and last log time, size and checksum of the decompressed records, length of the
+#: compression's name.
 CHUNK_HEAD = struct.Struct('<QQQII')
 _LENGTH = struct.Struct('<Q')
-#: No chunk is believed that claims to be larger.
+#: A chunk that claims to be larger is not believed.
 _CHUNK_LIMIT = 2**31
 _NAME_LIMIT = 32
-#: A byte of lz4 decompresses to at most so many.
+#: One byte of lz4 decompresses to at most this many.
 _LZ4_MOST = 255
 
 
 class _Head(NamedTuple):
-    """What a chunk says of itself; `size` and `crc` are of its records decompressed."""
+    """What a chunk says about itself; `size` and `crc` are those of its decompressed records."""
 
     first_ns: int
     last_ns: int
@@ -40,16 +41,16 @@ class _Head(NamedTuple):
 
 
 def _read_head(begun: bytes | memoryview, length: int) -> tuple[_Head, int]:
-    """Return the head of a chunk of some length, and its size; BagError if it is damaged."""
+    """Return the head of a chunk of a given length, and its size; BagError if it is damaged."""
     try:
         first, last, size, crc, letters = CHUNK_HEAD.unpack_from(begun)
         start = CHUNK_HEAD.size + letters
         if letters > _NAME_LIMIT:
-            raise BagError('chunk damaged: it names a compression that cannot be')
+            raise BagError('chunk damaged: it names an impossible compression')
         compression = bytes(begun[CHUNK_HEAD.size:start]).decode()
         inner = _LENGTH.unpack_from(begun, start)[0]
     except (struct.error, UnicodeDecodeError):
-        raise BagError('chunk damaged: its head is cut or no head') from None
+        raise BagError('chunk damaged: its head is cut or invalid') from None
     start += _LENGTH.size
     if size > _CHUNK_LIMIT:
         raise BagError(f'chunk damaged: it claims {size} bytes')
@@ -60,16 +61,16 @@ def _read_head(begun: bytes | memoryview, length: int) -> tuple[_Head, int]:
 
 
 def _decompress(head: _Head, data: memoryview, zstd: zstandard.ZstdDecompressor) -> bytes:
-    """Return what decompresses to the size in the head; BagError if it does not."""
+    """Return the decompressed records; BagError unless they have the size in the head."""
     try:
         if head.compression == 'zstd':
-            # Never more memory than the head says, whatever the frame claims.
+            # Use no more memory than the head says, whatever the frame claims.
             if zstandard.frame_content_size(data) not in (head.size, -1):
                 raise BagError('chunk damaged: its compressed data has another size than its '
                                'head says')
             found = zstd.decompress(data, max_output_size=head.size)
         elif head.compression == 'lz4':
-            # With a bound it asks for memory once; one byte more, to see the end of the frame.
+            # With a bound it allocates memory once; one byte more shows the end of the frame.
             frame = lz4.frame.LZ4FrameDecompressor()
             found = frame.decompress(data, max_length=head.size + 1)
             if not frame.eof:
@@ -90,12 +91,12 @@ def _check(head: _Head, data: bytes | memoryview) -> None:
 
 def unpack(content: bytes, zstd: zstandard.ZstdDecompressor) -> bytes | memoryview:
     """
-    Return the records in the content of a chunk, decompressed and checked.
+    Decompress and check the records in the content of a chunk.
 
     Raises
     ------
     BagError
-        If it is damaged: sizes that do not agree, a wrong checksum.
+        If it is damaged: its sizes do not agree, or its checksum is wrong.
 
     """
     head, start = _read_head(content, len(content))
@@ -107,17 +108,17 @@ def unpack(content: bytes, zstd: zstandard.ZstdDecompressor) -> bytes | memoryvi
 
 class Gathering:
     """
-    Chunks that become one block, with the message indexes that follow them.
+    Collects chunks into one block, with the message indexes that follow them.
 
-    Their records lie one behind the other in memory that the next block uses again, for to ask
-    for new memory takes longer than to read.
+    Their records lie one after the other in memory that the next block uses again, because
+    allocating memory takes longer than reading.
 
     Attributes
     ----------
     size : int
         Bytes of records.
     end : int
-        The byte of the file behind what was taken.
+        The byte of the file after the last chunk taken.
 
     """
 
@@ -139,17 +140,17 @@ class Gathering:
 
     def take(self, file: BinaryIO, length: int, start_ns: int, stop_ns: int) -> bool:
         """
-        Take the next chunk, at whose content of some length the file is.
+        Take a chunk; the file stands at its content, which has this length.
 
         Returns
         -------
         bool
-            False if it has nothing of [start, stop) in log time and is left out.
+            False if the chunk lies outside [start, stop) in log time and is skipped.
 
         Raises
         ------
         BagError
-            If it is damaged; what was taken before is not touched.
+            If the chunk is damaged; the chunks taken before stay usable.
 
         """
         at = file.tell()
@@ -160,10 +161,10 @@ class Gathering:
         file.seek(at + start)
         if head.compression:
             records = _decompress(head, self._read(file, head.length), self._zstd)
-            into = self._behind(head.size)
+            into = self._reserve(head.size)
             into[:] = records
         else:
-            into = self._behind(head.size)
+            into = self._reserve(head.size)
             if file.readinto(into) < head.size:
                 raise BagError('chunk damaged: it ends early')
         _check(head, into)
@@ -174,8 +175,8 @@ class Gathering:
         self._base, self.size, self.end = self.size, self.size + head.size, at + length
         return True
 
-    def _behind(self, size: int) -> memoryview:
-        """Return memory behind what was taken."""
+    def _reserve(self, size: int) -> memoryview:
+        """Return memory after the records taken so far; enlarge it if needed."""
         if self.size + size > len(self._memory):
             larger = memoryview(bytearray(max(self.size + size, 2 * self.size)))
             larger[:self.size] = self._memory[:self.size]
@@ -194,11 +195,11 @@ class Gathering:
         self._bases.append(self._base)
 
     def block(self) -> Block:
-        """Return the messages; they are valid until the next chunk is taken."""
+        """Return the messages as a block, valid until the next chunk is taken."""
         return block_of(self._memory[:self.size], self._offset, self._offsets)
 
     def _offsets(self) -> np.ndarray | None:
-        """Return where the indexes say that messages are."""
+        """Return the message offsets that the indexes name; None unless each chunk has indexes."""
         if not self._usable or self._awaited or not self._index:
             return None
         counts = [len(entries) >> 4 for entries in self._index]

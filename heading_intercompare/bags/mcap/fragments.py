@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What can be said of damaged bytes: where records may begin, how a cut chunk begins."""
+"""Clues in damaged bytes: where records may begin, and the records a cut chunk begins with."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from .record_stream import MAGIC
 __all__ = ['BARE', 'CHUNK_BYTES', 'ChunkHead', 'decompress_begun', 'find_candidates',
            'find_chunk_head', 'HEAD_BYTES', 'measure_leading', 'MESSAGE_LEAST']
 
-#: Records that may be in a chunk or outside.
+#: Records that may be inside or outside a chunk.
 BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
 #: Length of a message without payload.
 MESSAGE_LEAST = MESSAGE_HEAD.size - HEAD.size
-#: No compression has a longer name.
+#: Longest name of a compression.
 _LETTERS = 8
-#: From the opcode of a chunk to its compressed records, at most.
+#: Most bytes from the opcode of a chunk to its compressed records.
 HEAD_BYTES = HEAD.size + CHUNK_HEAD.size + _LETTERS + 8
-#: No chunk is believed that claims more.
+#: A chunk that claims to be larger is not believed.
 CHUNK_BYTES = 2**31
 _PIECE_BYTES = 2**20
 _LENGTH = struct.Struct('<Q')
 
 
 class ChunkHead(NamedTuple):
-    """What a chunk says of itself; `packed` is the length of its compressed records."""
+    """What a chunk says about itself; `packed` is the length of its compressed records."""
 
     length: int
     first_ns: int
@@ -47,9 +47,9 @@ class ChunkHead(NamedTuple):
 
 def find_chunk_head(data: bytes) -> ChunkHead | None:
     """
-    Return the head of a chunk whose record these bytes begin; None if it contradicts itself.
+    Return the head of the chunk whose record begins these bytes; None if it contradicts itself.
 
-    The opcode may be any if there is a checksum to show that it is wrong.
+    The opcode may be wrong if the head has a checksum, for that can later prove the chunk.
     """
     if len(data) < HEAD.size + CHUNK_HEAD.size:
         return None
@@ -67,7 +67,7 @@ def find_chunk_head(data: bytes) -> ChunkHead | None:
 
 
 def _plausible(begun: bytearray, size: int) -> bool:
-    """Tell whether what begins so can be the records of a chunk of some size."""
+    """Tell whether these bytes can begin the records of a chunk of this size."""
     if len(begun) < HEAD.size:
         return False
     opcode, length = HEAD.unpack_from(begun)
@@ -76,10 +76,10 @@ def _plausible(begun: bytearray, size: int) -> bool:
 
 def decompress_begun(content: bytes) -> bytearray:
     """
-    Return what can be decompressed of a chunk that may be cut; its lengths agree.
+    Return the records that can be decompressed from a chunk that may be cut; its lengths agree.
 
-    It is done by pieces and stops where that makes no sense: a chunk that claims to be large
-    takes no more memory than there is in it.
+    It works piece by piece and stops if the first bytes are not plausible. So a chunk that claims
+    to be large takes no more memory than its actual data.
     """
     _, _, size, _, letters = CHUNK_HEAD.unpack_from(content)
     start = CHUNK_HEAD.size + letters
@@ -109,7 +109,7 @@ def decompress_begun(content: bytes) -> bytearray:
 
 
 def measure_leading(data: bytes | bytearray | memoryview, first_ns: int, last_ns: int) -> int:
-    """Return the size of the records with which a chunk of these log times begins soundly."""
+    """Return the size of the intact records at the start of a chunk of these log times."""
     at = 0
     while at + HEAD.size <= len(data):
         opcode, length = HEAD.unpack_from(data, at)
@@ -126,7 +126,7 @@ def measure_leading(data: bytes | bytearray | memoryview, first_ns: int, last_ns
 
 
 def find_candidates(window: bytes, room: int, opcodes: tuple[int, ...]) -> np.ndarray:
-    """Return where in a window such a record may begin that ends within `room` bytes."""
+    """Return where in a window a record of these opcodes may begin and end within `room` bytes."""
     count = len(window) - HEAD.size + 1
     if count <= 0:
         return np.empty(0, np.int64)

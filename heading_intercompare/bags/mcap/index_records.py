@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The records of MCAP that say where others are: message indexes, chunk indexes, the summary."""
+"""The MCAP records that say where others are: message indexes, chunk indexes, the summary."""
 
 from __future__ import annotations
 
@@ -24,34 +24,34 @@ _SIZES = struct.Struct('<QQ')
 
 
 def build_record(record: mcap.McapRecord) -> bytes:
-    """Return a record as it is written."""
+    """Return the bytes of a record."""
     builder = RecordBuilder()
     record.write(builder)
     return builder.end()
 
 
 def message_index(channel: int, entries: bytes | bytearray) -> bytes:
-    """Return the record with the entries of a channel, each of log time and place in the chunk."""
+    """Return the message index of a channel; each entry is a log time and an offset in a chunk."""
     return INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, 6 + len(entries), channel, len(entries)) + entries
 
 
 def chunk_index(start: int, end: int, counts: Iterable[tuple[int, int]], first_ns: int,
                 last_ns: int, compression: str, packed: int, size: int) -> bytes:
     """
-    Return the record that says where a chunk is and the message indexes behind it.
+    Return the record that says where a chunk and the message indexes after it are.
 
     Parameters
     ----------
     start, end : int
-        First byte of the chunk, and the one behind it.
+        First byte of the chunk, and the byte after its last.
     counts : iterable of pairs of int
         Channel and number of messages of each message index.
     first_ns, last_ns : int
         Smallest and largest log time.
     compression : str
-        As MCAP has it.
+        MCAP's name of the compression.
     packed, size : int
-        Length of the records compressed and decompressed.
+        Length of the records, compressed and decompressed.
 
     """
     offsets, at = [], end
@@ -77,7 +77,7 @@ def build_ending(start: int, schemas: Sequence[mcap.Schema], channels: Sequence[
     Parameters
     ----------
     start : int
-        The byte at which it begins.
+        The offset in the file at which it begins.
     schemas, channels, chunk_indexes, extra_indexes : sequence
         What is in the file.
     counts : dict of int to int

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-One MCAP file: what it holds, and its messages block by block.
+One MCAP file: its contents, and its messages block by block.
 
-A file that was closed says at its end what it holds. One that was not is read through once, up
-to where it breaks off; from then on it is as if it ended there.
+A closed file lists its contents at its end. A file that was never closed is read once up to the
+point where it breaks off, and then treated as if it ended there.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ __all__ = ['mcap_files', 'NeverBegun', 'Part', 'Stretch']
 
 _FOOTER = HEAD.size + 20
 _DATA_END = HEAD.pack(Opcode.DATA_END, 4)
-#: What cannot stand behind the end of the data.
+#: Records that cannot come after the end of the data.
 _DATA = (Opcode.HEADER, Opcode.MESSAGE, Opcode.CHUNK, Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT,
          Opcode.METADATA, Opcode.DATA_END)
 _BUFFER_BYTES = 131072
-#: Blocks have at least this many bytes unless the file ends, stretches so many blocks.
+#: Bytes of a block, and blocks of a stretch, at least; the last of a file may be smaller.
 _BLOCK_BYTES = 3145728
 _STRETCH_BLOCKS = 4
 
@@ -43,14 +43,14 @@ _Extra = TypeVar('_Extra', mcap.Metadata, mcap.Attachment)
 
 
 class Stretch(NamedTuple):
-    """Bytes of a file between which whole records are, and their size when decompressed."""
+    """Whole records between two bytes of a file, and their size when decompressed."""
 
     begin: int
     end: int
     size: int
 
 
-def _naturally(path: Path) -> list:
+def _natural_key(path: Path) -> list:
     return [int(piece) if piece.isdecimal() else piece for piece in re.split(r'(\d+)', path.name)]
 
 
@@ -61,25 +61,25 @@ def mcap_files(path: Path) -> list[Path]:
     Parameters
     ----------
     path : Path
-        A rosbag2 directory; or a file, which is then the only one, whatever its name.
+        A rosbag2 directory; or a file of any name, which is then the only one.
 
     Raises
     ------
     BagError
-        If a directory holds none.
+        If a directory holds no MCAP file.
 
     """
     if not path.is_dir():
         return [path]
-    paths = sorted(filter(Path.is_file, path.glob('*.mcap')), key=_naturally)
+    paths = sorted(filter(Path.is_file, path.glob('*.mcap')), key=_natural_key)
     if not paths:
-        raise BagError('holds no .mcap file (`ros2 bag convert` makes one of other storages)',
+        raise BagError('holds no .mcap file (`ros2 bag convert` converts other storage formats)',
                        path)
     return paths
 
 
 class NeverBegun(BagError):
-    """Nothing that could be read was ever written into a file."""
+    """The file is empty, not MCAP, or was never written."""
 
 
 class Part:
@@ -102,9 +102,9 @@ class Part:
     profile : str
         Profile in the header, 'ros2' in a rosbag2.
     end : int
-        The byte behind the last record that is read.
+        The byte after the last record that is read.
     incomplete : str or None
-        Why the file is not all of what was recorded; None if it was closed properly.
+        Why part of the recording is missing; None if the file was closed properly.
 
     Raises
     ------
@@ -113,7 +113,7 @@ class Part:
     NeverBegun
         If it is empty or not MCAP.
     BagError
-        If a file that was closed has no index, and is damaged.
+        If a closed file has no usable index and is damaged.
 
     """
 
@@ -140,14 +140,14 @@ class Part:
         self.start_ns: int | None = None
         self.end_ns: int | None = None
         self.profile = ''
-        #: Between these bytes are the records, at those the metadata and attachments.
+        #: The records lie between the first two; the dict has the offsets of the extras.
         self._begin = self.end = len(MAGIC)
         self._extras: dict[int, list[int]] = {Opcode.METADATA: [], Opcode.ATTACHMENT: []}
-        #: Where chunks begin, and their sizes when decompressed.
+        #: Offsets of the chunks, and their sizes when decompressed.
         self._chunks: list[tuple[int, int]] = []
 
     def _read_summary(self, stream: RecordStream) -> bool:
-        """Take the contents from the end of the file; False if it is not all there."""
+        """Read the contents from the end of the file; False if that is incomplete."""
         at = stream.size - len(MAGIC) - _FOOTER
         tail = stream.content(Record(0, max(at, 0), len(MAGIC) + _FOOTER))
         if at < len(MAGIC) or tail[:HEAD.size] != HEAD.pack(Opcode.FOOTER, 20) or (
@@ -170,7 +170,7 @@ class Part:
         return complete
 
     def _take_summary(self, summary: bytes) -> bool:
-        """Take the contents from the summary section; False if it lacks something."""
+        """Take the contents from the summary section; False if something is missing."""
         statistics = None
         for record in walk(summary, 0, len(summary))[1]:
             content = summary[record.start:record.start + record.length]
@@ -217,7 +217,7 @@ class Part:
         self._begin = self.end = record.start + record.length
 
     def _scan(self, stream: RecordStream) -> None:
-        """Read the file through; take what it holds, and note where it breaks off."""
+        """Read the whole file; note its contents, and where it breaks off."""
         finished = False
         closed = stream.content(Record(0, stream.size - len(MAGIC), len(MAGIC))) == MAGIC
         try:
@@ -237,15 +237,15 @@ class Part:
         if finished:
             problem = self._ending_problem(stream, closed)
         else:
-            problem = (f'was not closed: {problem} at byte {self.end} of {stream.size}; what is '
+            problem = (f'was not closed: {problem} at byte {self.end} of {stream.size}; the data '
                        'before that is read')
         self.incomplete = problem and f'{self.path.name} {problem}'
 
     def _ending_problem(self, stream: RecordStream, closed: bool) -> str | None:
-        """Return what is wrong behind the end of the data; None if nothing is missing."""
+        """Return what is wrong after the end of the data; None if nothing is missing."""
         at, opcode, expected = self.end, 0, None
-        goes_on = 'goes on at byte {} of {} behind its end; that is not read'
-        problem = None if closed else ('was not closed: its index is cut; its messages are all '
+        goes_on = 'continues after its end, at byte {} of {}; the rest is not read'
+        problem = None if closed else ('was not closed: its index is cut; all its messages are '
                                        'there')
         try:
             while opcode != Opcode.FOOTER:
@@ -281,9 +281,9 @@ class Part:
 
     def stretches(self) -> list[Stretch]:
         """
-        Return the bytes of all messages divided into stretches that can be read by themselves.
+        Divide the messages of the file into stretches that can be read on their own.
 
-        A stretch has a few blocks; more if it is not known where it could be divided. If the index
+        A stretch has a few blocks, or more where the index names no place to divide. If the index
         of the file is wrong, a stretch may begin or end within a record.
         """
         cuts, size = [(self._begin, 0)], 0
@@ -300,18 +300,18 @@ class Part:
 
     def blocks(self, start_ns: int = 0, stop_ns: int = 2**64) -> Iterator[Block]:
         """
-        Yield the messages in file order, leaving out chunks that lie outside [start, stop).
+        Yield the messages in file order, skipping chunks that lie outside [start, stop).
 
-        A block is valid until the next one is asked for.
+        A block is valid until the next one is requested.
 
         Raises
         ------
         BagError
-            If a file that was closed is damaged, with the byte at which it is.
+            If a closed file is damaged, with the byte of the damage.
 
         """
         count = 0
-        with self.opened() as stream:
+        with self.open() as stream:
             for block in self.blocks_of(stream, self._begin, None, start_ns, stop_ns):
                 count += len(block.start)
                 yield block
@@ -319,17 +319,17 @@ class Part:
             self.check_count(count)
 
     @contextmanager
-    def opened(self) -> Iterator[RecordStream]:
-        """Have the file open."""
+    def open(self) -> Iterator[RecordStream]:
+        """Open the file for the time of a `with` block."""
         with open(self.path, 'rb', _BUFFER_BYTES) as file:
             yield RecordStream(file)
 
     def blocks_of(self, stream: RecordStream, begin: int, end: int | None = None,
                   start_ns: int = 0, stop_ns: int = 2**64) -> Iterator[Block]:
         """
-        Yield the messages of the opened file between two bytes or up to the end, in file order.
+        Yield the messages of the open file between two bytes or up to the end, in file order.
 
-        A block is valid until the next one is asked for. BagError as of `blocks`.
+        A block is valid until the next one is requested. Raises BagError as `blocks` does.
         """
         try:
             end = self.end if end is None else end
@@ -340,7 +340,7 @@ class Part:
             raise error.at(self.path, error.offset) from None
 
     def check_count(self, count: int) -> None:
-        """Raise BagError if it is not so many messages that the file has by its index."""
+        """Raise BagError unless the message count matches the index of the file."""
         expected = sum(self.counts.values())
         if count != expected:
             raise BagError(f'damaged: {count} messages where its index says {expected}',
@@ -355,7 +355,7 @@ class Part:
         yield from self._read_extras(Opcode.ATTACHMENT, parse_attachment)
 
     def _read_extras(self, opcode: int, read: Callable[[bytes], _Extra]) -> Iterator[_Extra]:
-        with self.opened() as stream:
+        with self.open() as stream:
             at = None
             try:
                 for at in find_records(stream, opcode, self._extras[opcode], self._begin,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Many messages to be written at once."""
+"""Batches of messages to write at once."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Rows:
     topic : str
         A topic that was added.
     data : ndarray of uint8, shape (n, size)
-        One CDR message a row.
+        One CDR message per row.
     log_time_ns : array_like of int, shape (n,)
-        Nanoseconds; also the publish time unless that is given.
+        Nanoseconds; also the publish time, unless one is given.
     publish_time_ns : array_like of int, shape (n,), optional
         Nanoseconds.
     sequence : array_like of int, shape (n,) or scalar
@@ -42,7 +42,7 @@ class Rows:
     sequence: ArrayLike = 0
 
     def records(self, channel: int) -> list[bytes]:
-        """Return the message records of MCAP."""
+        """Return the messages as MCAP records."""
         count, size = self.data.shape
         log = np.asarray(self.log_time_ns)
         head = np.empty(count, MESSAGE_HEADS)
@@ -58,21 +58,21 @@ class Rows:
 
 class Records:
     """
-    Message records that lie in some data, in the order in which they shall be written.
+    Message records within some data, in the order to write them.
 
     Parameters
     ----------
     data : bytes-like
-        Where they are.
+        The bytes that hold the records.
     start, stop : ndarray of int64, shape (n,)
-        First byte of each, and the byte behind its last; they do not overlap and go forward.
+        First byte of each record, and the byte after its last; rising, without overlap.
     channel, log_time_ns : ndarray of int, shape (n,)
-        Of each; they are also in the record.
+        Channel and log time of each record, as they are in it.
 
     Attributes
     ----------
     ends : ndarray of int64, shape (n,)
-        Where each ends if they are written without gaps.
+        Where each record ends when they are written without gaps.
 
     """
 
@@ -87,7 +87,7 @@ class Records:
         return len(self.ends)
 
     def piece(self, lo: int, hi: int) -> bytes:
-        """Return the records of some messages, without gaps."""
+        """Return the records `lo` to `hi`, `hi` excluded, without gaps."""
         first = np.searchsorted(self._breaks, lo, 'right')
         edges = [lo, *self._breaks[first:np.searchsorted(self._breaks, hi)].tolist(), hi]
         return b''.join([self._data[self._start[a]:self._stop[b - 1]]

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Where the messages are in a stretch of MCAP records.
+The places of the messages in a stretch of MCAP records.
 
-Messages of one length lie at a constant stride. If they do not, the message indexes that follow a
-chunk say where they are; they are believed only if the messages they name fill the chunk without
-a gap. Otherwise the records are walked.
+Messages of one length lie at a constant stride. For others, the message indexes after a chunk say
+where they are. The indexes are believed only if the messages they name fill the chunk without a
+gap. Otherwise the records are walked one by one.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ __all__ = ['Block', 'block_of', 'ENTRY_BYTES', 'HEAD', 'INDEX_HEAD', 'INDEX_LEAS
 
 #: Opcode and length of a record.
 HEAD = struct.Struct('<BQ')
-#: The same of a message, then channel, sequence, log time, publish time; the payload follows.
+#: The same for a message, then channel, sequence, log time, publish time; the payload follows.
 MESSAGE_HEAD = struct.Struct('<BQHIQQ')
 
 #: Opcode and length of a message index, then channel and bytes of its entries.
@@ -34,15 +34,15 @@ INDEX_HEAD = struct.Struct('<BQHI')
 INDEX_LEAST, ENTRY_BYTES = INDEX_HEAD.size - HEAD.size, 16
 
 _FIXED = MESSAGE_HEAD.size - HEAD.size
-#: Other records looked at before the first message.
+#: Most other records to skip before the first message.
 _DEFINITIONS = 64
-#: `MESSAGE_HEAD` for many.
+#: `MESSAGE_HEAD` as an array dtype.
 MESSAGE_HEADS = np.dtype([('opcode', 'u1'), ('length', '<i8'), ('channel', '<u2'),
                           ('sequence', '<u4'), ('log_time', '<i8'), ('publish_time', '<i8')])
 
 
 class Record(NamedTuple):
-    """Opcode, first byte behind the head, and length of a record."""
+    """Opcode of a record, first byte after its head, and length of its content."""
 
     opcode: int
     start: int
@@ -52,7 +52,7 @@ class Record(NamedTuple):
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:
     """
-    Messages that were read at once.
+    Messages that were read together.
 
     Attributes
     ----------
@@ -61,10 +61,10 @@ class Block:
     data : bytes
         The records, decompressed.
     start, stop : ndarray of int64, shape (n,)
-        First byte of each payload in `data`, and the byte behind its last; in file order.
+        First byte of each payload in `data`, and the byte after its last; in file order.
     heads : ndarray, shape (n,)
         Fields channel, sequence, log_time, publish_time of each message; times in nanoseconds.
-        They may lie in `data`, far apart: copy a field that is used more than once.
+        They may be a strided view of `data`: copy a field that is used more than once.
     others : tuple of Record
         The records that are not messages.
 
@@ -79,7 +79,7 @@ class Block:
 
 
 def walk(data: bytes, begin: int, end: int) -> tuple[list[int], list[Record]]:
-    """Return where messages start, and the other records; BagError unless they end at `end`."""
+    """Return message offsets and the other records; BagError unless they end at `end`."""
     messages, others = [], []
     unpack, message = HEAD.unpack_from, int(Opcode.MESSAGE)
     at = begin
@@ -99,7 +99,7 @@ def walk(data: bytes, begin: int, end: int) -> tuple[list[int], list[Record]]:
 
 
 def measure_whole(data: bytes, opcodes: tuple[int, ...]) -> int:
-    """Return the size of the whole records of these opcodes with which the data starts."""
+    """Return the size of the whole records of these opcodes at the start of the data."""
     at = 0
     while at + HEAD.size <= len(data):
         opcode, length = HEAD.unpack_from(data, at)
@@ -110,12 +110,12 @@ def measure_whole(data: bytes, opcodes: tuple[int, ...]) -> int:
     return at
 
 
-#: Messages, their heads, the bytes behind them, other records.
+#: Offsets of messages, their heads, the bytes after their ends, other records.
 _Found = tuple[np.ndarray, np.ndarray, np.ndarray, list[Record]]
 
 
-def _regular(data: bytes) -> _Found | None:
-    """Return messages of one length, at most behind definitions; None if there is more."""
+def _find_regular(data: bytes) -> _Found | None:
+    """Return messages of one length that follow the definitions; None if the data differs."""
     at, others = 0, []
     opcode = length = 0
     while at + MESSAGE_HEAD.size <= len(data) and len(others) < _DEFINITIONS:
@@ -128,7 +128,7 @@ def _regular(data: bytes) -> _Found | None:
     if opcode != Opcode.MESSAGE or length < _FIXED or (len(data) - at) % stride:
         return None
     heads = np.ndarray((len(data) - at) // stride, MESSAGE_HEADS, data, at, (stride,))
-    # Opcode and length of all are those of the first: eight bytes and the ninth.
+    # Every opcode and length must equal the first: compare eight bytes, then the ninth.
     begun = np.ndarray(len(heads), '<u8', data, at, (stride,))
     ninth = np.ndarray(len(heads), 'u1', data, at + 8, (stride,))
     if (begun != begun[0]).any() or ninth.any():
@@ -138,7 +138,7 @@ def _regular(data: bytes) -> _Found | None:
 
 
 def _follow_index(data: bytes, at: np.ndarray) -> _Found | None:
-    """Return what the index names; None if something is missing."""
+    """Return the messages that the index names; None if it misses or misplaces one."""
     at = np.sort(at, kind='stable')
     if not at.size or at[0] < 0 or at[-1] > len(data) - MESSAGE_HEAD.size:
         return None
@@ -173,17 +173,17 @@ def block_of(data: bytes, offset: int,
     offset : int
         Where they start in their file.
     index : callable
-        Returns offsets of messages in `data`, int64 in any order, or None. It is called if they
-        are needed. Wrong ones do no harm but take time.
+        Returns offsets of messages in `data`, int64 in any order, or None. It is called only if
+        they are needed. Wrong offsets cost time but do no harm.
 
     Raises
     ------
     BagError
-        If the records do not fill `data`; the offset is the one in the file.
+        If the records do not fill `data`; its offset is `offset`.
 
     """
     try:
-        found = _regular(data)
+        found = _find_regular(data)
         if found is None and (offsets := index()) is not None:
             found = _follow_index(data, offsets)
         if found is None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The records of an MCAP file in their order, with the messages gathered into blocks."""
+"""The records of an MCAP file in file order, with the messages grouped into blocks."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ __all__ = ['MAGIC', 'parse_record', 'RecordStream']
 MAGIC = b'\x89MCAP0\r\n'
 
 _BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
-#: Messages outside chunks are read by this many bytes.
+#: Messages outside chunks are read in pieces of this many bytes.
 _BARE_BYTES = 1048576
-#: No record is read that claims to be larger.
+#: A record that claims to be larger is not read.
 _RECORD_LIMIT = 2**31
 
 _AnyRecord = TypeVar('_AnyRecord', bound=mcap.McapRecord)
 
 
 def parse_record(kind: type[_AnyRecord], content: bytes) -> _AnyRecord:
-    """Return a record of MCAP from the bytes behind its head; BagError if it is damaged."""
+    """Return an MCAP record from the bytes after its head; BagError if it is damaged."""
     try:
         return kind.read(ReadDataStream(BytesIO(content)))
     except (McapError, struct.error, ValueError, OverflowError, MemoryError):
@@ -57,7 +57,7 @@ class RecordStream:
         self.size = file.seek(0, os.SEEK_END)
 
     def record(self, at: int, end: int | None = None) -> Record:
-        """Return the record at a byte, which ends by another; leave the file behind its head."""
+        """Return the record at byte `at`, ending by `end`; leave the file just after its head."""
         if at >= self.size:
             raise BagError('it has no end', offset=at)
         self._file.seek(at)
@@ -72,7 +72,7 @@ class RecordStream:
         return Record(opcode, at + HEAD.size, length)
 
     def content(self, record: Record) -> bytes:
-        """Return the bytes of a record behind its head."""
+        """Return the bytes of a record after its head."""
         return self._read(record.start, record.length)
 
     def _read(self, at: int, length: int) -> bytes:
@@ -82,19 +82,19 @@ class RecordStream:
                 return self._file.read(length)
             except MemoryError:
                 pass
-        raise BagError(f'a record of {length} bytes is too large for the memory', offset=at)
+        raise BagError(f'a record of {length} bytes does not fit into memory', offset=at)
 
-    def _bare(self, record: Record, end: int) -> tuple[Block, int]:
+    def _read_bare(self, record: Record, end: int) -> tuple[Block, int]:
         """Return the messages outside chunks from a record on, and where they end."""
         at = record.start - HEAD.size
         data = self._read(at, min(max(_BARE_BYTES, HEAD.size + record.length), end - at))
         size = measure_whole(data, _BARE)
         return block_of(data[:size], at), at + size
 
-    def _check_index(self, record: Record, behind_chunk: bool) -> None:
-        """Raise BagError if a record is no message index or where none can be."""
+    def _check_index(self, record: Record, after_chunk: bool) -> None:
+        """Raise BagError if a message index is malformed or does not follow a chunk."""
         at = record.start - HEAD.size
-        if not behind_chunk:
+        if not after_chunk:
             raise BagError('damaged: a message index follows no chunk', offset=at)
         size = record.length - INDEX_LEAST
         if size < 0 or size % ENTRY_BYTES or int.from_bytes(
@@ -104,33 +104,33 @@ class RecordStream:
     def pieces(self, at: int, end: int, least: int, start_ns: int = 0,
                stop_ns: int = 2**64) -> Iterator[tuple[Block | Record, int]]:
         """
-        Yield blocks and other records, each with the byte behind it, up to the end of the data.
+        Yield blocks and other records, each with the byte after it, up to the end of the data.
 
-        A block is valid until the next piece is asked for, here or of another call.
+        A block is valid until the next piece is requested, from this or another call.
 
         Parameters
         ----------
         at, end : int
-            Bytes of the file between which the records are; one begins at either.
+            Bytes of the file between which to read; a record begins at each.
         least : int
             Chunks are joined to a block until they have this many bytes, for speed.
         start_ns, stop_ns : int
-            Chunks that lie outside [start, stop) in log time are left out.
+            Chunks that lie outside [start, stop) in log time are skipped.
 
         Raises
         ------
         BagError
-            At the first record that cannot be read, after all that is before it.
+            At the first record that cannot be read, after yielding everything before it.
 
         """
-        chunks, wanted, behind_chunk = self._chunks, False, False
+        chunks, wanted, after_chunk = self._chunks, False, False
         chunks.clear()
         while at < end:
             try:
                 record = self.record(at, end)
                 opcode, start, length = record
                 if opcode == Opcode.MESSAGE_INDEX:
-                    self._check_index(record, behind_chunk)
+                    self._check_index(record, after_chunk)
                     if wanted:
                         chunks.add_index(self._read(start + INDEX_LEAST, length - INDEX_LEAST))
                     at = start + length
@@ -139,7 +139,7 @@ class RecordStream:
                 if chunks:
                     yield chunks.block(), chunks.end
                 raise
-            behind_chunk = opcode == Opcode.CHUNK
+            after_chunk = opcode == Opcode.CHUNK
             if chunks and (opcode != Opcode.CHUNK or chunks.size >= least):
                 yield chunks.block(), chunks.end
                 chunks.clear()
@@ -153,7 +153,7 @@ class RecordStream:
                     raise error.at('', at) from None
                 at = start + length
             elif opcode in _BARE:
-                block, at = self._bare(record, end)
+                block, at = self._read_bare(record, end)
                 yield block, at
             else:
                 at = start + length

@@ -19,20 +19,20 @@ __all__ = ['find_attached', 'is_disguised', 'is_formed', 'SMALL']
 #: Records of a few fields.
 SMALL = {Opcode.HEADER: mcap.Header, Opcode.SCHEMA: mcap.Schema, Opcode.CHANNEL: mcap.Channel,
          Opcode.METADATA: mcap.Metadata, Opcode.STATISTICS: mcap.Statistics}
-#: None of them is believed that claims to be larger.
+#: A record of these that claims to be larger is not believed.
 _SMALL_BYTES = 2**26
 _FIXED = {Opcode.DATA_END: 4, Opcode.FOOTER: 20}
-#: Where records with one field of variable length have its length, and where it begins.
+#: For records with one field of variable length: where its length is, and where it begins.
 _FIELD = {Opcode.MESSAGE_INDEX: (2, INDEX_LEAST), Opcode.METADATA_INDEX: (16, 20)}
 #: Records that one wrong bit turns into a message.
 _LIKE_MESSAGES = (Opcode.HEADER, Opcode.CHANNEL, Opcode.MESSAGE_INDEX, Opcode.METADATA_INDEX)
 
-#: Returns so many bytes of a file from a byte on, fewer where it ends.
+#: Given an offset and a size, returns that many bytes of a file, fewer at its end.
 _Read = Callable[[int, int], bytes]
 
 
 def is_formed(read: _Read, record: Record) -> bool:
-    """Tell whether a record of the kinds that are known here agrees with itself."""
+    """Tell whether the lengths and counts of a record agree; its kind is one of those above."""
     opcode, start, length = record
     if opcode in _FIXED:
         return length == _FIXED[opcode]
@@ -45,19 +45,19 @@ def is_formed(read: _Read, record: Record) -> bool:
         found = parse_record(SMALL[opcode], read(start, length))
     except BagError:
         return False
-    # Without counts by channel nothing shows that statistics are right.
+    # Without counts per channel nothing could show that statistics are wrong.
     return _written_size(found) == length and (
         opcode != Opcode.STATISTICS or not found.channel_message_counts
         or sum(found.channel_message_counts.values()) == found.message_count)
 
 
 def is_disguised(read: _Read, record: Record) -> bool:
-    """Tell whether a message is a record of another kind whose opcode is wrong."""
+    """Tell whether a message is in fact a record of another kind with a wrong opcode."""
     return any(is_formed(read, record._replace(opcode=opcode)) for opcode in _LIKE_MESSAGES)
 
 
 def find_attached(read: _Read, record: Record) -> int | None:
-    """Return where the data of an attachment begin; None if its lengths do not agree."""
+    """Return where the data of an attachment begins; None if its lengths do not agree."""
     at, end = record.start + 16, record.start + record.length - 4
     for width in (4, 4, 8):
         if at + width > end:
@@ -68,7 +68,7 @@ def find_attached(read: _Read, record: Record) -> int | None:
 
 
 def _written_size(record: mcap.McapRecord) -> int:
-    """Return how long the content of a record of a few fields is when it is written."""
+    """Return the length of the content of a small record when it is written."""
     if isinstance(record, mcap.Header):
         return 8 + len(record.profile.encode()) + len(record.library.encode())
     if isinstance(record, mcap.Schema):

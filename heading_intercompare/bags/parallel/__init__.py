@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Headings decoded minute by minute, by several processes."""
+"""Decoding of headings minute by minute, in several processes."""
 
 from typing import TYPE_CHECKING
 

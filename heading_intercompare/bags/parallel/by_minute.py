@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages of a bag gathered into minutes, so that little is done often and memory is bounded."""
+"""Messages of a bag grouped by minute: work is done in large pieces, and memory stays bounded."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _MINUTE_NS = 60_000_000_000
 
 def _take_rising(found: Found) -> tuple[np.ndarray, np.ndarray | None]:
     """
-    Return log times that do not go back, and of which rows they are, None if all as they come.
+    Return log times in rising order and the rows they belong to; None for the rows as they are.
 
-    Each topic stays in file order: where the clock of the recorder went back, its readings count
-    as of the time before.
+    Each topic stays in file order: where the clock of the recorder went back, the readings keep
+    the latest time seen before.
     """
     times_ns = found.log_time_ns
     if (times_ns[1:] >= times_ns[:-1]).all():
@@ -36,7 +36,7 @@ def _take_rising(found: Found) -> tuple[np.ndarray, np.ndarray | None]:
 
 
 def _minutes(found: Sequence[Found], first_ns: int) -> Iterator[list[slice | np.ndarray]]:
-    """Yield the rows of each kind in each minute, counted from the first time, that has any."""
+    """Yield the rows of each kind, minute by minute from the first time; skip empty minutes."""
     times_ns, rows = zip(*map(_take_rising, found))
     done = [0] * len(found)
     while left := [int(of[lo]) for of, lo in zip(times_ns, done) if lo < len(of)]:
@@ -49,12 +49,12 @@ def _minutes(found: Sequence[Found], first_ns: int) -> Iterator[list[slice | np.
 
 class Window:
     """
-    Collects messages until they span a minute of log time.
+    Collects headings until they span a minute of log time.
 
     Parameters
     ----------
     count : int
-        Number of topics; a topic is known by its place among them.
+        Number of topics; a topic is identified by its index.
 
     """
 
@@ -67,7 +67,7 @@ class Window:
         self._first, self._last = 2**63, -1
 
     def add(self, found: Sequence[Found]) -> Iterator[list[Headings]]:
-        """Take the headings of a block by kind; yield minutes, each with all topics in order."""
+        """Take the headings of a block, by kind; yield full minutes, each with all topics."""
         found = [each for each in found if len(each.place)]
         if not found:
             return
@@ -80,16 +80,16 @@ class Window:
             self._parts += [(each.place, each.headings) for each in found]
             return
         for rows in _minutes(found, first):
-            yield self._by_topic([(each.place[which], each.headings[which])
-                                  for each, which in zip(found, rows)])
+            yield self._split_by_topic([(each.place[which], each.headings[which])
+                                        for each, which in zip(found, rows)])
 
     def rest(self) -> Iterator[list[Headings]]:
-        """Yield what has been collected, unless it is nothing."""
+        """Yield the headings collected so far, if any."""
         if self._parts:
-            yield self._by_topic(self._parts)
+            yield self._split_by_topic(self._parts)
         self._clear()
 
-    def _by_topic(self, parts: Sequence[tuple[np.ndarray, Headings]]) -> list[Headings]:
+    def _split_by_topic(self, parts: Sequence[tuple[np.ndarray, Headings]]) -> list[Headings]:
         places = np.concatenate([place for place, _ in parts])
         headings = Headings.concatenate([part for _, part in parts])
         return [headings[np.flatnonzero(places == place)] for place in range(self._count)]

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Stretches of a bag decoded by several processes.
+Decoding of stretches of a bag in several processes.
 
-A thread would not do: the calls of numpy are short, and between them only one thread runs. A
-helper is a copy of this process that shares memory with it, so it starts at once, and headings
-come back without being sent. Whatever becomes of it, its work can be done here.
+Threads would not help: the numpy calls are short, and between them only one thread runs. A helper
+is a forked copy of this process. It starts at once and returns headings through shared memory. If
+a helper fails, this process does its work.
 """
 
 from __future__ import annotations
@@ -29,30 +29,30 @@ from .decoding import Decoded, Decoder, Found
 
 __all__ = ['can_fork', 'decode_stretches', 'Task']
 
-#: Stretches that a helper has or has done and not handed over, and the memory for each.
+#: Stretches that a helper holds, waiting, in work or done, and the memory for each.
 _SLOTS = 4
 _SLOT_BYTES = 22 * 2**20
-#: Stretches that are done here before it is their turn, for each helper, rather than wait.
+#: Stretches per helper that this process decodes ahead of their turn instead of waiting.
 _AHEAD = 3
-#: Less work takes no longer than to copy a process.
+#: With fewer stretches, forking takes longer than the work.
 _FEWEST = 12
-#: No more is decoded at once by all processes than this many bytes of records.
+#: All processes together decode at most this many bytes of records at once.
 _MOST_BYTES = 2**27
 
 _COLUMNS = ('<i8', '<i2', '<i8', '<f8')
-#: Of each block the number of messages, and of headings of each kind.
+#: For each block, the number of messages, and the number of headings of each kind.
 _Layout = list[tuple[int, list[int]]]
 
 
 class Task(NamedTuple):
-    """A stretch of a file, and the number of the file."""
+    """A stretch of a file, and the index of the file."""
 
     number: int
     stretch: Stretch
 
 
 def _places(layout: _Layout) -> Iterator[list[tuple[str, int, int]]]:
-    """Yield type, length and first byte in memory of the columns of each block and kind."""
+    """Yield, for each block and kind, the dtype, length and first byte of its columns."""
     at = 0
     for _, lengths in layout:
         for length in lengths:
@@ -69,7 +69,7 @@ def _size(layout: _Layout) -> int:
 
 
 def _put(blocks: Sequence[Decoded], memory: memoryview) -> _Layout | None:
-    """Write what was decoded; None if it does not fit."""
+    """Write decoded blocks into memory and return their layout; None if they do not fit."""
     layout = [(block.count, [len(each.place) for each in block.found]) for block in blocks]
     if _size(layout) > len(memory):
         return None
@@ -82,7 +82,7 @@ def _put(blocks: Sequence[Decoded], memory: memoryview) -> _Layout | None:
 
 
 def _take(layout: _Layout, memory: bytes) -> list[Decoded]:
-    """Return what was written."""
+    """Read decoded blocks back from memory."""
     columns = _places(layout)
     blocks = []
     for count, lengths in layout:
@@ -96,12 +96,12 @@ def _take(layout: _Layout, memory: bytes) -> list[Decoded]:
 
 def _work(decoder: Decoder, memory: mmap, connection: Connection,
           inherited: Sequence[Connection]) -> None:
-    """Decode what is asked for until nobody asks any more."""
+    """Decode the stretches the parent asks for, until it closes the connection."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # What this process does at SIGTERM would keep a helper alive that shall end.
+    # An inherited SIGTERM handler could keep a helper alive that must end.
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    # While these are open here, the end of the other process would not be noticed.
+    # While copies of these are open here, nobody notices that their other end has closed.
     for each in inherited:
         each.close()
     slots = memoryview(memory)
@@ -118,7 +118,7 @@ def _work(decoder: Decoder, memory: mmap, connection: Connection,
 
 
 class _Helper:
-    """A process that decodes beside this one."""
+    """A process that decodes in parallel with this one."""
 
     def __init__(self, decoder: Decoder, inherited: Sequence[Connection]) -> None:
         context = get_context('fork')
@@ -130,9 +130,9 @@ class _Helper:
             target=_work, daemon=True,
             args=(decoder, self._memory, theirs, [*inherited, self.connection]))
         with catch_warnings():
-            # Of threads of linear algebra, which a helper does not use.
+            # Python warns of threads of linear algebra; a helper does not use them.
             simplefilter('ignore', DeprecationWarning)
-            # Ctrl-C while it is copied would be lost here, and an error there.
+            # Ctrl-C during the fork would be lost here and raise an error in the helper.
             blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
             try:
                 self._process.start()
@@ -142,17 +142,17 @@ class _Helper:
 
     @property
     def free(self) -> bool:
-        """Whether it can be asked for more."""
+        """Whether it can take another task."""
         return bool(self._free)
 
     def ask(self, turn: int, task: Task) -> None:
-        """Have a task done; OSError if the process is gone."""
+        """Send a task to the process; OSError if the process is gone."""
         slot = self._free.pop()
         self.connection.send((slot, task))
         self._asked[slot] = turn
 
     def take(self) -> tuple[int, list[Decoded] | None]:
-        """Return the turn of a task that is done, and its result; EOFError, OSError if gone."""
+        """Return the turn and result of a finished task; EOFError, OSError if it is gone."""
         slot, layout = self.connection.recv()
         blocks = layout
         if layout:
@@ -163,7 +163,7 @@ class _Helper:
 
     @property
     def asked(self) -> list[int]:
-        """The turns of what it was asked for and has not handed over."""
+        """The turns of the tasks it has not handed back yet."""
         return list(self._asked.values())
 
     def close(self) -> None:
@@ -171,14 +171,14 @@ class _Helper:
         self.connection.close()
         self._process.kill()
         self._process.join()
-        # Where SIGCHLD is ignored it is not known that it has ended.
+        # Where SIGCHLD is ignored, Python cannot tell that the process has ended.
         with suppress(ValueError):
             self._process.close()
         self._memory.close()
 
 
 class _Crew:
-    """The helpers that are alive, and what they have done."""
+    """The helpers that are alive, and their results."""
 
     def __init__(self, decoder: Decoder, count: int, stack: ExitStack) -> None:
         self._helpers: list[_Helper] = []
@@ -186,12 +186,12 @@ class _Crew:
             try:
                 helper = _Helper(decoder, [each.connection for each in self._helpers])
             except OSError:
-                # No more processes or memory: it is done with those there are.
+                # No more processes or memory: continue with the helpers there are.
                 break
             stack.callback(helper.close)
             self._helpers.append(helper)
         self.done: dict[int, list[Decoded] | None] = {}
-        #: What a helper has been asked for.
+        #: The turns that helpers are working on.
         self.asked: set[int] = set()
 
     def __len__(self) -> int:
@@ -202,7 +202,7 @@ class _Crew:
         self.asked.difference_update(helper.asked)
 
     def ask(self, turn: int, task: Task) -> bool:
-        """Have a helper do a task; False if none can."""
+        """Give a task to a helper; False if none is free."""
         for helper in [each for each in self._helpers if each.free]:
             try:
                 helper.ask(turn, task)
@@ -214,7 +214,7 @@ class _Crew:
         return False
 
     def collect(self, timeout_s: float | None) -> None:
-        """Take what is done; wait for something unless there is a timeout."""
+        """Collect finished tasks; wait up to `timeout_s` for one, None for as long as it takes."""
         ready = wait([helper.connection for helper in self._helpers], timeout_s)
         for helper in [each for each in self._helpers if each.connection in ready]:
             try:
@@ -223,32 +223,34 @@ class _Crew:
                 self._lose(helper)
                 continue
             self.asked.discard(turn)
-            # What a helper cannot do is tried here.
+            # This process decodes the stretches that a helper could not.
             if blocks is not None:
                 self.done[turn] = blocks
 
 
 def can_fork() -> bool:
-    """Tell whether this process may be copied: on Linux, if no other thread runs, in no pool."""
+    """Tell whether this process may fork: on Linux, with no other thread, and not in a pool."""
     return sys.platform == 'linux' and active_count() == 1 and parent_process() is None
 
 
 def decode_stretches(decoder: Decoder, tasks: Sequence[Task], helpers: int = 0,
                      unwanted: Container[int] = ()) -> Iterator[list[Decoded] | None]:
     """
-    Yield stretches in their order, each as `Decoder.stretch` returns it.
+    Yield the decoded stretches in order, each as `Decoder.stretch` returns it.
 
     Parameters
     ----------
     decoder : Decoder
-        Who reads here, and has not begun; helpers have copies of it.
+        Reads in this process; it must not have a file open yet. Helpers get copies of it.
     tasks : sequence of Task
         The stretches.
     helpers : int
-        Processes that decode beside this one, if there is enough to do and not too much at once;
-        0 if not `can_fork`. They end with the iteration.
+        Most processes to decode in parallel with this one; 0 unless `can_fork`. Fewer are
+        started if there is little work, or if stretches are too large to hold at once. They end
+        with the iteration.
     unwanted : container of int
-        Numbers of files of which no more is wanted, None instead; it may grow meanwhile.
+        Indexes of files to skip: None is yielded for their stretches. It may grow during the
+        iteration.
 
     """
     with ExitStack() as stack:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The headings in stretches of the files of a bag."""
+"""Decoding of the headings in stretches of the files of a bag."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from heading_intercompare.messages.heading_messages import decode_headings
 
 __all__ = ['Decoded', 'Decoder', 'Found', 'Kind']
 
-#: No more is decoded at once than this many bytes of records, or this many messages.
+#: At most this many bytes of records, and this many messages, are decoded at once.
 _MOST_BYTES = 2**26
 _MOST_MESSAGES = 2**20
 
 
 class Kind(NamedTuple):
-    """Topics that are read alike: their type and convention, and the place of each by name."""
+    """Topics decoded alike: their type and convention, and the index of each by name."""
 
     type_name: str
     convention: str
@@ -33,7 +33,7 @@ class Kind(NamedTuple):
 
 
 class Found(NamedTuple):
-    """Headings of a kind in file order: log time in nanoseconds, place of the topic, reading."""
+    """Headings of a kind in file order: log time in nanoseconds, index of the topic, reading."""
 
     log_time_ns: np.ndarray
     place: np.ndarray
@@ -41,14 +41,14 @@ class Found(NamedTuple):
 
 
 class Decoded(NamedTuple):
-    """A block: how many messages of any topic it has, and the headings by kind."""
+    """A block: the number of its messages, of all topics, and its headings by kind."""
 
     count: int
     found: list[Found]
 
 
 def _find_headings(block: Block, kind: Kind, place_of: np.ndarray) -> Found:
-    """Return the headings in a block of the channels that have a place."""
+    """Return the headings in a block; `place_of` gives the topic index of a channel, or -1."""
     place = place_of[block.heads['channel']]
     which = slice(None)
     if place.size and place.min() < 0:
@@ -61,14 +61,14 @@ def _find_headings(block: Block, kind: Kind, place_of: np.ndarray) -> Found:
 
 class Decoder:
     """
-    Reads headings from files, of which it has one open at a time.
+    Reads headings from files, one file open at a time.
 
     Parameters
     ----------
     parts : sequence of Part
-        The files; a file is known by its number among them.
+        The files; a file is identified by its index.
     kinds : sequence of Kind
-        What to read.
+        The topics to read.
 
     """
 
@@ -85,11 +85,11 @@ class Decoder:
         self._number = -1
         self._file.close()
 
-    def _opened(self, number: int) -> RecordStream:
+    def _open(self, number: int) -> RecordStream:
         if number != self._number:
             self.__exit__()
             part = self.parts[number]
-            self._stream = self._file.enter_context(part.opened())
+            self._stream = self._file.enter_context(part.open())
             self._places = [np.full(2**16, -1, np.int16) for _ in self._kinds]
             for channel in part.channels:
                 for kind, place_of in zip(self._kinds, self._places):
@@ -99,16 +99,16 @@ class Decoder:
 
     def blocks(self, number: int, begin: int, end: int | None = None) -> Iterator[Decoded]:
         """
-        Yield what is between two bytes of a file, or up to its end, block by block.
+        Yield the blocks between two bytes of a file, or up to its end.
 
         Raises
         ------
         OSError, BagError
-            If it cannot be read; what is before that has been yielded.
+            If a block cannot be read; the blocks before it have been yielded.
 
         """
         part = self.parts[number]
-        for block in part.blocks_of(self._opened(number), begin, end):
+        for block in part.blocks_of(self._open(number), begin, end):
             try:
                 found = [_find_headings(block, *each) for each in zip(self._kinds, self._places)]
             except MessageError as error:
@@ -116,7 +116,7 @@ class Decoder:
             yield Decoded(len(block.start), found)
 
     def stretch(self, number: int, stretch: Stretch) -> list[Decoded] | None:
-        """Return a stretch of a file; None if it is damaged or too large to be held in memory."""
+        """Return the blocks of a stretch; None if it is damaged or too large to hold in memory."""
         if stretch.size > _MOST_BYTES:
             return None
         decoded, count = [], 0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""An iterator that runs in a thread of its own, a little ahead of who uses it."""
+"""An iterator that runs in its own thread, a little ahead of its caller."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Iterator, TypeVar
 
 __all__ = ['run_ahead']
 
-#: Items that are ready, or in the making, while one is used.
+#: Items that are ready or in preparation while the caller uses one.
 _AHEAD = 2
 
 _Item = TypeVar('_Item')
@@ -18,9 +18,9 @@ _Item = TypeVar('_Item')
 
 def run_ahead(items: Iterator[_Item]) -> Iterator[_Item]:
     """
-    Yield the items of an iterator, which is run in a second thread.
+    Yield the items of an iterator that runs in a second thread.
 
-    An error is raised behind the items that came before it.
+    If the iterator raises, the error follows the items it yielded before.
     """
     end = object()
     with ThreadPoolExecutor(1) as worker:

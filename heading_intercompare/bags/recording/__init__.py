@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bags written, whatever happens to the disk."""
+"""Writing of bags, whatever happens to the disk."""
 
 from typing import TYPE_CHECKING
 

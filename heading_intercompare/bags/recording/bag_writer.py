@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bags written as rosbag2 writes them, but chunk by chunk to the disk."""
+"""The writer of bags: the files of rosbag2, but written to the disk chunk by chunk."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from .disk_sync import replace_file, Syncing
 
 __all__ = ['BagWriter', 'Rows']
 
-#: Of a channel and its schema.
+#: Numbers of a channel and its schema.
 _Numbers = tuple[int | None, int | None]
 
 
@@ -41,9 +41,10 @@ def _topic_name(topic: str) -> str:
     return topic if topic.startswith('/') else f'/{topic}'
 
 
-def _checked_time(time_ns: int) -> int:
+def _check_time(time_ns: int) -> int:
     if not 0 <= time_ns < 2**63:
-        raise BagError(f'a bag holds no time of {time_ns} ns: it must not be before 1970')
+        raise BagError(f'a bag cannot hold the time {time_ns} ns: must be from 1970 on and below '
+                       '2^63 ns')
     return int(time_ns)
 
 
@@ -55,14 +56,14 @@ def _remove(file: BinaryIO) -> None:
 
 class BagWriter:
     """
-    A rosbag2 directory being written: `name/name_0.mcap` and so on, and `name/metadata.yaml`.
+    Writes a rosbag2 directory: `name/name_0.mcap` and so on, and `name/metadata.yaml`.
 
     Parameters
     ----------
     path : str or path
         The directory; it must not exist.
     settings : BagSettings
-        Chunks, compression, flush interval, size and duration of a file.
+        Chunk size, compression, flush interval, size and duration of a file.
     software : str
         Name and version of the program, for the header and `custom_data`.
 
@@ -77,8 +78,8 @@ class BagWriter:
         If the path exists.
     OSError
         If the directory or a file cannot be written, here and in every method that writes. The
-        file then ends with its last whole chunk; messages taken by `write` stay in memory and go
-        with the next chunk.
+        file then ends with its last whole chunk. Messages taken by `write` stay in memory and
+        are written with the next chunk.
 
     Examples
     --------
@@ -110,24 +111,24 @@ class BagWriter:
         try:
             self.path.mkdir(parents=True)
         except FileExistsError:
-            raise BagError('exists already; a bag is never overwritten', self.path) from None
+            raise BagError('already exists; a bag is never overwritten', self.path) from None
         self._number = 0
         with ExitStack() as undo:
             undo.callback(self._withdraw)
-            self._file, self._chunks = self._opened(0)
+            self._file, self._chunks = self._open_file(0)
             undo.callback(_remove, self._file)
             self._describe_record()
             replace_file(*self._description())
             undo.pop_all()
 
     def _withdraw(self) -> None:
-        """Remove the folder of a bag that could not be begun."""
+        """Remove the folder of a bag that could not be started."""
         with suppress(OSError):
             (self.path / 'metadata.yaml').unlink(missing_ok=True)
             self.path.rmdir()
 
-    def _opened(self, number: int) -> tuple[BinaryIO, ChunkWriter]:
-        """Return a new file that knows all topics and has all metadata; the folder is made."""
+    def _open_file(self, number: int) -> tuple[BinaryIO, ChunkWriter]:
+        """Create a file with all topics and metadata known so far, and the folder if needed."""
         self.path.mkdir(parents=True, exist_ok=True)
         file = open(self._place(number), 'xb', buffering=0)
         with ExitStack() as undo:
@@ -154,7 +155,7 @@ class BagWriter:
         return self
 
     def abandon(self) -> None:
-        """Close the file without an end: nobody shall take the bag for whole."""
+        """Close the file without its end, so that nobody mistakes the bag for complete."""
         self._file.close()
         self._syncing.close()
 
@@ -168,31 +169,31 @@ class BagWriter:
 
     @property
     def file(self) -> Path:
-        """Where the file being written was made."""
+        """The path at which the current file was created."""
         return self._place(self._number)
 
     @property
     def chunks(self) -> ChunkWriter:
-        """The file being written, for whole chunks; call `split_if_due` after each."""
+        """The writer of the current file, for whole chunks; call `split_if_due` after each."""
         return self._chunks
 
     def add_topic(self, topic: str, type_name: str, qos: Qos | None = None, *,
                   schema: Schema | None = None, numbers: _Numbers = (None, None)) -> int:
         """
-        Make a topic known; before its first message.
+        Add a topic; call it before the first message of the topic.
 
         Parameters
         ----------
         topic : str
-            A name without a leading slash gets one, as ROS resolves it.
+            A name without a leading slash gets one, as in ROS.
         type_name : str
             As package/msg/Type.
-        qos : Qos
-            What its publisher offers, and a player offers again; `Qos()` without it.
+        qos : Qos, optional
+            The QoS of its publisher, which a player offers again; `Qos()` by default.
         schema : Schema, optional
-            Its definition; looked up without it.
+            Its definition; looked up by default.
         numbers : tuple of int or None
-            Those that its channel and schema get in the file if nothing else has them.
+            Preferred numbers of its channel and schema in the file, used if they are free.
 
         Returns
         -------
@@ -202,14 +203,14 @@ class BagWriter:
         Raises
         ------
         BagError
-            If the type has no definition here, or the topic exists with another type.
+            If there is no definition of the type, or the topic exists with another type.
 
         """
         name = _topic_name(topic)
         if name in self._rows:
             if self._rows[name][1].type_name != type_name:
-                raise BagError(f'topic {name} is {self._rows[name][1].type_name} already, it '
-                               f'cannot be {type_name} too', self.path)
+                raise BagError(f'topic {name} is already {self._rows[name][1].type_name}; it '
+                               f'cannot also be {type_name}', self.path)
             return self._rows[name][0]
         try:
             schema, qos = schema or schema_of(type_name), qos or Qos()
@@ -224,7 +225,7 @@ class BagWriter:
     def _channel(self, topic: str) -> int:
         name = _topic_name(topic)
         if name not in self._rows:
-            raise BagError(f'topic {name} was not added; added are '
+            raise BagError(f'topic {name} was not added; the topics added are '
                            f'{", ".join(self._rows) or "none"}', self.path)
         return self._rows[name][0]
 
@@ -240,28 +241,28 @@ class BagWriter:
         data : bytes
             The message with its four bytes of encapsulation.
         log_time_ns, publish_time_ns : int
-            When it was received and sent, nanoseconds; sent when received unless given.
+            When it was received and sent, nanoseconds; by default sent when received.
         sequence : int
             Number that its publisher gave it.
 
         """
-        log_time_ns = _checked_time(log_time_ns)
+        log_time_ns = _check_time(log_time_ns)
         publish_time_ns = (log_time_ns if publish_time_ns is None
-                           else _checked_time(publish_time_ns))
+                           else _check_time(publish_time_ns))
         self._chunks.add(self._channel(topic), data, log_time_ns, publish_time_ns,
                          sequence % 2**32)
         if not self._chunks.pending:
             self.split_if_due()
 
     def write_rows(self, batches: Iterable[Rows]) -> None:
-        """Take many messages of several topics, merged in the order of their log times."""
+        """Take many messages of several topics, and merge them in the order of their log times."""
         records: list[bytes] = []
         channels, logs = [], []
         for rows in batches:
             number = self._channel(rows.topic)
             log = np.asarray(rows.log_time_ns, np.int64)
             if len(log):
-                _checked_time(int(log.min()))
+                _check_time(int(log.min()))
                 records += rows.records(number)
                 channels.append(np.full(len(log), number))
                 logs.append(log)
@@ -274,26 +275,28 @@ class BagWriter:
         self.split_if_due()
 
     def metadata(self, name: str, mapping: Mapping[str, object]) -> None:
-        """Write a metadata record, into later files of the bag too; values become text."""
+        """Write a metadata record, also into later files of the bag; values become text."""
         self._records[name] = {str(k): str(v) for k, v in mapping.items()}
         self._chunks.add_metadata(name, self._records[name])
 
     def attachment(self, name: str, media_type: str, data: bytes, time_ns: int = 0) -> None:
         """Write a file into the bag."""
-        self._chunks.add_attachment(name, media_type, data, _checked_time(time_ns))
+        self._chunks.add_attachment(name, media_type, data, _check_time(time_ns))
 
     def flush(self) -> None:
-        """Write what is in memory."""
+        """Write the messages in memory."""
         self._chunks.end_chunk()
 
     def flush_if_due(self, now_s: float) -> bool:
         """
-        Write what is in memory if `flush_interval_s` has passed; say whether it has.
+        Write the messages in memory if `flush_interval_s` has passed; return whether it has.
+
+        Call it often, at least twice per interval.
 
         Parameters
         ----------
         now_s : float
-            The caller's steady clock, seconds. Call it often, at least twice an interval.
+            The caller's steady clock, seconds.
 
         """
         if self._last_flush_s is None:
@@ -310,44 +313,44 @@ class BagWriter:
         return True
 
     def take_pending(self) -> list[tuple[str, bytes, int, int, int]]:
-        """Take the messages out of memory that could not be written; as `write` takes them."""
+        """Take the unwritten messages out of memory, each as arguments of `write`."""
         names = {number: name for name, (number, *_) in self._rows.items()}
         return [(names[number], *rest) for number, *rest in self._chunks.take_pending()]
 
     def check(self) -> None:
-        """Raise FileNotFoundError if the file that is written is not in its place any more."""
+        """Raise FileNotFoundError if the current file is no longer in its place."""
         if not os.path.samestat(os.stat(self.file), os.fstat(self._file.fileno())):
             raise FileNotFoundError(errno.ENOENT, 'is another file now', str(self.file))
 
     @property
     def problem(self) -> OSError | None:
         """
-        Why no new file could be begun or metadata.yaml not be written.
+        Why a new file or metadata.yaml could not be written; None if they could.
 
-        Nothing is lost by that, and it is tried again. At the end it is raised.
+        No message is lost by this, and the writer tries again; `close` raises what remains.
         """
         return self._no_file or self._syncing.problem
 
     @property
     def absent(self) -> int:
-        """Number of messages written to files that are not in their place any more."""
+        """Number of messages written to files that are no longer in their place."""
         parts = [*self._closed, self._part()]
         return sum(part.count for part in parts if not (self.path / part.path).exists())
 
     def split(self) -> None:
         """
-        Go on in a new file, and end the one before if that can be written.
+        Continue in a new file, and end the one before if it can be written.
 
         Raises
         ------
         OSError
-            If no file can be made; all is then as before.
+            If no file can be created; the bag is then unchanged.
 
         """
         number = self._number + 1
         while self._place(number).exists():
             number += 1
-        file, chunks = self._opened(number)
+        file, chunks = self._open_file(number)
         old = self._chunks
         with suppress(OSError):
             old.end_chunk()
@@ -366,7 +369,7 @@ class BagWriter:
         self._described = False
 
     def split_if_due(self) -> None:
-        """Go on in a new file when the settings say so; a failure is a `problem`, no error."""
+        """Continue in a new file if the settings say so; a failure only sets `problem`."""
         settings, chunks = self._settings, self._chunks
         if chunks.start_ns is None:
             return
@@ -378,7 +381,7 @@ class BagWriter:
                 self._no_file = error
 
     def _part(self) -> PartInfo:
-        """Return what there is to say of the file being written."""
+        """Return what metadata.yaml says about the current file."""
         rows = []
         for channel, row, *_ in self._rows.values():
             rows.append(replace(row, count=self._chunks.counts.get(channel, 0)))
@@ -386,18 +389,18 @@ class BagWriter:
                         sum(self._chunks.counts.values()), rows)
 
     def _describe_record(self) -> None:
-        """Write into the file what rosbag2 writes at open and close."""
+        """Write the metadata record that rosbag2 writes when it opens and closes a file."""
         text = bag_metadata([self._part()], {'software': self._software})
         self._chunks.add_metadata('rosbag2', {'serialized_metadata': text})
 
     def _description(self) -> tuple[Path, str]:
-        """Return metadata.yaml, for the files that are there."""
+        """Return the path and text of metadata.yaml, for the files in their place."""
         parts = [part for part in (*self._closed, self._part())
                  if (self.path / part.path).exists()]
         return self.path / 'metadata.yaml', metadata_file(parts, {'software': self._software})
 
     def close(self) -> None:
-        """Write what is in memory and the end of the file; a second time does nothing."""
+        """Write the messages in memory and the end of the file; a second call does nothing."""
         if self._file.closed:
             return
         try:

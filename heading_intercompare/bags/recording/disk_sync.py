@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Files brought to the disk by a thread, so that a slow disk does not hold up who writes."""
+"""A thread that syncs files to the disk, so that a slow disk does not hold up the writer."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ['replace_file', 'Syncing']
 
 
 def replace_file(target: Path, text: str) -> None:
-    """Write a file anew, on the disk; nobody ever sees half of it, and a failure leaves none."""
+    """Replace a file and sync it to the disk; nobody sees half of it, failures leave the old."""
     draft = target.with_name(f'{target.name}.part')
     try:
         with open(draft, 'w', encoding='utf-8') as file:
@@ -44,17 +44,17 @@ def _sync(descriptor: int) -> None:
 
 class Syncing:
     """
-    What has to reach the disk, brought there one after the other.
+    Syncs files to the disk in a thread, one after the other.
 
     Parameters
     ----------
     interval_s : float
-        Time between the beginnings of two syncs that `begin_if_due` begins, seconds.
+        Least time from the start of one sync by `begin_if_due` to the next, seconds.
 
     Attributes
     ----------
     problem : OSError or None
-        Why the last text could not be written.
+        Why the last text could not be written; None if it could.
 
     """
 
@@ -68,19 +68,19 @@ class Syncing:
 
     def begin_if_due(self, descriptor: int, now_s: float) -> None:
         """
-        Begin to bring a file to the disk if it is time and those before are over.
+        Start to sync a file if the interval has passed and earlier syncs have finished.
 
         Parameters
         ----------
         descriptor : int
-            Of the open file, which may be closed meanwhile.
+            Descriptor of the open file, which may be closed meanwhile.
         now_s : float
             The caller's steady clock, seconds.
 
         Raises
         ------
         OSError
-            If one before failed.
+            If an earlier sync failed.
 
         """
         while self._running and self._running[0].done():
@@ -90,11 +90,11 @@ class Syncing:
             self.begin(descriptor)
 
     def begin(self, descriptor: int) -> None:
-        """Begin to bring a file to the disk; it may be closed meanwhile."""
+        """Start to sync a file; it may be closed meanwhile."""
         self._running.append(self._worker.submit(_sync, os.dup(descriptor)))
 
     def replace(self, target: Path, text: str) -> None:
-        """Begin to write a file anew, unless there is a later text before its turn comes."""
+        """Start to replace a file; if a later text arrives before its turn, only that is used."""
         self._texts[target] = text
         self._worker.submit(self._replace, target)
 
@@ -109,5 +109,5 @@ class Syncing:
             self.problem = error
 
     def close(self) -> None:
-        """Wait until all is over."""
+        """Wait until everything has finished."""
         self._worker.shutdown()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a recorder says of its own losses: the metadata record `recording`, and words for it."""
+"""What a recorder says about its own losses: the metadata record `recording`, and its words."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RECORDING = 'recording'
 
 
 class Counts(NamedTuple):
-    """Messages of a topic: those that came, and those that are not in the bag."""
+    """Messages of a topic: those received, lost before they arrived, and not written."""
 
     received: int
     lost_on_the_way: int
@@ -31,9 +31,9 @@ def loss_record(faults: int, absent: int, topics: Mapping[str, Counts]) -> dict[
     faults : int
         How often writing stopped.
     absent : int
-        Messages in files that somebody took away.
+        Messages in files that somebody removed or moved.
     topics : mapping of str to Counts
-        By topic.
+        Counts by topic.
 
     """
     return {'faults': faults, 'absent': absent,
@@ -47,20 +47,20 @@ def count_words(count: int, noun: str) -> str:
 
 
 def _total(record: Mapping[str, object], kind: str) -> int:
-    """Return the sum over all topics; what is no number, in a record of others, is nothing."""
+    """Return the sum over all topics; a value that is not a number counts as 0."""
     return sum(decimal(str(value)) or 0 for key, value in record.items()
                if key.partition('.')[0] == kind)
 
 
 def tell_missing(record: Mapping[str, object]) -> str:
-    """Say which messages a recorder received that are not in the bag; '' if none."""
+    """Return, in words, the messages received but missing from the bag; '' if none."""
     parts = ((_total(record, 'not_written'), 'received but not written'),
-             (_total(record, 'absent'), 'in files that were taken away'))
+             (_total(record, 'absent'), 'in files that were removed or moved'))
     return ', '.join(f'{count_words(count, "message")} {what}' for count, what in parts if count)
 
 
 def loss_words(record: Mapping[str, object]) -> str:
-    """Say which messages are not in the bag, those lost before they came among them."""
+    """Return, in words, the messages missing from the bag, also those that never arrived."""
     on_the_way = _total(record, 'lost_on_the_way')
     said = f'{count_words(on_the_way, "message")} lost on the way' if on_the_way else ''
     return ', '.join(filter(None, (tell_missing(record), said)))

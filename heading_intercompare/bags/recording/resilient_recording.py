@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-A bag that is recorded whatever happens to the disk.
+The recording of a bag, whatever happens to the disk.
 
-While nothing can be written, messages wait in memory; once something can, they go to a new file of
-the bag. What does not fit into memory is lost and counted.
+While the disk cannot be written, messages wait in memory. Afterwards they go to a new file of the
+bag. Messages that do not fit into memory are lost and counted.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from .bag_writer import BagWriter
 __all__ = ['Recording']
 
 _MB = 1_000_000
-#: Room beyond `free_space_mb` at which recording is resumed, times that.
+#: Recording resumes when `free_space_mb` times this is free.
 _AGAIN = 1.1
-#: Time from one look after the disk to the next, seconds.
+#: Time from one check of the disk to the next, seconds.
 _LOOK_S = 0.5
 
 
@@ -38,7 +38,7 @@ def _words(error: OSError) -> str:
 
 @dataclass(slots=True)
 class _Attached:
-    """A file in the bag, and which of the bag's files holds it."""
+    """An attachment, and the file of the bag that holds it."""
 
     name: str
     media_type: str
@@ -48,28 +48,27 @@ class _Attached:
 
 class Recording:
     """
-    A bag being recorded; once it is open no method raises OSError.
+    Records a bag; once it is open, no method raises OSError.
 
     Parameters
     ----------
     path : str or path
         The rosbag2 directory; it must not exist.
     settings : BagSettings
-        Of the bag.
+        Settings of the bag.
     free_bytes : callable
-        Bytes that are free on the disk of a path; OSError if it is not there.
+        Returns the free bytes on the disk of a path; OSError if the path does not exist.
 
     Attributes
     ----------
     fault : str
         Why nothing can be written at the moment; empty if it can.
     remark : str
-        What else is wrong though nothing is lost by it: metadata.yaml cannot be written, no new
-        file begun.
+        A problem that loses no message: metadata.yaml or a new file cannot be written.
     written : int
         Messages handed to the bag.
     lost : dict of str to int
-        Messages by topic that could not be written, and are not waiting any more.
+        Messages by topic that could not be written and no longer wait.
     faults : int
         How often writing stopped.
 
@@ -101,7 +100,7 @@ class Recording:
 
     @property
     def waiting(self) -> int:
-        """Number of messages in memory because they cannot be written."""
+        """Number of messages that wait in memory because they cannot be written."""
         return len(self._waiting)
 
     @property
@@ -110,7 +109,7 @@ class Recording:
         return self._bag.absent
 
     def add_topic(self, topic: str, type_name: str, qos: Qos | None = None) -> None:
-        """Make a topic known; see `BagWriter.add_topic`."""
+        """Add a topic; see `BagWriter.add_topic`."""
         self._bag.add_topic(topic, type_name, qos)
 
     def metadata(self, name: str, mapping: Mapping[str, object]) -> None:
@@ -120,18 +119,18 @@ class Recording:
         self._pay()
 
     def attachment(self, name: str, media_type: str, data: bytes) -> None:
-        """Write a file into the bag, and again if it is taken away with what holds it."""
+        """Write a file into the bag; write it again if the bag's file that holds it is removed."""
         self._try_again()
         self._attached.append(_Attached(name, media_type, data))
         self._pay()
 
     def _pay(self) -> None:
-        """Write records that could not be written, and attachments that no file holds."""
+        """Write the records still to be written, and the attachments that no file holds."""
         for name, mapping in list(self._owed.items()):
-            if self._trying(self._bag.metadata, name, mapping):
+            if self._attempt(self._bag.metadata, name, mapping):
                 del self._owed[name]
         for one in self._attached:
-            if (one.file is None or not one.file.exists()) and self._trying(
+            if (one.file is None or not one.file.exists()) and self._attempt(
                     self._bag.attachment, one.name, one.media_type, one.data):
                 one.file = self._bag.file
 
@@ -142,7 +141,7 @@ class Recording:
             self._wait((topic, data, log_time_ns, publish_time_ns, sequence))
             return
         self.written += 1
-        self._trying(self._bag.write, topic, data, log_time_ns, publish_time_ns, sequence)
+        self._attempt(self._bag.write, topic, data, log_time_ns, publish_time_ns, sequence)
 
     def _wait(self, message: tuple[str, bytes, int, int, int]) -> None:
         size = len(message[1])
@@ -155,11 +154,11 @@ class Recording:
     def _lose(self, topic: str) -> None:
         self.lost[topic] = self.lost.get(topic, 0) + 1
 
-    def _trying(self, action: Callable[..., object], *arguments: object) -> bool:
+    def _attempt(self, action: Callable[..., object], *arguments: object) -> bool:
         """
-        Do something to the bag, and say whether it was done.
+        Do something to the bag; return whether it worked.
 
-        An OSError stops the writing and is the fault from then on.
+        An OSError stops the writing and becomes the fault.
         """
         try:
             action(*arguments)
@@ -178,28 +177,29 @@ class Recording:
 
     def tick(self, now_s: float) -> None:
         """
-        Write what is due, look after the disk, or try again.
+        Write messages that are due, check the disk, or try to write again.
+
+        Call it often, at least twice per flush interval and four times per second.
 
         Parameters
         ----------
         now_s : float
-            A steady clock, seconds. Call it often, at least twice a flush interval and four times
-            a second.
+            A steady clock, seconds.
 
         """
         if not self.fault:
-            self._trying(self._bag.flush_if_due, now_s)
+            self._attempt(self._bag.flush_if_due, now_s)
         if now_s < self._next_s:
             return
         self._next_s = now_s + _LOOK_S
         self._try_again()
         if not self.fault:
-            self._trying(self._look)
+            self._attempt(self._look)
         problem = self._bag.problem
         self.remark = '' if problem is None else _words(problem)
 
     def _look(self) -> None:
-        """Stop while there is still room for the end of the file, or if the file is gone."""
+        """Stop if free space is low, while the end of the file still fits; raise if it is gone."""
         self._bag.check()
         if self._free_bytes(self.path) < self._settings.free_space_mb * _MB:
             self._stop(f'less than {self._settings.free_space_mb:g} MB free on the disk of '
@@ -207,9 +207,10 @@ class Recording:
 
     def _try_again(self, *, last: bool = False) -> None:
         """
-        If writing has stopped, go on in a new file, else in the same one; with what waits.
+        If writing has stopped, write the waiting messages to a new file, or to the same one.
 
-        The last time `free_space_mb` is no reason to wait: it was kept free for this.
+        The same file is used if no new one can be created. The last attempt ignores
+        `free_space_mb`: that space was kept free for it.
         """
         if not self.fault:
             return
@@ -229,24 +230,24 @@ class Recording:
         self.fault = ''
         for message in waiting:
             self.write(*message)
-        self._trying(self._bag.flush)
+        self._attempt(self._bag.flush)
         self._pay()
         if self.fault:
             self.fault, self.faults = fault, faults
 
     def _room(self) -> bool:
-        """Tell whether there is enough room again, on the nearest folder that is there."""
+        """Tell whether there is enough room again, at the nearest folder that exists."""
         place = self.path.absolute()
         while not place.exists():
             place = place.parent
         return self._free_bytes(place) >= self._settings.free_space_mb * _AGAIN * _MB
 
     def settle(self) -> None:
-        """Write all messages that are in memory; what cannot be written now is lost."""
+        """Write all messages in memory; those that cannot be written now are lost."""
         if not self.fault:
-            self._trying(self._bag.check)
+            self._attempt(self._bag.check)
         self._try_again(last=True)
-        self._trying(self._bag.flush)
+        self._attempt(self._bag.flush)
         self._pay()
         for topic, *_ in self._waiting:
             self._lose(topic)
@@ -254,6 +255,6 @@ class Recording:
         self._waiting_bytes = 0
 
     def close(self) -> None:
-        """End the bag; what cannot be written now is lost."""
+        """End the bag; messages that cannot be written now are lost."""
         self.settle()
-        self._trying(self._bag.close)
+        self._attempt(self._bag.close)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pages of a long run in a temporary file instead of in memory."""
+"""Pages of a long run, kept in a temporary file instead of in memory."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ import numpy as np
 
 __all__ = ['Spool']
 
-#: Disk by custom; the usual place of temporary files may be memory itself.
+#: Usually on disk; the default folder of temporary files may itself be in memory.
 _ON_DISK = '/var/tmp'
 
 
 class Spool:
     """
-    A temporary file for pages of numbers; it goes with the last page that anybody holds.
+    A temporary file for pages of numbers; it lives as long as the last page that is in use.
 
     Parameters
     ----------
     on_fault : callable
-        Is told why a page stays in memory, when it cannot be written.
+        Called with the reason when a page cannot be written and stays in memory.
     folder : str, optional
-        Where the file is; by default /var/tmp if that is there and can be written.
+        Folder of the file; by default /var/tmp if that is writable.
 
     """
 
@@ -38,7 +38,7 @@ class Spool:
         self._size = 0
 
     def keep(self, page: np.ndarray) -> Callable[[], np.ndarray]:
-        """Put a page away; return what gives it again. A page that cannot be written stays."""
+        """Store a page; return a function that reads it back. It stays in memory if that fails."""
         try:
             if self._file is None:
                 self._file = tempfile.TemporaryFile(buffering=0, dir=self._folder)

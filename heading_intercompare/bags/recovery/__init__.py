@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Damaged bags: what is sound of them into a new one."""
+"""Recovery of damaged bags: their intact records go into a new bag."""
 
 from typing import TYPE_CHECKING
 

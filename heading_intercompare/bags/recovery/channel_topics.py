@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Which topic a channel number means in each part of a file.
+The topic that a channel number means in each part of a file.
 
-Definitions may be found before the messages or behind them, and more than once. Of several in
-disagreement those in chunks with a checksum count, from their place on: from there a new epoch
-begins. Nothing is carried over from one file to another that was appended to it.
+A definition may stand before or after its messages, and more than once. If definitions disagree,
+the one in a chunk with a checksum counts from its place on: there a new epoch begins. Nothing
+carries over from one file to another that was appended to it.
 """
 
 from __future__ import annotations
@@ -24,20 +24,20 @@ _Definition = mcap.Schema | mcap.Channel
 
 
 class _History:
-    """Definitions of one kind by number, each from an epoch on."""
+    """Definitions of one kind by number, each valid from an epoch on."""
 
     def __init__(self) -> None:
         self._rows: dict[int, tuple[list[int], list[_Definition]]] = {}
 
     def add(self, epoch: int, definition: _Definition) -> None:
-        """Take a definition; the first of an epoch counts."""
+        """Take a definition; within an epoch the first one counts."""
         epochs, found = self._rows.setdefault(definition.id, ([], []))
         if not epochs or epochs[-1] < epoch:
             epochs.append(epoch)
             found.append(definition)
 
     def at(self, number: int, epoch: int, begin: int, end: int) -> _Definition | None:
-        """Return the last definition up to an epoch, else the next, between two epochs."""
+        """Return the last definition up to `epoch`, or the next one, within [begin, end)."""
         epochs, found = self._rows.get(number, ([], []))
         place = bisect_right(epochs, epoch) - 1
         if place >= 0 and epochs[place] >= begin:
@@ -53,7 +53,7 @@ class Definitions:
     Attributes
     ----------
     epoch : int
-        The one that has begun last, counted from 0.
+        The current epoch, counted from 0.
 
     """
 
@@ -64,11 +64,11 @@ class Definitions:
         self._schemas: tuple[_History, _History] = (_History(), _History())
         self._channels: tuple[_History, _History] = (_History(), _History())
         self._seen: set[tuple[int, bytes]] = set()
-        #: By the first byte of a chunk, where in its records epochs begin.
+        #: By first byte of a chunk: the offsets in its records where epochs begin.
         self._within: dict[int, list[tuple[int, int]]] = {}
 
     def begin_file(self) -> None:
-        """Forget all that was, for what is behind."""
+        """Begin a file that was appended: the definitions so far do not apply to it."""
         self.epoch += 1
         self._files.append(self.epoch)
         self._seen.clear()
@@ -80,11 +80,11 @@ class Definitions:
         Parameters
         ----------
         opcode, content
-            Of its record; one that is damaged is left out.
+            Opcode and content of its record; a damaged one is ignored.
         checked : bool
-            It is in a chunk whose checksum is right.
+            It is in a chunk with a correct checksum.
         place : tuple of int
-            The first byte of the chunk, and that of the definition in its records.
+            The first byte of the chunk, and the offset of the definition in its records.
 
         """
         if checked and (opcode, content) in self._seen:
@@ -106,20 +106,20 @@ class Definitions:
         self._seen.add((opcode, content))
         histories[0].add(self.epoch, definition)
 
-    def within(self, start: int) -> list[tuple[int, int]]:
+    def find_epochs(self, start: int) -> list[tuple[int, int]]:
         """Return where in the records of a chunk epochs begin, and their numbers."""
         return self._within.get(start, [])
 
     def topic(self, epoch: int, number: int) -> tuple[mcap.Channel, mcap.Schema] | None:
-        """Return what a channel is in an epoch; None if that is lost or not of ROS 2."""
-        channel = self._found(self._channels, epoch, number)
+        """Return channel and schema of a number in an epoch; None if lost or not of ROS 2."""
+        channel = self._find(self._channels, epoch, number)
         if channel is None or channel.message_encoding != 'cdr':
             return None
-        schema = self._found(self._schemas, epoch, channel.schema_id)
+        schema = self._find(self._schemas, epoch, channel.schema_id)
         return None if schema is None else (channel, schema)
 
-    def _found(self, histories: tuple[_History, _History], epoch: int,
-               number: int) -> _Definition | None:
+    def _find(self, histories: tuple[_History, _History], epoch: int,
+              number: int) -> _Definition | None:
         file = bisect_right(self._files, epoch)
         begin = self._files[file - 1]
         end = self._files[file] if file < len(self._files) else self.epoch + 1

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What is sound in damaged files written into a bag, chunks as they are where that is right.
+The copier of the intact records of damaged files into a bag.
 
-A chunk goes over compressed as it is if its channels have the same numbers in the bag, the
-definitions in it are those of the bag, and all its messages are wanted; its message indexes too if
-they are right. The messages of others are gathered and compressed again.
+A chunk is copied unchanged, still compressed, if its channels have the same numbers in the new
+bag, its definitions are those of the new bag, and all its messages are wanted. Its message indexes
+are copied too if they are right. The messages of other chunks are gathered and compressed again.
 """
 
 from __future__ import annotations
@@ -35,28 +35,28 @@ from .unreadable_sectors import open_with_holes
 
 __all__ = ['Transfer']
 
-#: Chunks are passed on, or gathered, by so many bytes.
+#: Most bytes of chunks to pass on, or to gather, at once.
 _PASSED_BYTES = 2**22
 _GATHERED_BYTES = 2**20
 _CHANNELS = 2**16
-#: Where in a message record its channel and its times are.
+#: Offsets of the channel and the times in a message record.
 _CHANNEL_AT, _LOG_AT, _PUBLISH_AT = 9, 15, 23
 
 
 class Transfer:
     """
-    Writes what is sound in the files of a bag into another.
+    Copies the intact records of the files of a damaged bag into a new one.
 
     Parameters
     ----------
     bag : BagWriter
         The new bag.
     compression : str or None
-        What chunks must be compressed with, as MCAP has it; None: they stay as they are.
+        Compression that chunks must have, by MCAP's name; None: they keep their own.
     singly : bool
-        After each chunk the bag may go on in a new file.
+        Copy chunks one at a time, so that the bag may continue in a new file after each.
     note : callable
-        Told what is remarkable, with the file.
+        Called with the file and the remark for anything notable.
 
     Attributes
     ----------
@@ -76,17 +76,17 @@ class Transfer:
 
     def copy(self, found: Inventory, progress: Callable[[str], None]) -> None:
         """
-        Copy what is sound in a file.
+        Copy the intact records of a file.
 
         Raises
         ------
         OSError
-            If the file cannot be read or the bag not be written.
+            If the file cannot be read or the bag cannot be written.
         BagError
-            If the file has changed since it was looked at.
+            If the file has changed since the inventory.
 
         """
-        numbers = {key: self._added(found, *key) for key in sorted(found.counts)}
+        numbers = {key: self._add_topic(found, *key) for key in sorted(found.counts)}
         with open_with_holes(found.path, found.holes) as file:
             copying = _Copying(file, found, self._bag, numbers)
             for piece in found.pieces:
@@ -99,8 +99,8 @@ class Transfer:
                 progress(f'{piece.chunk.end / found.size:.0%} copied')
             copying.flush()
 
-    def _added(self, found: Inventory, epoch: int, number: int) -> int:
-        """Return the number in the new bag of a channel that it now knows; -1 without topic."""
+    def _add_topic(self, found: Inventory, epoch: int, number: int) -> int:
+        """Add the topic of a channel to the new bag; return its number there, -1 without topic."""
         definition = found.definitions.topic(epoch, number)
         if definition is None:
             return -1
@@ -108,7 +108,7 @@ class Transfer:
         topic = channel.topic if channel.topic.startswith('/') else f'/{channel.topic}'
         name, kind = topic, full_name(schema.name)
         while self._types.setdefault(name, (kind, schema.data))[0] != kind:
-            # One topic with two types cannot be in one rosbag2; both are kept, the second renamed.
+            # A rosbag2 cannot hold one topic with two types: keep both, rename the second.
             name = f'{name}_{kind.rpartition("/")[2].lower()}'
         if name != topic:
             self._note(found, f'{topic} is also {kind}: kept as {name}')
@@ -125,7 +125,7 @@ class Transfer:
         try:
             data = bytearray(place.end - place.start)
         except MemoryError:
-            self._note(found, f'bytes {place.start} to {place.end}: larger than the memory')
+            self._note(found, f'bytes {place.start} to {place.end}: do not fit into memory')
             return
         file.seek(place.start)
         if file.readinto(data) < len(data):
@@ -154,7 +154,7 @@ class _Copying:
         self._runs = ChunkRuns(self._read, self.salvage.size)
         self._same: dict[object, bool] = {}
         self._tables: tuple[int, np.ndarray] = (-1, np.empty(0, np.int64))
-        #: Chunks to be passed on as they are, or to be gathered; one of them is empty.
+        #: Chunks to pass on unchanged, and chunks to gather; one of the lists is empty.
         self._passed: list[Chunk] = []
         self._gathered: list[Chunk] = []
         self._epoch = 0
@@ -180,9 +180,9 @@ class _Copying:
             if not chunks.due <= chunk.definitions:
                 self._gather(chunk, epoch)
                 return
-        elif not chunk.indexed or self._passed[-1].behind != chunk.start or (
+        elif not chunk.indexed or self._passed[-1].index_end != chunk.start or (
                 len(self._passed) >= chunks.until_due
-                or chunk.behind - self._passed[0].start > _PASSED_BYTES):
+                or chunk.index_end - self._passed[0].start > _PASSED_BYTES):
             self.flush()
             self.take(piece, compression, singly)
             return
@@ -191,7 +191,7 @@ class _Copying:
             self.flush()
 
     def _is_same(self, chunk: Chunk, epoch: int) -> bool:
-        """Tell whether a chunk means the same in the new bag."""
+        """Tell whether a chunk can be copied unchanged: it means the same in the new bag."""
         key = epoch, chunk.counts, chunk.definitions
         if key not in self._same:
             self._same[key] = chunk.definitions <= self._bag.chunks.defined and all(
@@ -199,10 +199,10 @@ class _Copying:
         return self._same[key] and chunk.plain
 
     def _gather(self, chunk: Chunk, epoch: int) -> None:
-        torn = self._found.definitions.within(chunk.start)
+        torn = self._found.definitions.find_epochs(chunk.start)
         if self._passed or torn or (self._gathered and (
-                epoch != self._epoch or self._gathered[-1].behind != chunk.start
-                or chunk.behind - self._gathered[0].start > _GATHERED_BYTES)):
+                epoch != self._epoch or self._gathered[-1].index_end != chunk.start
+                or chunk.index_end - self._gathered[0].start > _GATHERED_BYTES)):
             self.flush()
         self._gathered.append(chunk)
         self._epoch = epoch
@@ -210,22 +210,22 @@ class _Copying:
             self.flush()
 
     def flush(self) -> None:
-        """Write what was taken."""
+        """Write the chunks taken so far."""
         passed, gathered = self._passed, self._gathered
         self._passed, self._gathered = [], []
         if passed:
             self._pass_on(passed)
         at = gathered[0].start if gathered else 0
-        while gathered and at < gathered[-1].behind:
-            run = self._runs.run(at, gathered[-1].behind)
+        while gathered and at < gathered[-1].index_end:
+            run = self._runs.run(at, gathered[-1].index_end)
             if run is None:
                 raise _blame_change(self._found)
             self._write(run.block, self._epoch, at)
-            at = run.chunks[-1].behind
+            at = run.chunks[-1].index_end
 
     def _pass_on(self, chunks: list[Chunk]) -> None:
-        """Write chunks as they are; their heads say what was found."""
-        start, end = chunks[0].start, chunks[-1].behind
+        """Write chunks unchanged, but with the values found for their heads."""
+        start, end = chunks[0].start, chunks[-1].index_end
         if not chunks[0].indexed:
             end = chunks[0].end
         if end - start > len(self._memory):
@@ -247,7 +247,7 @@ class _Copying:
         self._bag.split_if_due()
 
     def take_part(self, piece: Piece) -> None:
-        """Take what is no whole chunk."""
+        """Take a piece that is not a whole chunk."""
         self.flush()
         at, end = piece.chunk.start, piece.chunk.end
         if piece.kind == Kind.FRAGMENT:
@@ -261,7 +261,7 @@ class _Copying:
         self._write(block, piece.epoch, at)
 
     def _table(self, epoch: int) -> np.ndarray:
-        """Return the number in the new bag of each channel in an epoch, -1 for none."""
+        """Return the number in the new bag of each channel of an epoch, -1 for none."""
         if self._tables[0] != epoch:
             table = np.full(_CHANNELS, -1, np.int64)
             for (each, number), new in self._numbers.items():
@@ -271,7 +271,7 @@ class _Copying:
         return self._tables[1]
 
     def _write(self, block: Block, epoch: int, start: int) -> None:
-        """Write the messages of a block that are wanted, in their order."""
+        """Write the wanted messages of a block, in order."""
         at = block.start - MESSAGE_HEAD.size
         channel = block.heads['channel'].astype(np.int64)
         log, publish = block.heads['log_time'].copy(), block.heads['publish_time'].copy()
@@ -298,7 +298,7 @@ class _Copying:
 
 
 def _indexes(run: ChunkRun, chunk: Chunk) -> bytes:
-    """Return the message indexes of the one chunk of a run."""
+    """Return the message indexes of the only chunk of a run."""
     heads = run.block.heads
     channel, log = heads['channel'].copy(), heads['log_time'].copy()
     entries = np.stack((log, run.block.start - MESSAGE_HEAD.size), axis=1).astype('<i8')

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A damaged file read once: what of it can be copied, which topics there are, what is lost."""
+"""The inventory of a damaged file: what can be copied, which topics it has, what is lost."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ _ROWS = 4096
 
 
 class Kind(IntEnum):
-    """What a piece is."""
+    """The kind of a piece."""
 
     CHUNK = 0
-    #: A chunk of which only the beginning is sound.
+    #: A chunk of which only the beginning is intact.
     FRAGMENT = 1
     #: Messages and definitions outside chunks.
     BARE = 2
@@ -55,7 +55,7 @@ class Piece(NamedTuple):
 
 
 class Pieces:
-    """The pieces of a file in their order, in little memory."""
+    """The pieces of a file in file order, stored compactly."""
 
     _WIDTH = 14
 
@@ -74,16 +74,16 @@ class Pieces:
         return place
 
     def add(self, kind: Kind, epoch: int, chunk: Chunk) -> None:
-        """Take the next."""
-        (start, end, behind, first_ns, last_ns, size, crc, compression, packed, counts,
+        """Append the next piece."""
+        (start, end, index_end, first_ns, last_ns, size, crc, compression, packed, counts,
          definitions, plain, indexed, protected) = chunk
         self._rows.extend((
-            kind, epoch, start, end, behind, first_ns, last_ns, size, crc,
+            kind, epoch, start, end, index_end, first_ns, last_ns, size, crc,
             self._place(compression), packed, self._place(counts), self._place(definitions),
             4 * protected + 2 * plain + indexed))
 
     def drop(self, number: int) -> None:
-        """Take one back, given its number; others keep theirs."""
+        """Remove a piece, given its number; the others keep their numbers."""
         self._rows[number * self._WIDTH] = -1
 
     def __iter__(self) -> Iterator[Piece]:
@@ -99,7 +99,7 @@ class Pieces:
 
 
 class Damage(NamedTuple):
-    """Bytes with something wrong; `chunk`: it is one, `lost`: so many of them cannot be read."""
+    """A damaged stretch of bytes; `chunk`: it was a chunk, `lost`: bytes that cannot be read."""
 
     start: int
     end: int
@@ -111,18 +111,18 @@ class Damage(NamedTuple):
 @dataclass(slots=True)
 class Section:
     """
-    A file, or one of several that were appended to each other.
+    A file, or one of several files that were appended to each other.
 
     Attributes
     ----------
     epoch : int
-        In which it begins.
+        The epoch of definitions in which it begins.
     said : list of int
-        Numbers of messages that its statistics name; there should be one.
+        Message counts in its statistics; there should be one.
     indexed : int
-        Messages that indexes behind chunks name which are damaged or not there.
+        Lost messages that the indexes after damaged or missing chunks name.
     untimed : int
-        Messages with log times that cannot be.
+        Messages with impossible log times.
     closed : bool
         It has an end.
 
@@ -138,38 +138,38 @@ class Section:
 @dataclass(slots=True)
 class Inventory:
     """
-    What is in a file.
+    The contents of a file.
 
     Attributes
     ----------
     path : Path
         The file.
     size : int
-        Its bytes.
+        Its size in bytes.
     holes : list of int
-        Where blocks begin that the disk cannot read.
+        Offsets of the blocks that the disk cannot read.
     definitions : Definitions
         Its topics.
     pieces : Pieces
-        What can be copied.
+        The pieces that can be copied.
     counts : dict of tuple to int
         Messages by epoch and channel.
     chunks : int
-        Chunks of which something can be copied.
+        Chunks that can be copied, wholly or in part.
     packed : dict of str to int
-        Compressed bytes of whole chunks by compression.
+        Compressed bytes of whole chunks, by compression.
     damage : list of Damage
-        What is wrong.
+        The damaged stretches.
     sections : list of Section
-        The file, and those that were appended to it.
+        The file itself, and the files that were appended to it.
     begun : bool
         It has a beginning.
     extras : int
-        Metadata and attachments.
+        Number of metadata records and attachments.
     earlier : list of dict
-        What was written into it when it was recovered itself.
+        The metadata records `recovery` in it, from earlier recoveries.
     doubtful : list
-        Numbers, epochs and rows of pieces that are only believed if there is no chunk.
+        Numbers, epochs and rows of pieces that are believed only if the file has no chunk.
 
     """
 
@@ -190,11 +190,11 @@ class Inventory:
 
     @property
     def closed(self) -> bool:
-        """Whether it has an end, and each file in it."""
+        """Whether the file, and each file appended to it, has an end."""
         return all(section.closed for section in self.sections)
 
     def count(self, epoch: int, counts: Counts, sign: int = 1) -> None:
-        """Count messages of channels."""
+        """Add the messages of channels to the counts of an epoch."""
         for number, messages in counts:
             total = self.counts.get((epoch, number), 0) + sign * messages
             self.counts[epoch, number] = total
@@ -203,9 +203,9 @@ class Inventory:
 
     def withdraw(self) -> None:
         """
-        Leave out the messages outside chunks that came behind damage, for there are chunks.
+        Drop the messages outside chunks that follow damage, because the file has chunks.
 
-        They may be what is left of a chunk without its head, and its checksum.
+        They may be the rest of a chunk whose head, with its checksum, is lost.
         """
         for number, epoch, row in self.doubtful:
             self.pieces.drop(number)
@@ -224,17 +224,17 @@ def split_epochs(definitions: Definitions, start: int, epoch: int,
     Parameters
     ----------
     definitions : Definitions
-        Of the file.
+        Definitions of the file.
     start : int
         First byte of the chunk.
     epoch : int
-        In which it begins.
+        The epoch in which it begins.
     at : ndarray of int64
-        Where in its records the messages are.
+        Offsets of the messages in its records.
 
     """
     lo = 0
-    for offset, following in definitions.within(start):
+    for offset, following in definitions.find_epochs(start):
         hi = int(np.searchsorted(at, offset))
         yield epoch, slice(lo, hi)
         epoch, lo = following, hi
@@ -243,25 +243,25 @@ def split_epochs(definitions: Definitions, start: int, epoch: int,
 
 def take_inventory(path: Path, progress: Callable[[str], None]) -> Inventory:
     """
-    Read a file through.
+    Read a whole file, and list its contents.
 
     Parameters
     ----------
     path : Path
         The file.
     progress : callable
-        Told how far.
+        Called with the progress in words.
 
     Raises
     ------
     OSError
-        If it cannot be read.
+        If the file cannot be read.
 
     """
     found = Inventory(path)
-    #: Behind a damaged chunk: messages that its indexes name, and those of it that can be read.
+    #: For a damaged chunk: messages that its indexes name, and messages of it that can be read.
     named, kept = 0, 0
-    #: Whether message indexes would be of a damaged chunk; None: there is no chunk before them.
+    #: Whether message indexes here belong to a damaged chunk; None: no chunk precedes them.
     indexing: bool | None = None
     with open_with_holes(path, found.holes) as file:
         salvage = Salvage(file)
@@ -291,7 +291,7 @@ def take_inventory(path: Path, progress: Callable[[str], None]) -> Inventory:
                 indexing, kept = True, len(item.block.start)
             _take(found, item, salvage)
             if item.block is not None:
-                progress(f'{item.end / salvage.size:.0%} looked at')
+                progress(f'{item.end / salvage.size:.0%} examined')
     found.sections[-1].indexed += max(named - kept, 0)
     return found
 
@@ -299,7 +299,7 @@ def take_inventory(path: Path, progress: Callable[[str], None]) -> Inventory:
 def _take(found: Inventory, item: Sound, salvage: Salvage) -> None:
     opcode = item.record.opcode
     if item.begins:
-        # Where a file does not begin with its header it was torn apart, not written to another.
+        # Only a header at the very beginning starts another file; elsewhere this file was torn.
         if found.begun:
             found.definitions.begin_file()
             found.sections.append(Section(found.definitions.epoch))
@@ -340,13 +340,13 @@ def _take(found: Inventory, item: Sound, salvage: Salvage) -> None:
 
 
 def _outside(start: int, end: int, counts: Counts) -> Chunk:
-    """Return what is no whole chunk as a row of the table."""
+    """Return the table row of a piece that is not a whole chunk."""
     return Chunk(start, end, end, 0, 0, 0, 0, '', 0, counts, frozenset(), False, False, False)
 
 
 def _define(definitions: Definitions, block: Block, which: slice, checked: bool, start: int,
             base: int = 0) -> None:
-    """Take the definitions among other records of a block."""
+    """Take the definitions among the other records of a block."""
     for record in block.others[which]:
         if record.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             content = bytes(block.data[record.start:record.start + record.length])

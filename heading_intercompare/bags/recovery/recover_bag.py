@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Everything readable of a damaged bag into a new one, with a count of what was lost.
+The copy of everything readable in a damaged bag into a new one, and the count of losses.
 
-Each file is read twice: once to learn what is sound and which topics there are, for these may be
-defined behind the messages, and once to copy. The second time nothing is decompressed that can
-be passed on as it is.
+Each file is read twice. The first pass finds the intact records and the topics, which may be
+defined after their messages. The second pass copies, and decompresses no chunk that it can copy
+unchanged.
 """
 
 from __future__ import annotations
@@ -31,36 +31,36 @@ from .inventory import Inventory, take_inventory
 __all__ = ['recover', 'Recovered']
 
 _NOTES = 100
-#: What a recovered bag sums up when it is recovered again.
+#: Counts that are added up when a recovered bag is recovered again.
 _LOSSES = ('bytes_lost', 'chunks_lost', 'messages_lost')
 
 
 @dataclass(slots=True)
 class Recovered:
     """
-    What was read and what was not.
+    What a recovery kept and lost.
 
     Attributes
     ----------
     files, bytes : int
-        Read; bytes are those of the files as they are.
+        Files read, and their size on disk.
     bytes_lost : int
         Bytes that could not be read or understood.
     chunks : int
-        Chunks kept, those of which only a part could be kept among them.
+        Chunks kept, whole or in part.
     chunks_lost : int
-        Chunks of which nothing or not all could be kept, as far as they are recognised as such.
+        Chunks lost, wholly or in part, as far as they are recognised as chunks.
     messages : int
         Messages kept.
     messages_lost : int
-        Messages that are known to be lost: by the index behind a damaged chunk, by the summary of
-        a file that was closed, or for want of a definition of their topic.
+        Messages known to be lost: named by the index after a damaged chunk, counted by the
+        summary of a closed file, or without a definition of their topic.
     messages_known : bool
-        No others can have been lost within the files; what was never written is not known.
+        No other messages of the files can be lost; messages that were never written do not count.
     counts : dict of str to int
         Messages kept, by topic.
     notes : list of str
-        What was wrong, and where; of very many the first.
+        What was wrong, and where; at most the first hundred.
 
     """
 
@@ -88,7 +88,7 @@ class Recovered:
 
 def _take_inventories(paths: list[Path], progress: Callable[[str], None]
                       ) -> tuple[list[Inventory], list[tuple[Path, str]]]:
-    """Return what is in files, and why others cannot be read; OSError if none can."""
+    """Return the inventories of files, and why others cannot be read; OSError if all fail."""
     files, others = [], []
     for path in paths:
         try:
@@ -101,7 +101,7 @@ def _take_inventories(paths: list[Path], progress: Callable[[str], None]
 
 
 def _sum_up(files: list[Inventory]) -> Recovered:
-    """Return the counts of all files."""
+    """Return the counts of all files together."""
     total = Recovered(files=len(files))
     for found in files:
         total.bytes += found.size
@@ -121,7 +121,7 @@ def _sum_up(files: list[Inventory]) -> Recovered:
 
 
 def _count(total: Recovered, found: Inventory) -> None:
-    """Count the messages of a file, and of each that was appended to it by itself."""
+    """Count the messages of a file, and on its own each file that was appended to it."""
     begins = [section.epoch for section in found.sections]
     kept, strange = [0] * len(begins), [0] * len(begins)
     for key, count in found.counts.items():
@@ -129,11 +129,11 @@ def _count(total: Recovered, found: Inventory) -> None:
         (kept if defined else strange)[bisect_right(begins, key[0]) - 1] += count
     total.messages += sum(kept)
     if any(strange):
-        total.note(found.path, f'{sum(strange)} messages of topics that are not defined any more, '
-                   'or not encoded as cdr')
+        total.note(found.path, f'{sum(strange)} messages of topics that are not defined, or not '
+                   'encoded as cdr')
     untimed = sum(section.untimed for section in found.sections)
     if untimed:
-        total.note(found.path, f'{untimed} messages with log times that cannot be')
+        total.note(found.path, f'{untimed} messages with impossible log times')
     before = total.messages_lost
     for section, held, undefined in zip(found.sections, kept, strange):
         seen = undefined + section.untimed
@@ -141,23 +141,24 @@ def _count(total: Recovered, found: Inventory) -> None:
         if len(section.said) == 1:
             missing = section.said[0] - held
             if missing > lost:
-                total.note(found.path, f'{missing - lost} messages are missing by its summary')
+                total.note(found.path,
+                           f'{missing - lost} messages are missing, according to its summary')
             elif missing < 0:
                 total.note(found.path, f'{-missing} messages more than its summary says')
-            # Fewer than were seen to be lost: others are there twice, or an index is wrong.
+            # Fewer than were seen to be lost: some are there twice, or an index is wrong.
             total.messages_known = total.messages_known and missing >= lost
             lost = max(missing, seen)
         elif found.damage:
             total.messages_known = False
         total.messages_lost += lost
     if total.messages_lost == before and any(damage.chunk for damage in found.damage):
-        # A chunk is lost and no message is missing: others are there twice.
+        # A chunk is lost but no message is missing: some are there twice.
         total.messages_known = False
 
 
 def _record(source: Path, total: Recovered,
             earlier: list[dict[str, str]]) -> dict[str, object]:
-    """Return the metadata `recovery`; what was lost in earlier recoveries is added."""
+    """Return the metadata record `recovery`; it includes the losses of earlier recoveries."""
     losses = {name: getattr(total, name) for name in _LOSSES}
     known, notes = total.messages_known, []
     for number, before in enumerate(earlier):
@@ -175,7 +176,7 @@ def _record(source: Path, total: Recovered,
 
 
 def _settings(given: BagSettings | None, files: list[Inventory]) -> BagSettings:
-    """Return the settings of the new bag; it is compressed as most of the source unless given."""
+    """Return the settings of the new bag; by default the main compression of the source."""
     if given is not None:
         return given
     packed: dict[str, int] = {}
@@ -195,16 +196,16 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
     Parameters
     ----------
     source : str or path
-        An MCAP file or a rosbag2 directory, cut, damaged or whole; metadata.yaml may be missing.
-        It is only read.
+        An MCAP file or a rosbag2 directory, cut, damaged or complete; metadata.yaml may be
+        missing. It is never changed.
     target : str or path
         The rosbag2 directory to write; it must not exist. It gets a metadata record `recovery`
         with the counts.
     settings : BagSettings, optional
-        Of the new bag. Without them chunks stay compressed as they are; with them those are
-        compressed again that are compressed otherwise. Sound chunks keep their size.
+        Settings of the new bag. Without them, chunks keep their compression; with them, chunks
+        with another compression are compressed again. Intact chunks keep their size.
     progress : callable
-        Told what has been done.
+        Called with the progress in words.
 
     Returns
     -------
@@ -216,17 +217,18 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
     OSError
         If the source cannot be read or the target cannot be written.
     BagError
-        If nothing in the source is readable, it changes meanwhile, or the target exists or lies
-        in the source.
+        If nothing in the source is readable, the source changes while it is read, or the target
+        exists or lies inside the source.
 
     Notes
     -----
-    If it cannot go on, for whatever reason, the target has no end, like a bag that was killed.
+    If the recovery stops for any reason, the target has no end, like the bag of a recorder that
+    was killed.
 
     """
     source, target = Path(source), Path(target)
     if target.exists():
-        raise BagError('exists already; a bag is never overwritten', target)
+        raise BagError('already exists; a bag is never overwritten', target)
     paths = mcap_files(source)
     if source.resolve() in target.resolve().parents:
         raise BagError(f'lies in the bag that is recovered; write it beside {source}', target)

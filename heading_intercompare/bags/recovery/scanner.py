@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The sound records of an MCAP file, whatever happened to it.
+The intact records of an MCAP file, whatever happened to it.
 
-A record is taken if it proves itself: a chunk by its checksum, even if its opcode is wrong, others
-by lengths that agree with each other and with what follows. Behind damage the next record that
-proves itself is looked for.
+A record counts only if it proves itself: a chunk by its checksum, even if its opcode is wrong;
+others by lengths that agree with each other and with the following record. After damage, the
+scanner searches for the next record that proves itself.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ from .unreadable_sectors import HOLE_BYTES
 __all__ = ['Gap', 'Salvage', 'Sound']
 
 _HIGHEST = int(Opcode.DATA_END)
-#: From here on opcodes are of whoever uses them.
+#: MCAP leaves opcodes from here on to applications.
 _PRIVATE = 0x80
 #: Records whose fields say how long they are.
 _FORMED = (*SMALL, Opcode.MESSAGE_INDEX, Opcode.DATA_END, Opcode.FOOTER)
@@ -58,15 +58,16 @@ _FORMED = (*SMALL, Opcode.MESSAGE_INDEX, Opcode.DATA_END, Opcode.FOOTER)
 _CHECKED = (Opcode.CHUNK, Opcode.ATTACHMENT)
 _TELLING = (*_CHECKED, Opcode.HEADER, Opcode.METADATA, Opcode.MESSAGE_INDEX, Opcode.STATISTICS,
             Opcode.DATA_END, Opcode.FOOTER)
-#: Of no more than usual length is a record believed to be that the file ends in.
+#: A record cut by the end of the file is believed only if it claims at most this length.
 _USUAL_BYTES = 2**26
-#: Records are looked for in so many bytes first, then in more at once.
+#: A search for records starts with the first window and grows it up to the second.
 _FIRST_BYTES, _WINDOW_BYTES = 2**12, 2**22
-#: Read at once where little is asked for.
+#: Bytes read ahead for small reads.
 _AHEAD_BYTES = 2**18
-#: Messages outside chunks are taken by this many bytes.
+#: Messages outside chunks are taken in pieces of this many bytes.
 _BARE_BYTES = 2**20
-#: So many times the file is read in search of records before those that overlap are left out.
+#: After the searches have read this many times the size of the file, they skip candidates that
+#: overlap an earlier one.
 _PATIENCE = 8
 
 
@@ -78,21 +79,21 @@ class Sound:
     Attributes
     ----------
     record : Record
-        Where it is; the first of chunks in a row, and of messages outside chunks.
+        Its place; the first record of consecutive chunks, or of messages outside chunks.
     end : int
-        The byte behind it, and behind the message indexes of chunks in a row.
+        The byte after it, and after the message indexes of consecutive chunks.
     block : Block or None
         The messages and definitions in it.
     fault : str
-        Why the block is not all of a chunk, empty if it is.
+        Why the block is only part of a chunk; empty if it is complete.
     run : ChunkRun or None
-        Chunks in a row, each whole.
+        Consecutive chunks, each whole.
     sure : int
-        Up to this byte nothing else can be hidden in it.
+        Up to this byte no other record can be hidden in it.
     begins : bool
-        It is the header of a file, behind its first bytes.
+        It is the header of a file, just after the magic bytes.
     lost : int
-        About so many bytes of it are not in the block.
+        About how many of its bytes are missing from the block.
 
     """
 
@@ -114,9 +115,9 @@ class Gap:
     Attributes
     ----------
     start, end : int
-        The first byte, and the one behind the last.
+        The first byte, and the byte after the last.
     fault : str
-        What is wrong with the first of them.
+        What is wrong at the first byte.
     chunk : bool
         They begin with a chunk.
 
@@ -148,17 +149,17 @@ class Salvage:
         self._zstd = zstandard.ZstdDecompressor()
         self._chunked = False
         self._previous = 0
-        #: Here the record begins that follows the last.
+        #: Where the record after the last one begins.
         self._next = 0
         self._fault = ''
         self._looked_at = 0
 
     def content(self, record: Record) -> bytes:
-        """Return the bytes of a record behind its head."""
+        """Return the bytes of a record after its head."""
         return self._stream.content(record)
 
     def _read(self, at: int, size: int) -> bytes:
-        """Return so many bytes of the file, fewer at its end."""
+        """Return `size` bytes of the file, fewer at its end or at a hole."""
         if size > _AHEAD_BYTES:
             self._file.seek(at)
             return self._file.read(size)
@@ -169,7 +170,7 @@ class Salvage:
         return self._window[begin:begin + size]
 
     def scan(self) -> Iterator[Sound | Gap]:
-        """Yield what the file consists of, in its order; memory stays that of a chunk."""
+        """Yield the parts of the file in file order; memory stays that of a few chunks."""
         at = unsure = 0
         begins = False
         while at < self.size:
@@ -187,9 +188,10 @@ class Salvage:
                 yield replace(found, begins=True) if header else found
             else:
                 fault, chunk = self._fault, self._may_be_chunk(at)
-                # The record before, if no checksum vouches for it, may have swallowed a chunk.
+                # The record before, if it has no checksum, may have swallowed a chunk.
                 swallowed = self._search(unsure + 1, at, (Opcode.CHUNK,)) if unsure < at else at
-                start, at = min(at, swallowed), swallowed if swallowed < at else self._behind(at)
+                start = min(at, swallowed)
+                at = swallowed if swallowed < at else self._find_next(at)
                 unsure = at
                 yield Gap(start, at, fault, chunk)
             begins = False
@@ -215,14 +217,14 @@ class Salvage:
             return Record(opcode, at + HEAD.size, length)
         return None
 
-    def _followed(self, end: int) -> bool:
-        """Tell whether something that can follow a record is at a byte."""
+    def _can_follow(self, end: int) -> bool:
+        """Tell whether a record that ends at a byte is followed by something plausible."""
         return (end == self.size or self._head(end) is not None
                 or self._read(end, len(MAGIC)) == MAGIC
                 or find_chunk_head(self._read(end, HEAD_BYTES)) is not None)
 
-    def _cut_record(self, at: int) -> bool:
-        """Tell whether a record of usual length may begin at a byte, in which the file ends."""
+    def _is_cut_record(self, at: int) -> bool:
+        """Tell whether a record of usual length may begin at a byte and be cut by the end."""
         head = self._read(at, HEAD.size)
         length = int.from_bytes(head[1:], 'little')
         return b'\1' <= head[:1] <= bytes([_HIGHEST]) and (
@@ -230,14 +232,14 @@ class Salvage:
             or length <= _USUAL_BYTES and at + HEAD.size + length > self.size)
 
     def _sound(self, at: int) -> Sound | None:
-        """Return what is at a byte, if it proves itself; else say why not in `_fault`."""
+        """Return what is at a byte if it proves itself; otherwise set `_fault` to the reason."""
         try:
-            return self._proved(at)
+            return self._prove(at)
         except MemoryError:
-            self._fault = 'a record is larger than the memory'
+            self._fault = 'a record does not fit into memory'
             return None
 
-    def _proved(self, at: int) -> Sound | None:
+    def _prove(self, at: int) -> Sound | None:
         head = find_chunk_head(self._read(at, HEAD_BYTES))
         if head is not None:
             return self._chunks(at, head)
@@ -256,18 +258,18 @@ class Salvage:
         if opcode in _FORMED:
             good = is_formed(self._read, record)
         else:
-            good = self._followed(end)
+            good = self._can_follow(end)
         if not good:
             return None
         block = block_of(self._read(at, end - at), at) if opcode in BARE else None
         return Sound(record, end, block, sure=at)
 
     def _messages(self, at: int, record: Record) -> Sound | None:
-        """Return messages outside chunks; one alone between chunks may be a mistake."""
+        """Return messages outside chunks; a single one between chunks may be a wrong guess."""
         self._fault = 'a record is damaged'
         end = record.start + record.length
         if not MESSAGE_LEAST <= record.length <= CHUNK_BYTES or not (
-                self._followed(end) or self._cut_record(end)):
+                self._can_follow(end) or self._is_cut_record(end)):
             return None
         data = self._read(at, max(min(_BARE_BYTES, self.size - at), HEAD.size + record.length))
         size = last = count = 0
@@ -283,7 +285,7 @@ class Salvage:
                  and self._read(at + size, 1) != bytes([Opcode.MESSAGE]))
         if alone and (at != self._next or is_disguised(self._read, record)):
             return None
-        if not (self._followed(at + size) or self._cut_record(at + size)):
+        if not (self._can_follow(at + size) or self._is_cut_record(at + size)):
             size = last
         block = block_of(data[:size], at)
         return Sound(record, at + size, block,
@@ -299,36 +301,36 @@ class Salvage:
         whole = self._crc(record.start, end - 4)
         if whole is None or crc and crc not in (whole, self._crc(data_at, end - 4)):
             return None
-        # Of one that lost some bytes the checksum may be zeros in the head of a chunk behind it.
+        # If bytes of it are lost, the zeros may come from the head of the next chunk.
         return Sound(record, end, sure=end if crc else end - HEAD_BYTES)
 
     def _crc(self, at: int, end: int) -> int | None:
-        """Return the checksum of the bytes between two; None if they cannot be read."""
+        """Return the checksum of the bytes [at, end); None if they cannot be read."""
         crc = 0
         while at < end and (piece := self._read(at, min(_WINDOW_BYTES, end - at))):
             crc, at = crc32(piece, crc), at + len(piece)
         return crc if at == end else None
 
     def _chunks(self, at: int, head: ChunkHead) -> Sound | None:
-        """Return the chunks from a byte on whose checksums are right, or a part of one."""
+        """Return the intact chunks from a byte on, or the intact part of one."""
         end = at + HEAD.size + head.length
         if end > self.size:
             return self.fragment(at, self._search(at + 1, self.size, (Opcode.CHUNK,),
-                                                  self._protected))
+                                                  self._is_protected))
         run = self._runs.run(at)
         if run is None:
             return self.fragment(at, end)
         last = run.chunks[-1]
-        return Sound(Record(Opcode.CHUNK, at + HEAD.size, head.length), last.behind, run.block,
-                     run=run, sure=last.behind if last.indexed else last.end)
+        return Sound(Record(Opcode.CHUNK, at + HEAD.size, head.length), last.index_end, run.block,
+                     run=run, sure=last.index_end if last.indexed else last.end)
 
-    def _protected(self, at: int) -> bool:
-        """Tell whether a chunk begins at a byte whose checksum is right."""
+    def _is_protected(self, at: int) -> bool:
+        """Tell whether a chunk with a correct checksum begins at a byte."""
         run = self._runs.run(at, at + 1)
         return run is not None and run.chunks[0].protected
 
     def fragment(self, at: int, end: int) -> Sound | None:
-        """Return the beginning of a chunk that ends early, or of one with wrong records."""
+        """Return the intact beginning of a chunk that ends early or has wrong records."""
         head = find_chunk_head(self._read(at, HEAD_BYTES))
         if head is None:
             return None
@@ -353,15 +355,15 @@ class Salvage:
         return Sound(Record(Opcode.CHUNK, at + HEAD.size, len(content)), end,
                      block_of(data[:kept], at), fault, sure=end, lost=lost)
 
-    def _behind(self, at: int) -> int:
-        """Return where, behind damage that begins at a byte, a sound record begins."""
+    def _find_next(self, at: int) -> int:
+        """Return where the next intact record begins after damage at a byte."""
         head = find_chunk_head(self._read(at, HEAD_BYTES))
         if head is not None:
             end = at + HEAD.size + head.length
-            if end <= self.size and self._followed(end):
+            if end <= self.size and self._can_follow(end):
                 return end
         record = self._head(at)
-        # What is in a file that is attached is not of this file.
+        # Records inside an attached file are not records of this file.
         if record is not None and (
                 record.opcode == Opcode.STATISTICS or record.opcode == Opcode.ATTACHMENT
                 and find_attached(self._read, record) is not None):
@@ -375,9 +377,9 @@ class Salvage:
     def _search(self, at: int, end: int, opcodes: tuple[int, ...],
                 proof: Callable[[int], object] | None = None) -> int:
         """
-        Return where between two bytes one of these records proves itself; `end` if nowhere.
+        Return where in [at, end) one of these records first proves itself; `end` if nowhere.
 
-        The proof is `_sound` unless given.
+        The proof is `_sound` unless another is given.
         """
         proof = proof or self._sound
         barred, window_bytes = 0, _FIRST_BYTES
@@ -399,6 +401,6 @@ class Salvage:
                     self._looked_at += length
                     if self._looked_at > _PATIENCE * self.size:
                         barred = at + place + length
-            # Windows end before what the disk cannot read.
+            # A window ends at a block that the disk cannot read.
             at += min(step, len(window)) or HOLE_BYTES - at % HOLE_BYTES
         return end

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A file on a disk that cannot read all of it any more."""
+"""A file on a disk that can no longer read all of it."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from pathlib import Path
 
 __all__ = ['HOLE_BYTES', 'open_with_holes']
 
-#: What the disk cannot read is taken as lost by this many bytes.
+#: Unreadable data counts as lost in blocks of this many bytes.
 HOLE_BYTES = 4096
 _BUFFER_BYTES = 2**18
 
 
 class _RoughFile(RawIOBase):
     """
-    A file, open for reading, that ends at each hole for who reads towards it.
+    A file, open for reading; a read stops at the next hole.
 
     Parameters
     ----------
     path : Path
         The file.
     holes : list of int
-        The first byte of each hole, in order; those that are found are put into it.
+        The first byte of each hole, in order; newly found holes are added to it.
 
     """
 
@@ -71,21 +71,22 @@ class _RoughFile(RawIOBase):
 
 def open_with_holes(path: Path, holes: list[int]) -> BufferedReader:
     """
-    Return a file, open for reading; what the disk cannot read are holes.
+    Open a file for reading; blocks that the disk cannot read are holes.
 
-    Reading ends at a hole, as at the end of the file, and goes on behind it after a seek.
+    A read ends at a hole, as at the end of the file. It continues after a seek past the hole.
 
     Parameters
     ----------
     path : Path
         The file.
     holes : list of int
-        Where blocks of `HOLE_BYTES` begin that cannot be read, in order, as far as known.
+        Offsets of the unreadable blocks of `HOLE_BYTES` known so far, in order; newly found ones
+        are added.
 
     Raises
     ------
     OSError
-        If the file cannot be opened, is none, or is not there any more.
+        If the file cannot be opened, is a directory, or disappears.
 
     """
     if path.is_dir():

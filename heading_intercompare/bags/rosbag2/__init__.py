@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whole bags read: topics, headings, checks, origin, replay."""
+"""Reading whole bags: topics, headings, checks, origin, replay."""
 
 from typing import TYPE_CHECKING
 

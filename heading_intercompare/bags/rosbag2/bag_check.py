@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A bag read through: every checksum verified, every message counted, gaps in their numbers."""
+"""The check of a whole bag: verify checksums, count messages, find gaps in their numbers."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ _READ_BYTES = 1 << 20
 @dataclass(slots=True)
 class BagCheck:
     """
-    What was read.
+    What a check of a bag found.
 
     Attributes
     ----------
     files, chunks, messages : int
-        Read.
+        Numbers read.
     unprotected : int
         Chunks that have no checksum.
     faults : list of str
-        What is wrong, at most a few a file; behind the first fault of a file its messages are
-        not read.
+        What is wrong, at most a few faults per file; the messages of a file are not read any
+        further after its first fault.
     topics : dict of str to Numbering
-        Numbers of the messages, by topic.
+        Sequence numbers of the messages, by topic.
 
     """
 
@@ -60,14 +60,14 @@ class BagCheck:
 def check_bag(path: str | os.PathLike[str],
               progress: Callable[[str], None] = lambda text: None) -> BagCheck:
     """
-    Read a bag through.
+    Read a whole bag and check it.
 
     Parameters
     ----------
     path : str or path
         An MCAP file or a rosbag2 directory.
     progress : callable
-        Told what has been done.
+        Called with the progress in words.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def check_bag(path: str | os.PathLike[str],
 
 
 def _faults(file: Path, found: BagCheck, progress: Callable[[str], None]) -> Iterator[str]:
-    """Yield what is wrong with a file while it is read."""
+    """Read a file; count what it holds and yield what is wrong with it."""
     try:
         part = Part(file)
     except BagError as error:
@@ -103,7 +103,7 @@ def _faults(file: Path, found: BagCheck, progress: Callable[[str], None]) -> Ite
         for _ in chain(part.metadata(), part.attachments()):
             pass
         with open(file, 'rb', _READ_BYTES) as stream:
-            yield from _unread(RecordStream(stream), part, found)
+            yield from _check_rest(RecordStream(stream), part, found)
     except BagError as error:
         yield f'{file.name}: {_text(error)}'
 
@@ -117,14 +117,14 @@ def _take(block: Block, part: Part, found: BagCheck) -> None:
     found.messages += len(channels)
     for number in np.flatnonzero(np.bincount(channels)).tolist() if len(channels) else ():
         if number not in part.channels:
-            raise BagError(f'a message is of channel {number}, which is not defined',
+            raise BagError(f'a message belongs to channel {number}, which is not defined',
                            offset=block.offset)
         topic = part.channels[number].topic
         found.topics.setdefault(topic, Numbering()).take(numbers[channels == number])
 
 
-def _unread(stream: RecordStream, part: Part, found: BagCheck) -> Iterator[str]:
-    """Look at what reading messages leaves out: missing checksums, those of data and summary."""
+def _check_rest(stream: RecordStream, part: Part, found: BagCheck) -> Iterator[str]:
+    """Check what reading messages does not: missing checksums, those of data and summary."""
     at = len(MAGIC)
     while at < part.end:
         record = stream.record(at, part.end)
@@ -148,7 +148,7 @@ def _unread(stream: RecordStream, part: Part, found: BagCheck) -> Iterator[str]:
 
 
 def _crc(stream: RecordStream, start: int, stop: int) -> int:
-    """Return the checksum of some bytes of a file."""
+    """Return the checksum of the bytes [start, stop) of a file."""
     crc = 0
     for at in range(start, stop, _READ_BYTES):
         crc = crc32(stream.content(Record(0, at, min(_READ_BYTES, stop - at))), crc)

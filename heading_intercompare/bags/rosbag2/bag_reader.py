@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bags read: topics, headings by the minute, messages, metadata and attachments."""
+"""The reader of bags: topics, headings by the minute, messages, metadata and attachments."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ __all__ = ['Attachment', 'BagMessage', 'BagReader', 'TopicInfo']
 @dataclass(frozen=True, slots=True)
 class TopicInfo:
     """
-    What a bag says of a topic.
+    What a bag says about a topic.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class TopicInfo:
     count : int
         Number of messages.
     qos : Qos
-        What its publisher offered; the default of `Qos` where the bag does not say.
+        The QoS its publisher offered; the default of `Qos` where the bag does not say.
 
     """
 
@@ -102,10 +102,10 @@ class BagReader:
     Attributes
     ----------
     topics : dict of str to TopicInfo
-        What the bag holds.
+        The topics in the bag.
     incomplete : str or None
-        Why the bag is not all of what was recorded (cut, never closed, a file missing); None if
-        it is whole. What is there can be read all the same.
+        Why part of the recording is missing (cut, never closed, a file missing); None if the bag
+        is complete. The rest can still be read.
     start_ns, end_ns : int or None
         Smallest and largest log time; None without messages.
 
@@ -151,7 +151,7 @@ class BagReader:
         Raises
         ------
         BagError
-            If there is no such topic; the message lists those that are there.
+            If there is no such topic; the message lists the topics of the bag.
 
         """
         for name in (topic, f'/{topic}'):
@@ -172,21 +172,21 @@ class BagReader:
         conventions : mapping of str to {'enu', 'ned'}
             World axes of the orientations, by topic.
         helpers : int
-            Processes that decode beside this one, for large bags; what comes is the same. None
-            are started where a process should not be copied: while other threads run, in a worker
-            of `multiprocessing`, on other systems than Linux.
+            Processes to decode in parallel with this one, for large bags; the result is the
+            same. None are started where a fork is unsafe: while other threads run, in a worker of
+            `multiprocessing`, or outside Linux.
 
         Returns
         -------
         iterator of dict of str to Headings
-            Chunks of at most a minute of log time, in file order, each with every topic asked
-            for, under the name by which it was asked. Memory stays bounded.
+            Chunks of at most a minute of log time, in file order. Each has every requested topic,
+            under the requested name. Memory stays bounded.
 
         Raises
         ------
         BagError
-            If a topic is absent, is no heading or has another layout than its type, at once;
-            while iterating, if the file is damaged.
+            At once if a topic is absent, is not a heading, or its layout differs from that of
+            its type; while iterating, if the file is damaged.
 
         """
         for topic, convention in conventions.items():
@@ -220,24 +220,24 @@ class BagReader:
         once = list(dict.fromkeys(wanted.values()))
         helpers = helpers if can_fork() else 0
         minutes = self._minutes(once, helpers)
-        # A thread that is ahead serves those who have no helper.
+        # Without helpers, decode ahead in a prefetch thread.
         for minute in minutes if helpers else run_ahead(minutes):
             found = dict(zip(once, minute))
             yield {asked: found[each] for asked, each in wanted.items()}
 
     def _minutes(self, wanted: Sequence[tuple[str, str]],
                  helpers: int) -> Iterator[list[Headings]]:
-        """Yield the headings of topics by minutes; those alike, but for their name, as one."""
+        """Yield the headings minute by minute; topics of one type and convention decode as one."""
         places: dict[tuple[str, str], dict[str, int]] = {}
         for place, (topic, convention) in enumerate(wanted):
             places.setdefault((self.topics[topic].type_name, convention), {})[topic] = place
         window = Window(len(wanted))
-        for block in self._decoded([Kind(*alike, of) for alike, of in places.items()], helpers):
+        for block in self._decode([Kind(*alike, of) for alike, of in places.items()], helpers):
             yield from window.add(block.found)
         yield from window.rest()
 
-    def _decoded(self, kinds: Sequence[Kind], helpers: int) -> Iterator[Decoded]:
-        """Yield the files block by block."""
+    def _decode(self, kinds: Sequence[Kind], helpers: int) -> Iterator[Decoded]:
+        """Yield the decoded blocks of all files."""
         tasks = [Task(number, stretch) for number, part in enumerate(self._parts)
                  for stretch in part.stretches()]
         by_blocks: set[int] = set()
@@ -245,16 +245,16 @@ class BagReader:
                 decode_stretches(decoder, tasks, helpers, by_blocks)) as results:
             of_parts = groupby(zip(tasks, results), lambda found: found[0].number)
             for number, stretches in of_parts:
-                yield from self._whole(decoder, number, stretches, by_blocks)
+                yield from self._decode_file(decoder, number, stretches, by_blocks)
 
-    def _whole(self, decoder: Decoder, number: int,
-               stretches: Iterable[tuple[Task, list[Decoded] | None]],
-               by_blocks: set[int]) -> Iterator[Decoded]:
-        """Yield the blocks of a file; BagError where it is damaged."""
+    def _decode_file(self, decoder: Decoder, number: int,
+                     stretches: Iterable[tuple[Task, list[Decoded] | None]],
+                     by_blocks: set[int]) -> Iterator[Decoded]:
+        """Yield the decoded blocks of a file; BagError where it is damaged."""
         count = 0
         for (_, stretch), blocks in stretches:
             if blocks is None:
-                # Damaged, large, or not where the index says: from there on block by block.
+                # Damaged, too large, or not where the index says: continue block by block.
                 by_blocks.add(number)
                 blocks = decoder.blocks(number, stretch.begin)
             for block in blocks:
@@ -272,14 +272,14 @@ class BagReader:
         Parameters
         ----------
         topics : iterable of str, optional
-            Topics wanted; all without it.
+            Topics to read; all by default.
         start_ns, stop_ns : int
-            Log times wanted: start <= log time < stop.
+            Log times to read: start <= log time < stop.
 
         Raises
         ------
         BagError
-            If a topic is absent, at once; while iterating, if the file is damaged.
+            At once if a topic is absent; while iterating, if the file is damaged.
 
         """
         wanted = None if topics is None else {self.resolve(topic) for topic in topics}
@@ -299,12 +299,12 @@ class BagReader:
                         yield BagMessage(*names[number], log, publish, sequence,
                                          bytes(block.data[lo:hi]))
                     elif number not in part.channels:
-                        raise BagError(f'a message is of channel {number}, which is not defined',
-                                       part.path, block.offset)
+                        raise BagError(f'a message belongs to channel {number}, which is not '
+                                       'defined', part.path, block.offset)
 
     @property
     def recovered(self) -> str | None:
-        """What was lost before this bag was recovered from a damaged one; None if nothing."""
+        """What was lost when this bag was recovered from a damaged one; None if nothing."""
         try:
             found = self.metadata().get('recovery', {})
         except BagError:
@@ -316,7 +316,7 @@ class BagReader:
                 f'and {found.get("bytes_lost", "?")} bytes were lost')
 
     def metadata(self) -> dict[str, dict[str, str]]:
-        """Return the metadata records by name, read once; the last of a name counts."""
+        """Return the metadata records by name; of several with one name the last. Read once."""
         if self._metadata is None:
             self._metadata = {record.name: dict(record.metadata) for part in self._parts
                               for record in part.metadata()}

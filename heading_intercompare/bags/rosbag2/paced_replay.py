@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages of a bag at the times at which they were logged: at a rate, paused, in rounds."""
+"""Replay of a bag in step with its log times: at a rate, with pauses, in rounds."""
 
 from __future__ import annotations
 
@@ -19,35 +19,35 @@ _NEVER_NS = 2 ** 63
 
 
 def _ns(span_s: float) -> int:
-    """Return a span in nanoseconds; what no bag can last is cut."""
+    """Return a span in nanoseconds, cut to more than any bag can last."""
     return round(min(span_s, 9e9) * 1e9)
 
 
 class Pace:
     """
-    Log time by a steady clock: the origin, and from there the time gone by, times the rate.
+    Log time by a steady clock: the origin plus the elapsed time times the rate.
 
     Parameters
     ----------
     origin_ns : int
-        Log time at the begin.
+        Log time at the beginning.
     rate : float
         Speed; 0 for no waiting.
     paused : bool
-        Stand still until `resume`.
+        Start paused, until `resume`.
     clock_ns : callable
         A steady clock, nanoseconds.
 
     Attributes
     ----------
     paused : bool
-        Whether it stands still.
+        Whether it is paused.
 
     Notes
     -----
-    It does not drift: what it shows is computed from the clock, never added up from steps. A
-    pause begins at the last look before it, so that what was due by then is out and nothing else
-    is; it moves the begin by its length, in whole nanoseconds. The end of a round moves the
+    It does not drift: the log time is computed from the clock, never added up from steps. A
+    pause counts from the last look before it, so the messages due by then are out and no others.
+    It shifts the beginning by its length, in whole nanoseconds. The end of a round shifts the
     origin by the length of the round, in whole nanoseconds of log time.
 
     Examples
@@ -73,11 +73,11 @@ class Pace:
         self.paused = paused
 
     def begin(self) -> None:
-        """Let it be the origin now."""
+        """Start the clock at the origin."""
         self._began_ns = self._seen_ns = self._clock_ns()
 
     def look_ns(self) -> float:
-        """Return the log time up to which messages are due, an integer or infinite."""
+        """Return the log time up to which messages are due, an integer or infinity."""
         if self._rate == 0.0:
             return math.inf
         if not self.paused:
@@ -86,66 +86,66 @@ class Pace:
         return self._origin_ns + round(gone_ns) if gone_ns < math.inf else math.inf
 
     def pause(self) -> None:
-        """Stand still at the last look."""
+        """Stop the clock at the last look."""
         self.paused = True
 
     def resume(self) -> None:
-        """Go on from there."""
+        """Continue from the pause."""
         if self.paused:
             now_ns = self._clock_ns()
             self._began_ns += now_ns - self._seen_ns
             self._seen_ns = now_ns
             self.paused = False
 
-    def again(self, length_ns: int) -> None:
-        """Let another round begin where one of this length, in log time, ends."""
+    def rewind(self, length_ns: int) -> None:
+        """Begin another round at the end of one that took this much log time."""
         self._origin_ns -= length_ns
 
 
 class Replay:
     """
-    Messages of a bag, each when it is due.
+    The messages of a bag, each returned when it is due.
 
     Parameters
     ----------
     reader : BagReader
         The bag.
     topics : collection of str
-        Topics of the bag.
+        Topics to replay.
     rate : float
-        Speed, times that of the recording; 0: no waiting.
+        Speed relative to the recording; 0: no waiting.
     start_s : float
-        What is left out, seconds behind the first message of the bag.
+        Where to start, seconds after the first message of the bag.
     duration_s : float or None
         Length, the end excluded, seconds; None: to the end of the bag.
     loop : bool
         Begin again at the end.
     paused : bool
-        Stand at the start until `pause(False)`.
+        Wait at the start until `pause(False)`.
     clock_ns : callable
         A steady clock, nanoseconds.
 
     Attributes
     ----------
     shown_ns : int
-        Log time that has been reached: not before a message that was taken, not behind one that
-        was not; back at the start in each round.
+        The log time reached: at or after every message taken, never after one that was not. It
+        returns to the start in each round.
     round : int
         Number of the round, from 1.
     over : bool
-        There is nothing more to take.
+        There are no more messages to take.
 
     Raises
     ------
     SettingsError
-        If it would start behind the last message.
+        If it would start after the last message.
     BagError
-        If a topic is absent; here and while messages are taken, if the bag is damaged.
+        If a topic is absent, or if the bag is damaged; the latter also while messages are taken.
 
     Notes
     -----
-    The first message is due when `begin` is called, plus its distance from the start divided by
-    the rate; so is every other. A round begins with the last message of the one before.
+    A message is due when its time from the start of the replay, divided by the rate, has passed
+    since `begin`. A round begins with the last message of the round before.
 
     """
 
@@ -179,33 +179,33 @@ class Replay:
 
     @property
     def paused(self) -> bool:
-        """Whether nothing is due until `pause(False)`."""
+        """Whether the replay waits for `pause(False)`."""
         return self._pace.paused
 
     @property
     def place_s(self) -> float:
-        """Return how far it is behind the first message of the bag, seconds."""
+        """Time from the first message of the bag to the log time reached, seconds."""
         return (self.shown_ns - self._first_ns) / 1e9
 
     @property
     def place(self) -> str:
-        """Return where in the bag it is, in words."""
+        """The place in the bag, in words."""
         again = f', round {self.round}' if self._loop else ''
         return f'{self.place_s:.3f} s of {self._length_s:.3f} s{again}'
 
     @property
     def part(self) -> str:
-        """Return what of the bag is replayed, in words."""
+        """The part of the bag that is replayed, in words."""
         begin_s, end_s = ((ns - self._first_ns) / 1e9 for ns in (self._origin_ns, self._stop_ns))
         end = 'its end' if self._stop_ns == _NEVER_NS else f'before {end_s:g} s'
         return f'{self._reader.path} from {begin_s:g} s to {end}'
 
     def begin(self) -> None:
-        """Let it be the start now."""
+        """Start the clock."""
         self._pace.begin()
 
     def pause(self, wanted: bool | None = None) -> str:
-        """Pause or go on, None: the other of the two; return what that did, in words."""
+        """Pause (True), resume (False) or toggle (None); return what was done, in words."""
         wanted = not self.paused if wanted is None else wanted
         if wanted == self.paused:
             return f'{"already paused" if wanted else "not paused,"} at {self.place}'
@@ -216,7 +216,7 @@ class Replay:
         return f'{"paused" if wanted else "resumed"} at {self.place}'
 
     def take(self) -> BagMessage | None:
-        """Return the next message, once, if it is due; None if none is."""
+        """Return the next message if it is due; otherwise None. Each is returned once."""
         if self._next is None or self.paused:
             return None
         due_ns, message = self._pace.look_ns(), self._next
@@ -226,7 +226,7 @@ class Replay:
         self.shown_ns = max(self.shown_ns, message.log_time_ns)
         self._next = next(self._messages, None)
         if self._next is None and self._loop:
-            self._pace.again(self.shown_ns - self._origin_ns)
+            self._pace.rewind(self.shown_ns - self._origin_ns)
             self._open_round()
         self.over = self._next is None
         return message

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a bag says of its own origin: software, settings, sources, and the operator's notes.
+What a bag says about its own origin: software, settings, sources, and the operator's notes.
 
-Each note is a metadata record of its own, written when it comes: a recorder that is killed leaves
-those it had, and no record grows.
+Each note is written at once as its own metadata record. So a recorder that is killed leaves its
+notes in the bag, and no record grows.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ TRUTH_TOPIC = 'truth/heading'
 """Topic of the true heading, which only a simulator knows."""
 
 _NOTE = 'note.'
-#: More are no notes but a program gone wrong; their messages are recorded all the same.
+#: More than this are no notes but a program gone wrong; their messages are still recorded.
 _MOST = 1000
 _SECOND_NS = 1_000_000_000
 _TIMED = re.compile(r'(\d{4}-\d\d-\d\dT\d\d:\d\d(?::\d\d)?)(?:\.(\d{1,9}))?Z\s+(.+)')
@@ -48,9 +48,9 @@ def describe_origin(settings: Mapping[str, object],
     Parameters
     ----------
     settings : mapping
-        Those of the analysis, dotted names.
+        Settings of the analysis, by dotted name.
     sources : mapping of str to mapping, optional
-        Where the headings come from: names and values of each source; None and '' are left out.
+        Where the headings come from: names and values of each source; None and '' are skipped.
 
     """
     return {'version': VERSION,
@@ -68,7 +68,7 @@ class Note(NamedTuple):
 
 
 def _parse_note(line: str, now_ns: int) -> Note:
-    """Return a note that may begin with its time, 2026-03-01T09:00:00Z."""
+    """Return a note; the line may begin with its time, 2026-03-01T09:00:00Z."""
     found = _TIMED.fullmatch(line)
     if found is None:
         return Note(now_ns, line)
@@ -89,7 +89,7 @@ def _time(stamp_ns: int) -> str:
 
 
 def note_lines(text: str) -> list[str]:
-    """Return the notes in a text, one a line: what can be printed, if there is anything."""
+    """Return the notes in a text, one per line, without empty lines and unprintable characters."""
     lines = (' '.join(''.join(c if c.isprintable() else ' ' for c in line).split())
              for line in text.splitlines())
     return [line for line in lines if line]
@@ -97,7 +97,7 @@ def note_lines(text: str) -> list[str]:
 
 class Notes:
     """
-    The operator's notes of a bag that is written.
+    Writes the operator's notes into a bag.
 
     Parameters
     ----------
@@ -112,20 +112,20 @@ class Notes:
 
     def add(self, text: str, now_ns: int) -> list[Note]:
         """
-        Write a note, and return it.
+        Write the notes in a text, and return them.
 
         Parameters
         ----------
         text : str
-            Each line is a note; one that begins with a time such as 2026-03-01T09:00:00Z is of
-            that time. Empty lines are left out.
+            Each line is a note. A line that begins with a time such as 2026-03-01T09:00:00Z gets
+            that time. Empty lines are skipped.
         now_ns : int
-            Time of the others, UTC nanoseconds.
+            Time of the other notes, UTC nanoseconds.
 
         Returns
         -------
         list of Note
-            Those written; of very many the first thousand are.
+            The notes written; a bag takes at most a thousand.
 
         """
         written = []
@@ -135,7 +135,7 @@ class Notes:
             self._count += 1
             note = _parse_note(line, now_ns)
             if self._count == _MOST:
-                note = Note(now_ns, f'too many notes: further ones stand only in {NOTE_TOPIC}')
+                note = Note(now_ns, f'too many notes: later ones are only in topic {NOTE_TOPIC}')
             self._metadata(f'{_NOTE}{self._count}', {'time': _time(note.stamp_ns),
                                                      'text': note.text})
             written.append(note)
@@ -143,18 +143,18 @@ class Notes:
 
 
 def is_note(name: str) -> bool:
-    """Tell whether a metadata record is a note, by its name."""
+    """Tell from its name whether a metadata record is a note."""
     return name.startswith(_NOTE) and name[len(_NOTE):].isdigit()
 
 
 def read_texts(bag: BagReader, topic: str) -> list[tuple[int, str]]:
     """
-    Return the texts of a topic, each with its time of receipt; [] if it is absent or no text.
+    Return the texts of a topic, each with its time of receipt; [] if there is no such text topic.
 
     Raises
     ------
     OSError, BagError
-        If they cannot be read.
+        If the bag cannot be read.
 
     """
     found = next((name for name, info in bag.topics.items() if name.lstrip('/') == topic
@@ -170,13 +170,13 @@ def read_notes(bag: BagReader) -> list[Note]:
     """
     Return the operator's notes in a bag, in the order of their times.
 
-    The records say them at once. A bag that another program recorded may have the messages only;
-    then it is read through.
+    They are in metadata records, which are quick to read. A bag that another program recorded may
+    have them only as messages; then the whole bag is read.
 
     Raises
     ------
     OSError, BagError
-        If they cannot be read.
+        If the bag cannot be read.
 
     """
     notes = []

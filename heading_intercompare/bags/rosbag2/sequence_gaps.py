@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages that are missing, by the numbers that their publishers gave them."""
+"""Missing messages, found by the sequence numbers that their publishers gave them."""
 
 from __future__ import annotations
 
@@ -12,34 +12,34 @@ from numpy.typing import ArrayLike
 
 __all__ = ['Numbering']
 
-#: Publishers and gaps that are remembered: more go on at once on no topic.
+#: Publishers and gaps remembered per topic; no topic has more at once.
 _PUBLISHERS, _GAPS = 8, 16
 
 
 def _beyond(number: int, other: int) -> int:
-    """Return how far a number is beyond another, behind the last of which comes 0."""
+    """Return how far a 32-bit number is beyond another, counted through the wrap to 0."""
     return (number - other + 2**31) % 2**32 - 2**31
 
 
 @dataclass(slots=True)
 class Numbering:
     """
-    The numbers of the messages of one topic, in the order in which they came.
+    The sequence numbers of the messages of one topic, in order of arrival.
 
-    Several publishers count by themselves, and who takes their messages is not told which is
-    whose. So a number belongs to the publisher that it is next to; one that is beyond none begins
-    a count anew, or fills a gap that was none.
+    Each publisher counts on its own, and a subscriber is not told which message is whose. So a
+    number is credited to the publisher whose last number it follows most closely. A number that
+    follows none starts a new count, or fills a gap that was no gap.
 
     Attributes
     ----------
     numbered : bool
-        There is one other than 0; rosbag2 writes none.
+        Some number is not 0; rosbag2 writes only 0.
     missing : int
-        Numbers left out between one message and the next.
+        Numbers skipped between one message and the next.
     restarts : int
-        How often a number was beyond no other: a publisher that began again, or another one.
+        How often a number followed no other: a publisher restarted, or another one joined.
     first : int or None
-        The first number; what a publisher sent before is not missing.
+        The first number; messages that a publisher sent earlier do not count as missing.
 
     """
 
@@ -51,7 +51,7 @@ class Numbering:
     _gaps: deque[tuple[int, int]] = field(default_factory=lambda: deque(maxlen=_GAPS))
 
     def take(self, numbers: ArrayLike) -> None:
-        """Take the numbers of the next messages, n >= 1, of which the lowest 32 bits count."""
+        """Take the numbers of the next messages, n >= 1; only their lowest 32 bits count."""
         numbers = np.asarray(numbers).astype(np.uint32)
         self.numbered = self.numbered or bool(numbers.any())
         if not self.numbered:
@@ -80,7 +80,7 @@ class Numbering:
         self._newest = [*self._newest[1 - _PUBLISHERS:], number]
 
     def _miss(self, before: int, number: int) -> None:
-        """Count what is missing between two numbers."""
+        """Count the numbers missing between two."""
         before %= 2**32
         step = _beyond(number, before)
         self.missing += step - 1
@@ -88,10 +88,10 @@ class Numbering:
             self._gaps.append((before, number))
 
     def _begin(self, number: int) -> None:
-        """Take a number that is beyond none."""
+        """Take a number that follows none."""
         for before, behind in self._gaps:
             if 0 < _beyond(number, before) < _beyond(behind, before):
-                # Nothing was missing there: the number behind was that of another publisher.
+                # Nothing was missing there: the number after the gap was another publisher's.
                 self._gaps.remove((before, behind))
                 self.missing -= _beyond(behind, before) - 1
                 self._miss(before, number)

@@ -17,7 +17,7 @@ from heading_intercompare.app.outputs import check_outputs, name_file, open_tabl
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.verdict.validity import DOUBTFUL
+from heading_intercompare.core.verdict.validity import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.report import json, SeriesSketch, write, WRITERS
 
@@ -168,7 +168,6 @@ def conclude(verdict: Verdict, arguments: argparse.Namespace) -> int:
                 json.write(verdict, arguments.json)
     if not arguments.check:
         return 0
-    decided = verdict.outcome is not Outcome.INDETERMINATE
-    if decided and verdict.validity_effect == DOUBTFUL:
+    if is_doubtful(verdict.outcome, verdict.validity_effect):
         return _DOUBTFUL_CODE
     return _CHECK_CODES[verdict.outcome]

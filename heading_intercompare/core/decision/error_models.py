@@ -275,7 +275,8 @@ def tail(model: str, ratio: float, k: ArrayLike) -> np.ndarray:
     Returns
     -------
     ndarray, shape of `k`
-        P(|x - a| > k sqrt(sigma^2 + sigma_ref^2)), with good relative accuracy far into the tail.
+        ``P(|x - a| > k sqrt(sigma^2 + sigma_ref^2))``, with good relative accuracy far into the
+        tail.
 
     """
     ts, rs = _parts(ratio)

@@ -125,7 +125,7 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
     -----
     x_i(L) = TS(t_i) - RS(t_i - L), wrapped, with the unwrapped RS interpolated linearly. Only
     readings i inside the RS record at both ends of the range are used. L_0 is the grid point of
-    least variance v, and L* = L_0 - step (v_+ - v_-) / (2 (v_+ - 2 v_0 + v_-)). With more than
+    least variance v, and ``L* = L_0 - step (v_+ - v_-) / (2 (v_+ - 2 v_0 + v_-))``. With more than
     20000 readings, L_0 is first searched on an even subset of at most that number, then moved to
     the nearest minimum over all.
 

@@ -58,7 +58,7 @@ class PreparedRun:
     variance_deg2: float | None
 
     def deviations(self, variant: str) -> Reals:
-        """Return the values to count: |x| in variant A, otherwise the absolute residuals."""
+        """Return the values to count: ``|x|`` in variant A, otherwise the absolute residuals."""
         about = self.x_deg
         if variant != 'A':
             about = self.x_deg - self.moments.mean_deg if self.residual_deg is None \

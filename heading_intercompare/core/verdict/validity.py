@@ -26,7 +26,7 @@ from heading_intercompare.core.timing.realignment import realign
 from .prepare import PreparedRun
 
 __all__ = ['CONDITIONS', 'DOUBTFUL', 'examine', 'Examined', 'Finding', 'gravest', 'HOLDS',
-           'NOT_TESTABLE', 'VOID', 'VOID_REASONS', 'worst_effect']
+           'is_doubtful', 'NOT_TESTABLE', 'VOID', 'VOID_REASONS', 'worst_effect']
 
 HOLDS, NOT_TESTABLE, DOUBTFUL, VOID = 'holds', 'not_testable', 'doubtful', 'void'
 
@@ -97,6 +97,11 @@ class Finding:
 def worst_effect(findings: Iterable[Finding]) -> str:
     """Return the most serious effect of findings: 'holds', 'doubtful' or 'void'."""
     return gravest(f.effect for f in findings)
+
+
+def is_doubtful(outcome: Outcome, effect: str | None) -> bool:
+    """Tell whether a decision is in doubt; no decision, no doubt."""
+    return outcome is not Outcome.INDETERMINATE and effect == DOUBTFUL
 
 
 def gravest(effects: Iterable[str]) -> str:

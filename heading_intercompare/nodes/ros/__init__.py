@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""ROS for the nodes: message types, parameters, quality of service, processes."""
+"""The ROS side of the nodes: message types, parameters, quality of service, processes."""
 
 from typing import TYPE_CHECKING
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Message types of rclpy by name: what topics are made with; what passes are bytes."""
+"""Message types of rclpy by name, to create topics with; the messages pass as bytes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ HEADING_TYPES = {
     'geometry_msgs/msg/PoseWithCovarianceStamped': PoseWithCovarianceStamped,
     'nav_msgs/msg/Odometry': Odometry,
 }
-"""The types that headings are taken from."""
+"""The types that headings can have."""
 
 PAIRS_TYPES = {'geometry_msgs/msg/TwistStamped': TwistStamped}
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Settings classes as ROS parameters: read-only, described, checked, unknown names refused."""
+"""Settings classes as ROS parameters: read-only, described, checked, unknown names rejected."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ from heading_intercompare.core.settings import (
 __all__ = ['declare', 'make_overrides', 'OVERRIDES', 'resolve_topic']
 
 OVERRIDES = {'automatically_declare_parameters_from_overrides': True}
-"""What `Node.__init__` must be given for `declare` to see all that was given to the node."""
+"""Arguments that `Node.__init__` needs so that `declare` sees all parameters given to a node."""
 
-# Declared by every node of rclpy.
+# Every rclpy node declares these.
 _OF_ROS = ('use_sim_time', 'start_type_description_service')
 
 
 def declare(node: Node, *classes: type) -> tuple[Any, ...]:
     """
-    Return the settings of a node, and declare them as parameters.
+    Declare the settings of a node as parameters, and return them.
 
     Parameters
     ----------
     node : Node
-        Made with `OVERRIDES`.
+        A node made with `OVERRIDES`.
     *classes : type
-        Settings classes whose names do not clash.
+        Settings classes without a setting name in common.
 
     Returns
     -------
@@ -74,7 +74,7 @@ def declare(node: Node, *classes: type) -> tuple[Any, ...]:
 
 
 def resolve_topic(node: Node, topic: str) -> str:
-    """Return the full name of a topic, remapped; SettingsError if it cannot be one."""
+    """Return the full name of a topic after remapping; SettingsError if it is not valid."""
     try:
         return node.resolve_topic_name(topic)
     except RuntimeError as error:
@@ -83,7 +83,7 @@ def resolve_topic(node: Node, topic: str) -> str:
 
 
 def make_overrides(values: Mapping[str, Any]) -> list[Parameter]:
-    """Return values, by dotted name, as `parameter_overrides` of a node; None is not given."""
+    """Return values, by dotted name, as `parameter_overrides` of a node; None is skipped."""
     given = {name: value for name, value in values.items() if value is not None}
     for name, value in given.items():
         if isinstance(value, str):

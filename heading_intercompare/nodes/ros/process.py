@@ -3,8 +3,8 @@
 """
 A node as a process: one line for a user's mistake, a clean end on a signal.
 
-The handlers of rclpy would end the context before the last verdict could be published, so they
-are left out, and a flag ends the loop instead.
+The signal handlers of rclpy would end the context before the last verdict could be published. So
+they are not installed, and a flag ends the loop instead.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ from heading_intercompare.drivers.settings import DriverError
 __all__ = ['end', 'error_words', 'run', 'spin_nodes', 'Stop']
 
 _MISTAKES = (SettingsError, DriverError, BagError, OSError)
-"""What a user can cause; the text of each is one line that says what is wrong."""
+"""The errors that a user can cause; the text of each is one line that says what is wrong."""
 
 # Longest time that a node may take to end; `ros2 launch` kills after 10 s.
 _END_S = 9.0
 
-# What best effort has under way goes with the process that sent it.
+# Best-effort messages still under way are lost when the process that sent them ends.
 _LINGER_S = 0.5
 
 
 class _Ending(Protocol):
     """
-    What every node here has beside being a Node.
+    What every node here offers in addition to a Node.
 
-    `done`: its work is over by itself. After `end` it goes on being spun until `ended`: all is
+    `done`: its work is finished. After `end`, the node is spun until `ended`: everything is
     published and written.
     """
 
@@ -50,14 +50,14 @@ class _Ending(Protocol):
     ended: bool
 
     def end(self) -> None:
-        """Begin to end."""
+        """Begin to shut down."""
 
 
 class Stop:
     """
     Notes SIGINT, SIGTERM and SIGHUP while entered; `requested` says whether one came.
 
-    SIGHUP, of a terminal that is closed, stays ignored where it is, as by `nohup`.
+    SIGHUP, which a closed terminal sends, stays ignored if it was, for instance by `nohup`.
     """
 
     def __init__(self) -> None:
@@ -81,7 +81,7 @@ class Stop:
 
 @contextmanager
 def spin_nodes(context: Context) -> Iterator[tuple[SingleThreadedExecutor, list[Node]]]:
-    """Give an executor and a list; the nodes in it are destroyed, whatever happens."""
+    """Yield an executor and a list; destroy the nodes in the list at the end, in any case."""
     executor, nodes = SingleThreadedExecutor(context=context), []
     try:
         yield executor, nodes
@@ -92,7 +92,7 @@ def spin_nodes(context: Context) -> Iterator[tuple[SingleThreadedExecutor, list[
 
 
 def end(executor: SingleThreadedExecutor, nodes: Sequence[Node], linger_s: float = 0.0) -> None:
-    """End nodes in the order given, each living on for `linger_s`, and destroy them."""
+    """End and destroy nodes in the given order; spin each for `linger_s` after its end."""
     for node in nodes:
         node.end()
         deadline_s = time.monotonic() + _END_S
@@ -120,16 +120,16 @@ def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None)
     Parameters
     ----------
     name : str
-        Of the executable, for messages.
+        Name of the executable, for messages.
     make : callable
         Makes the node, given `context`.
     args : sequence of str, optional
-        Arguments; those of the process by default.
+        Arguments; by default those of the process.
 
     Returns
     -------
     int
-        0; 2 after a mistake of the user, which stands in one line on stderr.
+        0; or 2 after a user's mistake, which is reported in one line on stderr.
 
     """
     context = Context()

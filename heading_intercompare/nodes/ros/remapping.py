@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Under which names topics go out when they are remapped."""
+"""The names under which topics are published after remapping."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from .parameters import resolve_topic
 
 __all__ = ['published_names']
 
-# Every node publishes them, in types of their own.
+# Every node publishes these, with other types.
 _TAKEN = ('/diagnostics', '/parameter_events', '/rosout')
 
 
 def published_names(node: Node, topics: Sequence[str],
                     remapped: Collection[str] = ()) -> list[str]:
     """
-    Return the full names under which topics go out, after remapping.
+    Return the full names under which topics are published after remapping.
 
     Parameters
     ----------
     node : Node
-        Who publishes.
+        The node that publishes them.
     topics : sequence of str
         Names before remapping.
     remapped : collection of str
-        Topics that somebody wants to have another name.
+        Topics that the user renames.
 
     Raises
     ------
     SettingsError
-        If a name is no topic name, if two topics would go out under one name, or if one that is
-        to have another name is none of the topics or comes twice.
+        If a name is not a topic name, if two topics would have the same name, or if a topic to
+        rename is not one of the topics or is given twice.
 
     """
     names = [resolve_topic(node, topic) for topic in topics]
@@ -50,8 +50,9 @@ def published_names(node: Node, topics: Sequence[str],
     known = [node.resolve_topic_name(topic, only_expand=True) for topic in topics]
     for topic, name in zip(remapped, wanted):
         if name not in known:
-            raise SettingsError(f'remap {topic!r}: is not replayed; replayed are '
+            raise SettingsError(f'remap {topic!r}: is not replayed; must be one of '
                                 f'{", ".join(topics)}')
         if wanted.count(name) > 1:
-            raise SettingsError(f'remap {topic!r}: is given {wanted.count(name)} times')
+            raise SettingsError(f'remap {topic!r}: is given {wanted.count(name)} times; must be '
+                                'given once')
     return names

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Timers that go on when simulated time stands still."""
+"""Timers that keep running when simulated time stands still."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What nodes do while they run: take, publish, watch, report."""
+"""The work of running nodes: take messages, publish, watch, report."""
 
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'health': ('Health',),
     'intake': ('Intake',),
     'note_publisher': ('publish_note',),
-    'publishing': ('all_acknowledged', 'Allowance', 'Audience'),
+    'publishing': ('Allowance', 'Audience', 'await_acknowledgement'),
     'raw_subscription': ('subscribe',),
     'recorded_topics': ('make_intakes', 'report_files', 'text_of'),
     'reporting': ('Reporting',),
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from .intake import Intake as Intake
     from .note_publisher import publish_note as publish_note
     from .publishing import (
-        all_acknowledged as all_acknowledged,
         Allowance as Allowance,
         Audience as Audience,
+        await_acknowledgement as await_acknowledgement,
     )
     from .raw_subscription import subscribe as subscribe
     from .recorded_topics import (

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The state of a node on /diagnostics: once a second, and at once when it gets worse."""
+"""The state of a node on /diagnostics: once per second, and at once when it gets worse."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ __all__ = ['Health']
 
 class Health:
     """
-    What a node says of itself, part by part; a change of state is logged once.
+    Reports the state of a node, part by part; a change of state is logged once.
 
     Parameters
     ----------
     node : Node
-        Whose state it is.
+        The node whose state it reports.
 
     """
 
@@ -46,33 +46,33 @@ class Health:
         self.note('node', OK, 'running')
 
     def mute(self) -> None:
-        """Log only errors from now on: at the end inputs go away, as they should."""
+        """Log only errors from now on: at the end inputs disappear, as they should."""
         self._ending = True
 
-    def before_beat(self, refresh: Callable[[], None]) -> None:
-        """Have a function called each second, before the parts are published."""
+    def add_refresher(self, refresh: Callable[[], None]) -> None:
+        """Add a function to call every second before the parts are published."""
         self._refreshers.append(refresh)
 
     def note(self, part: str, level: int, message: str, *, latch: bool = False,
              log: bool = True, **values: Any) -> None:
         """
-        State how a part is; a worse state than before is published at once.
+        Set the state of a part; publish at once if it is worse than before.
 
         Parameters
         ----------
         part : str
-            What is spoken of: an input, a file.
+            The part: an input, a file.
         level : int
             `OK`, `WARN` or `ERROR`.
         message : str
             The state in words.
         latch : bool
-            Keep showing this state, unless it is OK, or a graver one before it, until
-            `acknowledge`.
+            Keep showing this state until `acknowledge`, unless it is OK or a worse one is
+            latched already.
         log : bool
             Log a change of level.
         **values : object
-            Figures.
+            Figures to show with it.
 
         """
         before = self._parts.get(part)
@@ -87,14 +87,14 @@ class Health:
             self.publish()
 
     def acknowledge(self) -> int:
-        """Let go of the latched states; return how many there were."""
+        """Clear the latched states; return how many there were."""
         n = len(self._latched)
         self._latched.clear()
         self.publish()
         return n
 
     def publish(self) -> None:
-        """Publish all parts as they are."""
+        """Publish the current state of all parts."""
         now_ns = self._node.get_clock().now().nanoseconds
         shown = {**self._parts, **self._latched}
         self._publisher.publish(encode_statuses(now_ns, shown.values()))
@@ -117,12 +117,12 @@ class Health:
 
     def _mismatch(self, topic: str, event: Any) -> None:
         policy = qos_policy_name_from_kind(event.last_policy_kind)
-        self.note(topic, ERROR, f'QoS mismatch on {topic}: {policy}; nothing passes')
+        self.note(topic, ERROR, f'QoS mismatch on {topic}: {policy}; no message gets through')
 
     def of_subscription(self, topic: str) -> SubscriptionEventCallbacks:
-        """Return what makes a QoS mismatch of a subscription known."""
+        """Return callbacks that report a QoS mismatch of a subscription."""
         return SubscriptionEventCallbacks(incompatible_qos=lambda e: self._mismatch(topic, e))
 
     def of_publisher(self, topic: str) -> PublisherEventCallbacks:
-        """Return what makes a QoS mismatch of a publisher known."""
+        """Return callbacks that report a QoS mismatch of a publisher."""
         return PublisherEventCallbacks(incompatible_qos=lambda e: self._mismatch(topic, e))

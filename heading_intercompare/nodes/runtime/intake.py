@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages of one topic, taken in batches, losses counted, publishers watched."""
+"""The messages of one topic: take them in batches, count losses, watch publishers."""
 
 from __future__ import annotations
 
@@ -28,42 +28,42 @@ class Intake:
     Parameters
     ----------
     node : Node
-        Who takes them.
+        The node that takes the messages.
     topic : str
         Relative or absolute name.
     types : mapping of str to type
-        Message types taken, by name; that of the publisher decides.
+        Accepted message types, by name; the publisher's decides.
     qos : QoSProfile
-        Of the subscription.
+        Quality of service of the subscription.
     health : Health
-        Where the state of this input is shown.
+        Shows the state of this input.
     stale_s : float, optional
-        Silence after which the state is a warning.
+        Silence after which the state is a warning, seconds.
     sole : bool
         More than one publisher is an error.
     needed : bool
-        To have no publisher is a warning.
+        A missing publisher is a warning.
 
     Attributes
     ----------
     full_name : str
-        The topic as the graph knows it.
+        Full name of the topic in the graph.
     type_name : str or None
-        Type taken; None while there is no subscription.
+        Type of the subscription; None while there is none.
     received, last_sequence : int
-        Messages taken, number of the newest at its publisher.
+        Number of messages taken; number that the publisher gave the newest.
     refused : int
         Messages that could not be read.
     publishers : int
         Publishers seen at the last `look`.
     open : bool
-        Subscribe when a publisher is seen; what comes before is not taken.
+        Subscribe when a publisher is seen. While this is False, no subscription is made.
 
     Notes
     -----
-    The subscription is made when a publisher is seen, whose type is taken from then on. It knows
-    that publisher before the publisher knows it, so that a publisher which waits for its
-    subscription loses no message, not even to a best-effort one.
+    The subscription is made when a publisher is seen, with the type of that publisher. So it knows
+    the publisher before the publisher knows it. A publisher that waits for its subscription then
+    loses no message, even if the subscription is best effort.
 
     """
 
@@ -82,10 +82,10 @@ class Intake:
         self.received = self.last_sequence = self.refused = self.publishers = 0
         self._why_refused = ''
         self._numbering = Numbering()
-        health.before_beat(self._note)
+        health.add_refresher(self._note)
 
     def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
-        """Return what has come since the last call, each message with its info."""
+        """Return the messages since the last call, each with its info."""
         if self._subscription is None:
             self.look()
             if self._subscription is None:
@@ -102,18 +102,18 @@ class Intake:
         return taken
 
     def refuse(self, problems: Sequence[str]) -> None:
-        """Count messages that could not be read, each with what is wrong with it."""
+        """Count messages that could not be read, given what is wrong with each."""
         if problems:
             self.refused += len(problems)
             self._why_refused = problems[-1]
 
     @property
     def lost(self) -> int:
-        """Messages lost on the way, by the numbers of their publishers."""
+        """Messages lost on the way, by their publishers' sequence numbers."""
         return self._numbering.missing
 
     def look(self) -> str:
-        """Look at the publishers, subscribe to their type; return what is wrong, or nothing."""
+        """Look for publishers and subscribe to their type; return what is wrong, '' if nothing."""
         self.publishers = self._node.count_publishers(self.full_name)
         if not self.publishers:
             return ''
@@ -124,7 +124,7 @@ class Intake:
             self._subscribe(good[0])
         strange = sorted(found - {self.type_name} - set(() if self.type_name else good))
         if strange:
-            return (f'{self._topic} has the type {", ".join(strange)}; taken is '
+            return (f'{self._topic} has the type {", ".join(strange)}; must be '
                     f'{self.type_name or " or ".join(self._types)}')
         for info in infos:
             verdict, reason = qos_check_compatible(info.qos_profile, self._qos)
@@ -142,7 +142,7 @@ class Intake:
         self.type_name = type_name
 
     def _note(self) -> None:
-        """State how this input is."""
+        """Report the state of this input."""
         now_s = time.monotonic()
         wrong, age_s = self.look(), now_s - self._newest_s
         level, words = (ERROR, wrong) if wrong else (OK, 'receiving')

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A note of the operator, published for the recorder."""
+"""The publisher of an operator's note for the recorder."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from heading_intercompare.messages.texts import encode_text
 from heading_intercompare.nodes.ros.process import spin_nodes
 from heading_intercompare.nodes.ros.qos import NOTE
 
-from .publishing import all_acknowledged
+from .publishing import await_acknowledgement
 
 __all__ = ['publish_note']
 
@@ -28,12 +28,12 @@ _PATIENCE_S = 5.0
 
 def publish_note(text: str, patience_s: float = _PATIENCE_S) -> None:
     """
-    Publish a note as soon as a recorder listens; return when it has it.
+    Publish a note as soon as a recorder listens; return when the recorder has received it.
 
     Raises
     ------
     SettingsError
-        If none listens in time, or does not confirm it.
+        If no recorder listens in time, or it does not confirm the note.
 
     """
     context = Context()
@@ -47,11 +47,11 @@ def publish_note(text: str, patience_s: float = _PATIENCE_S) -> None:
             while not publisher.get_subscription_count():
                 if time.monotonic() > deadline_s:
                     raise SettingsError(
-                        f'nobody listens to {NOTE_TOPIC}: is a bag being recorded, on this '
-                        'network and in this ROS_DOMAIN_ID?')
+                        f'nobody listens to {NOTE_TOPIC}: a recorder must be running, on this '
+                        'network and in this ROS_DOMAIN_ID')
                 executor.spin_once(0.05)
             publisher.publish(encode_text(text))
-            if not all_acknowledged([publisher]):
-                raise SettingsError(f'a listener to {NOTE_TOPIC} has not confirmed the note')
+            if not await_acknowledgement([publisher]):
+                raise SettingsError(f'a subscriber to {NOTE_TOPIC} has not confirmed the note')
     finally:
         context.try_shutdown()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Topics published from a recording or a simulation: begun when they are heard, paced, counted."""
+"""Publishing from a recording or simulation: wait for subscribers, limit the rate, confirm."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from heading_intercompare.messages.status_messages import OK, WARN
 
 from .health import Health
 
-__all__ = ['Allowance', 'all_acknowledged', 'Audience']
+__all__ = ['Allowance', 'Audience', 'await_acknowledgement']
 
-# Discovery between processes takes up to two seconds; after this the waiting is a warning.
+# Discovery between processes takes up to two seconds; a longer wait than this is a warning.
 _PATIENCE_S = 5.0
 
 
@@ -28,13 +28,13 @@ class Audience:
     Parameters
     ----------
     node : Node
-        Who publishes.
+        The node that publishes.
     publishers : sequence of Publisher
-        Of the topics.
+        Publishers of the topics.
     wanted : int
-        Subscriptions each must have.
+        Subscriptions that each must have.
     health : Health
-        Where the waiting is shown.
+        Shows that the node waits.
 
     """
 
@@ -44,8 +44,8 @@ class Audience:
         self._health, self._there = health, False
         self._began_s = time.monotonic()
 
-    def there(self) -> bool:
-        """Tell whether all have come; once they have, the answer stays."""
+    def is_there(self) -> bool:
+        """Tell whether all subscriptions are there; once True, it stays True."""
         if not self._there:
             missing = [p.topic_name for p in self._publishers
                        if p.get_subscription_count() < self._wanted]
@@ -58,15 +58,15 @@ class Audience:
 
 
 class Allowance:
-    """Bounds the rate of messages: no more may go out when it is used up, for a moment."""
+    """Limits the rate of messages: when it is used up, the next message must wait."""
 
     def __init__(self, rate_hz: float) -> None:
         self._rate_hz = rate_hz
         self._left = 0.0
         self._last_s = time.monotonic()
 
-    def left(self) -> bool:
-        """Tell whether a message may go out now; what is not used in 0.1 s is lost."""
+    def has_left(self) -> bool:
+        """Tell whether a message may go out now; an unused allowance expires after 0.1 s."""
         now_s = time.monotonic()
         self._left = min(self._left + self._rate_hz * (now_s - self._last_s),
                          0.1 * self._rate_hz + 1.0)
@@ -74,12 +74,12 @@ class Allowance:
         return self._left >= 1.0
 
     def spend(self, n: int) -> None:
-        """Count messages that went out."""
+        """Count messages that were published."""
         self._left -= n
 
 
-def all_acknowledged(publishers: Iterable[Publisher], timeout_s: float = 5.0) -> bool:
-    """Wait until all messages have reached the reliable subscriptions; tell whether they have."""
+def await_acknowledgement(publishers: Iterable[Publisher], timeout_s: float = 5.0) -> bool:
+    """Wait until all messages have reached the reliable subscriptions; return whether they did."""
     deadline_s = time.monotonic() + timeout_s
     arrived = True
     for publisher in publishers:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Subscriptions to single messages: bytes are read, acted on, or refused and counted."""
+"""Subscriptions to single messages: read the bytes and act on them, or reject and count them."""
 
 from __future__ import annotations
 
@@ -22,24 +22,24 @@ _Read = TypeVar('_Read')
 def subscribe(node: Node, kind: type, topic: str, profile: QoSProfile, health: Health,
               read: Callable[[bytes], _Read], act: Callable[[_Read], None]) -> None:
     """
-    Have messages read and acted on; those that cannot be read are counted in the health.
+    Subscribe to a topic; read each message and act on it, or count it as rejected.
 
     Parameters
     ----------
     node : Node
-        Who takes them.
+        The node that subscribes.
     kind : type
-        Of the messages.
+        Type of the messages.
     topic : str
         Relative or absolute name.
     profile : QoSProfile
-        Of the subscription.
+        Quality of service of the subscription.
     health : Health
-        Where a refusal or a QoS mismatch is shown.
+        Shows rejected messages and QoS mismatches.
     read : callable
-        Makes something of the bytes of a message, or raises MessageError.
+        Decodes the bytes of a message, or raises MessageError.
     act : callable
-        Given what was read.
+        Called with the decoded message.
 
     """
     refused = 0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the recorder takes: topics, types, what a player is to offer; and texts as files."""
+"""What the recorder records: topics, types, the QoS for a player; and reports as attachments."""
 
 from __future__ import annotations
 
@@ -38,16 +38,16 @@ __all__ = ['make_intakes', 'Recorded', 'report_files', 'text_of']
 
 class Recorded(NamedTuple):
     """
-    One topic.
+    One recorded topic.
 
     Attributes
     ----------
     offered : Qos
-        What a player of the bag is to offer.
+        The QoS that a player of the bag should offer.
     intake : Intake
         Its messages.
     expected : bool
-        It belongs to every recording, and at the end its publishers are waited for.
+        It belongs to every recording, and at the end the recorder waits for its publishers.
 
     """
 
@@ -74,7 +74,7 @@ def make_intakes(node: Node, settings: Settings, health: Health) -> dict[str, Re
         (NOTE_TOPIC, TEXT_TYPES, qos.NOTE, qos.NOTE, False)]
     headings = (settings.ts_topic, settings.rs_topic)
     if resolve_topic(node, TRUTH_TOPIC) not in [resolve_topic(node, topic) for topic in headings]:
-        # In front: it is not waited for, but is heard when the headings are.
+        # First: nobody waits for it, but its subscription must be there when the headings start.
         rows.insert(0, (TRUTH_TOPIC, TRUTH_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, False))
     return {topic: Recorded(_offer(offered), Intake(
         node, topic, types, taken, health, sole=False, needed=expected), expected)
@@ -82,7 +82,7 @@ def make_intakes(node: Node, settings: Settings, health: Health) -> dict[str, Re
 
 
 def text_of(data: bytes) -> str:
-    """Return the text of a std_msgs/String as it came; nothing where it is damaged."""
+    """Return the text of a std_msgs/String message; '' if it is damaged."""
     try:
         return decode_text(data)
     except MessageError:
@@ -96,10 +96,10 @@ def _run_table(report: str) -> str:
 
 
 def report_files(report: str) -> list[tuple[str, str, bytes]]:
-    """Return what a report is attached as, each with name and media type: itself, its runs."""
+    """Return the attachments for a report, each with name and media type: itself, its runs."""
     files = [('report.json', 'application/json', report.encode())]
     try:
         files.append(('runs.csv', 'text/csv', _run_table(report).encode()))
     except (ValueError, KeyError, TypeError):
-        pass  # What somebody else published there; the bag must be closed all the same.
+        pass  # Somebody else published this text; the bag must be closed nevertheless.
     return files

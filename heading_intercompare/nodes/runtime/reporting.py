@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""When the verdict is published and the report written: at each change, with its whole ledger."""
+"""Publishing of verdicts and reports: at each change, once the ledger covers all pairs."""
 
 from __future__ import annotations
 
@@ -37,27 +37,27 @@ __all__ = ['Reporting']
 
 class Reporting:
     """
-    Verdict and report of a compliance node.
+    Publishes the verdicts and reports of a compliance node.
 
     Parameters
     ----------
     node : Node
-        Who publishes.
+        The node that publishes.
     compliance : Compliance
-        Who judges.
+        Judges the runs.
     own : ComplianceNode
         Settings.
     health : Health
-        Where alerts are shown.
+        Shows alerts.
 
     Attributes
     ----------
     final : bool
         The ledger is the final one.
     paired : int
-        Pairs that the ledger knows of.
+        Number of pairs in the ledger.
     verdict : Verdict or None
-        That of the last report.
+        The verdict of the last report; None before the first.
     closed : bool
         The last report is out.
 
@@ -85,7 +85,7 @@ class Reporting:
         self.final = self.final or final
 
     def look(self, n_pairs: int) -> None:
-        """Publish what has changed; `n_pairs` were published so far, a ledger must know them."""
+        """Publish changes; a report waits for a ledger that covers the `n_pairs` received."""
         seen = self._compliance.finished_runs, self._compliance.early
         if seen[0] != self._seen[0]:
             self._due = n_pairs, time.monotonic() + self._own.ledger_wait_s
@@ -99,14 +99,14 @@ class Reporting:
                 self._conclude(covered)
 
     def close(self, complete: bool) -> None:
-        """Publish the last verdict and report, and wait until they have arrived."""
+        """Publish the last verdict and report, and wait until they are received."""
         self._conclude(complete)
         for publisher in (self._verdict, self._report):
             publisher.wait_for_all_acked(Duration(seconds=1.0))
         self.closed = True
 
     def _conclude(self, complete: bool) -> None:
-        """Publish and write the report, unless it says nothing new."""
+        """Publish and write the report, unless it is unchanged."""
         self._due = None
         verdict = self._compliance.verdict(self._ledger)
         report = render(verdict)
@@ -114,7 +114,8 @@ class Reporting:
             return
         self.verdict, self._said = verdict, report
         self._health.note('ledger', OK if complete else WARN,
-                          'complete' if complete else 'the last report lacks the whole ledger')
+                          'complete' if complete else
+                          'the ledger of the last report is incomplete')
         self._announce(verdict)
         self._report.publish(encode_text(report))
         self._write(report)
@@ -128,7 +129,7 @@ class Reporting:
                          f'{len(verdict.runs)} runs: {verdict.headline}'))
         if early is not None:
             said.append((OUTCOME_LEVELS[early.outcome], f'the run in progress, {early}'))
-        # What goes on now does not excuse what was found before.
+        # A good run in progress does not excuse an earlier finding.
         self._health.note('verdict', max(level for level, _ in said),
                           '; '.join(words for _, words in said), latch=True, log=False,
                           runs=len(verdict.runs))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A thread that reads a source, so that what comes is stamped at once, whatever the node does."""
+"""A thread that reads a source, so that bytes are stamped on arrival, however busy the node is."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ Received = list[tuple['int | None', bytes]]
 
 class Reading:
     """
-    Reads a source in a thread of its own.
+    Reads a source in its own thread.
 
     Parameters
     ----------
     settings : DriverSettings
-        Which source; opened here, closed by `stop`.
+        Names the source; it is opened here and closed by `stop`.
     max_rate_hz : float
-        Most lines a second of a file that is played as fast as possible.
+        Most lines per second from a file that is played as fast as possible.
     notify : callable
-        Called from the thread when something has come or reading is over.
+        Called from the thread when lines have arrived or reading is over.
 
     Attributes
     ----------
     source : Source
-        What is read.
+        The source.
     from_file : bool
-        It is a log, which can wait to be begun.
+        It is a log, which can wait for `start`.
 
     Raises
     ------
     SettingsError, DriverError, OSError
-        As `open_source`.
+        As in `open_source`.
 
     """
 
@@ -52,7 +52,7 @@ class Reading:
         self.from_file = settings.address.scheme == 'file'
         self._notify = notify
         self._stopped = threading.Event()
-        # A pause between two lines of a log ends with `stop`.
+        # `stop` interrupts a pause between two lines of a log.
         self.source: Source = (FileSource(settings, wait=self._stopped.wait) if self.from_file
                                else open_source(settings))
         self._pause_s = _PIECE / max_rate_hz if self.from_file else 0.0
@@ -72,14 +72,14 @@ class Reading:
 
     @property
     def over(self) -> bool:
-        """Whether nothing more will come; raises what ended the reading, if that was an error."""
+        """Whether nothing more will come; raises the error that ended the reading, if any."""
         if self._work is None or not self._work.done():
             return False
         self._work.result()
         return self._queue.empty()
 
-    def received(self) -> Received:
-        """Return what has come since the last call."""
+    def take(self) -> Received:
+        """Return the lines received since the last call."""
         taken: Received = []
         try:
             while True:

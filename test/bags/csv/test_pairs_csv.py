@@ -90,7 +90,7 @@ def test_a_header_alone_is_no_pairs(csv):
 
 @pytest.mark.parametrize('text, problem', [
     ('', 'is empty'),
-    ('1,2,3\n', "line 1 is '1,2,3': a header .*missing: stamp_s or stamp_ns, ts_deg, rs_deg"),
+    ('1,2,3\n', "line 1 is '1,2,3': must be a header .*: stamp_s or stamp_ns, ts_deg, rs_deg"),
     ('stamp_s,ts_deg\n', 'missing: rs_deg'),
     ('stamp_s,ts_deg,rs_deg\n1,2,3\n1,2\n', 'line 3 has 2 columns'),
     ('stamp_s,ts_deg,rs_deg\n2014-08-01T00:00:00Z,1,2\n',

@@ -91,8 +91,9 @@ def test_what_follows_the_end_is_named(tmp_path, behind):
     path.write_bytes(data + behind(data))
     reader = BagReader(path)
     assert len(list(reader.messages())) == 12
-    assert reader.incomplete == (f'a.mcap goes on at byte {len(data)} of '
-                                 f'{path.stat().st_size} behind its end; that is not read')
+    assert reader.incomplete == (
+        f'a.mcap continues after its end, at byte {len(data)} of {path.stat().st_size}; '
+        'the rest is not read')
 
 
 def test_data_behind_what_looks_like_the_end_of_the_data_is_named(tmp_path):
@@ -104,7 +105,7 @@ def test_data_behind_what_looks_like_the_end_of_the_data_is_named(tmp_path):
     path.write_bytes(data)
     reader = BagReader(path)
     assert len(list(reader.messages())) == 10
-    assert reader.incomplete.startswith(f'a.mcap goes on at byte {end} of ')
+    assert reader.incomplete.startswith(f'a.mcap continues after its end, at byte {end} of ')
 
 
 def test_a_damaged_index_of_a_closed_file_is_named(tmp_path):
@@ -234,13 +235,13 @@ def test_no_message_outside_chunks_is_believed_that_claims_gigabytes(tmp_path):
     claims = struct.pack('<BQHIQQ', 5, SPARSE, 1, 0, 5, 5)
     reader = BagReader(sparse(tmp_path / 'a.mcap', DEFINED, *ten(0), claims))
     assert 'was not closed: a record of ' in reader.incomplete
-    assert 'is too large for the memory' in reader.incomplete
+    assert 'does not fit into memory' in reader.incomplete
     assert len(list(reader.messages())) == 10
 
 
 def test_no_attachment_is_read_that_claims_gigabytes(tmp_path):
     path = sparse(tmp_path / 'a.mcap', indexed(DEFINED, *ten(0)), struct.pack('<BQ', 9, SPARSE))
-    with pytest.raises(BagError, match=r'a record of 32\d+ bytes is too large for the memory'):
+    with pytest.raises(BagError, match=r'a record of 32\d+ bytes does not fit into memory'):
         BagReader(path).attachments()
     assert len(list(BagReader(path).messages())) == 10
 
@@ -273,5 +274,5 @@ def test_what_does_not_fit_into_memory_is_an_error_with_its_place(tmp_path):
 
     with Full(path) as file:
         stream = RecordStream(file)
-        with pytest.raises(BagError, match=r'a record of 5 bytes is too .* \(at byte 17\)'):
+        with pytest.raises(BagError, match=r'a record of 5 bytes does not fit.* \(at byte 17\)'):
             stream.content(Record(1, 17, 5))

@@ -229,7 +229,7 @@ def test_metadata_and_attachments_come_back(tmp_path):
 @pytest.mark.parametrize('make', ['mkdir', 'touch'])
 def test_an_existing_path_is_not_overwritten(tmp_path, make):
     getattr(tmp_path / 'bag', make)()
-    with pytest.raises(BagError, match='bag: exists already'):
+    with pytest.raises(BagError, match='bag: already exists'):
         BagWriter(tmp_path / 'bag')
 
 
@@ -277,7 +277,7 @@ def test_a_name_that_is_too_long_for_the_files_leaves_no_folder(tmp_path):
 def test_a_topic_that_was_not_added_is_refused(tmp_path):
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topic('/remark', STRING)
-        with pytest.raises(BagError, match='/remrk was not added; added are /remark'):
+        with pytest.raises(BagError, match='/remrk was not added; the topics added are /remark'):
             bag.write('/remrk', b'', 1)
 
 
@@ -285,7 +285,7 @@ def test_a_topic_has_one_type(tmp_path):
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topic('/remark', STRING)
         bag.add_topic('remark', STRING)
-        with pytest.raises(BagError, match=f'/remark is {STRING} already'):
+        with pytest.raises(BagError, match=f'/remark is already {STRING}'):
             bag.add_topic('/remark', IMU)
         assert bag.topics == ('/remark',)
 

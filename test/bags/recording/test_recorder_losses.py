@@ -21,7 +21,7 @@ def test_a_recording_without_losses_says_nothing():
 
 def test_losses_of_all_topics_are_added():
     record = loss_record(1, 1, {'/a': Counts(10, 2, 3), '/b': Counts(10, 4, 5)})
-    there = '8 messages received but not written, 1 message in files that were taken away'
+    there = '8 messages received but not written, 1 message in files that were removed or moved'
     assert tell_missing(record) == there
     assert loss_words(record) == f'{there}, 6 messages lost on the way'
 

@@ -36,7 +36,7 @@ class Disk:
     def __init__(self, monkeypatch) -> None:
         self.free_mb = 1000.0
         self.full = self.closed_folder = False
-        append, opened = ChunkWriter._append, BagWriter._opened
+        append, opened = ChunkWriter._append, BagWriter._open_file
         replaced = disk_sync.replace_file
 
         def write(writer, data):
@@ -54,7 +54,7 @@ class Disk:
                 raise PermissionError(errno.EACCES, 'Permission denied', str(target.parent))
             replaced(target, text)
         monkeypatch.setattr(ChunkWriter, '_append', write)
-        monkeypatch.setattr(BagWriter, '_opened', open_file)
+        monkeypatch.setattr(BagWriter, '_open_file', open_file)
         for module in (disk_sync, bag_writer):
             monkeypatch.setattr(module, 'replace_file', replace)
 

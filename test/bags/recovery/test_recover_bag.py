@@ -220,7 +220,7 @@ def test_a_folder_without_files_is_refused(tmp_path):
 
 def test_an_existing_bag_is_not_overwritten(write_bag, tmp_path):
     path = write_bag()
-    with pytest.raises(BagError, match='exists already'):
+    with pytest.raises(BagError, match='already exists'):
         recover(path, path)
 
 
@@ -523,7 +523,7 @@ def test_times_that_cannot_be(tmp_path):
         message(2, 2**64 - 1, b'')))
     assert recovered(path) == [*as_sent(), Sent('/a', 7, 7, 0, b'')]
     total = recover(path, tmp_path / 'again')
-    assert total.messages_lost == 2 and 'x.mcap: 2 messages with log times that cannot be' in (
+    assert total.messages_lost == 2 and 'x.mcap: 2 messages with impossible log times' in (
         total.notes)
 
 
@@ -663,7 +663,7 @@ def test_a_chunk_that_is_missing_without_a_trace_is_noted_by_the_summary(write_b
     count = without_chunk(message_file(path), 5)
     total = recover(path, tmp_path / 'new')
     assert total.damaged and (total.messages_lost, total.messages_known) == (count, True)
-    assert total.notes == [f'trial_0.mcap: {count} messages are missing by its summary']
+    assert total.notes == [f'trial_0.mcap: {count} messages are missing, according to its summary']
     assert BagReader(tmp_path / 'new').recovered.startswith(
         f'recovered from a damaged bag: {count} messages')
 

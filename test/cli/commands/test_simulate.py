@@ -178,7 +178,7 @@ def test_absent_scenario_and_present_bag_are_named(scenario, bag, tmp_path, caps
     for given, output, words in (
             ('no_such', tmp_path / 'a', 'neither a file nor one of the scenarios degraded_rs, '),
             ('no_such.yaml', tmp_path / 'a', 'no_such.yaml: No such file'),
-            (scenario, bag, 'exists already')):
+            (scenario, bag, 'already exists')):
         assert main(['simulate', '--scenario', str(given), '-o', str(output)]) == 2
         err = capsys.readouterr().err
         assert words in err and err.count('\n') == 1

@@ -83,7 +83,7 @@ def test_a_latched_state_gives_way_to_a_graver_one_only(ros):
 def test_parts_are_refreshed_before_each_beat(ros):
     health, heard = health_of(ros)
     count = iter(range(100))
-    health.before_beat(lambda: health.note('count', OK, str(next(count))))
+    health.add_refresher(lambda: health.note('count', OK, str(next(count))))
     ros.spin_until(lambda: heard and 'ill_node: count' in states(heard[-1]))
 
 

@@ -119,7 +119,7 @@ def test_a_type_that_is_no_heading_is_named_with_those_that_are(ros):
     ros.plain.create_publisher(String, 'h', 10)
     ros.spin_until(lambda: state(heard, 'has the type'))
     _, words = state(heard, 'has the type')
-    assert words.startswith('h has the type std_msgs/msg/String; taken is sensor_msgs/msg/Imu or')
+    assert words.startswith('h has the type std_msgs/msg/String; must be sensor_msgs/msg/Imu or')
     assert intake.take() == []
 
 

@@ -8,9 +8,10 @@ from heading_intercompare.nodes.runtime.recorded_topics import report_files
 from heading_intercompare.report.json import render
 
 
-def test_the_run_table_of_a_report_cuts_the_same_runs(judged):
-    (_, _, report), (name, _, table) = report_files(render(judged.verdict()))
-    assert report == render(judged.verdict()).encode() and name == 'runs.csv'
+def test_the_run_table_of_a_report_cuts_the_same_runs(verdict_of_two_runs):
+    text = render(verdict_of_two_runs)
+    (_, _, report), (name, _, table) = report_files(text)
+    assert report == text.encode() and name == 'runs.csv'
     assert table.decode().splitlines() == [
         'start,stop',
         f'{10 ** 18 + 10 ** 9},{10 ** 18 + 200 * 10 ** 9 + 1}',

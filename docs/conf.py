@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The documentation site; ``make docs`` builds it, and rosdoc2 reads it."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+import sys
+
+DOCS = Path(__file__).resolve().parent
+sys.path[:0] = [str(DOCS.parent), str(DOCS)]
+
+from site_pages import write_pages  # noqa: E402
+
+from heading_intercompare.core.version import VERSION  # noqa: E402
+
+project = 'heading_intercompare'
+author = 'The heading_intercompare authors'
+copyright = f'2026, {author}'
+version = release = VERSION
+
+extensions = ['myst_parser', 'numpydoc', 'sphinx.ext.autodoc', 'sphinx.ext.viewcode']
+exclude_patterns = ['_build', '_site']
+source_suffix = {'.md': 'markdown', '.rst': 'restructuredtext'}
+myst_enable_extensions = ['colon_fence', 'deflist']
+myst_heading_anchors = 4
+
+html_theme = 'pydata_sphinx_theme'
+html_title = f'heading_intercompare {VERSION}'
+html_theme_options = {'show_prev_next': False, 'navigation_with_keys': False}
+html_copy_source = False
+
+add_module_names = False
+autodoc_member_order = 'bysource'
+autodoc_typehints = 'none'
+autodoc_mock_imports = [name for name in (
+    'rclpy', 'rcl_interfaces', 'diagnostic_msgs', 'geometry_msgs', 'nav_msgs', 'rosgraph_msgs',
+    'sensor_msgs', 'std_msgs', 'std_srvs', 'serial', 'distributed', 'isal', 'pandas')
+    if find_spec(name) is None]
+numpydoc_show_class_members = False
+numpydoc_xref_param_type = False
+
+
+def setup(app: object) -> None:
+    """Write the reference pages before Sphinx looks for its sources."""
+    write_pages(DOCS / 'reference')
