@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where a skew is looked for: the correlogram by a plain loop, of nothing, of noise."""
+"""The search for a skew: the correlogram by a plain loop, without motion, with noise."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Verdicts to mappings and back: nothing changes, and what is no verdict is named in a line."""
+"""Verdicts to mappings and back: nothing changes, and anything else gives one clear line."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_unknown_keys_are_passed_over():
 
 
 def keys(block: Any, path: tuple = ()) -> Iterator[tuple]:
-    """Yield the way to every key of a nested block, the first element of lists for all."""
+    """Yield the path to every key of a nested block; of a list, only its first element."""
     if isinstance(block, dict):
         for key, thing in block.items():
             yield (*path, key)
@@ -127,7 +127,7 @@ def reached(mapping: dict, path: tuple) -> Any:
 
 
 def name_of(path: tuple) -> str:
-    """Return a way as errors name it."""
+    """Return a path as errors name it."""
     return ''.join(f'[{key}]' if isinstance(key, int) else f'.{key}' for key in path).lstrip('.')
 
 
@@ -147,7 +147,7 @@ def test_whatever_key_is_missing_is_named():
 
 
 def of_2_0(mapping: dict) -> dict:
-    """Return a mapping as it was before it named its version, the rule and the hash."""
+    """Return a mapping as it was before it held version, rule and hash."""
     added = ('schema_version', 'rule_version', 'settings_sha256')
     return {key: thing for key, thing in mapping.items() if key not in added}
 

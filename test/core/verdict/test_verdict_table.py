@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The face of a verdict: a table as text, for notebooks, and as a data frame."""
+"""The appearance of a verdict: a table as text, for notebooks, and as a data frame."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def test_a_hostile_name_is_shown_in_a_notebook_and_not_obeyed():
 
 
 class Frame:
-    """What `to_frame` needs of pandas."""
+    """The part of pandas that `to_frame` needs."""
 
     def __init__(self, rows) -> None:
         self.rows, self.index = rows, None
