@@ -51,7 +51,7 @@ class Ensembles:
         return len(self.num)
 
 
-def _of(pairs: Pairs, starts: np.ndarray, wrap_center_deg: float) -> Ensembles:
+def _summarise(pairs: Pairs, starts: np.ndarray, wrap_center_deg: float) -> Ensembles:
     """Return the figures of the ensembles with these first pairs; the last ends with `pairs`."""
     if not len(pairs):
         none, nowhere = np.zeros(0, np.int64), np.zeros(0)
@@ -122,7 +122,7 @@ class Ensembling:
         if not len(starts):
             if len(pairs):
                 self._open.append(pairs)
-            return _of(Pairs.empty(), starts, 0.0)
+            return _summarise(Pairs.empty(), starts, 0.0)
         first, last = int(starts[0]), int(starts[-1])
         done = Pairs.concatenate([*self._open, pairs[:last]])
         # Starts within `done`; the ensemble that was open starts at 0.
@@ -130,12 +130,12 @@ class Ensembling:
         if self._open or first:
             starts = np.append(0, starts)
         self._open = [pairs[last:]]
-        return _of(done, starts, self._wrap_center_deg)
+        return _summarise(done, starts, self._wrap_center_deg)
 
     def finish(self) -> Ensembles:
         """Return the ensemble in progress, if any; it is the last."""
         done, self._open = Pairs.concatenate(self._open), []
-        return _of(done, np.zeros(1, np.int64), self._wrap_center_deg)
+        return _summarise(done, np.zeros(1, np.int64), self._wrap_center_deg)
 
     def _starts(self, stamp_ns: np.ndarray) -> np.ndarray:
         """Return the indices of the pairs of a chunk that begin an ensemble."""

@@ -314,7 +314,7 @@ def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
     """
     few, step = thin(x_deg)
     distance = apply_anderson_darling(few)
-    sensors = [_sensor(np.asarray(h, dtype=np.float64), width) for h in (ts_deg, rs_deg)]
+    sensors = [_examine_sensor(np.asarray(h, dtype=np.float64), width) for h in (ts_deg, rs_deg)]
     (ts_first, ts_average, ts_step), (rs_first, rs_average, rs_step) = sensors
     return Normality(
         measure_shape(x_deg, n_effective), step, few.size,
@@ -324,7 +324,7 @@ def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
         ts_step.variance_deg2 + rs_step.variance_deg2)
 
 
-def _sensor(heading_deg: np.ndarray, width: int) -> tuple[Shape, Shape, Resolution]:
+def _examine_sensor(heading_deg: np.ndarray, width: int) -> tuple[Shape, Shape, Resolution]:
     starts = range(0, 1) if heading_deg.size <= _MOST else np.linspace(
         0, heading_deg.size - _STRETCH, _MOST // _STRETCH).astype(int)
     stretch = heading_deg.size if len(starts) == 1 else _STRETCH

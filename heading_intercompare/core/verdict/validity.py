@@ -35,8 +35,8 @@ VOID_REASONS = {
                         'from one sensor',
     'void.convention': 'void: the sensors report headings by different conventions, or the wrap '
                        'splits the differences',
-    'void.mean_difference': 'void: the mean difference is too large for parallel sensors, and the '
-                            'stated installation angle does not explain it',
+    'void.mean_difference': 'void: the mean difference is too large for sensors mounted parallel, '
+                            'and the stated installation angle does not explain it',
     'void.frozen': 'void: a sensor repeats its value while the other shows that the ship turns',
     'void.clocks': 'void: the clocks of the sensors drift apart or step, and that decides the '
                    'outcome',

@@ -21,7 +21,7 @@ REASON_WORDS = ALL_REASONS
 CONDITION_WORDS = {
     'same_source': 'TS and RS are two sensors',
     'convention': 'both sensors use the same heading convention',
-    'mean_difference': 'the mean difference is small enough for parallel sensors',
+    'mean_difference': 'the mean difference is small enough for sensors mounted parallel',
     'frozen': 'no sensor repeats its value while the ship turns',
     'standstill': 'the ship moves enough to show that the sensors work',
     'outliers': 'no single reading decides',
