@@ -109,7 +109,8 @@ def _analyze_csv(path: str, name: str, settings: Settings,
         ledger.receive('rs', pairs.stamp_ns)
         rises = is_rising(pairs.stamp_ns, newest_ns)
         for stream in ('ts', 'rs'):
-            ledger.add(LedgerKey.rejected(stream, 'stamp_not_increasing'), pairs.stamp_ns[~rises])
+            ledger.add(LedgerKey.of_rejected(stream, 'stamp_not_increasing'),
+                       pairs.stamp_ns[~rises])
         pairs = pairs[rises]
         for key in (LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED):
             ledger.add(key, pairs.stamp_ns)
