@@ -41,7 +41,7 @@ ALLOWED = {
     'ahrs': Allowed({'core'}, {'numpy'}),
     'messages': Allowed({'core'}, {'numpy'}),
     'bags': Allowed({'core', 'messages'}, {'numpy', 'mcap', 'lz4', 'zstandard', 'isal'}),
-    'report': Allowed({'core'}, {'numpy'}),
+    'report': Allowed({'core'}, {'numpy', 'jinja2', 'matplotlib'}),
     'nodes': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'report'},
                      {'numpy', 'rclpy'} | MESSAGES),
     'app': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'report'},
@@ -66,6 +66,12 @@ ORDER = {
     'cli': ('terminal', 'node_command', 'commands', 'program'),
 }
 
+# What an extra brings, and the only modules that may load it.
+LOADED_BY = {
+    'jinja2': {'report/html'}, 'matplotlib': {'report/graphs', 'report/plots'},
+    'distributed': {'app/cluster'},
+}
+
 # They take headings and pass them on, and start as fast as a plain node.
 NEED_NO_SCIPY = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'recorder', 'replayer')
 
@@ -79,7 +85,8 @@ TESTS_OF_SEVERAL = {
     'ahrs/test_commands', 'ahrs/test_pictures', 'ahrs/test_recovery', 'ahrs/test_scenarios',
     'bags/rosbag2/test_third_parties', 'bags/test_fuzz', 'cli/test_bag_commands',
     'cli/test_catalogue', 'cli/test_former_files', 'cli/test_origin', 'cli/test_outputs',
-    'cli/test_real_logs', 'cli/test_usage', 'messages/test_against_rclpy',
+    'cli/test_real_logs', 'cli/test_usage', 'cli/test_without_extras',
+    'messages/test_against_rclpy',
     'nodes/test_graph_processes', 'nodes/test_launch', 'nodes/test_real_logs_over_udp',
     'nodes/test_recorder_process', 'nodes/test_soak',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_equations',
@@ -351,7 +358,25 @@ def test_the_command_line_answers_without_loading_numbers_or_ros(question):
             f'    main(["{question}"])\n'
             'except SystemExit:\n'
             '    pass')
-    assert loaded(code) & {'numpy', 'scipy', 'rclpy', 'yaml'} == set()
+    assert loaded(code) & {'numpy', 'scipy', 'rclpy', 'yaml', *LOADED_BY} == set()
+
+
+def test_what_an_extra_brings_is_imported_only_where_it_is_used():
+    found = {library: set() for library in LOADED_BY}
+    for path in MODULES:
+        for _, name in imports(path.read_text('utf-8'), package_of(path)):
+            if name.partition('.')[0] in LOADED_BY:
+                module = path.relative_to(PACKAGE).with_suffix('').as_posix()
+                found[name.partition('.')[0]].add(module)
+    assert found == LOADED_BY
+
+
+@pytest.mark.parametrize('name', ['cli.commands.analyze', 'cli.commands.report', 'report',
+                                  'cli.commands.graph.demo', 'app.analysis', 'nodes.compliance'])
+def test_who_may_write_a_protocol_loads_what_it_needs_only_then(name):
+    if name.startswith('nodes.'):
+        pytest.importorskip('rclpy')
+    assert loaded(f'import heading_intercompare.{name}') & {*LOADED_BY} == set()
 
 
 @pytest.mark.parametrize('name', ['core.records', 'core.pairing.pairer', 'drivers.nmea',

@@ -19,7 +19,7 @@ from heading_intercompare.core.pipeline import join
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.core.verdict.verdict_document import Verdict
-from heading_intercompare.report import SeriesSketch, write
+from heading_intercompare.report import check_form, SeriesSketch, write
 
 __all__ = ['add_arguments', 'run']
 
@@ -77,11 +77,20 @@ def run(arguments: argparse.Namespace) -> int:
         results, _, described = analyze_input(
             bag, settings, None, [partial(sketch.update, settings=settings)], progress.show)
     offline = join(results, settings, [described])
-    for name in ('offline.json', 'report.html'):
-        write(offline, out / name, [sketch])
+    write(offline, out / 'offline.json')
     print(offline)
-    print(f'\nprotocol: {out / "report.html"}')
+    print(f'\nprotocol: {_write_protocol(offline, out / "report.html", sketch)}')
     return _compare({'live': live, 'replayed': replayed}, offline)
+
+
+def _write_protocol(verdict: Verdict, path: Path, sketch: SeriesSketch) -> str:
+    """Write the protocol and return its path; where it cannot be drawn, why it is left out."""
+    try:
+        check_form(path)
+    except ValueError as error:
+        return f'left out: {error}'
+    write(verdict, path, [sketch])
+    return str(path)
 
 
 def _compare(others: Mapping[str, Verdict], offline: Verdict) -> int:
