@@ -76,17 +76,17 @@ format: .venv/.test
 	$(BIN)/ruff check --fix .
 
 .venv/.demo: $(INSTALLED)
-	@.ci/venv .venv ros,serial,report,fast
+	@.ci/venv .venv ros,serial,report,terminal,fast
 	@touch $@
 
 .venv/.test: $(INSTALLED)
-	@.ci/venv .venv ros,serial,report,fast,dask,test,dev
+	@.ci/venv .venv ros,serial,report,terminal,fast,dask,test,dev
 	@touch $@ .venv/.demo
 
 .venv-pins/.test: $(INSTALLED) .ci/ubuntu-24.04.txt
 	@test -n '$(PYTHON312)' || { echo 'error: python3.12 with venv is not here' >&2; exit 1; }
 	@PYTHON='$(PYTHON312)' PIP_CONSTRAINT=.ci/ubuntu-24.04.txt \
-		.ci/venv .venv-pins ros,serial,report,fast,dask,test,dev
+		.ci/venv .venv-pins ros,serial,report,terminal,fast,dask,test,dev
 	@touch $@
 
 clean:

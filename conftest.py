@@ -41,7 +41,8 @@ else:
     hypothesis_settings.load_profile(os.environ.get('HYPOTHESIS_PROFILE', 'quick'))
 
 OPTIONAL = ('rclpy', 'serial', 'hypothesis', 'rosbags', 'mcap_ros2', 'pybag',
-            'isal', 'distributed', 'threadpoolctl', 'jinja2', 'matplotlib')
+            'isal', 'distributed', 'threadpoolctl', 'jinja2', 'matplotlib',
+            'rich', 'argcomplete')
 MISSING = [name for name in OPTIONAL if find_spec(name) is None]
 
 # The examples in the docstrings of nodes can only be collected with ROS.

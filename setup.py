@@ -44,6 +44,7 @@ setup(
         'ros': ['ros-jazzy-rclpy', 'ros-jazzy-common-interfaces', 'ros-jazzy-rmw-fastrtps-cpp'],
         'serial': ['pyserial>=3.5'],
         'report': ['jinja2>=3.0', 'matplotlib>=3.5'],
+        'terminal': ['rich>=13', 'argcomplete>=3'],
         'fast': ['isal>=1.5'],
         'dask': ['distributed>=2024.2', 'threadpoolctl>=3'],
         'test': ['pytest>=7.4', 'pytest-xdist>=3.4', 'pytest-timeout>=2.2', 'hypothesis>=6',

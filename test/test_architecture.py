@@ -47,7 +47,7 @@ ALLOWED = {
     'app': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'report'},
                    {'numpy', 'yaml', 'distributed', 'threadpoolctl'}),
     'cli': Allowed({'app', 'core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'nodes'},
-                   {'numpy', 'yaml'}),
+                   {'numpy', 'yaml', 'rich', 'argcomplete'}),
     '__main__': Allowed({'cli'}, set()),
 }
 
@@ -63,13 +63,14 @@ ORDER = {
              'recording', 'recovery', 'csv'),
     'nodes': ('settings', 'ros', 'runtime', 'synchronizer', 'compliance', 'recorder', 'replayer',
               'nmea_driver', 'sensor_simulator', 'graph'),
-    'cli': ('terminal', 'node_command', 'commands', 'program'),
+    'cli': ('terminal', 'completion', 'node_command', 'commands', 'program'),
 }
 
 # What an extra brings, and the only modules that may load it.
 LOADED_BY = {
     'jinja2': {'report/html'}, 'matplotlib': {'report/graphs', 'report/plots'},
-    'distributed': {'app/cluster'},
+    'distributed': {'app/cluster'}, 'argcomplete': {'cli/completion'},
+    'rich': {'cli/terminal/console', 'cli/terminal/progress'},
 }
 
 # They take headings and pass them on, and start as fast as a plain node.
@@ -230,6 +231,7 @@ def test_a_module_imports_only_what_its_folder_may(path):
     ('messages', 'from std_msgs.msg import String'),
     ('helpers', 'import math'),
     ('cli', 'from distributed import Client'),
+    ('app', 'from rich.console import Console'),
     ('_doors', 'from heading_intercompare.core import angles'),
 ])
 def test_the_check_sees_a_forbidden_import(folder, statement):

@@ -14,6 +14,7 @@ from typing import ContextManager, Sequence
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
+from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.outcome import Outcome
@@ -165,7 +166,7 @@ def conclude(verdict: Verdict, arguments: argparse.Namespace) -> int:
     if arguments.json == '-':
         sys.stdout.write(json.render(verdict))
     else:
-        print(verdict)
+        say(str(verdict), VERDICT_MARKS)
         if arguments.json:
             with name_file(arguments.json):
                 json.write(verdict, arguments.json)

@@ -14,6 +14,7 @@ from typing import Mapping
 
 from heading_intercompare.app.inputs import analyze_input
 from heading_intercompare.app.scenarios import read_scenario
+from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.pipeline import join
 from heading_intercompare.core.settings import Settings
@@ -54,23 +55,23 @@ def run(arguments: argparse.Namespace) -> int:
     out = Path(arguments.out)
     _clear(out)
     bag = str(out / 'bag')
-    say = print if not arguments.quiet else lambda *_: None
+    tell = print if not arguments.quiet else lambda *_: None
 
-    say(f'1. live: simulator -> synchronizer -> compliance -> recorder, '
-        f'{scenario.duration_s:g} s at {arguments.speed:g} times the speed')
+    tell(f'1. live: simulator -> synchronizer -> compliance -> recorder, '
+         f'{scenario.duration_s:g} s at {arguments.speed:g} times the speed')
     with Progress('live', arguments.quiet) as progress:
         live = intercompare(
             [Source(SensorSimulator, 'sensor_simulator',
                     {**scenario.to_mapping(), 'speed': arguments.speed, 'stamps': 'scenario'})],
             _SETTINGS, output=bag, report_dir=str(out / 'live'), private=True,
             progress=lambda n: progress.show(f'{n:,} pairs'))
-    say(f'2. replayed: {bag} -> synchronizer -> compliance')
+    tell(f'2. replayed: {bag} -> synchronizer -> compliance')
     with Progress('replayed', arguments.quiet) as progress:
         replayed = intercompare(
             [Source(Replayer, 'replayer', {'bag': bag, 'rate': 1.0})],
             _SETTINGS, report_dir=str(out / 'replayed'), private=True,
             progress=lambda n: progress.show(f'{n:,} pairs'))
-    say(f'3. offline: analyze {bag}\n')
+    tell(f'3. offline: analyze {bag}\n')
     settings = Settings.from_mapping(_SETTINGS)
     with Progress(bag, arguments.quiet) as progress:
         sketch = SeriesSketch(bag)
@@ -78,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
             bag, settings, None, [partial(sketch.update, settings=settings)], progress.show)
     offline = join(results, settings, [described])
     write(offline, out / 'offline.json')
-    print(offline)
+    say(str(offline), VERDICT_MARKS)
     print(f'\nprotocol: {_write_protocol(offline, out / "report.html", sketch)}')
     return _compare({'live': live, 'replayed': replayed}, offline)
 
