@@ -70,6 +70,7 @@ class Progress:
     def _draw(self, text: str, room: int) -> None:
         """Write the line with rich, as wide as the terminal."""
         from rich.progress_bar import ProgressBar
+        from rich.segment import Segments
         from rich.spinner import Spinner
         from rich.table import Table
         from rich.text import Text
@@ -96,8 +97,7 @@ class Progress:
         options = self._console.options.update(width=room, no_wrap=True)
         (drawn, *_) = self._console.render_lines(line, options)
         with self._console.capture() as written:
-            for segment in drawn:
-                self._console.print(Text(segment.text, style=segment.style or ''), end='')
+            self._console.print(Segments(drawn), end='')
         sys.stderr.write(written.get() + '\r')
         self._width = room
 
