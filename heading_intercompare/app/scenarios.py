@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.core.settings import SettingsError
-
-from .yaml_file import parse_yaml
+from heading_intercompare.yaml_file import parse_yaml
 
 __all__ = ['list_scenarios', 'read_scenario', 'ScenarioFile']
 
