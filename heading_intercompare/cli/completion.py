@@ -74,8 +74,6 @@ def complete_setting(prefix: str, **_: object) -> list[str]:
     if name not in rules:
         return []
     values = list(rules[name].choices)
-    if bool in rules[name].kinds:
-        values += ['true', 'false']
     if name in ('norms.preset', 'risk.sensor_class'):
         values = _named(name)
     return [text for text in (f'{name}={value}' for value in values) if text.startswith(prefix)]

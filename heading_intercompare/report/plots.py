@@ -86,12 +86,12 @@ def draw(fill: Callable[[Axes], object], *, name: str, title: str, x_label: str,
             figure.legend(handles, labels, loc='lower left', ncol=2, borderaxespad=0.0,
                           bbox_to_anchor=(_LEFT / _WIDTH, 0.04 / total))
         written = BytesIO()
-        figure.savefig(written, format='svg', metadata={'Date': None})
+        figure.savefig(written, format='svg')
     return _tidy(written.getvalue(), name, title)
 
 
 def _tidy(written: bytes, name: str, title: str) -> str:
-    """Return what matplotlib wrote as a part of a page: titled, with ids of its own."""
+    """Return what matplotlib wrote as a part of a page: titled, undated, with ids of its own."""
     root = ElementTree.fromstring(written)
     for parent in [*root.iter()]:
         for child in [*parent]:

@@ -194,6 +194,11 @@ def test_a_large_file_is_refused_and_not_read_to_its_end(tmp_path):
         list_parts(path)
 
 
+def test_the_bound_is_one_of_bytes_not_of_letters(tmp_path):
+    with pytest.raises(BagError, match='longer than 16777216 bytes'):
+        list_parts(listing(tmp_path, f'[a_0.mcap]\n#{"ä" * 2**23}'))
+
+
 def test_metadata_of_any_version_are_read(tmp_path):
     """Up to version 8 profiles are a text with numbers, from version 9 on a list with words."""
     old = ('  topics_with_message_count:\n    - topic_metadata:\n        name: /a\n'
