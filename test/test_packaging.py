@@ -121,11 +121,21 @@ def test_the_templates_are_data_of_the_package_and_of_its_source_archive():
             in (ROOT / 'MANIFEST.in').read_text('utf-8').splitlines())
 
 
-def test_what_the_protocol_is_made_with_is_asked_for_where_packages_are_named():
+@pytest.mark.parametrize('extra, libraries', [
+    ('report', ['jinja2', 'matplotlib']), ('terminal', ['rich', 'argcomplete'])])
+def test_an_extra_is_asked_for_and_installed_for_demo_and_tests(extra, libraries):
+    asked = re.search(rf"'{extra}': \[([^]]*)\]", (ROOT / 'setup.py').read_text('utf-8'))[1]
+    assert re.findall(r"'(\w+)", asked) == libraries
+    environments = re.findall(r'venv\S* (ros\S*)', (ROOT / 'Makefile').read_text('utf-8'))
+    assert len(environments) == 3
+    assert all(extra in environment.split(',') for environment in environments)
+    pinned = (ROOT / '.ci' / 'ubuntu-24.04.txt').read_text('utf-8')
+    assert all(re.search(rf'^{library}==', pinned, re.MULTILINE) for library in libraries)
+
+
+def test_what_the_protocol_is_made_with_is_a_dependency_of_the_ros_package():
     assert {'python3-jinja2', 'python3-matplotlib'} <= {
         element.text for element in manifest().iter('exec_depend')}
-    extra = re.search(r"'report': \[([^]]*)\]", (ROOT / 'setup.py').read_text('utf-8'))[1]
-    assert re.findall(r"'(\w+)", extra) == ['jinja2', 'matplotlib']
 
 
 @pytest.mark.slow
