@@ -138,7 +138,7 @@ def _judge_in_turn(job: Job, paths: Sequence[str],
                    progress: Callable[[str], None]) -> list[Judged]:
     judged = []
     for done, path in enumerate(paths):
-        progress(f'{done} done, {path}')
+        progress(f'{done} of {len(paths)} done, {path}')
         judged.append(job.survive(path))
     return judged
 
@@ -190,12 +190,12 @@ def _complete(executor: Executor, tasks: Sequence[Callable[[], Judged]], paths: 
               progress: Callable[[str], None]) -> list[Future[Judged]]:
     """Run tasks, those of the largest inputs first, so that no large one is left to the end."""
     futures: dict[Future[Judged], int] = {}
-    progress('0 done')
+    progress(f'0 of {len(paths)} done')
     try:
         for at in sorted(range(len(paths)), key=lambda at: -_size(paths[at])):
             futures[executor.submit(tasks[at])] = at
         for done, future in enumerate(as_completed(futures), 1):
-            progress(f'{done} done, {paths[futures[future]]}')
+            progress(f'{done} of {len(paths)} done, {paths[futures[future]]}')
     finally:
         for future in futures:
             future.cancel()

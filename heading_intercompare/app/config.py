@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.core.settings import flatten, list_settings, Settings, SettingsError
-
-from .yaml_file import load_yaml, parse_yaml, YamlError
+from heading_intercompare.yaml_file import load_yaml, parse_yaml, YamlError
 
 __all__ = ['Config', 'load_config', 'settings_for']
 

@@ -157,7 +157,7 @@ def rejudge(paths: Sequence[str], config: Config | None = None, assignments: Seq
     settings_for(config or Config(), assignments)
     found = []
     for done, path in enumerate(paths):
-        progress(f'{done} done, {path}')
+        progress(f'{done} of {len(paths)} done, {path}')
         try:
             found.append(rejudge_bag(path, config, assignments, jobs=jobs))
         except UNREADABLE as error:

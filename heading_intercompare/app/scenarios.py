@@ -10,10 +10,9 @@ from typing import NamedTuple
 
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.yaml_file import parse_yaml
 
-from .yaml_file import parse_yaml
-
-__all__ = ['read_scenario', 'ScenarioFile']
+__all__ = ['list_scenarios', 'read_scenario', 'ScenarioFile']
 
 
 class ScenarioFile(NamedTuple):
@@ -42,6 +41,11 @@ def _folders() -> list[Path]:
             for below in ('config', 'share/heading_intercompare/config')]
 
 
+def list_scenarios() -> list[str]:
+    """Return the names of the scenarios that come with the package."""
+    return sorted({file.stem for folder in _folders() for file in folder.glob('*.yaml')})
+
+
 def _find(given: str) -> Path:
     """Return the path of the file; it may not exist."""
     path = Path(given)
@@ -50,9 +54,9 @@ def _find(given: str) -> Path:
     shipped = [folder / f'{given}.yaml' for folder in _folders()]
     found = next((file for file in shipped if file.is_file()), None)
     if found is None:
-        names = sorted({file.stem for folder in _folders() for file in folder.glob('*.yaml')})
+        names = ', '.join(list_scenarios()) or 'of the package, which are not installed'
         raise SettingsError(f'--scenario {given}: is neither a file nor one of the scenarios '
-                            f'{", ".join(names) or "of the package, which are not installed"}')
+                            f'{names}')
     return found
 
 

@@ -358,7 +358,8 @@ def test_any_executor_of_the_standard_library_judges_as_one_process_does(bags, m
     assert exact([each.results for each in found]) == exact([each.results for each in alone])
     assert [each.notes for each in found] == [[]] * len(bags)
     assert [each.sketch.n for each in found] == [1200] * len(bags)
-    assert said[0] == '0 done' and said[-1].startswith(f'{len(bags)} done, ')
+    n = len(bags)
+    assert said[0] == f'0 of {n} done' and said[-1].startswith(f'{n} of {n} done, ')
 
 
 def exact(results) -> str:

@@ -203,6 +203,24 @@ def test_all_files_of_a_bag_are_read_and_a_missing_one_is_named(write_bag, tmp_p
     assert not total.messages_known
 
 
+@pytest.mark.parametrize('content, note', [
+    (b'', 'rosbag2_bagfile_information is missing'), (bytes(3000), 'line 1: not YAML: '),
+    (b'rosbag2_bagfile_information:\n  relative_file_paths: [a_0.mcap, \xff', 'line 2: not UTF-8'),
+    (b'rosbag2_bagfile_information: &a\n  x: *a\n', 'line 1: anchors and aliases'),
+    (b'[' * 10**6, 'line 1: nested deeper'), (b'#' * (2**24 + 1), 'longer than 16777216 bytes')])
+def test_damaged_metadata_keep_no_file_from_being_recovered(write_bag, tmp_path, content, note):
+    path = write_bag('bag', chunk_bytes=20_000)
+    shutil.copy(write_bag('more') / 'more_0.mcap', path / 'bag_1.mcap')
+    (path / 'metadata.yaml').unlink()
+    plain = recover(path, tmp_path / 'plain')
+    (path / 'metadata.yaml').write_bytes(content)
+    total = recover(path, tmp_path / 'new')
+    assert (total.counts, total.messages_known) == (plain.counts, plain.messages_known)
+    assert (total.files, plain.notes) == (2, [])
+    assert len(total.notes) == 1 and total.notes[0].startswith('metadata.yaml: ' + note)
+    assert BagReader(tmp_path / 'new').incomplete is None
+
+
 @pytest.mark.parametrize('content', [b'', bytes(3000), b'not a bag\n' * 30,
                                      b'\x89MCAP0\r\n', b'\x89MCAP0\r\n' + bytes(3000)])
 def test_where_nothing_is_readable_no_bag_is_written(tmp_path, content):
