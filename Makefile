@@ -63,7 +63,7 @@ test-pins: .venv-pins/.test
 
 release: test
 	@.ci/step 'large fuzz' env HYPOTHESIS_PROFILE=release $(BIN)/python $(TESTS) test/bags test/nodes
-	@.ci/venv .venv ros,serial,fast,dask,docs,test,dev,notebook
+	@.ci/venv .venv ros,serial,report,terminal,fast,dask,docs,test,dev,notebook
 	@.ci/step 'notebooks' $(BIN)/jupyter execute examples/*.ipynb
 	@.ci/step 'soak of 30 min' env HEADING_INTERCOMPARE_SOAK_S=1800 \
 		$(BIN)/python -m pytest test/nodes/test_soak.py
@@ -83,17 +83,17 @@ format: .venv/.test
 	$(BIN)/ruff check --fix .
 
 .venv/.demo: $(INSTALLED)
-	@.ci/venv .venv ros,serial,fast
+	@.ci/venv .venv ros,serial,report,terminal,fast
 	@touch $@
 
 .venv/.test: $(INSTALLED)
-	@.ci/venv .venv ros,serial,fast,dask,docs,test,dev
+	@.ci/venv .venv ros,serial,report,terminal,fast,dask,docs,test,dev
 	@touch $@ .venv/.demo
 
 .venv-pins/.test: $(INSTALLED) .ci/ubuntu-24.04.txt
 	@test -n '$(PYTHON312)' || { echo 'error: python3.12 with venv is not here' >&2; exit 1; }
 	@PYTHON='$(PYTHON312)' PIP_CONSTRAINT=.ci/ubuntu-24.04.txt \
-		.ci/venv .venv-pins ros,serial,fast,dask,test,dev
+		.ci/venv .venv-pins ros,serial,report,terminal,fast,dask,test,dev
 	@touch $@
 
 clean:

@@ -41,7 +41,8 @@ else:
     hypothesis_settings.load_profile(os.environ.get('HYPOTHESIS_PROFILE', 'quick'))
 
 OPTIONAL = ('rclpy', 'serial', 'hypothesis', 'rosbags', 'mcap_ros2', 'pybag',
-            'isal', 'distributed', 'threadpoolctl')
+            'isal', 'distributed', 'threadpoolctl', 'jinja2', 'matplotlib',
+            'rich', 'argcomplete')
 MISSING = [name for name in OPTIONAL if find_spec(name) is None]
 
 # The examples in the docstrings of nodes can only be collected with ROS.
@@ -50,6 +51,9 @@ collect_ignore = ['test/data']
 collect_ignore_glob = ['heading_intercompare/nodes/*.py'] if 'rclpy' in MISSING else []
 if {'distributed', 'threadpoolctl'} & {*MISSING}:
     collect_ignore_glob.append('heading_intercompare/app/cluster.py')
+if {'jinja2', 'matplotlib'} & {*MISSING}:
+    collect_ignore_glob += [f'heading_intercompare/report/{name}.py'
+                            for name in ('graphs', 'html', 'plots')]
 
 
 def pytest_configure():

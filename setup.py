@@ -31,7 +31,7 @@ setup(
     maintainer_email='maintainers@heading-intercompare.example',
     license='Apache-2.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['py.typed']},
+    package_data={NAME: ['py.typed', 'report/templates/*']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
@@ -43,6 +43,8 @@ setup(
     extras_require={
         'ros': ['ros-jazzy-rclpy', 'ros-jazzy-common-interfaces', 'ros-jazzy-rmw-fastrtps-cpp'],
         'serial': ['pyserial>=3.5'],
+        'report': ['jinja2>=3.0', 'matplotlib>=3.5'],
+        'terminal': ['rich>=13', 'argcomplete>=3'],
         'fast': ['isal>=1.5'],
         'dask': ['distributed>=2024.2', 'threadpoolctl>=3'],
         'test': ['pytest>=7.4', 'pytest-xdist>=3.4', 'pytest-timeout>=2.2', 'hypothesis>=6',

@@ -4,19 +4,19 @@
 """
 How fast headings are read from bags, next to other readers of the same bags in the same run.
 
-Bags of every compression, with Imu and with QuaternionStamped: in large chunks as our simulator
-and `import-nmea` write them, in a chunk each half second and with pairs between the headings as
-our recorder does, by the `mcap` library as `ros2 bag record` has it, and by `rosbags`.
+The bags hold Imu or QuaternionStamped, in every compression. They are written in large chunks, as
+our simulator and `import-nmea` do; in one chunk per half second with pairs between the headings,
+as our recorder does; by the `mcap` library, like `ros2 bag record`; and by `rosbags`.
 
-Ours is measured as `analyze` reads, by a process on each core, and in one process alone.
+Our reader is measured as `analyze` uses it, with one process per core, and in a single process.
 
 Promises: at least 40 times as fast as iterating over the messages with `mcap`; at least 20 times
-as fast as `rosbags`, which has to deserialize to know a heading; and at most 3 times the time it
-takes to read and decompress the chunks and nothing else, not even the checksums. The last is of
-files in memory; of QuaternionStamped that are not compressed it is of files on disk, for a message
-of 95 bytes is copied in memory before numpy can be called for it. Exit code 1 if a promise is
-broken. Two cores are needed, bags of hours, and the extra `fast` with its checksums. That of 12 h
-written by others takes minutes for each row.
+as fast as `rosbags`, which must deserialize to know a heading; and at most 3 times the time it
+takes only to read and decompress the chunks, without checksums. The last holds for files in
+memory. For uncompressed QuaternionStamped it holds for files on disk, because copying a message of
+95 bytes in memory takes less time than a numpy call. The exit code is 1 if a promise is broken.
+It needs two cores, bags of hours, and the extra `fast` with its checksums. A row with 12 h written
+by others takes minutes.
 
     python benchmarks/bag_reading.py
     python benchmarks/bag_reading.py --bags large --compression zstd --count 2000000
@@ -65,12 +65,12 @@ RATE_HZ = 100
 LIGHTEST = QUATERNION, 'none'
 MCAP_LEAST, ROSBAGS_LEAST, CHUNKS_MOST = 40.0, 20.0, 3.0
 HELPERS = min(count_cores(), MOST_READERS) - 1
-#: Chunks of rosbag2 have so many bytes unless it is told otherwise.
+#: Default chunk size of rosbag2.
 ROS2_CHUNK_BYTES = 786432
 
 
 def encode_quaternions(headings: Headings, frame_id: str) -> np.ndarray:
-    """Return headings as QuaternionStamped, one message a row."""
+    """Return headings as QuaternionStamped, one message per row."""
     message = encode(QUATERNION, {'header': {'frame_id': frame_id}})
     rows = np.tile(np.frombuffer(message, np.uint8), (len(headings), 1))
     z, w = quaternion_from_heading(headings.heading_deg)
@@ -81,15 +81,15 @@ def encode_quaternions(headings: Headings, frame_id: str) -> np.ndarray:
     return rows
 
 
-def encoded(type_name: str, headings: Headings, frame_id: str) -> np.ndarray:
-    """Return headings as messages of a type, one a row."""
+def encode_headings(type_name: str, headings: Headings, frame_id: str) -> np.ndarray:
+    """Return headings as messages of a type, one per row."""
     if type_name == IMU:
         return encode_imu(headings, frame_id, sigma_deg=0.2)
     return encode_quaternions(headings, frame_id)
 
 
-def recorded(count: int, step: int) -> Iterator[tuple[np.ndarray, list[Headings]]]:
-    """Yield numbers of and headings of both sensors, so many readings of each at a time."""
+def make_headings(count: int, step: int) -> Iterator[tuple[np.ndarray, list[Headings]]]:
+    """Yield numbers and headings of both sensors, `step` readings of each at a time."""
     rng = np.random.default_rng(1)
     for lo in range(0, count // 2, step):
         number = np.arange(lo, min(lo + step, count // 2))
@@ -107,8 +107,8 @@ def write_ours(path: Path, count: int, type_name: str, compression: str, live: b
             bag.add_topic(topic, type_name)
         if live:
             bag.add_topic('/pairs', PAIRS_TYPE)
-        for number, both in recorded(count, RATE_HZ // 2 if live else 60 * RATE_HZ):
-            rows = [Rows(topic, encoded(type_name, headings, frame), headings.stamp_ns,
+        for number, both in make_headings(count, RATE_HZ // 2 if live else 60 * RATE_HZ):
+            rows = [Rows(topic, encode_headings(type_name, headings, frame), headings.stamp_ns,
                          sequence=number)
                     for topic, frame, headings in zip(TOPICS, FRAMES, both)]
             if live:
@@ -122,17 +122,18 @@ def write_ours(path: Path, count: int, type_name: str, compression: str, live: b
                 bag.flush()
 
 
-def singly(count: int, type_name: str) -> Iterator[tuple[int, int, int, bytes]]:
-    """Yield place of the topic, number, stamp and message, in the order of recording."""
-    for number, both in recorded(count, 60 * RATE_HZ):
-        rows = [encoded(type_name, headings, frame) for headings, frame in zip(both, FRAMES)]
+def make_messages(count: int, type_name: str) -> Iterator[tuple[int, int, int, bytes]]:
+    """Yield index of the topic, number, stamp and message, in the order of recording."""
+    for number, both in make_headings(count, 60 * RATE_HZ):
+        rows = [encode_headings(type_name, headings, frame)
+                for headings, frame in zip(both, FRAMES)]
         for row, each in enumerate(number.tolist()):
             for place, headings in enumerate(both):
                 yield place, each, int(headings.stamp_ns[row]), rows[place][row].tobytes()
 
 
 def write_mcap(path: Path, count: int, type_name: str, compression: str) -> None:
-    """Write a bag with the `mcap` library by the conventions of `ros2 bag record`."""
+    """Write a bag with the `mcap` library, following the conventions of `ros2 bag record`."""
     path.mkdir()
     with open(path / 'bag_0.mcap', 'wb') as file:
         bag = McapWriter(file, chunk_size=ROS2_CHUNK_BYTES,
@@ -140,13 +141,13 @@ def write_mcap(path: Path, count: int, type_name: str, compression: str) -> None
         bag.start('ros2')
         schema = bag.register_schema(type_name, 'ros2msg', shipped_schema(type_name).text.encode())
         channels = [bag.register_channel(topic, 'cdr', schema) for topic in TOPICS]
-        for place, number, stamp_ns, data in singly(count, type_name):
+        for place, number, stamp_ns, data in make_messages(count, type_name):
             bag.add_message(channels[place], stamp_ns, data, stamp_ns, number)
         bag.finish()
 
 
 def write_rosbags(path: Path, count: int, type_name: str, compression: str) -> None:
-    """Write a bag with `rosbags`, which only compresses with zstd."""
+    """Write a bag with `rosbags`, which compresses only with zstd."""
     from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
     from rosbags.typesys import get_typestore, Stores
     store = get_typestore(Stores.ROS2_JAZZY)
@@ -155,7 +156,7 @@ def write_rosbags(path: Path, count: int, type_name: str, compression: str) -> N
         bag.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
     with bag:
         connections = [bag.add_connection(topic, type_name, typestore=store) for topic in TOPICS]
-        for place, _, stamp_ns, data in singly(count, type_name):
+        for place, _, stamp_ns, data in make_messages(count, type_name):
             bag.write(connections[place], stamp_ns, data)
 
 
@@ -168,19 +169,19 @@ WRITERS: dict[str, Callable[[Path, int, str, str], None]] = {
 
 
 def file_of(path: Path) -> Path:
-    """Return the only file with messages of a bag."""
+    """Return the only file of a bag that holds messages."""
     return next(path.glob('*.mcap'))
 
 
 def headings(path: Path, helpers: int = HELPERS) -> int:
-    """Read the headings of both sensors; return how many there are."""
+    """Read the headings of both sensors; return their number."""
     conventions = dict.fromkeys(TOPICS, 'enu')
     return sum(len(part) for chunk in BagReader(path).headings(conventions, helpers)
                for part in chunk.values())
 
 
 def chunks(path: Path) -> int:
-    """Read and decompress the chunks and nothing else; return their size."""
+    """Only read and decompress the chunks; return their size."""
     head, fields, total = struct.Struct('<BQ'), struct.Struct('<QQQII'), 0
     with open(file_of(path), 'rb') as file:
         file.seek(8)
@@ -200,53 +201,53 @@ def chunks(path: Path) -> int:
     return total
 
 
-def timed(work: Callable[[], int]) -> float:
+def measure_time(work: Callable[[], int]) -> float:
     """Return how long something takes, seconds."""
     begin = perf_counter()
     work()
     return perf_counter() - begin
 
 
-def iterated(messages: Iterable, most: int) -> float:
-    """Return the time for each of the first messages, seconds."""
+def measure_iteration(messages: Iterable, most: int) -> float:
+    """Return the time per message for the first messages, seconds."""
     begin = perf_counter()
     count = sum(1 for _ in islice(messages, most))
     return (perf_counter() - begin) / count
 
 
 def by_mcap(path: Path, most: int) -> float:
-    """Return the time a heading of iterating with `mcap`, undecoded, in its order of log times."""
+    """Return the time per heading of iterating with `mcap`, undecoded, ordered by log time."""
     with open(file_of(path), 'rb') as file:
         reader = make_reader(file)
         reader.get_summary()
-        # In file order it would take all messages into memory first.
-        return iterated(reader.iter_messages(TOPICS), most)
+        # In file order it would first load all messages into memory.
+        return measure_iteration(reader.iter_messages(TOPICS), most)
 
 
 def by_rosbags(path: Path, most: int) -> tuple[float, float]:
-    """Return the time a message of iterating with `rosbags`: undecoded, deserialized."""
+    """Return the time per message of iterating with `rosbags`: undecoded, and deserialized."""
     from rosbags.highlevel import AnyReader
     with AnyReader([file_of(path)]) as bag:
         kept = [c for c in bag.connections if c.topic in TOPICS]
-        return iterated(bag.messages(kept), most), iterated(
+        return measure_iteration(bag.messages(kept), most), measure_iteration(
             (bag.deserialize(data, c.msgtype) for c, _, data in bag.messages(kept)), most)
 
 
 def from_disk(path: Path, work: Callable[[Path], int]) -> float:
-    """Return how long something takes when the file is not in memory, seconds."""
+    """Return how long something takes when the file is not cached in memory, seconds."""
     with open(file_of(path), 'rb') as file:
         os.fsync(file.fileno())
         os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
-    return timed(lambda: work(path))
+    return measure_time(lambda: work(path))
 
 
 def measure(path: Path, count: int, most: int) -> dict[str, float]:
-    """Return times in nanoseconds a heading, each the shortest of several, taken by turns."""
+    """Return times in nanoseconds per heading, each the shortest of several alternating rounds."""
     best = dict.fromkeys(('ours', 'alone', 'chunks'), float('inf'))
     for _ in range(7 if count <= 2_000_000 else 3):
-        best['chunks'] = min(best['chunks'], timed(lambda: chunks(path)))
-        best['ours'] = min(best['ours'], timed(lambda: headings(path)))
-        best['alone'] = min(best['alone'], timed(lambda: headings(path, 0)))
+        best['chunks'] = min(best['chunks'], measure_time(lambda: chunks(path)))
+        best['ours'] = min(best['ours'], measure_time(lambda: headings(path)))
+        best['alone'] = min(best['alone'], measure_time(lambda: headings(path, 0)))
     found = {**{name: seconds / count for name, seconds in best.items()},
              'mcap': by_mcap(path, most),
              'ours, disk': from_disk(path, headings) / count,
@@ -256,7 +257,7 @@ def measure(path: Path, count: int, most: int) -> dict[str, float]:
 
 
 def peak_mb(path: Path) -> float:
-    """Return the most memory that processes which read the headings have, MB."""
+    """Return the peak memory of the processes that read the headings, MB."""
     code = ('import resource, sys; from pathlib import Path; import bag_reading; '
             'bag_reading.headings(Path(sys.argv[1])); '
             'status = Path("/proc/self/status").read_text(); '
@@ -272,17 +273,16 @@ def main() -> int:
     """Print a row for each bag; return 1 if a promise is broken."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[1])
     parser.add_argument('--count', type=int, default=8_640_000,
-                        help='headings in all (default: of 12 h)')
+                        help='total number of headings (default: 12 h)')
     parser.add_argument('--bags', nargs='+', default=list(WRITERS), choices=list(WRITERS))
     parser.add_argument('--types', nargs='+', default=[IMU, QUATERNION])
     parser.add_argument('--compression', nargs='+', default=['zstd', 'lz4', 'none'])
     parser.add_argument('--peers', type=int, default=100_000, metavar='N',
-                        help='messages after which slow readers are stopped')
+                        help='messages after which to stop slow readers')
     history.add_option(parser)
     options = parser.parse_args()
-    print('ours and alone in ns a heading; how many times longer others take; how many times '
-          'longer we take\nthan chunks alone, with the file in memory and from disk; the most '
-          'memory')
+    print('ours and alone in ns per heading; times of the others relative to ours; our time '
+          'relative to chunks\nalone, with the file in memory and from disk; peak memory')
     print(f'{"bag":8s}{"type":20s}{"packed":8s}{"ours":>6s}{"alone":>7s}{"mcap":>8s}'
           f'{"rosbags":>9s}{"decoded":>9s}{"chunks":>8s}{"disk":>6s}{"peak MB":>9s}')
     broken, figures = [], {}

@@ -3,17 +3,18 @@
 """
 Measure the risks of the decision by simulation; prints the tables of docs/risk.md.
 
-Every process has variance 1, which is made the acceptance and the rejection limit. "hi" is how
-often U is below 1: a TS exactly at its norm is accepted (consumer's risk). "lo" is how often L is
-above 1: such a TS is rejected (producer's risk). Nominal are 0.05 each. A row fails, and the exit
-code is 1, if a rate is above 0.06 or two standard errors above its nominal value. Rows in
-brackets are shorter than 20 correlation times, where nothing is promised; they cannot fail.
+Every process has variance 1, and both the acceptance and the rejection limit are set to 1. "hi"
+is how often U is below 1: a TS exactly at its norm is accepted (consumer's risk). "lo" is how
+often L is above 1: such a TS is rejected (producer's risk). Each is nominally 0.05. A row fails,
+and the exit code is 1, if a rate is above 0.06, or two standard errors above its nominal value.
+Rows in brackets are shorter than 20 correlation times, where nothing is promised; they cannot
+fail.
 
     python benchmarks/decision_risk.py --table A
     python benchmarks/decision_risk.py --table A --rows 'Student' --replications 20000 --seed 7
     python benchmarks/decision_risk.py --table rates --jobs 4
 
-Tables: A one run; cells the same by cells of equal time; drift, gaps, rates, short; B lengths
+Tables: A one run; cells the same with cells of equal time; drift, gaps, rates, short; B lengths
 needed; E slow components; runs and means several runs together; looks.
 """
 
@@ -45,7 +46,7 @@ def columns(table: str) -> tuple[str, ...]:
 
 
 def measure(task: tuple[str, str, int, int | None, float]) -> tuple[Result, float]:
-    """Measure a row, given as table, name, seed, runs, risk; return it and the seconds taken."""
+    """Measure a row, given as table, name, seed, runs, risk; return the result and its seconds."""
     table, name, seed, wanted, alpha = task
     row = next(r for r in rows_of(table) if r.name == name)
     rng = np.random.default_rng(np.random.SeedSequence([seed, *f'{table}: {name}'.encode()]))
@@ -62,22 +63,22 @@ def replications(text: str) -> int | None:
     if text == 'auto':
         return None
     if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: must be a number from 1 on, or 'auto'")
+        raise argparse.ArgumentTypeError(f"{text!r}: must be a number of at least 1, or 'auto'")
     return int(text)
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Print the tables asked for; return 1 if a row fails."""
+    """Print the requested tables; return 1 if a row fails."""
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--table', nargs='+', default=['A'], choices=[*ROWS, *CAMPAIGNS])
     parser.add_argument('--replications', type=replications, default='auto',
-                        help='runs of each row; auto: 5000, 1000 beyond 20 000 samples, 400 '
-                             'beyond 100 000')
-    parser.add_argument('--rows', default='', help='regular expression of the rows wanted')
+                        help='runs of each row; auto: 5000, 1000 above 20 000 samples, 400 '
+                             'above 100 000')
+    parser.add_argument('--rows', default='', help='regular expression for the rows to measure')
     parser.add_argument('--seed', type=int, default=2026)
     parser.add_argument('--alpha', type=float, default=0.05, help='nominal risk of each side')
-    parser.add_argument('--jobs', type=int, default=1, help='processes; changes no figure')
+    parser.add_argument('--jobs', type=int, default=1, help='processes; does not change figures')
     history.add_option(parser)
     given = parser.parse_args(arguments)
     failed, figures = 0, {}
@@ -97,7 +98,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _print(tasks: list[tuple], jobs: int) -> int:
-    """Print rows as they are ready, in order; return how many fail."""
+    """Print rows in order as they are finished; return how many fail."""
     failed = 0
     with multiprocessing.Pool(jobs) if jobs > 1 else _Here() as workers:
         for k, (result, seconds) in enumerate(workers.imap(measure, tasks), start=1):
@@ -109,7 +110,7 @@ def _print(tasks: list[tuple], jobs: int) -> int:
 
 
 class _Here:
-    """A pool of this process alone."""
+    """A pool that consists of this process only."""
 
     imap = staticmethod(map)
 

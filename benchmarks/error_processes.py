@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Errors of known variance 1, by which the risks of the decision are measured.
+Error processes of known variance 1, to measure the risks of the decision.
 
-A process is called with a generator, a number of runs and of samples n, and gives an array of
-shape (runs, n): every row is a run of its own, begun in the stationary state. The variance of all
-of them is 1 exactly, save the tabulated quantiles of Student's law, where it is 1 within 1e-6.
+A process is called with a generator, a number of runs and a number of samples n, and returns an
+array of shape (runs, n). Every row is an independent run that starts in the stationary state. The
+variance is exactly 1, except for the tabulated quantiles of Student's law: there it is 1 within
+1e-6.
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ def mixed(share: float, one: Errors, other: Errors) -> Errors:
 
 
 def as_laplace(normal: Errors) -> Errors:
-    """Return a normal process with its marginal distribution made Laplacian."""
+    """Return a normal process transformed to a Laplacian marginal distribution."""
     def errors(rng: np.random.Generator, runs: int, n: int) -> np.ndarray:
         z = normal(rng, runs, n)
         return -np.sign(z) * np.log(2.0 * ndtr(-np.abs(z))) / math.sqrt(2.0)
@@ -79,7 +80,7 @@ def as_laplace(normal: Errors) -> Errors:
 
 
 def as_uniform(normal: Errors) -> Errors:
-    """Return a normal process with its marginal distribution made uniform."""
+    """Return a normal process transformed to a uniform marginal distribution."""
     return lambda rng, runs, n: math.sqrt(3.0) * (2.0 * ndtr(normal(rng, runs, n)) - 1.0)
 
 
@@ -96,7 +97,7 @@ def _student5_table() -> np.ndarray:
 
 
 def as_student5(normal: Errors) -> Errors:
-    """Return a normal process with its marginal made Student's of 5 degrees of freedom."""
+    """Return a normal process transformed to a Student marginal with 5 degrees of freedom."""
     def errors(rng: np.random.Generator, runs: int, n: int) -> np.ndarray:
         table = _student5_table()
         at = normal(rng, runs, n)
@@ -118,7 +119,7 @@ def quantised(step: float, normal: Errors) -> Errors:
 
 
 def _shaped(variance: Callable[[np.ndarray], np.ndarray], errors: Errors) -> Errors:
-    """Return a process times a fixed pattern of the variance in time, from 0 to 1, mean 1."""
+    """Return a process whose variance follows a fixed pattern over time 0 to 1, with mean 1."""
     def shaped(rng: np.random.Generator, runs: int, n: int) -> np.ndarray:
         v = variance((np.arange(n) + 0.5) / n)
         return errors(rng, runs, n) * np.sqrt(v / v.mean())
@@ -126,12 +127,12 @@ def _shaped(variance: Callable[[np.ndarray], np.ndarray], errors: Errors) -> Err
 
 
 def calm_then_rough(errors: Errors) -> Errors:
-    """Return a process whose variance is nine times larger in the second half."""
+    """Return a process whose variance is nine times as large in the second half."""
     return _shaped(lambda u: np.where(u < 0.5, 0.2, 1.8), errors)
 
 
 def ramp(errors: Errors) -> Errors:
-    """Return a process whose variance grows in a straight line, to nineteen times as much."""
+    """Return a process whose variance grows linearly to nineteen times its start."""
     return _shaped(lambda u: 0.1 + 1.8 * u, errors)
 
 
@@ -142,27 +143,27 @@ def sea_state(sd: float, tau: float, errors: Errors) -> Errors:
     def gusty(rng: np.random.Generator, runs: int, n: int) -> np.ndarray:
         g = log_variance(rng, runs, n)
         g *= 0.5 * sd
-        # The mean of exp(sd z) is exp(sd^2 / 2); half of both, for it is the root of a variance.
+        # The mean of exp(sd z) is exp(sd^2 / 2); half of both, as this is the root of a variance.
         g -= 0.25 * sd * sd
         return errors(rng, runs, n) * np.exp(g, out=g)
     return gusty
 
 
 def polynomial(n: int, order: int) -> np.ndarray:
-    """Return the Legendre polynomial of an order at n equal steps, with mean square 1."""
+    """Return the Legendre polynomial of this order at n equal steps, with mean square 1."""
     p = np.polynomial.legendre.Legendre.basis(order)(np.linspace(-1.0, 1.0, n))
     return p / math.sqrt(np.mean(p * p))
 
 
 def without_drift(x: np.ndarray, order: int) -> np.ndarray:
-    """Return runs of shape (runs, n) less the polynomials of best fit, at equal steps."""
+    """Return runs, shape (runs, n), minus their best-fit polynomials at equal steps."""
     basis = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, x.shape[1]), order)
     q = np.linalg.qr(basis)[0]
     return x - (x @ q) @ q.T
 
 
 def five_gaps(rng: np.random.Generator, n: int) -> np.ndarray:
-    """Return what is left of n instants with five gaps of 6 % each, equally far apart."""
+    """Return n instants minus five equally spaced gaps of 6 % each."""
     u = (np.arange(n) + 0.5) / n
     sixth = np.rint(6.0 * u)
     return np.flatnonzero((np.abs(u - sixth / 6.0) >= 0.03) | (sixth == 0.0) | (sixth == 6.0))
@@ -180,12 +181,12 @@ def one_in_four(rng: np.random.Generator, n: int) -> np.ndarray:
 
 
 def some_lost(rng: np.random.Generator, n: int) -> np.ndarray:
-    """Return n instants less one in a hundred, drawn at random."""
+    """Return n instants minus one in a hundred, drawn at random."""
     return np.sort(rng.permutation(n)[n // 100:])
 
 
 def one_missing(rng: np.random.Generator, n: int) -> np.ndarray:
-    """Return n instants less the one in the middle, so that cells of equal time are used."""
+    """Return n instants minus the middle one, so that cells of equal time are used."""
     return np.delete(np.arange(n), n // 2)
 
 
@@ -196,6 +197,6 @@ def jittered(rng: np.random.Generator, n: int) -> np.ndarray:
 
 
 def seconds_on_and_off(rng: np.random.Generator, n: int) -> np.ndarray:
-    """Return ten of every twenty instants."""
+    """Return the first ten of every twenty instants."""
     i = np.arange(n)
     return i[i % 20 < 10]

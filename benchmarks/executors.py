@@ -1,14 +1,15 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What it costs to take messages: executors and ways of taking, side by side.
+The cost of taking messages: executors and ways of taking, side by side.
 
     python benchmarks/executors.py [--rate 100] [--seconds 10] [--only WORD]
 
-A process publishes two topics of sensor_msgs/Imu; another one, of the candidate measured, takes
-them and makes headings of them. Printed are the CPU time of the latter as a share of one core,
-the latency from the call of `publish` to the heading, and the messages lost, counted by
-`publication_sequence_number`. The nodes use what is best here: see `nodes/ros/batches.py`.
+One process publishes two topics of sensor_msgs/Imu. Another process, with the candidate to
+measure, takes them and converts them to headings. The table shows the CPU time of the second as a
+share of one core, the latency from the call of `publish` to the heading, and the messages lost
+according to `publication_sequence_number`. The nodes use the best candidate: see
+`nodes/ros/batches.py`.
 """
 
 from __future__ import annotations
@@ -61,7 +62,7 @@ def publish(rate_hz: float, seconds: float) -> None:
             publisher.publish(message)
     for publisher in publishers:
         publisher.wait_for_all_acked(rclpy.duration.Duration(seconds=5))
-    # Best effort is not acknowledged, and what is under way goes with the process that sent it.
+    # Best effort is not acknowledged: messages under way are lost when this process ends.
     time.sleep(1.0)
     rclpy.try_shutdown()
 
@@ -75,7 +76,7 @@ def headings_of_objects(messages: list[Imu]) -> Headings:
 
 
 class Count:
-    """Latencies and losses of what was taken, and the headings made of it."""
+    """Latencies and losses of the messages taken."""
 
     def __init__(self, raw: bool) -> None:
         self.raw = raw
@@ -84,7 +85,7 @@ class Count:
         self.lost = 0
 
     def take(self, topic: str, taken: list[tuple]) -> None:
-        """Make headings of messages with their info."""
+        """Convert messages to headings; count latencies and losses."""
         if not taken:
             return
         messages = [message for message, _ in taken]
@@ -178,7 +179,7 @@ CANDIDATES = {
 
 
 def measure(name: str, rate_hz: float, seconds: float) -> None:
-    """Take the messages as the candidate does, print the figures as JSON."""
+    """Take the messages as the candidate does; print the figures as JSON."""
     prepare, raw = CANDIDATES[name]
     rclpy.init()
     node = rclpy.create_node('benchmark_subscriber')
@@ -227,7 +228,7 @@ def compare(arguments: argparse.Namespace) -> None:
 
 if __name__ == '__main__':
     parser = argparse.ArgumentParser(description=__doc__.partition('\n\n')[0].strip())
-    parser.add_argument('--rate', type=float, default=100.0, help='messages a second a topic')
+    parser.add_argument('--rate', type=float, default=100.0, help='messages per second and topic')
     parser.add_argument('--seconds', type=float, default=10.0, help='length of a measurement')
     parser.add_argument('--only', default='', help='only candidates with this word')
     parser.add_argument('--publish', action='store_true', help=argparse.SUPPRESS)

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The rule that came before, frozen, for comparison in the tables of docs/risk.md only.
+The former rule, frozen, only for comparison in the tables of docs/risk.md.
 
-Variance by octaves and by 16 to 31 blocks, effective degrees of freedom by the scatter of block
-values and by the autocorrelation, and a gate that stays closed while the slow part of the errors
-is not resolved. A closed gate makes no statement here.
+It computes the variance from octaves and from 16 to 31 blocks, and the effective degrees of
+freedom from the scatter of block values and from the autocorrelation. A gate stays closed while
+the slow part of the errors is not resolved. While it is closed, the rule makes no statement.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ class Judged:
     upper_deg2: float
 
 
-def _joined(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Join blocks two by two: means, the octave variances inside; and the block left over."""
+def _join(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Join blocks in pairs; return means and inner octave variances, and the block left over."""
     m = rows.shape[1] // 2 * 2
     even, odd = rows[:, 0:m:2], rows[:, 1:m:2]
     result = np.empty((rows.shape[0] + 1, m // 2))
@@ -108,14 +108,14 @@ def former_rule(x: np.ndarray, alpha: float, order: int = 0) -> Judged | None:
         return None
     blocks, parts = (x - x[0])[np.newaxis], []
     while blocks.shape[1] >= _MOST_BLOCKS:
-        blocks, left = _joined(blocks)
+        blocks, left = _join(blocks)
         parts.append(left)
     level = len(parts)
     sums = [math.fsum(blocks[0]) * (1 << level)]
     sums += [float(b[0, 0]) * (1 << at) for at, b in enumerate(parts) if b.shape[1]]
     mean = math.fsum(sums) / n
-    blocks16 = _joined(blocks)[0]
-    blocks8 = _joined(blocks16)[0]
+    blocks16 = _join(blocks)[0]
+    blocks8 = _join(blocks16)[0]
 
     octaves = np.zeros(level + 1)
     for at, held in ((level, blocks), *reversed(list(enumerate(parts)))):

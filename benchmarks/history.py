@@ -2,11 +2,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The results of benchmarks over time: kept as one JSON line a run, shown as trends.
+The results of benchmarks over time: kept as one JSON line per run, shown as trends.
 
-A benchmark called with `--keep` appends its figures to `history.jsonl` beside it, with date,
-commit and versions. Figures are ratios to a peer measured in the same run, rates, or sizes: times
-alone would show which machine it was.
+A benchmark called with `--keep` appends its figures to `history.jsonl` in its folder, with date,
+commit and versions. Figures are ratios to a peer measured in the same run, rates, or sizes: plain
+times would mainly show which machine it was.
 
     python benchmarks/history.py
     python benchmarks/history.py recover bag_reading
@@ -35,7 +35,7 @@ _BARS = '▁▂▃▄▅▆▇█'
 
 
 def add_option(parser: argparse.ArgumentParser) -> None:
-    """Let a benchmark be called with `--keep`."""
+    """Add the option `--keep` to a benchmark."""
     parser.add_argument('--keep', action='store_true',
                         help=f'append the figures to {HISTORY.name}')
 
@@ -49,7 +49,7 @@ def keep(benchmark: str, figures: Mapping[str, float], path: Path = HISTORY) -> 
     benchmark : str
         Name of its module.
     figures : mapping of str to float
-        Each under a name that says of what it is; an empty one leaves no line.
+        Figures by descriptive name; without figures nothing is written.
     path : Path
         The file.
 
@@ -66,33 +66,33 @@ def keep(benchmark: str, figures: Mapping[str, float], path: Path = HISTORY) -> 
 
 
 def _find_commit() -> str:
-    """Return the commit of the checkout, with a plus if it has been changed; '' outside one."""
+    """Return the commit of the checkout, with a plus if it is modified; '' outside a checkout."""
     done = subprocess.run(['git', 'describe', '--always', '--dirty=+'], cwd=HISTORY.parent,
                           stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     return done.stdout.strip()
 
 
 def read_runs(path: Path = HISTORY) -> list[dict]:
-    """Return all runs, the oldest first; ValueError names a line that is none."""
+    """Return all runs, oldest first; ValueError names a line that is not a run."""
     runs = []
     for number, line in enumerate(path.read_text('utf-8').splitlines(), start=1):
         try:
             run = json.loads(line)
             runs.append({**run, 'figures': dict(run['figures'])})
         except (ValueError, KeyError, TypeError) as error:
-            raise ValueError(f'{path}, line {number}: is no run of a benchmark') from error
+            raise ValueError(f'{path}, line {number}: is not a run of a benchmark') from error
     return runs
 
 
 def _draw(values: list[float]) -> str:
-    """Return bars from the least value to the greatest."""
+    """Return the values as bars, scaled from the smallest to the largest."""
     low, high = min(values), max(values)
     return ''.join(_BARS[round((value - low) / (high - low) * (len(_BARS) - 1))]
                    if high > low else _BARS[0] for value in values)
 
 
 def describe_trend(runs: list[dict], benchmark: str) -> Iterator[str]:
-    """Yield a line for each figure of a benchmark: how often, the first, the last, all as bars."""
+    """Yield a line per figure of a benchmark: number of runs, first, last, and all as bars."""
     values: dict[str, list[float]] = {}
     for run in runs:
         if run['benchmark'] == benchmark:

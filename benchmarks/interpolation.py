@@ -1,15 +1,15 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Measure what interpolation does to the decision: sound sensors rejected, bad ones certified.
+Measure the effect of interpolation on the decision: good sensors rejected, bad ones certified.
 
-Rejection: a ship that yaws and an RS so slow that its interpolated heading lacks the yaw; with the
-RS interpolated to the TS ('interpolate'), and by the default ('auto').
+Rejection: a ship yaws, and the RS is so slow that its interpolated heading lacks the yaw. The RS
+is interpolated to the TS ('interpolate'), or the default is used ('auto').
 
-Acceptance: TS errors of exactly the norm, white or AR(1), RS errors white and of their least norm,
-at all pairs of rates; the TS onto the RS stamps without its variance factor ('unfactored'), the
-same with it ('interpolate_ts'), and the default ('auto'). Nominal is 0.05; a row fails if its
-estimate is above 0.06, or by two standard errors above 0.05.
+Acceptance: the TS errors are exactly at the norm, white or AR(1); the RS errors are white and at
+the lower bound of their norm; all pairs of rates. The TS is interpolated to the RS stamps without
+its variance factor ('unfactored'), with it ('interpolate_ts'), or the default is used ('auto').
+Nominal is 0.05. A row fails if its estimate is above 0.06, or two standard errors above 0.05.
 
     python benchmarks/interpolation.py --replications 400
     python benchmarks/interpolation.py --rates 1 5 --replications 4000
@@ -52,7 +52,7 @@ ERRORS = {'white': white, 'AR(1)': ar1}
 
 
 def times_s(rate_hz: float, span_s: float, rng: np.random.Generator) -> np.ndarray:
-    """Return the times of a clock of its own: any phase, and a rate off by up to 1 per mille."""
+    """Return the times of an independent clock: any phase, and a rate off by up to 1 per mille."""
     step_s = (1.0 + rng.uniform(-1e-3, 1e-3)) / rate_hz
     return np.arange(rng.uniform(0.0, step_s), span_s, step_s)
 
@@ -63,7 +63,7 @@ def headings(t_s: np.ndarray, heading_deg: np.ndarray) -> Headings:
 
 
 def figures(pairs: Pairs, settings: Settings) -> dict:
-    """Return the figures of a run, bounds and limits among them; they need no diagnostics."""
+    """Return the figures of a run, including bounds and limits, without diagnostics."""
     compliance = Compliance(settings)
     compliance.update(pairs)
     return compliance.run_figures()
@@ -75,7 +75,7 @@ def accepts(found: dict) -> bool:
 
 
 def rejects(found: dict) -> bool:
-    """Tell whether the lower bound proves the contrary."""
+    """Tell whether the lower bound proves non-compliance."""
     return found['lower_bound_deg2'] > found['rejection_limit_deg2']
 
 
@@ -130,7 +130,7 @@ def acceptance(ts_hz: float, rs_hz: float, errors, replications: int,
 
 
 def fails(estimate: float, replications: int) -> bool:
-    """Tell whether a rate is above its nominal one."""
+    """Tell whether a rate is above its nominal value."""
     error = math.sqrt(max(estimate * (1.0 - estimate), 1e-12) / replications)
     return estimate > 0.06 or estimate - 2.0 * error > 0.05
 
@@ -155,7 +155,7 @@ def main() -> int:
         for ts_hz in arguments.rates:
             for rs_hz in arguments.rates:
                 n = arguments.replications
-                # A row of its own seed is the same one, whichever others are asked for.
+                # Each row has its own seed, so it does not depend on the other rows requested.
                 rng = np.random.default_rng([arguments.seed, list(ERRORS).index(name),
                                              round(10 * ts_hz), round(10 * rs_hz)])
                 found = acceptance(ts_hz, rs_hz, errors, n, rng)

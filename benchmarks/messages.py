@@ -2,18 +2,19 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What messages cost: as bytes in columns, as objects of rclpy, and on the whole live path.
+The cost of messages: as bytes in columns, as rclpy objects, and on the whole live path.
 
     python benchmarks/messages.py
     python benchmarks/messages.py --only live --rate 1000 --rate 10 --tree ../former_checkout
 
-First the time of a message, in chunks of several sizes, from the bytes that rclpy takes to
-headings or pairs, and from those to the bytes that it publishes; beside it the same by way of
-message objects and a loop, as any node of rclpy does. Both give the same to the bit.
+The first table shows the time per message, in chunks of several sizes, from the bytes that rclpy
+takes to headings or pairs, and from those to the bytes that it publishes. Next to it is the time
+with message objects and a loop, as in an ordinary rclpy node. Both give the same results to the
+bit.
 
-Then the CPU time of the nodes synchronizer and compliance, in one process, which take two topics
-of sensor_msgs/Imu from another process: for each heading, and as a share of one core. With
-`--tree` the nodes of another checkout are measured in turn with these. Run it alone.
+The second table shows the CPU time of the nodes synchronizer and compliance, in one process that
+takes two topics of sensor_msgs/Imu from another: per heading, and as a share of one core. With
+`--tree` the nodes of another checkout are measured in turn with these. Run nothing else meanwhile.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ def set_stamp(message: Any, ns: int) -> None:
 
 
 def objects_of_headings(headings: Any, frame_id: str) -> list[bytes]:
-    """Return headings as bytes, by way of message objects."""
+    """Return headings as bytes, through message objects."""
     from heading_intercompare.core.angles import quaternion_from_heading
     z, w = quaternion_from_heading(headings.heading_deg)
     sent = []
@@ -71,7 +72,7 @@ def objects_of_headings(headings: Any, frame_id: str) -> list[bytes]:
 
 
 def headings_of_objects(messages: Sequence[bytes]) -> Any:
-    """Return the headings of bytes, by way of message objects."""
+    """Return headings from bytes, through message objects."""
     from heading_intercompare.core.angles import heading_from_quaternion
     from heading_intercompare.core.records import Headings
     stamps, rows = [], []
@@ -85,7 +86,7 @@ def headings_of_objects(messages: Sequence[bytes]) -> Any:
 
 
 def objects_of_pairs(pairs: Any) -> list[bytes]:
-    """Return pairs as bytes, by way of message objects."""
+    """Return pairs as bytes, through message objects."""
     from heading_intercompare.core.pairing.difference import subtract
     sent = []
     for ns, *row in zip(*(column.tolist() for column in (
@@ -101,7 +102,7 @@ def objects_of_pairs(pairs: Any) -> list[bytes]:
 
 
 def pairs_of_objects(messages: Sequence[bytes]) -> Any:
-    """Return the pairs of bytes, by way of message objects."""
+    """Return pairs from bytes, through message objects."""
     from heading_intercompare.core.records import Pairs
     stamps, rows = [], []
     for data in messages:
@@ -112,8 +113,8 @@ def pairs_of_objects(messages: Sequence[bytes]) -> Any:
     return Pairs.of(stamps, *map(list, zip(*rows)))
 
 
-def timed(work: Callable[[Any], Any], chunks: Sequence[Any], count: int) -> float:
-    """Return the CPU time a message, microseconds: the least of several goes."""
+def measure_time(work: Callable[[Any], Any], chunks: Sequence[Any], count: int) -> float:
+    """Return the CPU time per message, microseconds: the least of several rounds."""
     least = math.inf
     for _ in range(REPEATS):
         began = time.process_time()
@@ -124,7 +125,7 @@ def timed(work: Callable[[Any], Any], chunks: Sequence[Any], count: int) -> floa
 
 
 def compare_codecs(count: int, sizes: Sequence[int]) -> None:
-    """Print the time of a message by either way, for chunks of several sizes."""
+    """Print the time per message both ways, for chunks of several sizes."""
     from heading_intercompare.core.records import Headings, Pairs
     from heading_intercompare.messages.heading_messages import (
         IMU,
@@ -149,13 +150,13 @@ def compare_codecs(count: int, sizes: Sequence[int]) -> None:
              lambda h: imu_messages(h, 'ts_heading')),
             ('pairs in', twists, pairs_of_objects, read_pairs),
             ('pairs out', pairs, objects_of_pairs, pair_messages))
-    print(f'CPU time of a message, us; {count} messages\n')
+    print(f'CPU time per message, us; {count} messages\n')
     print(f'{"":14s}{"chunk":>8s}{"objects":>10s}{"columns":>10s}{"times":>8s}')
     for name, data, by_objects, by_columns in rows:
         for size in sizes:
             n = min(count, 400 * size)
             chunks = [data[lo:lo + size] for lo in range(0, n, size)]
-            theirs, ours = (timed(work, chunks, n) for work in (by_objects, by_columns))
+            theirs, ours = (measure_time(work, chunks, n) for work in (by_objects, by_columns))
             print(f'{name:14s}{size:8d}{theirs:10.2f}{ours:10.2f}{theirs / ours:8.1f}')
 
 
@@ -187,7 +188,7 @@ def run_nodes(count: int) -> None:
 
 
 def publish(rate_hz: float, count: int) -> None:
-    """Publish headings of both sensors, a message object made only once."""
+    """Publish headings of both sensors from a single message object."""
     rclpy.init()
     node = rclpy.create_node('benchmark_publisher')
     publishers = [node.create_publisher(Imu, t, QoSProfile(depth=1000)) for t in TOPICS]
@@ -214,7 +215,7 @@ def publish(rate_hz: float, count: int) -> None:
 
 
 def measure_live(tree: Path, rate_hz: float, count: int) -> dict[str, float]:
-    """Return what the nodes of a checkout took."""
+    """Return the figures of the nodes of a checkout."""
     environment = {**os.environ, 'PYTHONPATH': f'{tree}{os.pathsep}'
                    + os.environ.get('PYTHONPATH', ''),
                    'ROS_DOMAIN_ID': str(1 + os.getpid() % 100),
@@ -232,7 +233,7 @@ def measure_live(tree: Path, rate_hz: float, count: int) -> dict[str, float]:
 
 def compare_live(trees: Sequence[Path], rates_hz: Sequence[float], count: int,
                  seconds: float) -> None:
-    """Print what the nodes take, in turn, at each rate."""
+    """Print the figures of the nodes of each checkout, in turn, at each rate."""
     print('synchronizer and compliance; CPU\n')
     print(f'{"rate, Hz":>9s}{"headings":>10s}{"us each":>9s}{"share":>8s}{"lost":>6s}{"pairs":>8s}'
           '  checkout')
@@ -246,15 +247,16 @@ def compare_live(trees: Sequence[Path], rates_hz: Sequence[float], count: int,
 
 
 def main() -> None:
-    """Measure what is asked for."""
+    """Print the requested tables."""
     parser = argparse.ArgumentParser(description=__doc__.partition('\n\n')[0].strip())
-    parser.add_argument('--only', choices=('codec', 'live'), help='measure this alone')
+    parser.add_argument('--only', choices=('codec', 'live'), help='measure only this')
     parser.add_argument('--count', type=int, default=20_000, help='messages')
     parser.add_argument('--chunk', type=int, action='append', help='messages in a chunk')
-    parser.add_argument('--rate', type=float, action='append', help='headings a second a topic')
+    parser.add_argument('--rate', type=float, action='append',
+                        help='headings per second and topic')
     parser.add_argument('--seconds', type=float, default=20.0, help='longest live measurement')
     parser.add_argument('--tree', type=Path, action='append', default=[],
-                        help='another checkout, whose nodes are measured too')
+                        help='another checkout whose nodes to measure too')
     parser.add_argument('--nodes', action='store_true', help=argparse.SUPPRESS)
     parser.add_argument('--publish', action='store_true', help=argparse.SUPPRESS)
     given = parser.parse_args()

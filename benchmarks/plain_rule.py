@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The rule of docs/risk.md once more, as it is written there: plain, slow, sharing no code with it.
+The rule of docs/risk.md implemented once more: plain and slow, sharing no code with the product.
 
-Nothing is streamed, merged or transformed fast: sums over samples, a matrix of cosines. A test
-compares the product with it.
+It streams and merges nothing and uses no fast transform, only sums over samples and a matrix of
+cosines. A test compares the product with it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ __all__ = ['between_runs', 'lower_bound', 'Plain', 'pool', 'spread', 'upper_boun
 
 @dataclass(frozen=True, slots=True)
 class Plain:
-    """Figures of one run or of several; the names are those of the product's `Spread`."""
+    """Figures of one run or of several, named as in the product's `Spread`."""
 
     n: int
     d_deg2: float
@@ -39,7 +39,7 @@ class Plain:
 
 
 def _places(n: int, stamp_ns: np.ndarray | None) -> list[int]:
-    """Return the place of each difference in the record."""
+    """Return the index of each difference in the record, counted in usual steps."""
     if stamp_ns is None:
         return list(range(n))
     stamps = [int(stamp) for stamp in stamp_ns]
@@ -133,7 +133,7 @@ def _slow(low: float, mid: float) -> tuple[float, float, float]:
 
 
 def _x(f: float, alpha: float, dof_t: int) -> float:
-    """Return how many s the upper bound lies above D. S.7."""
+    """Return the distance of the upper bound from D, in units of s. S.7."""
     t = float(student.ppf(1.0 - alpha, dof_t))
     if f > 1e8:
         return t + math.sqrt(8.0 / f) * (2.0 * t * t + 1.0) / 6.0
@@ -159,7 +159,7 @@ def lower_bound(figures: Plain, alpha: float) -> float:
 
 
 def pool(runs: list[Plain]) -> Plain:
-    """Return the figures of several runs of one variance. S.12."""
+    """Return the figures of several runs with one variance. S.12."""
     w = np.array([r.n for r in runs], dtype=float)
     w /= w.sum()
 
@@ -177,7 +177,7 @@ def pool(runs: list[Plain]) -> Plain:
 
 
 def between_runs(runs: list[Plain], means_deg: np.ndarray, alpha: float) -> float:
-    """Return U with the scatter of the means of the runs put in place of what they say. S.13."""
+    """Return U with the variance of the means taken from their scatter between runs. S.13."""
     all_runs, m = pool(runs), len(runs)
     between = float(np.var(means_deg, ddof=1))
     d = all_runs.d_deg2 - all_runs.mean_variance_deg2 + between

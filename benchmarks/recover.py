@@ -4,17 +4,17 @@
 """
 How fast `recover` copies cut bags, next to reading their chunks and to the `mcap` library.
 
-Bags of Imu in which the file ends within a chunk: in large chunks as our simulator writes them,
-in a chunk each half second as our recorder does, and by the `mcap` library as `ros2 bag record`
-has it. They are recovered as they are, and with everything compressed anew. Measured in the same
-run, the shortest of several by turns: reading, decompressing and checksumming all chunks once;
-copying the file to the same disk; and copying the first messages one by one with `mcap`, the only
-other library in Python that reads and writes such files.
+The bags hold Imu, and their file ends within a chunk. They are written in large chunks, as our
+simulator does; in one chunk per half second, as our recorder does; and by the `mcap` library, like
+`ros2 bag record`. Each is recovered unchanged, and with all chunks compressed again. In the same
+run it measures, each as the shortest of several alternating rounds: reading, decompressing and
+checksumming all chunks once; copying the file to the same disk; and copying the first messages one
+by one with `mcap`, the only other Python library that reads and writes such files.
 
-Promises, where chunks are passed on as they are: at most 3 times reading, decompressing and
-checksumming the chunks if they are compressed with zstd; at most 3 times that and copying the file
-whatever they are compressed with; at least 10 times as fast as `mcap`. Exit code 1 if one is
-broken. Install the extra `fast` first.
+Promises, where chunks are copied unchanged: at most 3 times the time of reading, decompressing and
+checksumming the chunks if they are compressed with zstd; at most 3 times that time plus copying
+the file, in any compression; at least 10 times as fast as `mcap`. The exit code is 1 if a promise
+is broken. Install the extra `fast` first.
 
     python benchmarks/recover.py
     python benchmarks/recover.py --bags large --compression zstd --count 8640000
@@ -34,7 +34,7 @@ import tempfile
 from time import perf_counter
 from typing import NamedTuple
 
-from bag_reading import file_of, IMU, timed, WRITERS
+from bag_reading import file_of, IMU, measure_time, WRITERS
 import history
 import lz4.frame
 from mcap.reader import NonSeekingReader
@@ -49,12 +49,12 @@ BAGS = ('large', 'live', 'mcap')
 CHUNKS_MOST, COPY_MOST, MCAP_LEAST = 3.0, 3.0, 10.0
 #: The `mcap` library takes too long to write more.
 MCAP_MOST = 400_000
-#: What is left of each file.
+#: The share of each file that is left after the cut.
 SHARE = 0.99
 
 
 def chunks(path: Path) -> int:
-    """Read, decompress and checksum the whole chunks; return how many there are."""
+    """Read, decompress and checksum the whole chunks; return their number."""
     head, fields, count = struct.Struct('<BQ'), struct.Struct('<QQQII'), 0
     with open(file_of(path), 'rb') as file:
         file.seek(8)
@@ -77,13 +77,13 @@ def chunks(path: Path) -> int:
     return count
 
 
-def recovered(path: Path, target: Path, settings: BagSettings | None) -> int:
-    """Recover a bag into a folder that is removed before; return the number of messages."""
+def recover_bag(path: Path, target: Path, settings: BagSettings | None) -> int:
+    """Recover a bag into a folder, after removing the folder; return the number of messages."""
     shutil.rmtree(target, ignore_errors=True)
     return recover(path, target, settings).messages
 
 
-def copied(path: Path, target: Path) -> int:
+def copy_file(path: Path, target: Path) -> int:
     """Copy the file to the disk; return its size."""
     shutil.copyfile(file_of(path), target)
     with open(target, 'rb') as file:
@@ -92,7 +92,7 @@ def copied(path: Path, target: Path) -> int:
 
 
 def by_mcap(path: Path, target: Path, most: int) -> float:
-    """Return the time a message of copying the first messages with `mcap`, seconds."""
+    """Return the time per message of copying the first messages with `mcap`, seconds."""
     with open(file_of(path), 'rb') as source, open(target, 'wb') as file:
         writer, numbers = McapWriter(file), {}
         writer.start('ros2')
@@ -136,41 +136,41 @@ class Measured(NamedTuple):
 
     @property
     def ratios(self) -> tuple[float, float, float]:
-        """How many times longer than chunks, than chunks and a copy we take; `mcap` than we."""
+        """Our time over that of chunks, over that of chunks and a copy; `mcap`'s over ours."""
         return (self.ours / self.chunks, self.ours / (self.chunks + self.copy),
                 self.mcap * self.messages / self.ours)
 
 
 def measure(folder: Path, name: str, packed: str, count: int, most: int) -> Measured:
-    """Write a bag of some kind, cut it and recover it."""
+    """Write a bag of the given kind, cut it and recover it."""
     path, target = folder / 'bag', folder / 'new'
     WRITERS[name](path, min(count, MCAP_MOST) if name == 'mcap' else count, IMU, packed)
     size = int(SHARE * file_of(path).stat().st_size)
     os.truncate(file_of(path), size)
-    messages = recovered(path, target, None)
-    works = (lambda: recovered(path, target, None), lambda: chunks(path),
-             lambda: copied(path, folder / 'copy.mcap'))
-    times = [min(taken) for taken in zip(*([timed(work) for work in works]
+    messages = recover_bag(path, target, None)
+    works = (lambda: recover_bag(path, target, None), lambda: chunks(path),
+             lambda: copy_file(path, folder / 'copy.mcap'))
+    times = [min(taken) for taken in zip(*([measure_time(work) for work in works]
                                            for _ in range(5 if messages < 2_000_000 else 3)))]
     other = BagSettings(compression='lz4' if packed == 'zstd' else 'zstd')
-    return Measured(messages, size, *times, timed(lambda: recovered(path, target, other)),
+    return Measured(messages, size, *times, measure_time(lambda: recover_bag(path, target, other)),
                     by_mcap(path, folder / 'peer.mcap', most), peak_mb(path, target))
 
 
 def main() -> int:
     """Print a row for each bag; return 1 if a promise is broken."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[1])
-    parser.add_argument('--count', type=int, default=1_200_000, help='headings in all')
+    parser.add_argument('--count', type=int, default=1_200_000, help='total number of headings')
     parser.add_argument('--bags', nargs='+', default=list(BAGS), choices=list(BAGS))
     parser.add_argument('--compression', nargs='+', default=['zstd', 'lz4', 'none'])
     parser.add_argument('--peer', type=int, default=50_000, metavar='N',
-                        help='messages after which copying with mcap is stopped')
-    parser.add_argument('--folder', help='where the bags are written; else that of tempfile')
+                        help='messages after which to stop copying with mcap')
+    parser.add_argument('--folder', help='where to write the bags; by default that of tempfile')
     history.add_option(parser)
     options = parser.parse_args()
-    print('seconds of recovering, of reading all chunks, of copying the file, of recovering with '
-          'all\ncompressed anew; how many times longer we take than chunks, than chunks and a '
-          'copy, and mcap\nthan we; the most memory')
+    print('seconds to recover, to read all chunks, to copy the file, to recover with everything\n'
+          'compressed again; our time relative to chunks, and to chunks and a copy; mcap '
+          'relative to us;\npeak memory')
     print(f'{"bag":7s}{"packed":7s}{"messages":>9s}{"MB":>6s}{"recover":>9s}{"chunks":>8s}'
           f'{"copy":>7s}{"anew":>7s}{"/chunks":>9s}{"/both":>7s}{"mcap":>7s}{"peak MB":>9s}')
     broken, figures = [], {}

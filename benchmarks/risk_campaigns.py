@@ -30,7 +30,7 @@ __all__ = ['CAMPAIGNS', 'Campaign']
 
 @dataclass(frozen=True, slots=True)
 class Campaign:
-    """A row of these tables: its name, and what measures it."""
+    """A row of these tables: its name, and the function that measures it."""
 
     name: str
     measure: Callable[[np.random.Generator, int | None, float], Result]
@@ -42,7 +42,7 @@ def _accepts(upper: np.ndarray) -> str:
 
 def _campaigns(lengths: tuple[int, ...], errors: Errors, count: int, rng: np.random.Generator,
                alpha: float) -> tuple[np.ndarray, ...]:
-    """Return for each campaign: largest U, largest L at alpha / m, pooled L and U, U of S.13."""
+    """Return for each campaign: largest U, largest L at alpha / m, pooled L and U, U by S.13."""
     m, rows = len(lengths), []
     runs = [(x for many in batches(errors, n, count, child) for x in many)
             for n, child in zip(lengths, rng.spawn(m))]
@@ -99,17 +99,17 @@ def table_runs() -> list[Campaign]:
 
 
 def table_means() -> list[Campaign]:
-    """Return the rows of a component that no single run shows."""
+    """Return the rows of a slow component that no single run shows."""
     return [_slow_between(times, m) for times in (3.0, 1.0, 0.1, 0.01) for m in (2, 3, 5, 8)]
 
 
-#: Of looks: so long that the first of them is not before the least length of a run.
+#: Step of the looks: so long that even the first look is at a run of at least the least length.
 STEP_NS = 10_000_000_000
 
 
 def _looks(name: str, samples: int, errors: Errors, count_of_looks: int,
            first: int) -> Campaign:
-    """Return a row of looks at a run of `first` correlation times at the first of them."""
+    """Return a row of looks; at the first look the run has `first` correlation times."""
     times = first << (count_of_looks - 1)
     name = f'{name}; {count_of_looks} looks'
 
@@ -138,7 +138,7 @@ def _looks(name: str, samples: int, errors: Errors, count_of_looks: int,
 
 
 def _when(upper: np.ndarray, shares: list[float]) -> tuple[str, str]:
-    """Return the median share of the plan at which good sensors are accepted; how many are."""
+    """Return the median share of the plan at which good sensors are accepted, and how many are."""
     at, by_end = [], []
     for s in SIGMAS:
         accepted = s * s * upper <= 1.0
@@ -166,7 +166,7 @@ TARGETS = (0.5, 0.7, 0.85, 1.2, 1.5)
 
 
 def _power(name: str, samples: int, errors: Errors) -> Campaign:
-    """Return the lengths, in correlation times, from which on 80 % of the runs are decided."""
+    """Return a row of the lengths, in correlation times, from which 80 % of runs are decided."""
     def measure(rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
         lengths = [t for t in LENGTHS if t * samples <= 20_000]
         shares = np.empty((3, len(TARGETS), len(lengths)))
@@ -191,7 +191,7 @@ def _power(name: str, samples: int, errors: Errors) -> Campaign:
 
 
 def _length(share: np.ndarray, lengths: list[int]) -> str:
-    """Return from which length on a share is 0.8, interpolated in its logarithm."""
+    """Return the length from which a share is at least 0.8, interpolated in its logarithm."""
     below = np.flatnonzero(share < 0.8)
     if not below.size:
         return f'<= {lengths[0]}'
@@ -203,7 +203,7 @@ def _length(share: np.ndarray, lengths: list[int]) -> str:
 
 
 def table_b() -> list[Campaign]:
-    """Return the rows of lengths needed."""
+    """Return the rows of the lengths needed."""
     return [_power('AR(1)', 20, ar1(20.0)), _power('narrow band', 60, band(60.0)),
             _power('0.5 white + 0.5 AR(1)', 20, half(ar1(20.0))),
             _power('0.5 white + 0.5 narrow band', 60, half(band(60.0)))]

@@ -25,7 +25,7 @@ __all__ = ['batches', 'Bounds', 'COLUMNS', 'fails', 'measure_row', 'rate', 'Resu
            'SIGMAS']
 
 SIGMAS = (0.5, 0.7, 0.85)
-"""True standard deviations, as shares of the limit, whose acceptance is counted."""
+"""True standard deviations, as shares of the limit, for which acceptance is counted."""
 
 LEAST_RUNS = ((20_000, 5000), (100_000, 1000), (math.inf, 400))
 LARGEST_RATE = 0.06
@@ -45,7 +45,7 @@ class Result:
 
     @property
     def markdown(self) -> str:
-        """Return the row."""
+        """The row in Markdown."""
         return f'| {" | ".join(self.cells)} |'
 
 
@@ -58,45 +58,45 @@ class Bounds:
 
     @classmethod
     def of(cls, pairs: list[tuple[float, float]]) -> 'Bounds':
-        """Return them from pairs L, U."""
+        """Return bounds from pairs (L, U)."""
         both = np.array(pairs).reshape(-1, 2)
         return cls(both[:, 0], both[:, 1])
 
     @property
     def hi(self) -> np.ndarray:
-        """Return which runs are falsely accepted at the limit."""
+        """Which runs are wrongly accepted at the limit."""
         return self.upper < 1.0
 
     @property
     def lo(self) -> np.ndarray:
-        """Return which runs are falsely rejected at the limit."""
+        """Which runs are wrongly rejected at the limit."""
         return self.lower > 1.0
 
     @property
     def medians(self) -> str:
-        """Return median L / U."""
+        """The median L / U."""
         return f'{np.median(self.lower):.3g} / {np.median(self.upper):.3g}'
 
     @property
     def accepts(self) -> str:
-        """Return the shares accepted of sensors better than the limit."""
+        """The accepted shares of sensors that are better than the limit."""
         return ' / '.join(f'{np.mean(s * s * self.upper <= 1.0):.2f}' for s in SIGMAS)
 
 
 def runs_for(n: int, wanted: int | None) -> int:
-    """Return how many runs of n samples to make."""
+    """Return how many runs of n samples to simulate."""
     return wanted or next(runs for most, runs in LEAST_RUNS if n <= most)
 
 
 def fails(wrong: np.ndarray, alpha: float) -> bool:
-    """Return whether a rate is above its nominal value beyond chance, or too large anyhow."""
+    """Tell whether a rate is significantly above its nominal value, or too large in any case."""
     share = float(np.mean(wrong))
     error = math.sqrt(share * (1.0 - share) / wrong.size)
     return share - 2.0 * error > alpha or share > LARGEST_RATE / 0.05 * alpha
 
 
 def rate(wrong: np.ndarray, alpha: float, is_judged: bool = True) -> str:
-    """Return a rate with its standard error, marked where it fails."""
+    """Return a rate with its standard error, marked if it fails."""
     share = float(np.mean(wrong))
     error = math.sqrt(share * (1.0 - share) / wrong.size)
     mark = ' **fails**' if is_judged and fails(wrong, alpha) else ''
@@ -114,7 +114,7 @@ def batches(errors: Errors, n: int, count: int,
 
 def runs_of(row: Row, count: int, rng: np.random.Generator,
             ) -> Iterator[tuple[np.ndarray, np.ndarray | None, int]]:
-    """Yield residuals, stamps, and the order that the rule is told, run by run."""
+    """Yield, run by run, residuals, stamps, and the order given to the rule."""
     every = None
     if row.rate_hz:
         step_ns = round(1e9 / row.rate_hz)
@@ -140,7 +140,7 @@ def runs_of(row: Row, count: int, rng: np.random.Generator,
 
 def bounds_of(x: np.ndarray, stamps: np.ndarray | None, order: int,
               alpha: float) -> tuple[float, float]:
-    """Return L and U of one run; 0 and infinity where the rule makes no statement."""
+    """Return L and U of one run; 0 and infinity if the rule makes no statement."""
     figures = estimate_spread(Cells.of(x) if stamps is None else Cells.of(x, stamps), order)
     if figures is None:
         return 0.0, math.inf

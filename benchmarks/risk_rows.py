@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The rows of those tables of risks that judge one run at a time; see `decision_risk`."""
+"""The rows of the risk tables that judge one run at a time; see `decision_risk`."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ from error_processes import (
 __all__ = ['AUTO', 'JUDGED_FROM', 'Row', 'ROWS']
 
 AUTO = -1
-"""Order of a drift that is chosen from the data, at most 3; bounds are then those of order 3."""
+"""Drift order chosen from the data, at most 3; the bounds are then those of order 3."""
 
 JUDGED_FROM = 20
-"""Correlation times from which on the risks are promised; shorter rows are only reported."""
+"""Correlation times from which the risks are promised; shorter rows are only reported."""
 
 LONGEST_FORMER = 100_000
 PERIODS = 5.0
@@ -51,21 +51,21 @@ class Row:
     Attributes
     ----------
     name : str
-        Unique in its table, for it is the seed.
+        Unique in its table, because it is the seed.
     n : int
-        Instants at equal steps; all of them have a sample unless `sampling` says otherwise.
+        Number of instants at equal steps; all have a sample unless `sampling` says otherwise.
     errors : Errors
-        Of variance 1.
+        Error process of variance 1.
     times : float
         Correlation (coherence) times in the record; infinite without correlation.
     order : int
-        Order of the polynomial removed, `AUTO` if chosen.
+        Order of the polynomial removed; `AUTO` to choose it from the data.
     drift : int
-        Order of a drift of three standard deviations that is there before; 0 for none.
+        Order of a drift of three standard deviations that is added first; 0 for none.
     sampling : Sampling or None
-        Which instants have a sample.
+        The instants that have a sample.
     rate_hz : float
-        Of the instants; 0 for samples without stamps.
+        Rate of the instants; 0 for samples without stamps.
 
     """
 
@@ -85,12 +85,12 @@ class Row:
 
     @property
     def has_former(self) -> bool:
-        """Whether the former rule, which knows no stamps and takes long, stands beside it."""
+        """Whether to compare with the former rule, which is slow and cannot use stamps."""
         return self.n <= LONGEST_FORMER and self.sampling is None
 
 
 def band(coherence: float) -> Errors:
-    """Return narrow-band errors with five periods, of four samples at least, in that time."""
+    """Return narrow-band errors: five periods per coherence time, at least four samples each."""
     return narrow_band(coherence, max(coherence / PERIODS, 4.0))
 
 
@@ -171,7 +171,7 @@ def _drifts(name: str, n: int, errors: Errors, times: float) -> Iterator[Row]:
 
 
 def table_gaps() -> Iterator[Row]:
-    """Yield the rows of gaps and unequal steps; times are those with data, long gaps left out."""
+    """Yield the rows of gaps and unequal steps; times count only data, not long gaps."""
     gaps = [('five gaps of 6 %', five_gaps, 1, 0.7), ('half of it missing', half_missing, 1, 0.5),
             ('one of four kept at random', one_in_four, 4, 1.0),
             ('1 % lost at random', some_lost, 1, 1.0), ('steps of 0.2 to 1.8', jittered, 10, 1.0),
@@ -210,7 +210,7 @@ def table_short() -> Iterator[Row]:
 
 
 def table_rates() -> Iterator[Row]:
-    """Yield the rows of rates: the slowest time of a decade that the span holds 20 times."""
+    """Yield the rows of rates: the largest decade of times that fits 20 times into the span."""
     processes = {
         'white': None, 'AR(1)': ar1, '0.5 white + 0.5 AR(1)': lambda tau: half(ar1(tau)),
         '0.5 white + 0.5 narrow band': lambda tau: half(band(tau)), 'narrow band': band,
@@ -230,7 +230,7 @@ def table_rates() -> Iterator[Row]:
 
 
 def table_e() -> Iterator[Row]:
-    """Yield the rows of a component slower than a tenth of the record, under white errors."""
+    """Yield the rows of a component slower than a tenth of the record, in white errors."""
     for n in (600, 3000, 20_000):
         for share in (0.5, 0.3):
             for times in (0.1, 0.3, 1, 3, 6, 10):

@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Measure how often one source is found, and how often two sensors are taken for one.
+Measure how often one source is found, and how often two sensors are mistaken for one.
 
 Every row is one kind of TS; the motion, the rate, the length and the noise of the RS are drawn
-at random. Runs are paired and asked as the product asks them. "testable" counts the runs in which
-the RS shows noise or glitches of its own, "common" those of them in which one source is found, by
-its "noise" and by its "glitches"; "doubt" those that are not testable but differ by rounding
-alone. Then the coherence. Nominal are 0.95 of the testable for copies and 0.001 for independent
-sensors.
+at random. Runs are paired and tested as in the product. "testable" counts the runs in which the
+RS shows its own noise or glitches, "common" those of them in which one source is found, by its
+"noise" and by its "glitches". "doubt" counts the runs that are not testable but differ only by
+rounding. The last columns show the coherence. Nominal are 0.95 of the testable runs for copies,
+and 0.001 for independent sensors.
 
     python benchmarks/same_source.py --runs 300
     python benchmarks/same_source.py --rows independent --runs 2000
@@ -39,7 +39,7 @@ Motion = Callable[[np.ndarray], np.ndarray]
 
 
 def seaway(rng: np.random.Generator, span_s: float) -> Motion:
-    """Return the yaw in a sea whose spectrum falls with the fifth power, of the yaw the ninth."""
+    """Return the yaw in a sea whose spectrum falls as f^-5; the yaw's falls as f^-9."""
     step = 0.125
     n = 1 << math.ceil(math.log2((span_s + 20.0) / step))
     frequency = np.fft.rfftfreq(n, step)[1:]
@@ -76,7 +76,7 @@ def motion(rng: np.random.Generator, span_s: float, kicks: bool = False) -> Moti
         for size, period, phase in lines:
             found += size * np.sin(2.0 * math.pi * t / period + phase)
         for at, angle, rate in turns:
-            # A ship needs some seconds to begin and to end a turn.
+            # A ship takes some seconds to begin and to end a turn.
             lasts = max(abs(angle) / rate, 10.0)
             u = np.clip((t - at) / lasts, 0.0, 1.0)
             found += angle * (u - np.sin(2.0 * math.pi * u) / (2.0 * math.pi))
@@ -98,13 +98,13 @@ def coloured(rng: np.random.Generator, n: int, tau: float) -> np.ndarray:
 
 
 def rounded(values: np.ndarray, step: float) -> np.ndarray:
-    """Return values rounded to a step; as they are for 0."""
+    """Return values rounded to a step; unchanged for 0."""
     return np.round(values / step) * step if step else values
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What the kinds of TS are made of."""
+    """The common input of all kinds of TS."""
 
     rng: np.random.Generator
     t: np.ndarray
@@ -118,7 +118,7 @@ class Run:
 
 
 def glitches(rng: np.random.Generator, t: np.ndarray) -> np.ndarray:
-    """Return some glitches of one to three readings, 2 to 12 an hour and four at least."""
+    """Return glitches of one to three readings each, 2 to 12 per hour and at least four."""
     found = np.zeros(t.size)
     count = max(4, rng.poisson(rng.uniform(2, 12) * t[-1] / 3600))
     for at in rng.integers(20, t.size - 20, count):
@@ -126,10 +126,10 @@ def glitches(rng: np.random.Generator, t: np.ndarray) -> np.ndarray:
     return found
 
 
-def drawn(seed: int, tau_s: float | None, noisy: bool = True, *, spoilt: bool = False,
-          kicks: bool = False, method: str = 'auto') -> Run:
+def draw_run(seed: int, tau_s: float | None, noisy: bool = True, *, spoilt: bool = False,
+             kicks: bool = False, method: str = 'auto') -> Run:
     """
-    Return a run of 20 min to 2 h; the RS is sampled at 1 to 10 Hz, once in ten at 50 Hz.
+    Return a run of 20 min to 2 h; the RS is sampled at 1 to 10 Hz, in one of ten at 50 Hz.
 
     The RS has glitches if it is spoilt. Kicks are yaws of a small craft, there and back in 1.2 s.
 
@@ -137,7 +137,7 @@ def drawn(seed: int, tau_s: float | None, noisy: bool = True, *, spoilt: bool = 
     rng = np.random.default_rng(seed)
     rs_hz = float(rng.choice([1.0, 2.0, 5.0, 10.0, 50.0], p=[0.3, 0.15, 0.2, 0.25, 0.1]))
     if kicks:
-        # Slower readings fold them: no spectrum tells them from noise.
+        # Slower readings alias them: no spectrum can tell them from noise.
         rs_hz = max(rs_hz, 10.0)
     span = float(rng.choice([1200.0, 3600.0, 7200.0]) if rs_hz < 20.0 else 1200.0)
     t = np.arange(round(span * rs_hz)) / rs_hz
@@ -158,8 +158,8 @@ def stamps(t: np.ndarray) -> np.ndarray:
     return np.rint((t + 1000.0) * 1e9).astype(np.int64)
 
 
-def judged(run: Run, ts_t: np.ndarray, ts: np.ndarray) -> OneSource:
-    """Return what is found for a TS, asked just as the judge of a run asks."""
+def judge(run: Run, ts_t: np.ndarray, ts: np.ndarray) -> OneSource:
+    """Test a TS just as the judge of a run does."""
     pairs, _ = pair(Headings.of(stamps(ts_t), ts % 360.0),
                     Headings.of(stamps(run.t + run.jitter), run.rs % 360.0), run.settings)
     taken = RunSeries(0, run.settings)
@@ -171,54 +171,54 @@ def judged(run: Run, ts_t: np.ndarray, ts: np.ndarray) -> OneSource:
 
 def exact(run: Run) -> OneSource:
     """Judge a copy."""
-    return judged(run, run.t + run.jitter, run.rs)
+    return judge(run, run.t + run.jitter, run.rs)
 
 
 def delayed(run: Run) -> OneSource:
-    """Judge a copy that comes up to three seconds late."""
-    return judged(run, run.t + run.jitter + run.rng.uniform(0.0, 3.0), run.rs)
+    """Judge a copy that is up to three seconds late."""
+    return judge(run, run.t + run.jitter + run.rng.uniform(0.0, 3.0), run.rs)
 
 
 def requantised(run: Run) -> OneSource:
-    """Judge a copy rounded to twice the noise at most."""
+    """Judge a copy rounded to at most twice the noise."""
     step = max(s for s in (0.01, 0.02, 0.05, 0.1, 0.2) if s <= max(0.01, 2.0 * run.sigma))
-    return judged(run, run.t + run.jitter, rounded(run.rs, step))
+    return judge(run, run.t + run.jitter, rounded(run.rs, step))
 
 
 def filtered(run: Run) -> OneSource:
-    """Judge a copy through a filter of the first order of 1 to 5 s."""
+    """Judge a copy through a first-order filter of 1 to 5 s."""
     phi = math.exp(-1.0 / run.rs_hz / run.rng.uniform(1.0, 5.0))
     ts = lfilter([1.0 - phi], [1.0, -phi], run.rs - run.rs[0]) + run.rs[0]
-    return judged(run, run.t + run.jitter, ts)
+    return judge(run, run.t + run.jitter, ts)
 
 
 def filtered_rounded(run: Run) -> OneSource:
     """Judge the same, rounded to a hundredth of a degree."""
     phi = math.exp(-1.0 / run.rs_hz / run.rng.uniform(1.0, 5.0))
     ts = lfilter([1.0 - phi], [1.0, -phi], run.rs - run.rs[0]) + run.rs[0]
-    return judged(run, run.t + run.jitter, rounded(ts, 0.01))
+    return judge(run, run.t + run.jitter, rounded(ts, 0.01))
 
 
 def noisy_copy(run: Run) -> OneSource:
-    """Judge a copy with noise of its own, half that of the RS."""
+    """Judge a copy with its own noise, half that of the RS."""
     ts = run.rs + 0.5 * run.sigma * run.rng.standard_normal(run.t.size)
-    return judged(run, run.t + run.jitter, ts)
+    return judge(run, run.t + run.jitter, ts)
 
 
 def faster_copy(run: Run) -> OneSource:
-    """Judge an interpolated copy sent five times as often, a second late."""
+    """Judge an interpolated copy sent five times as often, 0.37 s late."""
     t = np.arange(run.t[0], run.t[-1], 0.2 / run.rs_hz)
-    return judged(run, t + 0.37, np.interp(t, run.t + run.jitter, run.rs))
+    return judge(run, t + 0.37, np.interp(t, run.t + run.jitter, run.rs))
 
 
 def held_copy(run: Run) -> OneSource:
     """Judge a copy whose value is repeated five times."""
     t = np.arange(run.t.size * 5) / (5.0 * run.rs_hz)
-    return judged(run, t, np.repeat(run.rs, 5))
+    return judge(run, t, np.repeat(run.rs, 5))
 
 
 def independent(run: Run, ts_noise: float | None = None) -> OneSource:
-    """Judge a TS of its own: its rate, noise, rounding, skew and filter drawn at random."""
+    """Judge an independent TS: its rate, noise, rounding and skew are drawn at random."""
     rng = run.rng
     ratio = rng.choice([0.5, 1.0, 1.0, 2.0, 5.0])
     hz = min(100.0, run.rs_hz * ratio * rng.choice([1.0, 1.003]))
@@ -227,29 +227,29 @@ def independent(run: Run, ts_noise: float | None = None) -> OneSource:
     sigma = rng.choice([0.0, 0.01, 0.05, 0.2]) if ts_noise is None else ts_noise
     tau = rng.choice([0.0, 1.0, 60.0]) * hz
     ts = run.heading(t - skew) + sigma * coloured(rng, t.size, tau)
-    return judged(run, t, rounded(ts, rng.choice([0.0, 0.01, 0.1])))
+    return judge(run, t, rounded(ts, rng.choice([0.0, 0.01, 0.1])))
 
 
 def perfect(run: Run) -> OneSource:
     """Judge a TS that follows the motion exactly, with the stamps of the RS."""
-    return judged(run, run.t + run.jitter, run.true)
+    return judge(run, run.t + run.jitter, run.true)
 
 
 def perfect_rounded(run: Run) -> OneSource:
-    """Judge one that does and rounds like the RS."""
-    return judged(run, run.t + run.jitter, rounded(run.true, 0.01))
+    """Judge a TS that follows the motion exactly and rounds like the RS."""
+    return judge(run, run.t + run.jitter, rounded(run.true, 0.01))
 
 
 def spoilt(run: Run) -> OneSource:
-    """Judge a TS of its own that has glitches of its own."""
+    """Judge an independent TS with its own glitches."""
     noise = run.rng.choice([0.0, 0.01, 0.05]) * run.rng.standard_normal(run.t.size)
     ts = run.heading(run.t) + noise + glitches(run.rng, run.t)
-    return judged(run, run.t, rounded(ts, 0.01))
+    return judge(run, run.t, rounded(ts, 0.01))
 
 
 def perfect_spoilt(run: Run) -> OneSource:
-    """Judge a TS without other errors than glitches of its own."""
-    return judged(run, run.t + run.jitter, run.true + glitches(run.rng, run.t))
+    """Judge a TS whose only errors are its own glitches."""
+    return judge(run, run.t + run.jitter, run.true + glitches(run.rng, run.t))
 
 
 SPOILT = {'tau_s': None, 'noisy': False, 'spoilt': True}
@@ -294,7 +294,7 @@ def main(arguments: list[str]) -> int:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.split('\n\n')[0])
     parser.add_argument('--runs', type=int, default=200)
-    parser.add_argument('--rows', default='', help='regular expression of the rows wanted')
+    parser.add_argument('--rows', default='', help='regular expression for the rows to measure')
     parser.add_argument('--seed', type=int, default=0)
     history.add_option(parser)
     options = parser.parse_args(arguments)
@@ -304,7 +304,7 @@ def main(arguments: list[str]) -> int:
     for number, (name, (kind, how)) in enumerate(ROWS.items()):
         if not re.search(options.rows, name):
             continue
-        found = [kind(drawn(options.seed + 100_000 * number + k, **how))
+        found = [kind(draw_run(options.seed + 100_000 * number + k, **how))
                  for k in range(options.runs)]
         kinds = [f.kind for f in found]
         values = [f.noise.coherence for f in found if f.noise.coherence is not None]

@@ -5,8 +5,8 @@
 How fast `simulate` writes a trial: time, its ratio to the simulated time, peak memory, size.
 
 The TS is the gimballed AHRS at sea, the RS a satellite compass. Promise: 12 h with both sensors
-at 100 Hz take less than a minute, and the memory does not grow with the length. Printed, not
-judged: the figures are those of the machine.
+at 100 Hz take less than a minute, and the memory does not grow with the length. The figures are
+printed but not judged, because they depend on the machine.
 
     python benchmarks/simulate.py
     python benchmarks/simulate.py --hours 1 12 --rate-hz 10 --model marine_0p1
@@ -47,7 +47,7 @@ def measure(duration_s: float, rate_hz: float, model: str) -> tuple[float, float
         subprocess.run([sys.executable, '-m', 'heading_intercompare', 'simulate', '--scenario',
                         str(scenario), '-o', str(bag)], check=True, stdout=subprocess.PIPE)
         took_s = perf_counter() - begin
-        # The parent's own peak is that of its largest child so far: lengths go up.
+        # This is the peak of the largest child so far, so measure rising lengths.
         peak_mb = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
         return took_s, peak_mb, sum(file.stat().st_size for file in bag.iterdir())
 

@@ -1,17 +1,16 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What it costs to start: CPU time and memory of each executable, next to a peer of its kind.
+The cost of starting: CPU time and memory of each executable, next to a peer of its kind.
 
-A command runs to its end; its peer is `python -c 'import numpy'`. A node is looked at a second
+A command runs to its end; its peer is `python -c 'import numpy'`. A node is measured one second
 after others see it: then its topics are open, and it waits for a sensor, a subscriber or a
-message; its peer is a node of rclpy with one publisher of sensor_msgs/Imu. Printed are the least
-CPU time, user and system, and the least peak of resident memory of several rounds, and how many
-times those of the peer in the same rounds that is. A round before them, which is not counted,
-compiles.
+message. Its peer is an rclpy node with one publisher of sensor_msgs/Imu. The table shows the least
+CPU time, user and system, and the least peak of resident memory over several rounds, and the
+ratios to the peer in the same rounds. An extra first round compiles and is not counted.
 
-Promises: at most twice the CPU time of the peer for `--version`, 1.3 times for a driver. Exit
-code 1 if one is broken.
+Promises: at most twice the CPU time of the peer for `--version`, 1.3 times for a driver. The exit
+code is 1 if a promise is broken.
 
     python benchmarks/start_up.py
     python benchmarks/start_up.py --rounds 3 --only driver
@@ -37,7 +36,7 @@ ROOT = Path(__file__).resolve().parent.parent
 TICKS_HZ = os.sysconf('SC_CLK_TCK')
 NUMBERS = count()
 
-#: How long a node is left alone when it is seen, and how long that may take.
+#: How long to leave a node alone once it is seen, and the longest wait until it is seen.
 ALONE_S, LONGEST_S = 1.0, 60.0
 
 PLAIN_NODE = """
@@ -65,13 +64,13 @@ class Program(NamedTuple):
     Attributes
     ----------
     words : tuple of str
-        What Python is given.
+        Arguments of Python.
     peer : str or None
         The row to compare it with.
     most : float
-        The ratio of CPU times that is promised.
+        The promised ratio of CPU times.
     node : bool
-        It does not end by itself.
+        It is a node, which does not end by itself.
 
     """
 
@@ -114,24 +113,24 @@ PROGRAMS = {
 
 
 def peak_mb(process: subprocess.Popen) -> float:
-    """Return the most memory that a process has had; nothing when it has ended."""
+    """Return the peak memory of a process, MB; 0 if it has ended."""
     status = Path(f'/proc/{process.pid}/status').read_text('utf-8')
     return int([*status.partition('VmHWM:')[2].split(), '0'][0]) / 1024.0
 
 
 def look(process: subprocess.Popen) -> Cost:
-    """Return what a process has cost so far."""
+    """Return the cost of a process so far."""
     times = Path(f'/proc/{process.pid}/stat').read_text('utf-8').rpartition(') ')[2].split()
     return Cost((int(times[11]) + int(times[12])) / TICKS_HZ, peak_mb(process))
 
 
 def settle(process: subprocess.Popen, name: str, watcher: Node) -> Cost:
-    """Return the cost of a node when it is there, and end it."""
+    """Wait until a node is there, return its cost, and end it."""
     deadline = monotonic() + LONGEST_S
     while name not in watcher.get_node_names():
         if process.poll() is not None or monotonic() > deadline:
             process.kill()
-            raise SystemExit(f'{process.args}: ended, or is not seen')
+            raise SystemExit(f'{process.args}: ended, or was not seen in time')
         sleep(0.02)
     sleep(ALONE_S)
     cost = look(process)
@@ -142,7 +141,7 @@ def settle(process: subprocess.Popen, name: str, watcher: Node) -> Cost:
 
 def finish(process: subprocess.Popen) -> Cost:
     """Return the cost of a process that ends by itself."""
-    # `ru_maxrss` of a child is at least what this process had when it made the child.
+    # `ru_maxrss` of a child includes the memory this process had when it started the child.
     memory_mb, pid = 0.0, 0
     while not pid:
         memory_mb = max(memory_mb, peak_mb(process))
@@ -153,7 +152,7 @@ def finish(process: subprocess.Popen) -> Cost:
 
 
 def start(program: Program, folder: str, watcher: Node) -> Cost:
-    """Return what it costs to start a program; a node has a name of its own each time."""
+    """Start a program and return the cost; a node gets a new name each time."""
     name = f'start_up_{os.getpid()}_{next(NUMBERS)}'
     path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get('PYTHONPATH')])])
     process = subprocess.Popen(
@@ -165,7 +164,7 @@ def start(program: Program, folder: str, watcher: Node) -> Cost:
 
 
 def prepare(folder: str, watcher: Node) -> None:
-    """Write what the programs read: a simulated trial as a bag, and its pairs as csv."""
+    """Write the inputs of the programs: a simulated trial as a bag, and its pairs as csv."""
     text = (ROOT / 'config' / 'scenarios' / 'demo.yaml').read_text('utf-8')
     Path(folder, 'trial.yaml').write_text(
         re.sub('^duration_s: .*$', 'duration_s: 600', text, flags=re.MULTILINE), 'utf-8')

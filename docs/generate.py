@@ -166,11 +166,11 @@ def parameter_file() -> str:
         # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
         # SPDX-License-Identifier: Apache-2.0
         #
-        # Every setting with its default. A ROS parameter file, which the command line reads too:
+        # All settings with their defaults: a ROS parameter file, also for the command line:
         #   ros2 launch heading_intercompare intercompare.launch.py config:=FILE
         #   heading-intercompare analyze BAG --config FILE
-        # Copy it and change the copy; what is left out takes its default. Remove the mark # from
-        # a setting that has no default to give it; the values behind such marks are examples.
+        # Copy this file and edit the copy; settings that you leave out keep their defaults. A
+        # setting without a default is commented out with an example value: remove the # to set it.
         # Required are norms.sigma_ref_max_deg, and norms.sigma_max_deg or norms.preset.
         # Written by docs/generate.py.
         """)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Three sensors on one ship: what each of them errs, without trusting any."""
+"""Three sensors on one ship: the error of each, without a reference."""
 
 import numpy as np
 
@@ -22,4 +22,4 @@ stamp_ns, heading_deg = at_common_stamps([sensor(s, r) for s, r in zip(SIGMA_DEG
 hats = three_cornered_hat(heading_deg, stamp_ns)
 for name, sigma_deg, (low, high) in zip(NAMES, hats.std_deg, hats.interval_deg2):
     print(f'{name}: {sigma_deg:.3f} deg, variance {low:.5f} .. {high:.5f} deg2')
-print('interpolation shrinks the noise of all but the first')
+print('interpolation reduces the noise of all sensors but the first')

@@ -15,13 +15,13 @@ import yaml
 
 
 def node(executable, name, config, own, **kwargs):
-    """Return a node; `own` overrules the parameter file, for the namespace is given."""
+    """Return a node; `own` overrides the parameter file, because the namespace is given."""
     return Node(package='heading_intercompare', executable=executable, name=name, namespace='/',
                 parameters=[config, own] if own else [config], output='screen', **kwargs)
 
 
 def nodes(context):
-    """Return the nodes; in whatever order they start, no heading is lost."""
+    """Return the nodes; no heading is lost, in whatever order they start."""
     config, record, output, report_dir = (
         LaunchConfiguration(name).perform(context)
         for name in ('config', 'record', 'output', 'report_dir'))
@@ -29,7 +29,7 @@ def nodes(context):
         sections = yaml.safe_load(file)
     parameters = {name.lstrip('/'): (section or {}).get('ros__parameters') or {}
                   for name, section in sections.items()}
-    # Who is waited for: the pairs by compliance, headings by the synchronizer, both the recorder.
+    # Pairs wait for compliance, headings for the synchronizer, and both for the recorder.
     heard = {'subscribers': 2 if record == 'true' else 1}
     made = []
     for role in ('ts', 'rs'):
@@ -56,9 +56,9 @@ def generate_launch_description():
                               'sections ts_driver and rs_driver'),
         DeclareLaunchArgument('record', default_value='true', choices=['true', 'false'],
                               description='record a bag'),
-        DeclareLaunchArgument('output', default_value='', description='the bag; empty: as the '
-                              'parameter file says, else heading_<UTC>'),
+        DeclareLaunchArgument('output', default_value='', description='the bag; empty: that of '
+                              'the parameter file, or heading_<UTC>'),
         DeclareLaunchArgument('report_dir', default_value='', description='folder for the '
-                              'reports; empty: as the parameter file says, else none'),
+                              'reports; empty: that of the parameter file, or none'),
         OpaqueFunction(function=nodes),
     ])

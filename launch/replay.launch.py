@@ -7,7 +7,7 @@ Compare two sensors again from a bag: replayer, synchronizer, compliance.
         [rate:=20.0] [start:=0.0] [duration:=60.0] [start_paused:=true] [clock:=true]
         [report_dir:=DIR]
 
-All end when the bag does.
+All nodes end at the end of the bag.
 """
 
 from launch import LaunchDescription
@@ -17,14 +17,14 @@ from launch_ros.actions import Node
 
 
 def node(name, config, own, reason):
-    """Return a node whose end ends all; `own` overrules the file, for the namespace is given."""
+    """Return a node whose end ends all; `own` overrides the file: the namespace is given."""
     return Node(package='heading_intercompare', executable=name, name=name, namespace='/',
                 parameters=[config, own] if own else [config], output='screen',
                 on_exit=Shutdown(reason=reason))
 
 
 def nodes(context):
-    """Return the nodes; in whatever order they start, no heading is lost."""
+    """Return the nodes; no heading is lost, in whatever order they start."""
     bag, config, rate, start, duration, start_paused, clock, report_dir = (
         LaunchConfiguration(name).perform(context) for name in (
             'bag', 'config', 'rate', 'start', 'duration', 'start_paused', 'clock', 'report_dir'))
@@ -42,10 +42,10 @@ def generate_launch_description():
     return LaunchDescription([
         DeclareLaunchArgument('bag', description='.mcap file or rosbag2 folder'),
         DeclareLaunchArgument('config', description='ROS parameter file with the norms'),
-        DeclareLaunchArgument('rate', default_value='1.0', description='times the speed of the '
+        DeclareLaunchArgument('rate', default_value='1.0', description='speed relative to the '
                               'recording; 0.0: as fast as possible'),
         DeclareLaunchArgument('start', default_value='0.0',
-                              description='seconds left out at the start'),
+                              description='seconds to skip at the start'),
         DeclareLaunchArgument('duration', default_value='',
                               description='seconds to replay; empty: to the end'),
         DeclareLaunchArgument('start_paused', default_value='false', choices=['true', 'false'],
@@ -53,6 +53,6 @@ def generate_launch_description():
         DeclareLaunchArgument('clock', default_value='false', choices=['true', 'false'],
                               description='publish /clock'),
         DeclareLaunchArgument('report_dir', default_value='', description='folder for the '
-                              'report; empty: as the parameter file says, else none'),
+                              'report; empty: that of the parameter file, or none'),
         OpaqueFunction(function=nodes),
     ])

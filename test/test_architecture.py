@@ -36,18 +36,20 @@ class Allowed(NamedTuple):
 ALLOWED = {
     '__init__': Allowed({'core', 'bags', 'app'}, set()),
     '_doors': Allowed(set(), set()),
+    'yaml_file': Allowed({'core'}, {'yaml'}),
     'core': Allowed(set(), {'numpy', 'scipy', 'pandas'}),
     'drivers': Allowed({'core'}, {'numpy', 'serial'}),
     'ahrs': Allowed({'core'}, {'numpy'}),
     'messages': Allowed({'core'}, {'numpy'}),
-    'bags': Allowed({'core', 'messages'}, {'numpy', 'mcap', 'lz4', 'zstandard', 'isal'}),
-    'report': Allowed({'core'}, {'numpy'}),
+    'bags': Allowed({'core', 'messages', 'yaml_file'},
+                    {'numpy', 'mcap', 'lz4', 'zstandard', 'isal'}),
+    'report': Allowed({'core'}, {'numpy', 'jinja2', 'matplotlib'}),
     'nodes': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'report'},
                      {'numpy', 'rclpy'} | MESSAGES),
-    'app': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'report'},
-                   {'numpy', 'yaml', 'distributed', 'threadpoolctl'}),
+    'app': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'yaml_file'},
+                   {'numpy', 'distributed', 'threadpoolctl'}),
     'cli': Allowed({'app', 'core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'nodes'},
-                   {'numpy', 'yaml'}),
+                   {'numpy', 'yaml', 'rich', 'argcomplete'}),
     '__main__': Allowed({'cli'}, set()),
 }
 
@@ -63,7 +65,14 @@ ORDER = {
              'recording', 'recovery', 'csv'),
     'nodes': ('settings', 'ros', 'runtime', 'synchronizer', 'compliance', 'recorder', 'replayer',
               'nmea_driver', 'sensor_simulator', 'graph'),
-    'cli': ('terminal', 'node_command', 'commands', 'program'),
+    'cli': ('terminal', 'completion', 'node_command', 'commands', 'program'),
+}
+
+# What an extra brings, and the only modules that may load it.
+LOADED_BY = {
+    'jinja2': {'report/html'}, 'matplotlib': {'report/graphs', 'report/plots'},
+    'distributed': {'app/cluster'}, 'argcomplete': {'cli/completion'},
+    'rich': {'cli/terminal/console', 'cli/terminal/progress'},
 }
 
 # They take headings and pass them on, and start as fast as a plain node.
@@ -79,7 +88,8 @@ TESTS_OF_SEVERAL = {
     'ahrs/test_commands', 'ahrs/test_pictures', 'ahrs/test_recovery', 'ahrs/test_scenarios',
     'bags/rosbag2/test_third_parties', 'bags/test_fuzz', 'cli/test_bag_commands',
     'cli/test_catalogue', 'cli/test_former_files', 'cli/test_origin', 'cli/test_outputs',
-    'cli/test_real_logs', 'cli/test_usage', 'messages/test_against_rclpy',
+    'cli/test_real_logs', 'cli/test_usage', 'cli/test_without_extras',
+    'messages/test_against_rclpy',
     'nodes/test_graph_processes', 'nodes/test_launch', 'nodes/test_real_logs_over_udp',
     'nodes/test_recorder_process', 'nodes/test_soak',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_equations',
@@ -223,6 +233,7 @@ def test_a_module_imports_only_what_its_folder_may(path):
     ('messages', 'from std_msgs.msg import String'),
     ('helpers', 'import math'),
     ('cli', 'from distributed import Client'),
+    ('app', 'from rich.console import Console'),
     ('_doors', 'from heading_intercompare.core import angles'),
 ])
 def test_the_check_sees_a_forbidden_import(folder, statement):
@@ -351,7 +362,25 @@ def test_the_command_line_answers_without_loading_numbers_or_ros(question):
             f'    main(["{question}"])\n'
             'except SystemExit:\n'
             '    pass')
-    assert loaded(code) & {'numpy', 'scipy', 'rclpy', 'yaml'} == set()
+    assert loaded(code) & {'numpy', 'scipy', 'rclpy', 'yaml', *LOADED_BY} == set()
+
+
+def test_what_an_extra_brings_is_imported_only_where_it_is_used():
+    found = {library: set() for library in LOADED_BY}
+    for path in MODULES:
+        for _, name in imports(path.read_text('utf-8'), package_of(path)):
+            if name.partition('.')[0] in LOADED_BY:
+                module = path.relative_to(PACKAGE).with_suffix('').as_posix()
+                found[name.partition('.')[0]].add(module)
+    assert found == LOADED_BY
+
+
+@pytest.mark.parametrize('name', ['cli.commands.analyze', 'cli.commands.report', 'report',
+                                  'cli.commands.graph.demo', 'app.analysis', 'nodes.compliance'])
+def test_who_may_write_a_protocol_loads_what_it_needs_only_then(name):
+    if name.startswith('nodes.'):
+        pytest.importorskip('rclpy')
+    assert loaded(f'import heading_intercompare.{name}') & {*LOADED_BY} == set()
 
 
 @pytest.mark.parametrize('name', ['core.records', 'core.pairing.pairer', 'drivers.nmea',

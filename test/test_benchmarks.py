@@ -67,7 +67,7 @@ def test_figures_that_are_kept_are_shown_as_a_trend(tmp_path):
 def test_a_damaged_history_is_refused_with_its_line(tmp_path):
     kept = tmp_path / 'history.jsonl'
     kept.write_text('{"benchmark": "x", "figures": {"a": 1}}\n{"benchmark": "x"}\n', 'utf-8')
-    with pytest.raises(ValueError, match='history.jsonl, line 2: is no run of a benchmark'):
+    with pytest.raises(ValueError, match='history.jsonl, line 2: is not a run of a benchmark'):
         history.read_runs(kept)
 
 
@@ -77,7 +77,7 @@ def test_a_damaged_history_is_refused_with_its_line(tmp_path):
     ('independent, two perfect, rounded', {'suspected', 'not_testable'})])
 def test_a_row_of_one_source_holds_what_it_is_called(row, kinds):
     kind, how = same_source.ROWS[row]
-    found = [kind(same_source.drawn(seed, **how)).kind for seed in (1, 2, 3)]
+    found = [kind(same_source.draw_run(seed, **how)).kind for seed in (1, 2, 3)]
     assert found[0] in kinds and set(found) <= {*kinds, 'not_testable', 'suspected'}
 
 

@@ -109,7 +109,33 @@ def test_every_executable_has_a_module_with_main(node):
 
 def test_type_checkers_are_told_that_the_package_has_types():
     assert (ROOT / NAME / 'py.typed').is_file()
-    assert "package_data={NAME: ['py.typed']}" in (ROOT / 'setup.py').read_text('utf-8')
+    assert "package_data={NAME: ['py.typed'," in (ROOT / 'setup.py').read_text('utf-8')
+
+
+def test_the_templates_are_data_of_the_package_and_of_its_source_archive():
+    templates = {p.relative_to(ROOT / NAME).as_posix()
+                 for p in (ROOT / NAME / 'report' / 'templates').rglob('*') if p.is_file()}
+    assert templates == {'report/templates/protocol.html', 'report/templates/protocol.css'}
+    assert "'report/templates/*'" in (ROOT / 'setup.py').read_text('utf-8')
+    assert (f'recursive-include {NAME}/report/templates *'
+            in (ROOT / 'MANIFEST.in').read_text('utf-8').splitlines())
+
+
+@pytest.mark.parametrize('extra, libraries', [
+    ('report', ['jinja2', 'matplotlib']), ('terminal', ['rich', 'argcomplete'])])
+def test_an_extra_is_asked_for_and_installed_for_demo_and_tests(extra, libraries):
+    asked = re.search(rf"'{extra}': \[([^]]*)\]", (ROOT / 'setup.py').read_text('utf-8'))[1]
+    assert re.findall(r"'(\w+)", asked) == libraries
+    environments = re.findall(r'venv\S* (ros\S*)', (ROOT / 'Makefile').read_text('utf-8'))
+    assert len(environments) == 3
+    assert all(extra in environment.split(',') for environment in environments)
+    pinned = (ROOT / '.ci' / 'ubuntu-24.04.txt').read_text('utf-8')
+    assert all(re.search(rf'^{library}==', pinned, re.MULTILINE) for library in libraries)
+
+
+def test_what_the_protocol_is_made_with_is_a_dependency_of_the_ros_package():
+    assert {'python3-jinja2', 'python3-matplotlib'} <= {
+        element.text for element in manifest().iter('exec_depend')}
 
 
 @pytest.mark.slow
@@ -129,6 +155,9 @@ def test_pip_installs_the_command_line_without_ros(source, tmp_path):
             'importlib.util.find_spec("rclpy"))')
     place, version, rclpy = run(bin_folder / 'python', '-c', code, cwd=tmp_path).stdout.split()
     assert Path(place).with_name('py.typed').is_file()
+    template = Path(place).with_name('report') / 'templates' / 'protocol.html'
+    assert template.read_bytes() == (ROOT / NAME / 'report' / 'templates' / 'protocol.html'
+                                     ).read_bytes()
     assert place.startswith(str(tmp_path)) and version == __version__ and rclpy == 'None'
     assert {node for node in NODES if not (bin_folder / node).is_file()} == set()
     share = tmp_path / 'venv' / 'share' / NAME
@@ -144,6 +173,15 @@ def test_pip_installs_the_command_line_without_ros(source, tmp_path):
     judged = run(command, 'analyze', 'pairs.csv', '--set', 'norms.sigma_max_deg=0.2', '--set',
                  'norms.sigma_ref_max_deg=0.1', '--check', cwd=tmp_path)
     assert judged.returncode == 0, judged.stdout
+    drawn = run(command, 'analyze', 'pairs.csv', '--set', 'norms.sigma_max_deg=0.2', '--set',
+                'norms.sigma_ref_max_deg=0.1', '--report', 'r.html', cwd=tmp_path)
+    assert drawn.returncode == 2 and 'heading_intercompare[report]' in drawn.stdout
+    done = run(bin_folder / 'python', '-m', 'pip', 'install', '--disable-pip-version-check',
+               '--prefer-binary', f'{source}[report]', cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    drawn = run(command, 'analyze', 'pairs.csv', '--set', 'norms.sigma_max_deg=0.2', '--set',
+                'norms.sigma_ref_max_deg=0.1', '--report', 'r.html', cwd=tmp_path)
+    assert drawn.returncode == 0 and '<svg' in (tmp_path / 'r.html').read_text('utf-8')
     refused = run(command, 'demo', cwd=tmp_path)
     assert refused.returncode == 2
     assert len(refused.stdout.splitlines()) == 1 and 'rclpy' in refused.stdout
@@ -197,6 +235,9 @@ def test_colcon_builds_a_package_whose_nodes_start_and_end(source, tmp_path):
     for folder in ('config', 'launch', 'schema'):
         assert ({p.name for p in (ROOT / folder).rglob('*') if p.is_file() and p.suffix != '.pyc'}
                 == {p.name for p in (share / NAME / folder).rglob('*') if p.is_file()})
+
+    template = f'{NAME}/report/templates/protocol.html'
+    assert [p for p in prefix.rglob('protocol.html') if p.as_posix().endswith(template)]
 
     setup = f'. {workspace}/install/local_setup.sh && env -0'
     listed = run('sh', '-c', setup, cwd=tmp_path, ROS_AUTOMATIC_DISCOVERY_RANGE='LOCALHOST')

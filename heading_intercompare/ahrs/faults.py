@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Faults of a heading sensor as they are seen from outside: frozen, turned, mirrored, silent."""
+"""Faults of a heading sensor as seen from outside: frozen, rotated, mirrored, silent."""
 
 from __future__ import annotations
 
@@ -18,38 +18,38 @@ __all__ = ['Fault', 'FAULTS', 'Faults']
 FAULTS = {
     'freeze': ('repeats its last reading; the value is not used', 0.0),
     'jump': ('adds the value [deg]', 5.0),
-    'rotated': ('adds the value [deg], a quarter turn unless given', 90.0),
+    'rotated': ('adds the value [deg], by default a quarter turn', 90.0),
     'mirrored': ('shows the value minus the heading [deg]: a compass heading published as an '
                  'ENU yaw, or the reverse', 90.0),
     'clock_step': ('adds the value to its stamps [s]', 1.0),
     'silent': ('gives no readings; the value is not used', 0.0),
-    'invalid': ('calls its readings invalid; the value is not used', 0.0),
+    'invalid': ('flags its readings as invalid; the value is not used', 0.0),
 }
-"""Kinds of faults: what the sensor does, and the value when none is given."""
+"""Kinds of faults: what the sensor does, and the default value."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """One fault, from `t_s` for `duration_s` (infinite: to the end)."""
+    """One fault, from `t_s` for `duration_s`; an infinite one lasts to the end."""
 
     t_s: float
     kind: str
     value: float
     duration_s: float = math.inf
 
-    def active(self, t_s: np.ndarray) -> np.ndarray:
-        """Tell at which instants the fault is present."""
+    def is_active(self, t_s: np.ndarray) -> np.ndarray:
+        """Tell at which instants the fault is active."""
         return (t_s >= self.t_s) & (t_s < self.t_s + self.duration_s)
 
 
 class Faults:
     """
-    The faults of one sensor, put on its readings chunk by chunk.
+    The faults of one sensor, applied to its readings chunk by chunk.
 
     Parameters
     ----------
     faults : sequence of Fault
-        In any order; they act in the order of their start.
+        In any order; they act in the order in which they start.
 
     """
 
@@ -60,16 +60,16 @@ class Faults:
 
     def begin(self, fault: Fault) -> None:
         """
-        Take in one more fault, which must not begin before readings that were put already.
+        Add a fault, which must not begin before readings already processed.
 
         Raises
         ------
         ValueError
-            If one of this kind is present then.
+            If a fault of this kind is active at that time.
 
         """
-        if any(other.kind == fault.kind for other in self.present(fault.t_s)):
-            raise ValueError(f'{fault.kind} is present already')
+        if any(other.kind == fault.kind for other in self.list_active(fault.t_s)):
+            raise ValueError(f'{fault.kind} is already present')
         insort(self._faults, fault, key=_start)
 
     def end(self, kind: str, t_s: float) -> None:
@@ -79,34 +79,34 @@ class Faults:
         Raises
         ------
         ValueError
-            If none is present then.
+            If none is active at that time.
 
         """
-        present = [fault for fault in self.present(t_s) if fault.kind == kind]
+        present = [fault for fault in self.list_active(t_s) if fault.kind == kind]
         if not present:
             raise ValueError(f'{kind} is not present')
         for fault in present:
             self._faults[self._faults.index(fault)] = replace(
                 fault, duration_s=t_s - fault.t_s)
 
-    def present(self, t_s: float) -> tuple[Fault, ...]:
-        """Return the faults that are present at a time."""
+    def list_active(self, t_s: float) -> tuple[Fault, ...]:
+        """Return the faults that are active at a time."""
         return tuple(fault for fault in self._faults
                      if fault.t_s <= t_s < fault.t_s + fault.duration_s)
 
     def put(self, t_s: np.ndarray, heading_deg: np.ndarray,
             stamp_ns: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """
-        Return the readings of one chunk as the faulty sensor gives them.
+        Apply the faults to one chunk of readings.
 
         Parameters
         ----------
         t_s : ndarray, shape (n,)
-            Times of the readings, seconds since the start, going on from the last call.
+            Times of the readings, seconds since the start, later than those of the last call.
         heading_deg : ndarray, shape (n,)
-            Sound readings, degrees.
+            Readings without faults, degrees.
         stamp_ns : ndarray of int64, shape (n,)
-            Sound stamps.
+            Stamps without faults, nanoseconds.
 
         Returns
         -------
@@ -120,11 +120,11 @@ class Faults:
         if not t_s.size:
             return heading_deg, stamp_ns, given
         for fault in self._faults:
-            at = fault.active(t_s)
+            at = fault.is_active(t_s)
             if not at.any():
                 continue
             if fault.kind == 'freeze':
-                heading_deg = self._frozen(fault, at, heading_deg)
+                heading_deg = self._freeze(fault, at, heading_deg)
             elif fault.kind in ('jump', 'rotated'):
                 heading_deg = np.where(at, wrap360(heading_deg + fault.value), heading_deg)
             elif fault.kind == 'mirrored':
@@ -138,10 +138,10 @@ class Faults:
         self._last_deg = float(heading_deg[-1])
         return heading_deg, stamp_ns, given
 
-    def _frozen(self, fault: Fault, at: np.ndarray, heading_deg: np.ndarray) -> np.ndarray:
-        """Hold the reading before the fault, or the first one if there is none before."""
-        # Faults that act later than this one had not begun then, so that the last reading of the
-        # chunk before is what this one has to hold.
+    def _freeze(self, fault: Fault, at: np.ndarray, heading_deg: np.ndarray) -> np.ndarray:
+        """Hold the last reading before the fault, or the first one if there is none."""
+        # Faults that act after this one had not begun by then, so the last reading of the
+        # previous chunk is the one to hold.
         first = int(np.argmax(at))
         before = (heading_deg[first - 1] if first
                   else heading_deg[0] if self._last_deg is None else self._last_deg)

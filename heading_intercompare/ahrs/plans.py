@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Lists that fit into one text setting: course plans, faults, events, fixed errors, instants."""
+"""Parsers of text settings that hold a list or an instant: courses, faults, events, errors."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ EVENTS = {
     'gyrocompass': 'command: seek the meridian',
     'gyro_azimuth': 'command: hold the azimuth',
     'reset': 'command: start again after a fault',
-    'force_on': 'command: go on though the thermostat is not ready',
-    'log_lost': 'no more speed from the log',
-    'log_found': 'speed from the log again',
-    'gps_lost': 'no more satellite heading',
-    'gps_found': 'satellite heading again',
+    'force_on': 'command: continue although the thermostat is not ready',
+    'log_lost': 'the log stops giving speed',
+    'log_found': 'the log gives speed again',
+    'gps_lost': 'the satellite heading is lost',
+    'gps_found': 'the satellite heading is back',
     'power_dip': 'the power fails for a moment: restart, still warm',
     'fail_post': 'the self-test fails',
-    'fail_thermostat': 'the heater goes out',
+    'fail_thermostat': 'the heater fails',
     'fail_gyro': 'a gyro loses its spin',
     'fail_accelerometer': 'an accelerometer sticks',
     'fail_gimbal': 'a gimbal reaches its stop',
-    'repair': 'injected failures are gone',
+    'repair': 'all injected failures end',
 }
-"""What can happen to a gimballed AHRS while it runs."""
+"""Events that can happen to a running gimballed AHRS."""
 
 FIXED = ('drift_x', 'drift_y', 'drift_z', 'meter_x', 'meter_y', 'bias_x', 'bias_y')
-"""Errors that can be fixed instead of drawn: gyro drifts and meter biases in deg/h, accelerometer
+"""Errors that can be fixed instead of random: gyro drifts and meter biases in deg/h, accelerometer
 biases in micro-g."""
 
 
@@ -74,7 +74,8 @@ def parse_legs(text: str, name: str = 'legs') -> tuple[Leg, ...]:
     Raises
     ------
     SettingsError
-        Naming the entry that is wrong: three numbers each, the first at 0 s, times increasing.
+        Names the wrong entry. Each must hold three numbers; the first starts at 0 s, and times
+        increase.
 
     Examples
     --------
@@ -103,7 +104,7 @@ def parse_faults(text: str, name: str = 'faults') -> tuple[Fault, ...]:
     Raises
     ------
     SettingsError
-        Naming the entry that is wrong and the kinds there are.
+        Names the wrong entry and the allowed kinds.
 
     Examples
     --------
@@ -146,12 +147,12 @@ def parse_utc(text: str, name: str = 'start_utc') -> int:
 
 def parse_events(text: str, name: str = 'events') -> tuple[Event, ...]:
     """
-    Return the events written as 't_s kind; ...', in the order of their times.
+    Return the events written as 't_s kind; ...', in time order.
 
     Raises
     ------
     SettingsError
-        Naming the entry that is wrong and the kinds there are.
+        Names the wrong entry and the allowed kinds.
 
     Examples
     --------
@@ -176,7 +177,7 @@ def parse_fixed(text: str, name: str = 'fixed') -> dict[str, float]:
     Raises
     ------
     SettingsError
-        Naming the entry that is wrong and the names there are.
+        Names the wrong entry and the allowed names.
 
     Examples
     --------

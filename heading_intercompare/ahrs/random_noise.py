@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Random numbers: named streams of one seed, and noise that goes on where the last call ended."""
+"""Random numbers: named streams from one seed, and coloured noise that continues across calls."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ __all__ = ['Markov', 'open_stream']
 
 def open_stream(seed: int, name: str) -> np.random.Generator:
     """
-    Return the generator of one named purpose.
+    Return the random generator for a named purpose.
 
     Parameters
     ----------
     seed : int
         Seed of the whole simulation, at least 0.
     name : str
-        Purpose, such as 'ts.white'. Streams of different names are independent, so a new one
-        leaves the numbers of all others as they were.
+        Purpose, such as 'ts.white'. Streams with different names are independent, so a new one
+        does not change the numbers of the others.
 
     """
     child = np.random.SeedSequence(seed, spawn_key=(zlib.crc32(name.encode()),))
@@ -32,7 +32,7 @@ def open_stream(seed: int, name: str) -> np.random.Generator:
 
 class Markov:
     """
-    First-order Gauss-Markov noise on an even grid, started in its stationary distribution.
+    First-order Gauss-Markov noise on an even grid, stationary from the start.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class Markov:
     step_s : float
         Grid step, seconds.
     rng : numpy.random.Generator
-        Source of the numbers; owned by this noise.
+        Source of the numbers, for this noise only.
 
     References
     ----------
@@ -64,14 +64,14 @@ class Markov:
         """
         Return the next n values.
 
-        The values do not depend on how many are taken at a time: `take(2)` twice gives what
-        `take(4)` gives, to the bit.
+        The values do not depend on the number taken at a time: two calls of `take(2)` give the
+        same as `take(4)`, to the bit.
         """
         if n == 0 or self._sigma == 0.0:
             return np.zeros(n)
         driven = self._drive * self._rng.standard_normal(n)
         decay = self._decay
-        # scipy.signal has the same filter, and loads for a second to give the same bits.
+        # scipy.signal has the same filter with the same bits, but takes a second to load.
         values = accumulate(driven.tolist(), lambda last, x: x + decay * last, initial=self._last)
         values = np.fromiter(islice(values, 1, None), float, n)
         self._last = float(values[-1])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of the sensor models by name: classes of gyro instruments and a satellite compass."""
+"""Errors of the sensor models by name: three classes of gimballed AHRS and a satellite compass."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ _SENSORS = {
     'marine_0p1': {},
     'imo': {},
 }
-"""Error terms on top of the heading: a satellite compass with a base of 2 m and multipath; an AHRS
-has none, for its errors come from the model."""
+"""Error terms added to the heading: a satellite compass with a base of 2 m and multipath. An AHRS
+has none, because its errors come from the model."""
 
 _PRECISION = Errors(
     turn_on_deg_h=0.03, markov_deg_h=0.003, markov_tau_s=7200.0, random_walk_deg_sqrt_h=0.001,
@@ -50,14 +50,14 @@ ERRORS = {
 
 def errors_of(model: str, own: Errors) -> Errors:
     """
-    Return the errors of a model with the given ones in their place.
+    Return the errors of a model, with the given ones replaced.
 
     Parameters
     ----------
     model : str
         A name of `ERRORS`.
     own : Errors
-        What is not none replaces the error of the model.
+        Errors that are not None replace those of the model.
 
     """
     given = {f.name: getattr(own, f.name) for f in fields(own)
@@ -66,7 +66,7 @@ def errors_of(model: str, own: Errors) -> Errors:
 
 
 def terms_of(sensor: Sensor) -> Sensor:
-    """Return the settings with the error terms of the named model joined to those given."""
+    """Return the settings with the error terms of the model added to those given."""
     terms = {}
     for name, value in _SENSORS[sensor.model].items():
         if name == 'markov_tau_s':

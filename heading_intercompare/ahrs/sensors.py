@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A simulated heading sensor: what it reads, when it says so, what is lost on the way."""
+"""A simulated heading sensor: its readings, their stamps, and dropouts."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ __all__ = ['Readings', 'SimulatedSensor']
 @dataclass(frozen=True, slots=True)
 class Readings:
     """
-    Readings of one sensor and what it says of them.
+    Readings of one sensor, with the claims that it makes about them.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Readings:
     t_s : ndarray, shape (n,)
         True instants of the readings, seconds since the start.
     sigma_deg : ndarray, shape (n,)
-        Standard deviation the sensor claims, degrees; nan where it calls itself invalid.
+        Standard deviation that the sensor claims, degrees; nan where it flags itself as invalid.
     rate_deg_s : ndarray, shape (n,)
         Rate of turn to starboard, degrees per second.
 
@@ -64,14 +64,14 @@ class Readings:
 
 class SimulatedSensor:
     """
-    Readings of one heading sensor, block after block, before faults are put on them.
+    Readings of one heading sensor, block by block, before faults are applied.
 
     Parameters
     ----------
     settings : Sensor
-        Its errors and stamps.
+        Errors and stamps of the sensor.
     truth : ShipTruth
-        The ship it is mounted on.
+        The ship that carries it.
     start_ns : int
         UTC stamp of the start, nanoseconds.
     seed : int
@@ -97,17 +97,17 @@ class SimulatedSensor:
         self._next = 0
 
     def statuses(self) -> tuple[AhrsStatus, ...]:
-        """Return what an AHRS has said of itself since the last call; nothing of other models."""
+        """Return the statuses of an AHRS since the last call; none for other models."""
         return self._ahrs.statuses() if self._ahrs else ()
 
     def command(self, kind: str, t_s: float) -> float:
         """
-        Let an event happen to an AHRS; return when it does.
+        Make an event happen to an AHRS; return its time.
 
         Raises
         ------
         ValueError
-            If the sensor is no AHRS.
+            If the sensor is not an AHRS.
 
         """
         if self._ahrs is None:
@@ -116,11 +116,11 @@ class SimulatedSensor:
         return self._ahrs.command(kind, t_s)
 
     def take(self, until_s: float) -> Readings:
-        """Return the readings from the end of the last call to before `until_s`."""
+        """Return the readings from the end of the last call up to, but not at, `until_s`."""
         s = self._settings
         stop = max(self._next, math.ceil((until_s - s.phase_s) * s.rate_hz))
         t_s = s.phase_s + np.arange(self._next, stop) / s.rate_hz
-        # Rounding must not hand a reading over that belongs to the next call.
+        # Rounding must not deliver a reading that belongs to the next call.
         t_s = t_s[t_s < until_s]
         self._next += t_s.size
         random_deg = math.hypot(self._terms.white_deg, self._terms.markov_deg,
@@ -154,7 +154,7 @@ class SimulatedSensor:
                 + self._markov.take(t_s.size) + terms.white_deg * drawn)
 
     def _stamps(self, t_s: np.ndarray) -> np.ndarray:
-        """Return the stamps the clock of the sensor gives these instants."""
+        """Return the stamps that the clock of the sensor gives these instants."""
         s = self._settings
         late_s = (s.stamp_offset_s + 1e-6 * s.clock_drift_ppm * t_s
                   + s.stamp_jitter_s * (2.0 * self._rng['jitter'].random(t_s.size) - 1.0))

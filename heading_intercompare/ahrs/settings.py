@@ -25,84 +25,88 @@ AHRS_MODELS = ('dtg_precision', 'marine_0p1', 'imo')
 MODELS = ('ideal', 'gnss_compass', *AHRS_MODELS)
 
 
-def _own(help: str, hi: float | None = None) -> Any:
-    """Declare an error of the AHRS that takes the value of the model unless given."""
-    return setting(None, help + '; none: as the model', 0.0, hi)
+def _declare(help: str, hi: float | None = None) -> Any:
+    """Declare an error of the AHRS, whose default is that of the model."""
+    return setting(None, help + '; none: as in the model', 0.0, hi)
 
 
 @dataclass(frozen=True, slots=True)
 class Errors(Checked):
-    """Errors of the instruments of the AHRS; sizes of random ones are standard deviations."""
+    """Errors of the instruments of the AHRS; random errors are given by standard deviation."""
 
-    turn_on_deg_h: float | None = _own('gyro drift, new at each turn-on [deg/h]')
-    markov_deg_h: float | None = _own('coloured gyro drift [deg/h]')
-    markov_tau_s: float | None = _own('its correlation time [s]')
-    random_walk_deg_sqrt_h: float | None = _own('angle random walk of a gyro [deg/sqrt(h)]')
-    temperature_deg_h_k: float | None = _own('gyro drift with temperature [deg/h/K]')
-    soak_deg_h: float | None = _own('gyro drift at power-on that dies away [deg/h]')
-    soak_tau_s: float | None = _own('its time constant [s]')
-    torquer_ppm: float | None = _own('scale error of the gyro torquers [1e-6]')
-    spin_axis_arcsec: float | None = _own('angle of spin and rotation axis of the meter [arcsec]')
-    residual_xy_deg_h: float | None = _own('levelling gyro drift left by calibration [deg/h]')
-    residual_z_deg_h: float | None = _own('course gyro drift left by calibration [deg/h]')
-    accelerometer_bias_ug: float | None = _own('accelerometer bias [ug]')
-    accelerometer_markov_ug: float | None = _own('its coloured part [ug]')
-    accelerometer_markov_tau_s: float | None = _own('correlation time of that [s]')
-    accelerometer_white_ug: float | None = _own('accelerometer white noise [ug/sqrt(Hz)]')
-    accelerometer_temperature_ug_k: float | None = _own('bias with temperature [ug/K]')
-    accelerometer_step_m_s: float | None = _own('velocity step of the accelerometers [m/s]')
-    log_scale: float | None = _own('scale error of the log')
-    log_markov_m_s: float | None = _own('coloured error of the log [m/s]')
-    log_markov_tau_s: float | None = _own('its correlation time [s]')
-    gps_deg: float | None = _own('coloured error of the satellite heading [deg]')
-    gps_tau_s: float | None = _own('its correlation time [s]')
-    follow_up_s: float | None = _own('lag of the azimuth follow-up [s]')
-    harmonic_arcsec: float | None = _own('pick-off error, once a turn [arcsec]')
-    harmonic2_arcsec: float | None = _own('pick-off error, twice a turn [arcsec]')
-    coupling: float | None = _own('heading error per roll or pitch angle')
-    flexure_deg: float | None = _own('coloured error of the mounting [deg]')
-    flexure_tau_s: float | None = _own('its correlation time [s]')
-    output_deg: float | None = _own('white noise of the output [deg]')
+    turn_on_deg_h: float | None = _declare('gyro drift, new at each turn-on [deg/h]')
+    markov_deg_h: float | None = _declare('coloured gyro drift [deg/h]')
+    markov_tau_s: float | None = _declare('its correlation time [s]')
+    random_walk_deg_sqrt_h: float | None = _declare('angle random walk of a gyro [deg/sqrt(h)]')
+    temperature_deg_h_k: float | None = _declare('gyro drift with temperature [deg/h/K]')
+    soak_deg_h: float | None = _declare('gyro drift at power-on, decaying [deg/h]')
+    soak_tau_s: float | None = _declare('its time constant [s]')
+    torquer_ppm: float | None = _declare('scale error of the gyro torquers [1e-6]')
+    spin_axis_arcsec: float | None = _declare(
+        'angle between spin and rotation axis of the meter [arcsec]')
+    residual_xy_deg_h: float | None = _declare('levelling gyro drift left by calibration [deg/h]')
+    residual_z_deg_h: float | None = _declare('course gyro drift left by calibration [deg/h]')
+    accelerometer_bias_ug: float | None = _declare('accelerometer bias [ug]')
+    accelerometer_markov_ug: float | None = _declare('its coloured part [ug]')
+    accelerometer_markov_tau_s: float | None = _declare('its correlation time [s]')
+    accelerometer_white_ug: float | None = _declare('accelerometer white noise [ug/sqrt(Hz)]')
+    accelerometer_temperature_ug_k: float | None = _declare('bias with temperature [ug/K]')
+    accelerometer_step_m_s: float | None = _declare('velocity step of the accelerometers [m/s]')
+    log_scale: float | None = _declare('scale error of the log')
+    log_markov_m_s: float | None = _declare('coloured error of the log [m/s]')
+    log_markov_tau_s: float | None = _declare('its correlation time [s]')
+    gps_deg: float | None = _declare('coloured error of the satellite heading [deg]')
+    gps_tau_s: float | None = _declare('its correlation time [s]')
+    follow_up_s: float | None = _declare('lag of the azimuth follow-up [s]')
+    harmonic_arcsec: float | None = _declare('pick-off error, once a turn [arcsec]')
+    harmonic2_arcsec: float | None = _declare('pick-off error, twice a turn [arcsec]')
+    coupling: float | None = _declare('heading error per roll or pitch angle')
+    flexure_deg: float | None = _declare('coloured error of the mounting [deg]')
+    flexure_tau_s: float | None = _declare('its correlation time [s]')
+    output_deg: float | None = _declare('white noise of the output [deg]')
 
 
 @dataclass(frozen=True, slots=True)
 class Ahrs(Checked):
-    """The gimballed AHRS; used where the model of the sensor is one."""
+    """The gimballed AHRS; used if the model of the sensor is an AHRS."""
 
     initial_state: str = setting(
-        'cold', "'cold' power-on at 0; 'warm' begins with coarse levelling; 'aligned' begins in "
-        'operation with the drifts a calibration leaves', choices=('cold', 'warm', 'aligned'))
+        'cold', "'cold': power-on at 0; 'warm': begins with coarse levelling; 'aligned': begins "
+        'in operation with the drifts that a calibration leaves',
+        choices=('cold', 'warm', 'aligned'))
     operation: str = setting('gyrocompass', 'mode of operation until another is commanded',
                              choices=('gyrocompass', 'gyro_azimuth'))
     powered_s: float = setting(
         14400.0, 'time since power-on at the start, unless cold [s]', 0.0)
     tilt_deg: float = setting(2.0, 'tilt of the platform before levelling [deg]', 0.0, 10.0)
     azimuth_deg: float | None = setting(
-        None, 'azimuth of the platform at the start; aligned: its error [deg]; none: drawn',
+        None, 'azimuth of the platform at the start; if aligned, its error [deg]; none: random',
         -180.0, 180.0)
     sigma_1_s: float = setting(2e-3, 'tuning of the gyrocompass [1/s]', 1e-4, 1e-2)
     hold_s: float = setting(600.0, 'levelling before the course gyro is calibrated [s]', 10.0)
-    alignment_s: float = setting(600.0, 'mean of the rates for the alignment [s]', 10.0)
+    alignment_s: float = setting(
+        600.0, 'time over which the rates are averaged for the alignment [s]', 10.0)
     fine_s: float = setting(900.0, 'least time of fine levelling [s]', 10.0)
-    vertical: str = setting('aided', "gyro azimuth levelled with the log, 'aided', or by its own "
-                            "velocity, 'schuler'", choices=('aided', 'schuler'))
-    own_latitude: bool = setting(False, "'schuler': integrate the latitude too")
+    vertical: str = setting('aided', "levelling in gyro azimuth: with the log, 'aided', or by the "
+                            "AHRS's own velocity, 'schuler'", choices=('aided', 'schuler'))
+    own_latitude: bool = setting(False, "with 'schuler', integrate the latitude too")
     speed_compensation: str = setting(
-        'full', "speed of the log, no speed, or 'manual_speed_kn'",
+        'full', "speed used: 'full' that of the log, 'none' zero, 'manual' manual_speed_kn",
         choices=('full', 'none', 'manual'))
-    manual_speed_kn: float = setting(0.0, "speed set by hand, 'manual' [kn]", -100.0, 100.0)
+    manual_speed_kn: float = setting(
+        0.0, "speed set by hand, for 'manual' [kn]", -100.0, 100.0)
     manual_latitude_deg: float | None = setting(
-        None, 'latitude set by hand [deg]; none: as the position of the ship', -89.0, 89.0)
-    gps: bool = setting(False, 'a satellite heading is there to correct drifts with')
+        None, "latitude set by hand [deg]; none: the ship's latitude", -89.0, 89.0)
+    gps: bool = setting(False, 'whether a satellite heading is available to correct drifts')
     gps_correction: str = setting('rls', "'pair': half of the drift of each pair of fixes; 'rls': "
                                   'line through all fixes', choices=('pair', 'rls'))
-    drift_fit: str = setting('lsq', 'course gyro drift by a straight line or the mean of pairs',
-                             choices=('lsq', 'pairs'))
+    drift_fit: str = setting('lsq', "course gyro drift by a straight line, 'lsq', or by the mean "
+                             "of pairs, 'pairs'", choices=('lsq', 'pairs'))
     accelerometer_calibration: str = setting(
-        'two_position', 'how the accelerometers are calibrated; two positions only when moored',
+        'two_position', 'calibration of the accelerometers; two positions only when moored',
         choices=('two_position', 'single', 'off'))
     publish: str = setting(
-        'valid', 'least state of a heading that is not called invalid',
+        'valid', 'lowest state of a heading that is not flagged as invalid',
         choices=('valid', 'settling', 'provisional'))
     noise: bool = setting(True, 'false: no random errors at all')
     fixed: str = setting('', "errors fixed instead of drawn, 'name value; ...' with the names "
@@ -119,17 +123,17 @@ class Ahrs(Checked):
 
 @dataclass(frozen=True, slots=True)
 class Sensor(Checked):
-    """One simulated heading sensor: what it is, its errors, its stamps, its faults."""
+    """One simulated heading sensor: its model, errors, stamps and faults."""
 
     model: str = setting(
-        'ideal', "what the error terms below are added to: 'ideal' the true heading, "
-        "'gnss_compass' a satellite compass, else a gimballed AHRS", choices=MODELS)
-    rate_hz: float = setting(10.0, 'readings a second [Hz]', 0.001, 1000.0)
+        'ideal', "model to which the error terms below are added: 'ideal' the true heading, "
+        "'gnss_compass' a satellite compass, the others a gimballed AHRS", choices=MODELS)
+    rate_hz: float = setting(10.0, 'readings per second [Hz]', 0.001, 1000.0)
     phase_s: float = setting(0.0, 'time of the first reading [s]', 0.0, 3600.0)
-    offset_deg: float = setting(0.0, 'constant error, or angle as mounted [deg]', -360.0, 360.0)
+    offset_deg: float = setting(0.0, 'constant error, or mounting angle [deg]', -360.0, 360.0)
     drift_deg_h: float = setting(0.0, 'steady drift [deg/h]', -3600.0, 3600.0)
-    settling_deg: float = setting(0.0, 'error at the start that dies away [deg]', -360.0, 360.0)
-    settling_tau_s: float = setting(1800.0, 'time constant of that [s]', 1.0)
+    settling_deg: float = setting(0.0, 'decaying error at the start [deg]', -360.0, 360.0)
+    settling_tau_s: float = setting(1800.0, 'its time constant [s]', 1.0)
     tone_deg: float = setting(0.0, 'amplitude of a periodic error [deg]', 0.0, 180.0)
     tone_period_s: float = setting(5064.0, 'its period; 84.4 min is Schuler [s]', 0.1)
     white_deg: float = setting(0.0, 'standard deviation of white noise [deg]', 0.0, 180.0)
@@ -138,10 +142,10 @@ class Sensor(Checked):
     markov_tau_s: float = setting(120.0, 'its correlation time [s]', 0.001)
     resolution_deg: float = setting(0.0, 'step of the readings; 0: none [deg]', 0.0, 10.0)
     claimed_sigma_deg: float | None = setting(
-        None, 'standard deviation the sensor claims [deg]; none: that of its random errors',
+        None, 'standard deviation that the sensor claims [deg]; none: that of its random errors',
         0.0, 180.0)
     latency_s: float = setting(
-        0.0, 'how long after its instant a reading is handed over [s]', 0.0, 60.0)
+        0.0, 'delay from the instant of a reading to its delivery [s]', 0.0, 60.0)
     stamp_offset_s: float = setting(
         0.0, 'stamp minus the instant of the reading [s]; what the skew estimate finds',
         -60.0, 60.0)
@@ -155,7 +159,7 @@ class Sensor(Checked):
     ahrs: Ahrs = field(default_factory=Ahrs)
 
     def __post_init__(self) -> None:
-        """Check ranges, the faults, and that jitter cannot swap two stamps."""
+        """Check ranges and faults, and that jitter cannot swap two stamps."""
         Checked.__post_init__(self)
         parse_faults(self.faults)
         if self.stamp_jitter_s * self.rate_hz >= 0.5:
@@ -168,7 +172,7 @@ class Sensor(Checked):
 class Scenario(Checked):
     """A trial to simulate: ship, sea, TS and RS."""
 
-    title: str = setting('', 'what this trial shows')
+    title: str = setting('', 'title of the trial')
     duration_s: float = setting(1200.0, 'length of the trial [s]', 1.0, 2.6e6)
     start_utc: str = setting('2026-01-01T00:00:00Z', 'instant of the start, ISO 8601, UTC')
     seed: int = setting(1, 'seed of all random numbers', 0, 2**63 - 1)
@@ -188,7 +192,7 @@ class Scenario(Checked):
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, Any]) -> 'Scenario':
         """
-        Return a scenario from nested or dotted names, as a YAML file gives them.
+        Return a scenario from nested or dotted names, as in a YAML file.
 
         Raises
         ------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A simulated trial: the ship, the TS and the RS, handed over chunk by chunk."""
+"""A simulated trial of a ship, a TS and an RS, delivered chunk by chunk."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ BLOCK_S = 10.0
 @dataclass(frozen=True, slots=True)
 class SimulatedChunk:
     """
-    What is handed over in one span of simulated time.
+    The data delivered in one span of simulated time.
 
     Attributes
     ----------
     end_s : float
-        End of the span, seconds since the start: a live sender hands the chunk over then.
+        End of the span, seconds since the start; a live sender delivers the chunk then.
     ts, rs : Headings
         Readings of the sensors, as delivered.
     truth : Headings
-        True heading at the instants of the TS, at the rate of the TS, on a perfect clock.
+        True heading at the instants of the TS readings, with stamps of a perfect clock.
     ts_readings, rs_readings : Readings
         The same readings with claimed standard deviation and rate of turn.
     ts_statuses, rs_statuses : tuple of AhrsStatus
-        What a gimballed AHRS said of itself; empty for other models.
+        Statuses of a gimballed AHRS; empty for other models.
 
     """
 
@@ -71,8 +71,8 @@ class Simulation:
     scenario : Scenario
         What to simulate.
     start_ns : int, optional
-        UTC stamp of the start, nanoseconds; that of the scenario unless given. A live sender
-        passes its clock here.
+        UTC stamp of the start, nanoseconds; default that of the scenario. A live sender passes
+        the time of its clock.
 
     """
 
@@ -81,7 +81,7 @@ class Simulation:
         self.start_ns = parse_utc(scenario.start_utc) if start_ns is None else start_ns
 
     def truth(self) -> ShipTruth:
-        """Return the ship of this trial."""
+        """Create the ship of this trial."""
         s = self.scenario
         return ShipTruth(parse_legs(s.legs), s.latitude_deg, s.longitude_deg, s.seaway, s.seed)
 
@@ -97,9 +97,9 @@ class Simulation:
         Yields
         ------
         SimulatedChunk
-            Readings are cut by the time at which they are handed over (instant + latency) and
-            come in the order of their instants, which is stamp order unless a fault steps the
-            clock back. Spans without readings come too. Each call starts the trial anew.
+            A reading belongs to the span in which it is delivered (instant + latency). Readings
+            are in the order of their instants, which is stamp order unless a fault steps the
+            clock back. Spans without readings are yielded too. Each call restarts the trial.
 
         """
         if not chunk_s > 0.0:
@@ -110,13 +110,13 @@ class Simulation:
             yield trial.advance(number * chunk_s)
 
     def begin(self) -> 'Trial':
-        """Begin the trial; what is handed over can be commanded on the way."""
+        """Begin the trial, which takes commands as it advances."""
         return Trial(self.scenario, self.truth(), self.start_ns)
 
 
 class Trial:
     """
-    A trial under way, reproducible from its scenario and the times of the commands.
+    A trial in progress, reproducible from its scenario and the times of the commands.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ class Trial:
     Attributes
     ----------
     now_s : float
-        Up to where it has been handed over, seconds since the start.
+        Simulated time delivered so far, seconds since the start.
 
     """
 
@@ -146,11 +146,11 @@ class Trial:
 
     @property
     def over(self) -> bool:
-        """Whether all has been handed over."""
+        """Whether everything has been delivered."""
         return self.now_s >= self._last_s
 
     def advance(self, end_s: float) -> SimulatedChunk:
-        """Return what is handed over from now to before `end_s`, which becomes now."""
+        """Return the data delivered from now up to, but not at, `end_s`, which becomes now."""
         ts, rs = self._senders.values()
         readings = ts.take(end_s), rs.take(end_s)
         self.now_s = end_s
@@ -159,7 +159,7 @@ class Trial:
 
     def command(self, role: str, kind: str, t_s: float | None = None) -> float:
         """
-        Let one of `plans.EVENTS` happen to an AHRS, such as the command of a mode.
+        Make one of `plans.EVENTS` happen to an AHRS, such as the command of a mode.
 
         Parameters
         ----------
@@ -168,18 +168,18 @@ class Trial:
         kind : str
             The event.
         t_s : float, optional
-            When, seconds since the start, not before now; now unless given.
+            Time of the event, seconds since the start, not before now; default now.
 
         Returns
         -------
         float
-            When it happens. An AHRS is simulated in blocks of 10 s; what comes after its block
-            has begun happens at the next.
+            Time at which it happens. An AHRS is simulated in blocks of 10 s; an event within a
+            block that has already begun happens at the next block.
 
         Raises
         ------
         ValueError
-            If the time is past, the event unknown or the sensor no AHRS.
+            If the time is past, the event is unknown, or the sensor is not an AHRS.
 
         """
         if kind not in EVENTS:
@@ -198,9 +198,9 @@ class Trial:
         kind : str
             The fault.
         value : float, optional
-            As the kind needs it; the value of the kind unless given.
+            Value of the fault; default that of its kind.
         t_s : float, optional
-            The first instant of a reading that it acts on, not before now; now unless given.
+            First instant at which it acts on a reading, not before now; default now.
 
         Returns
         -------
@@ -210,7 +210,7 @@ class Trial:
         Raises
         ------
         ValueError
-            If the time is past, the fault unknown or present already.
+            If the time is past, or the fault is unknown or already present.
 
         """
         if kind not in FAULTS:
@@ -222,12 +222,12 @@ class Trial:
 
     def mend(self, role: str, kind: str, t_s: float | None = None) -> float:
         """
-        End a fault, whether it was injected or comes from the scenario; return when.
+        End a fault, whether injected or from the scenario; return the time.
 
         Raises
         ------
         ValueError
-            If the time is past or the fault not present then.
+            If the time is past, or the fault is not present at that time.
 
         """
         at_s = self._time(t_s)
@@ -235,15 +235,15 @@ class Trial:
         return at_s
 
     def faults(self, role: str) -> tuple[str, ...]:
-        """Return the kinds of the faults that a sensor has now."""
-        return tuple(fault.kind for fault in self._senders[role].faults.present(self.now_s))
+        """Return the kinds of the current faults of a sensor."""
+        return tuple(fault.kind for fault in self._senders[role].faults.list_active(self.now_s))
 
     def _time(self, t_s: float | None) -> float:
         if t_s is None:
             return self.now_s
         if not t_s >= self.now_s:
-            raise ValueError(f't_s = {t_s!r}: must not be before {self.now_s:g} s, up to where '
-                             'the trial is handed over')
+            raise ValueError(f't_s = {t_s!r}: must be at least {self.now_s:g} s, the time that '
+                             'the trial has reached')
         return t_s
 
 
@@ -261,7 +261,7 @@ class _Sender:
         self._said: list[AhrsStatus] = []
 
     def take(self, end_s: float) -> Readings:
-        """Return the readings handed over before `end_s` that were not yet."""
+        """Return the readings delivered since the last call and before `end_s`."""
         parts = [self._waiting]
         while self._made_s < min(end_s - self._latency_s, self._duration_s):
             self._made_s = min(self._made_s + BLOCK_S, self._duration_s)
@@ -269,10 +269,10 @@ class _Sender:
         made = Readings.concatenate(parts)
         n = int(np.searchsorted(made.t_s + self._latency_s, end_s, side='left'))
         self._waiting = made[slice(n, None)]
-        return self._faulty(made[slice(0, n)])
+        return self._add_faults(made[slice(0, n)])
 
-    def _faulty(self, sound: Readings) -> Readings:
-        """Return readings with the faults; who gives no heading claims nothing."""
+    def _add_faults(self, sound: Readings) -> Readings:
+        """Return readings with the faults; without a heading there is no claim either."""
         heading_deg, stamp_ns, given = self.faults.put(
             sound.t_s, sound.headings.heading_deg, sound.headings.stamp_ns)
         sigma_deg = np.where(np.isnan(heading_deg), np.nan, sound.sigma_deg)
@@ -280,7 +280,7 @@ class _Sender:
                         sound.rate_deg_s)[given]
 
     def statuses(self, end_s: float) -> tuple[AhrsStatus, ...]:
-        """Return what the sensor said before `end_s`; call after `take`."""
+        """Return the statuses of the sensor before `end_s`; call after `take`."""
         self._said += [said for said in self._sensor.statuses() if said.t_s < self._duration_s]
         n = sum(said.t_s + self._latency_s < end_s for said in self._said)
         now, self._said = tuple(self._said[:n]), self._said[n:]
@@ -288,7 +288,7 @@ class _Sender:
 
 
 class _Truth:
-    """True heading at the instants of the TS."""
+    """True heading at the instants of the TS readings."""
 
     def __init__(self, ship: ShipTruth, start_ns: int, scenario: Scenario) -> None:
         self._ship = ship
@@ -298,7 +298,7 @@ class _Truth:
         self._next = 0
 
     def take(self, end_s: float) -> Headings:
-        """Return the true headings before `end_s` that were not yet returned."""
+        """Return the true headings since the last call and before `end_s`."""
         end_s = min(end_s, self._duration_s)
         stop = max(self._next, math.ceil((end_s - self._phase_s) * self._rate_hz))
         t_s = self._phase_s + np.arange(self._next, stop) / self._rate_hz

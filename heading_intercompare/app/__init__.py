@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Use cases without arguments and without output: what the command line and scripts do."""
+"""Use cases of the command line and of scripts, without arguments or output."""
 
 from typing import TYPE_CHECKING
 

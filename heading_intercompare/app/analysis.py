@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Recorded runs judged: a bag, or a campaign of several, to one verdict."""
+"""The analysis of recorded runs: a bag, or a campaign of several, to one verdict."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ Place = str | os.PathLike[str]
 @dataclass(frozen=True, slots=True)
 class Judgement:
     """
-    What came of recorded runs.
+    The verdict on recorded runs, with notes.
 
     Attributes
     ----------
     verdict : Verdict
         On all runs of all inputs; not compliant if an input could not be judged.
     notes : tuple of str
-        What the user should know of the inputs: unfinished bag, no run, not judged again.
+        What the user should know about the inputs: unfinished bag, no run, not judged again.
     sketches : tuple of SeriesSketch
-        For the graphs of a report, one an input that was read; none unless asked for.
+        Data for the graphs of a report, one per input that was read; empty unless requested.
 
     """
 
@@ -52,27 +52,27 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
                sketched: bool = False,
                progress: Callable[[str], None] = lambda text: None) -> Judgement:
     """
-    Judge recorded runs; the command ``analyze`` does just this.
+    Judge recorded runs, as the command ``analyze`` does.
 
     Parameters
     ----------
     paths : sequence of path
-        ``.mcap`` files, rosbag2 directories or ``.csv`` of pairs, at least one.
+        ``.mcap`` files, rosbag2 directories or ``.csv`` files of pairs, at least one.
     settings : Settings
-        With the norms.
+        Settings with the norms.
     runs : path or sequence of (start_ns, stop_ns, source), optional
-        Table of runs, or the csv file that holds it; see `read_run_table`. Marks in the bag and
-        silences decide without one.
+        Table of runs, or the csv file that holds it; see `read_run_table`. Without one, marks in
+        the bag and silences decide.
     executor : concurrent.futures.Executor, optional
-        Who judges the inputs; see `judge_inputs`.
+        Judges the inputs; see `judge_inputs`.
     jobs : int, optional
-        Processes of this machine, without an executor; default one for each core.
+        Processes on this machine, without an executor; by default one per core.
     takers : iterable of callable
-        Each is given the pairs, chunk by chunk; for one input, and not with an executor.
+        Each is called with the pairs, chunk by chunk; for one input, and not with an executor.
     sketched : bool
-        Collect what the graphs of a report need.
+        Collect the data for the graphs of a report.
     progress : callable
-        Told what has been done.
+        Called with the progress in words.
 
     Returns
     -------
@@ -87,8 +87,8 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
 
     """
     if isinstance(paths, (str, os.PathLike)) or not paths:
-        raise ValueError(f'paths = {paths!r}: give a list of one path at least')
-    # Else every input would be said to be unreadable.
+        raise ValueError(f'paths = {paths!r}: must be a list of at least one path')
+    # Check the norms now; otherwise every input would be reported as unreadable.
     Limits.of(settings.norms, settings.model)
     names = [os.fspath(path) for path in paths]
     table: RunTable | None = None
@@ -103,7 +103,7 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
                    incomplete=any(each.error or each.no_run for each in judged))
     called = os.fspath(runs) if isinstance(runs, (str, os.PathLike)) else 'runs'
     notes = [note for each in judged for note in each.notes]
-    notes += [f'{called}: source {source} is none of the INPUTs' for source in elsewhere]
+    notes += [f'{called}: source {source} is not one of the INPUTs' for source in elsewhere]
     return Judgement(verdict, tuple(notes), tuple(each.sketch for each in judged if each.sketch))
 
 
@@ -116,21 +116,21 @@ def analyze_bag(path: Place, settings: Settings, *, runs: Place | RunTable | Non
     Parameters
     ----------
     path : path
-        ``.mcap`` file, rosbag2 directory or ``.csv`` of pairs.
+        ``.mcap`` file, rosbag2 directory or ``.csv`` file of pairs.
     settings, runs, jobs, progress
         As for `judge_bags`.
 
     Returns
     -------
     Verdict
-        That of ``analyze``. What else the user should know of the recording is a warning.
+        The verdict of ``analyze``. Notes on the recording are issued as warnings.
 
     Raises
     ------
     SettingsError
         If a norm is missing.
     OSError, ValueError
-        If it cannot be read, or the table of runs is wrong.
+        If the recording cannot be read, or the table of runs is wrong.
 
     """
     return _warn(judge_bags([path], settings, runs=runs, jobs=jobs, progress=progress))
@@ -146,20 +146,20 @@ def analyze_bags(paths: Sequence[Place], settings: Settings, *,
     Parameters
     ----------
     paths, settings, runs, executor, jobs, progress
-        As for `judge_bags`, which returns the notes and graphs, too.
+        As for `judge_bags`, which also returns the notes and the graphs.
 
     Returns
     -------
     Verdict
-        That of ``analyze``. A recording that cannot be read does not stop the others, and the
-        verdict is not compliant then. What else the user should know is a warning.
+        The verdict of ``analyze``. An unreadable recording does not stop the others, but then the
+        verdict is not compliant. Notes on the recordings are issued as warnings.
 
     Raises
     ------
     SettingsError
         If a norm is missing.
     OSError, ValueError
-        If none can be read, or the table of runs is wrong.
+        If no recording can be read, or the table of runs is wrong.
 
     """
     return _warn(judge_bags(paths, settings, runs=runs, executor=executor, jobs=jobs,
@@ -167,7 +167,7 @@ def analyze_bags(paths: Sequence[Place], settings: Settings, *,
 
 
 def _warn(judgement: Judgement) -> Verdict:
-    """Say the notes to who called the caller; return the verdict."""
+    """Issue the notes as warnings at the caller of the caller; return the verdict."""
     for note in judgement.notes:
         warnings.warn(note, stacklevel=3)
     return judgement.verdict

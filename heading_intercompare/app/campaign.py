@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Many inputs judged at once, here or by any executor; a bad one does not stop the others."""
+"""The judging of many inputs at once, here or by any executor; a bad one stops no other."""
 
 from __future__ import annotations
 
@@ -33,20 +33,20 @@ from .run_table import RunTable
 
 __all__ = ['count_cores', 'judge_inputs', 'MOST_READERS']
 
-#: Together smaller inputs are judged here: to start processes would take longer.
+#: Inputs of a smaller total size are judged here: starting processes would take longer.
 _WORTH_BYTES = 100_000_000
-#: More processes would wait for the one that judges what they read.
+#: More processes than this would wait for the one that judges what they read.
 MOST_READERS = 4
-#: Sums of a linear algebra library with several threads depend on their number in the last bits;
-#: and where all cores are busy its threads only wait for each other.
+#: The last bits of sums in a linear algebra library depend on its number of threads; and when all
+#: cores are busy, these threads only wait for each other.
 _ONE_THREAD = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
 
 _DIED = 'the process that judged it died (out of memory?)'
-_GIVEN_UP = 'the executor gave it up'
+_GIVEN_UP = 'the executor dropped it'
 
 
 def count_cores() -> int:
-    """Return how many processors this process may use."""
+    """Return the number of processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else (
         os.cpu_count() or 1)
 
@@ -64,43 +64,44 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
         The inputs.
     settings : Settings
     table : sequence of (start_ns, stop_ns, source), optional
-        Runs; those with a source are for the input of that name only.
+        Runs; those with a source apply only to the input of that name.
     takers : iterable of callable
-        Each is given the pairs, chunk by chunk; for one input only, and not with an executor.
+        Each is called with the pairs, chunk by chunk; for one input, and not with an executor.
     sketched : bool
-        Collect what the graphs of a report need.
+        Collect the data for the graphs of a report.
     jobs : int, optional
-        Processes; by default one for each core, or none where the inputs are small. A large bag
-        alone is decoded by several, but judged by one. Not used with an executor.
+        Processes; by default one per core, or none if the inputs are small. A single large bag is
+        decoded by several processes but judged by one. Ignored with an executor.
     executor : concurrent.futures.Executor, optional
-        Who judges instead, in threads, in processes or on other computers, which see the same
-        paths. It is given the inputs by their absolute paths, however small or few they are.
+        Judges instead, in threads, in processes or on other computers, which see the same paths.
+        It gets the absolute paths of all inputs, however small or few they are.
     progress : callable
-        Told what has been done.
+        Called with the progress in words.
 
     Returns
     -------
     list of Judged
-        In the order of the paths, the same whoever judges. What has the data of an earlier one is
-        not judged again: its description says in `same_as` which that is.
+        In the order of the paths; the same whichever executor judges. An input with the same data
+        as an earlier one is not judged again: `same_as` in its description names that one.
 
     Raises
     ------
     OSError, BagError
-        If there is one input, and it cannot be read.
+        If the only input cannot be read.
     ValueError
-        If none of several can be read, or none by the executor; if takers cannot be served.
+        If none of several inputs can be read, or the executor can read none; if there are takers
+        with several inputs or an executor.
 
     Notes
     -----
-    An input that the executor could not have judged is named like one that cannot be read: if the
-    future is cancelled or ends with a `BrokenExecutor`, whose words are taken. What a broken pool
-    of processes takes along is tried once more, alone. Any other exception goes up.
+    An input is reported like an unreadable one if its future is cancelled or ends with a
+    `BrokenExecutor`; the words of the error are kept. An input lost with a broken pool of
+    processes is tried once more, alone. Any other exception is passed on.
 
     """
     takers = list(takers)
     if takers and (executor is not None or len(paths) > 1):
-        raise ValueError('takers: pairs are given of one input alone, and by no executor')
+        raise ValueError('takers: must be empty with several inputs or with an executor')
     job = Job(settings, table, sketched)
     if executor is None and len(paths) == 1:
         helpers = min(jobs or count_cores(), MOST_READERS) - 1
@@ -114,11 +115,11 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     if all(each.error for each in judged):
         several = f'none of the {len(paths)} inputs can be read: ' if len(paths) > 1 else ''
         raise ValueError(f'{several}{judged[0].path}: {judged[0].error}')
-    return _once(judged)
+    return _drop_repeats(judged)
 
 
-def _once(judged: Sequence[Judged]) -> list[Judged]:
-    """Return the same without the runs of inputs that have the data of an earlier one."""
+def _drop_repeats(judged: Sequence[Judged]) -> list[Judged]:
+    """Drop the runs of inputs that have the same data as an earlier one."""
     first: dict[str | None, Judged] = {}
     found = []
     for each in judged:
@@ -137,7 +138,7 @@ def _judge_in_turn(job: Job, paths: Sequence[str],
                    progress: Callable[[str], None]) -> list[Judged]:
     judged = []
     for done, path in enumerate(paths):
-        progress(f'{done} done, {path}')
+        progress(f'{done} of {len(paths)} done, {path}')
         judged.append(job.survive(path))
     return judged
 
@@ -152,7 +153,7 @@ def _judge_in_processes(job: Job, paths: Sequence[str], jobs: int,
 def _judge_elsewhere(job: Job, paths: Sequence[str], executor: Executor,
                      progress: Callable[[str], None]) -> list[Judged]:
     here = describe_libraries()
-    # The working directory of another process is another.
+    # Another process may have another working directory.
     tasks = [partial(judge_there, job, path, os.path.abspath(path), here) for path in paths]
     futures = _complete(executor, tasks, paths, progress)
     return [_result(job, path, future) for path, future in zip(paths, futures)]
@@ -160,14 +161,14 @@ def _judge_elsewhere(job: Job, paths: Sequence[str], executor: Executor,
 
 @contextmanager
 def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
-    """Give processes with one thread each for linear algebra; none outlives the context."""
+    """Yield processes with one linear algebra thread each; none outlives the context."""
     unset = [name for name in _ONE_THREAD if name not in os.environ]
     os.environ.update(dict.fromkeys(unset, '1'))
-    # Spawned, not forked: threads of this process would be lost in the copy.
+    # Spawn, do not fork: a fork would lose the threads of this process.
     context = get_context('spawn')
     theirs, ours = context.Pipe(duplex=False)
     try:
-        # Our end is closed first: what is not done then, after Ctrl-C, is not waited for.
+        # Our end closes first: after Ctrl-C nobody waits for unfinished tasks.
         with theirs, ProcessPoolExecutor(jobs, context, _begin, (theirs,)) as pool, ours:
             yield pool
     finally:
@@ -176,7 +177,7 @@ def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def _begin(ended: Connection) -> None:
-    """Have this process end at Ctrl-C, and when the other end of a pipe is closed or gone."""
+    """Make this process end at Ctrl-C, and when the other end of a pipe is closed or gone."""
     def watch() -> None:
         wait([ended])
         os._exit(1)
@@ -187,14 +188,14 @@ def _begin(ended: Connection) -> None:
 
 def _complete(executor: Executor, tasks: Sequence[Callable[[], Judged]], paths: Sequence[str],
               progress: Callable[[str], None]) -> list[Future[Judged]]:
-    """Have tasks done, those of the largest inputs first, so that none is left to the end."""
+    """Run tasks, those of the largest inputs first, so that no large one is left to the end."""
     futures: dict[Future[Judged], int] = {}
-    progress('0 done')
+    progress(f'0 of {len(paths)} done')
     try:
         for at in sorted(range(len(paths)), key=lambda at: -_size(paths[at])):
             futures[executor.submit(tasks[at])] = at
         for done, future in enumerate(as_completed(futures), 1):
-            progress(f'{done} done, {paths[futures[future]]}')
+            progress(f'{done} of {len(paths)} done, {paths[futures[future]]}')
     finally:
         for future in futures:
             future.cancel()
@@ -202,7 +203,7 @@ def _complete(executor: Executor, tasks: Sequence[Callable[[], Judged]], paths: 
 
 
 def _result(job: Job, path: str, future: Future[Judged]) -> Judged:
-    """Return what came of an input; if a process died, which takes others along, try it alone."""
+    """Return the result for an input; if its pool broke, perhaps through another, try it alone."""
     try:
         return future.result()
     except BrokenProcessPool:
@@ -219,7 +220,7 @@ def _result(job: Job, path: str, future: Future[Judged]) -> Judged:
 
 
 def _size(path: str) -> int:
-    """Return how much there is to read; nothing if it is not there."""
+    """Return the number of bytes to read; 0 if the input does not exist."""
     place = Path(path)
     try:
         files = place.iterdir() if place.is_dir() else [place]

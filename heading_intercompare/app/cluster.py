@@ -34,11 +34,11 @@ __all__ = ['open_cluster']
 
 #: How long scheduler and workers may take to answer.
 _CONNECT_S = 15.0
-#: How often it is looked whether there still is a worker, and how long none is borne with: a
-#: worker that died is started anew by its nanny.
+#: How often to check that there is a worker, and how long to wait without any: the nanny of a
+#: worker that died starts a new one.
 _LOOK_S, _DESERTED_S = 2.0, 60.0
 
-#: What the library makes of the words of another program, and of an address that is none.
+#: Errors of the library when another program answers, and when there is no valid address.
 _BABBLE = (TypeError, LookupError, MemoryError, OverflowError, struct.error)
 _NO_SCHEDULER = (OSError, DaskTimeoutError, ValueError, ImportError, RuntimeError, *_BABBLE)
 
@@ -49,28 +49,29 @@ _LOST = 'the scheduler or its last worker was lost'
 @contextmanager
 def open_cluster(given: str) -> Iterator[Executor]:
     """
-    Give the workers of a Dask scheduler; at the end of the context nothing is begun any more.
+    Yield the workers of a Dask scheduler as an executor; after the context no task starts.
 
     Parameters
     ----------
     given : str
-        Address of the scheduler, ``tcp://HOST:8786``; or the ``.json`` file in which it says so.
+        Address of the scheduler, ``tcp://HOST:8786``; or its ``.json`` file, which holds the
+        address.
 
     Yields
     ------
     concurrent.futures.Executor
-        Of which a future ends with a `BrokenExecutor`, which says why, if the workers that had it
-        died, or if nobody is there any more.
+        A future ends with a `BrokenExecutor` that says why if its workers died, or if the
+        scheduler or all workers are gone.
 
     Raises
     ------
     OSError, ValueError
-        If the file cannot be read, or is not that of a scheduler; if the scheduler cannot be
-        reached, has no worker, or it or a worker has another version of Dask or of this package.
+        If the file cannot be read or is not that of a scheduler; if the scheduler cannot be
+        reached or has no worker; if it or a worker has another version of Dask or of this package.
 
     """
     place = _Place(given, _address_in(given) if given.endswith('.json') else given)
-    with _silence(), _connected(place) as client:
+    with _silence(), _connect(place) as client:
         _check(client, place)
         pool = _Workers(client)
         try:
@@ -85,21 +86,21 @@ class _Place(NamedTuple):
     given: str
     address: str
 
-    def refused(self, why: str) -> ValueError:
-        """Return the error that names it."""
+    def error(self, why: str) -> ValueError:
+        """Return an error that names the scheduler."""
         return ValueError(f'--dask {self.given}: {why}')
 
-    def same(self, package: str, expected: str, found: Mapping[str, object]) -> None:
-        """Refuse who has not the version of a package that is here."""
+    def check_version(self, package: str, expected: str, found: Mapping[str, object]) -> None:
+        """Reject a scheduler or worker whose version of a package differs from ours."""
         for who, answer in found.items():
             if answer != expected:
                 has = (f'cannot load it: {answer}' if isinstance(answer, BaseException)
                        else f'has {answer}')
-                raise self.refused(f'{package} is {expected} here, {who} {has}')
+                raise self.error(f'{package} is {expected} here, but {who} {has}')
 
 
 class _Workers(Executor):
-    """The executor of Dask; a future that nobody is there to do ends, and says why."""
+    """The Dask executor; a future that no worker is left for ends with the reason."""
 
     def __init__(self, client: Client) -> None:
         self._client = client
@@ -111,7 +112,7 @@ class _Workers(Executor):
         self._watch.start()
 
     def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Have a function called by a worker."""
+        """Let a worker call a function."""
         promise: Future[Any] = Future()
         theirs = self._pool.submit(function, *args, **kwargs)
         with self._lock:
@@ -121,20 +122,20 @@ class _Workers(Executor):
         return promise
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Take nothing more; unless told to wait, take what is not done off the cluster."""
+        """Accept no more tasks; unless told to wait, cancel unfinished ones on the cluster."""
         self._pool.shutdown(wait=wait and not cancel_futures)
         self._closed.set()
         self._watch.join(_LOOK_S)
 
     def _take_off(self, promise: Future[Any]) -> None:
-        """Take what is cancelled off the cluster."""
+        """Cancel a task on the cluster if its future is cancelled."""
         with self._lock:
             theirs = self._waiting.get(promise)
         if promise.cancelled() and theirs is not None:
             theirs.cancel()
 
     def _settle(self, promise: Future[Any], theirs: Future[Any]) -> None:
-        """Pass on what came of a call."""
+        """Pass on the result or the error of a call."""
         error = None if theirs.cancelled() else theirs.exception()
         if theirs.cancelled() or isinstance(error, CancelledError):
             self._end(promise, BrokenExecutor(_LOST))
@@ -155,10 +156,10 @@ class _Workers(Executor):
             promise.set_result(result)
 
     def _look(self) -> None:
-        """Give up what has been without a worker for too long."""
+        """End the waiting futures if there has been no worker for too long."""
         seen_s = monotonic()
         while not self._closed.wait(_LOOK_S):
-            if not self._waiting or self._anybody():
+            if not self._waiting or self._has_worker():
                 seen_s = monotonic()
             elif monotonic() - seen_s > _DESERTED_S:
                 with self._lock:
@@ -166,7 +167,7 @@ class _Workers(Executor):
                 for promise in lost:
                     self._end(promise, BrokenExecutor(_LOST))
 
-    def _anybody(self) -> bool:
+    def _has_worker(self) -> bool:
         """Tell whether there is a worker."""
         try:
             return bool(self._client.nthreads())
@@ -175,65 +176,65 @@ class _Workers(Executor):
 
 
 @contextmanager
-def _connected(place: _Place) -> Iterator[Client]:
-    # A client stumbles over a scheduler of another version, and is slow to get up.
+def _connect(place: _Place) -> Iterator[Client]:
+    # Ask for the version first: a client is slow to notice a scheduler of another version.
     try:
         found = asyncio.run(_version_of(place.address))
     except _NO_SCHEDULER as error:
-        why = ('what does is another program' if isinstance(error, _BABBLE) else
+        why = ('another program does' if isinstance(error, _BABBLE) else
                str(error) or f'not within {_CONNECT_S:g} s')
-        raise place.refused(f'no Dask scheduler answers there: {why}') from error
-    place.same('distributed', DISTRIBUTED, {'the scheduler': found})
+        raise place.error(f'no Dask scheduler answers there: {why}') from error
+    place.check_version('distributed', DISTRIBUTED, {'the scheduler': found})
     try:
         with warnings.catch_warnings():
-            # A table of libraries, most of which are none of our concern; see `remote_task`.
+            # It warns of many libraries that do not matter here; `remote_task` checks the others.
             warnings.simplefilter('ignore', VersionMismatchWarning)
             client = Client(place.address, timeout=_CONNECT_S, set_as_default=False)
     except _NO_SCHEDULER as error:
-        raise place.refused(f'the scheduler no longer answers: {error}') from error
+        raise place.error(f'the scheduler no longer answers: {error}') from error
     with client:
         yield client
 
 
 def _check(client: Client, place: _Place) -> None:
-    """Refuse a cluster that would judge otherwise, or not at all."""
+    """Reject a cluster that would judge differently, or not at all."""
     try:
         client.wait_for_workers(1, timeout=_CONNECT_S)
     except DaskTimeoutError as error:
-        raise place.refused('the scheduler has no workers') from error
+        raise place.error('the scheduler has no workers') from error
     for name, expected in (('distributed:__version__', DISTRIBUTED),
                            ('heading_intercompare.core.version:VERSION', VERSION),
                            ('heading_intercompare.app.remote_task:VERSION', VERSION)):
-        # A function of the standard library: ours cannot be sent where it is not installed.
+        # Send a function of the standard library: ours may not be installed on the worker.
         found = client.run(resolve_name, name, on_error='return')
         found = {f'worker {worker}': answer for worker, answer in found.items()}
         try:
             found['the scheduler'] = client.run_on_scheduler(resolve_name, name)
         except (ImportError, AttributeError) as error:
             found['the scheduler'] = error
-        place.same(name.partition('.')[0].partition(':')[0], expected, found)
+        place.check_version(name.partition('.')[0].partition(':')[0], expected, found)
 
 
 def _address_in(path: str) -> str:
-    """Return the address that a scheduler has written into its file."""
+    """Return the address in the file of a scheduler."""
     try:
         found: Any = json.loads(Path(path).read_text('utf-8'))
     except ValueError as error:
-        raise ValueError(f'--dask {path}: is not JSON: {error}') from error
+        raise ValueError(f'--dask {path}: must be JSON: {error}') from error
     address = found.get('address') if isinstance(found, dict) else None
     if not isinstance(address, str):
-        raise ValueError(f'--dask {path}: is not the file of a Dask scheduler: no address in it')
+        raise ValueError(f'--dask {path}: is not the file of a Dask scheduler: it has no address')
     return address
 
 
 async def _version_of(address: str) -> str:
-    """Return the version of Dask that a scheduler has."""
+    """Return the Dask version of a scheduler."""
     async def ask() -> str:
         secrets = Security().get_connection_args('client')
         async with rpc(address, connection_args=secrets, timeout=_CONNECT_S) as scheduler:
             kind = (await scheduler.identity())['type']
             if kind != 'Scheduler':
-                raise ValueError(f'what does is a {kind}')
+                raise ValueError(f'a {kind} does')
             version: str = (await scheduler.versions())['packages']['distributed']
             return version
     return await asyncio.wait_for(ask(), _CONNECT_S)
@@ -241,7 +242,7 @@ async def _version_of(address: str) -> str:
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Keep what the library logs off the terminal: what goes wrong is said in one line."""
+    """Keep the log of the library off the terminal: errors are reported in one line."""
     loggers = [logging.getLogger(name) for name in ('distributed', 'distributed.client')]
     levels = [logger.level for logger in loggers]
     for logger in loggers:

@@ -9,28 +9,27 @@ from pathlib import Path
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.core.settings import flatten, list_settings, Settings, SettingsError
-
-from .yaml_file import load_yaml, parse_yaml, YamlError
+from heading_intercompare.yaml_file import load_yaml, parse_yaml, YamlError
 
 __all__ = ['Config', 'load_config', 'settings_for']
 
 SHARED = '/**'
-"""The section whose names every node and every command knows."""
+"""The section whose settings apply to every node and every command."""
 
 
 @dataclass(frozen=True, slots=True)
 class Config:
     """
-    What a ROS parameter file says.
+    The contents of a ROS parameter file.
 
     Attributes
     ----------
     path : str
-        Of the file; empty without one.
+        Path of the file; empty without one.
     shared : mapping
-        Dotted names of the section ``/**``: those of `Settings`.
+        The section ``/**``: `Settings` by dotted name.
     sections : mapping of str to mapping
-        The parameters of single nodes, dotted names.
+        The parameters of single nodes, by dotted name.
 
     """
 
@@ -46,9 +45,9 @@ def load_config(path: str | None) -> Config:
     Raises
     ------
     OSError
-        If it cannot be read.
+        If the file cannot be read.
     SettingsError
-        If it is not a ROS parameter file: what is wrong and where.
+        If it is not a ROS parameter file; the message says what is wrong and where.
 
     """
     if path is None:
@@ -57,7 +56,7 @@ def load_config(path: str | None) -> Config:
     if document is None:
         return Config(path)
     if not isinstance(document, dict):
-        raise SettingsError(f'{path}: not a ROS parameter file: it must hold sections such as '
+        raise SettingsError(f'{path}: is not a ROS parameter file: must hold sections such as '
                             f"'{SHARED}: ros__parameters: ...'")
     sections = {}
     for name, section in document.items():
@@ -110,14 +109,14 @@ def settings_for(config: Config, assignments: Sequence[str] = (),
     ----------
     config : Config
     assignments : sequence of str
-        As given with ``--set``.
+        The ``name=value`` of ``--set``.
     overrides : object
-        Settings by name, of options of their own (``ts_topic``); None is not given.
+        Settings that have an option of their own (``ts_topic``), by name; None is skipped.
 
     Raises
     ------
     SettingsError
-        One line naming the setting, and the file if it came from there.
+        If a setting is wrong; one line with its name, and with the file if it came from there.
 
     """
     try:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Recorded runs as inputs of an analysis: MCAP files, rosbag2 directories, csv of pairs."""
+"""The inputs of an analysis with their runs: MCAP files, rosbag2 directories, csv of pairs."""
 
 from __future__ import annotations
 
@@ -42,33 +42,33 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
     Parameters
     ----------
     path : str
-        ``.mcap`` file, rosbag2 directory or ``.csv`` of pairs.
+        ``.mcap`` file, rosbag2 directory or ``.csv`` file of pairs.
     settings : Settings
     table : sequence of (start_ns, stop_ns, source), optional
-        Runs; those with a source are for the input of that name only, see `assigned`.
+        Runs; those with a source apply only to the input of that name, see `assign_runs`.
     takers : sequence of callable
-        Each is given the pairs, chunk by chunk.
+        Each is called with the pairs, chunk by chunk.
     progress : callable
-        Told what has been done.
+        Called with the progress in words.
     name : str, optional
-        What results, notes and the table of runs call it; `path` by default.
+        Name of the input in results, notes and the table of runs; `path` by default.
     helpers : int
-        Processes that decode a bag beside this one.
+        Processes that decode a bag in parallel with this one.
 
     Returns
     -------
     results : list of RunResult
     notes : list of str
-        What the user should know of the input: unfinished bag, no run.
+        What the user should know about the input: unfinished bag, no run.
     described : Input
         Its entry in the verdict.
 
     Raises
     ------
     OSError
-        If it cannot be read.
+        If the input cannot be read.
     BagError
-        If it is not what it should be.
+        If it is damaged, or not a bag or csv of pairs with the topics or columns needed.
 
     """
     name = path if name is None else name
@@ -78,17 +78,17 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
     with ThreadPoolExecutor(1) as beside:
         digest: list[Future[str]] = []
 
-        def all_read() -> None:
-            # Not earlier: helpers are started by a process that has one thread.
+        def start_digest() -> None:
+            # Called once all is read: only a process with a single thread can start helpers.
             digest.append(beside.submit(sha256, path))
         if Path(path).suffix == '.csv':
             bag = None
             results, notes, ledger = _analyze_csv(path, name, settings, runs, takers, progress,
-                                                  all_read)
+                                                  start_digest)
         else:
             bag = BagReader(path)
             results, notes, ledger = _analyze_bag(bag, name, settings, runs, takers, progress,
-                                                  all_read, helpers)
+                                                  start_digest, helpers)
         described = _describe(bag, name, settings, digest[0].result())
     if not results:
         described = replace(described, no_run=_say_why_no_run(ledger, settings, runs))
@@ -99,7 +99,7 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
 def _analyze_csv(path: str, name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
-                 all_read: Callable[[], None]) -> tuple[list[RunResult], list[str], Ledger]:
+                 start_digest: Callable[[], None]) -> tuple[list[RunResult], list[str], Ledger]:
     compliance = Compliance(settings, source=name, table=runs)
     ledger = Ledger()
     n, newest_ns = 0, None
@@ -109,7 +109,8 @@ def _analyze_csv(path: str, name: str, settings: Settings,
         ledger.receive('rs', pairs.stamp_ns)
         rises = is_rising(pairs.stamp_ns, newest_ns)
         for stream in ('ts', 'rs'):
-            ledger.add(LedgerKey.rejected(stream, 'stamp_not_increasing'), pairs.stamp_ns[~rises])
+            ledger.add(LedgerKey.of_rejected(stream, 'stamp_not_increasing'),
+                       pairs.stamp_ns[~rises])
         pairs = pairs[rises]
         for key in (LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED):
             ledger.add(key, pairs.stamp_ns)
@@ -119,7 +120,7 @@ def _analyze_csv(path: str, name: str, settings: Settings,
         for take in takers:
             take(pairs)
         progress(f'{n:,} pairs')
-    all_read()
+    start_digest()
     compliance.finish()
     for cut_ns in compliance.cuts:
         ledger.cut(cut_ns)
@@ -129,14 +130,14 @@ def _analyze_csv(path: str, name: str, settings: Settings,
 def _analyze_bag(reader: BagReader, name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
-                 all_read: Callable[[], None],
+                 start_digest: Callable[[], None],
                  helpers: int) -> tuple[list[RunResult], list[str], Ledger]:
     comparison = Intercomparison(settings, source=name, table=runs)
     ts, rs = settings.ts_topic, settings.rs_topic
     conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
     if runs is None:
         _set_marks(comparison, reader)
-    # To align a run takes all readings once more; else they are forgotten chunk by chunk.
+    # Aligning a run needs all readings a second time; otherwise they are dropped chunk by chunk.
     kept: dict[str, list[Headings]] = {}
     if settings.alignment.skew == 'apply':
         kept = {ts: [], rs: []}
@@ -149,7 +150,7 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
         for take in takers:
             take(pairs)
         progress(f'{n:,} headings')
-    all_read()
+    start_digest()
     pairs = comparison.finish()
     for take in takers:
         take(pairs)
@@ -164,9 +165,9 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
 
 def _say_why_no_run(ledger: Ledger, settings: Settings,
                     runs: Sequence[tuple[int, int]] | None) -> str:
-    """Say why no run came of an input, and what became of its readings."""
+    """Say why an input gave no run, and how its readings were counted."""
     total = ledger.total
-    # In the order in which they came to be known.
+    # In the order in which the keys first occurred.
     keys = dict.fromkeys(key for segment in ledger.segments for key in segment.counts)
     rejected = [f'{total.counts[key]} {key.stream.upper()} {key.reason}' for key in keys
                 if key.reason]
@@ -179,7 +180,7 @@ def _say_why_no_run(ledger: Ledger, settings: Settings,
 
 
 def _set_marks(comparison: Intercomparison, reader: BagReader) -> None:
-    """Start and stop runs where that was recorded."""
+    """Start and stop runs at the marks in the bag."""
     topics = [t for t in reader.topics if t.lstrip('/') == MARKER_TOPIC]
     for message in reader.messages(topics) if topics else ():
         try:
@@ -188,7 +189,7 @@ def _set_marks(comparison: Intercomparison, reader: BagReader) -> None:
             for kind, stamp_ns in decode_marks(message.data):
                 comparison.mark(kind, stamp_ns)
         except ValueError as error:
-            raise BagError(f'topic {message.topic!r}: {error}; with --runs no mark counts',
+            raise BagError(f'topic {message.topic!r}: {error}; --runs ignores all marks',
                            reader.path) from error
 
 
@@ -200,7 +201,7 @@ def _describe(bag: BagReader | None, name: str, settings: Settings, digest: str)
 
 
 def sha256(path: str) -> str:
-    """Return the SHA-256 of a file, or of the .mcap files of a folder in order of their names."""
+    """Return the SHA-256 of a file, or of the .mcap files of a folder in the order of names."""
     digest = hashlib.sha256()
     for part in sorted(mcap_files(Path(path))):
         with part.open('rb') as file:

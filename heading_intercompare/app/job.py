@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""One input of a campaign judged, in whatever process."""
+"""The judging of one input of a campaign, in any process."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from .run_table import RunTable
 __all__ = ['explain_unreadable', 'Job', 'Judged', 'UNREADABLE']
 
 UNREADABLE = (OSError, ValueError, MemoryError)
-"""What an input raises that cannot be judged."""
+"""The errors of an input that cannot be judged."""
 
 
 def explain_unreadable(error: Exception, path: str) -> str:
-    """Return why the input at `path` raised one of `UNREADABLE`: one line without the path."""
+    """Return why the input at `path` raised one of `UNREADABLE`, in one line without the path."""
     if isinstance(error, MemoryError):
         return 'there is not enough memory for it'
     why = str(error)
@@ -37,20 +37,20 @@ def explain_unreadable(error: Exception, path: str) -> str:
 @dataclass(frozen=True, slots=True)
 class Judged:
     """
-    What came of one input.
+    The results of one input.
 
     Attributes
     ----------
     path : str
-        As it was given.
+        The path as the user gave it.
     results : list of RunResult
         Its runs.
     notes : list of str
-        What the user should know of it.
+        What the user should know about it.
     description : Input
         Its entry in the verdict.
     sketch : SeriesSketch or None
-        For the graphs of a report, if asked for.
+        Data for the graphs of a report, if requested.
 
     """
 
@@ -62,19 +62,19 @@ class Judged:
 
     @property
     def error(self) -> str | None:
-        """Why it could not be read."""
+        """Why it could not be judged; None if it could."""
         return self.description.error
 
     @property
     def no_run(self) -> str | None:
-        """Why no run came of it."""
+        """Why it gave no run; None if it did."""
         return self.description.no_run
 
 
 @dataclass(frozen=True, slots=True)
 class Job:
     """
-    What is the same for all inputs; goes to the other processes.
+    The part of the task that is the same for all inputs; it is sent to other processes.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class Job:
     table : sequence of (start_ns, stop_ns, source), optional
         Runs.
     sketched : bool
-        Collect what the graphs of a report need.
+        Collect the data for the graphs of a report.
 
     """
 
@@ -96,8 +96,8 @@ class Job:
         """
         Judge one input; OSError and ValueError if it cannot be read.
 
-        `place` is where to find it, if the path means something else here; `helpers` the number
-        of processes that decode beside this one.
+        `place` is where to find it, if the path means something else here; `helpers` is the
+        number of processes that decode in parallel with this one.
         """
         takers = list(takers)
         place = place or path
@@ -109,14 +109,14 @@ class Job:
         return Judged(path, results, notes, described, sketch)
 
     def survive(self, path: str, place: str | None = None) -> Judged:
-        """Judge one input among others; one that cannot be read says why."""
+        """Judge one input among others; if that fails, return a result that says why."""
         try:
             return self.judge(path, place=place)
         except UNREADABLE as error:
             return self.unread(path, explain_unreadable(error, place or path))
 
     def unread(self, path: str, why: str) -> Judged:
-        """Return what there is to say of an input that could not be read."""
+        """Return the result for an input that could not be judged."""
         why = ' '.join(why.split())
         described = Input(path, error=why)
         if Path(path).suffix != '.csv':

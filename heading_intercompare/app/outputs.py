@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The files that an analysis writes: that they harm no other, and the tables of pairs."""
+"""The files that an analysis writes: checks that they overwrite no input, and tables of pairs."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ __all__ = ['check_outputs', 'name_file', 'open_tables', 'Outputs']
 @dataclass(frozen=True, slots=True)
 class Outputs:
     """
-    The files that are asked for; None: not this one.
+    The files to write; None for a file that is not wanted.
 
     Attributes
     ----------
     csv : str or None
-        A row a pair.
+        One row per pair.
     ensembles : str or None
-        A row an ensemble of `ensemble_s` seconds.
+        One row per ensemble of `ensemble_s` seconds.
     report : str or None
         The protocol.
     json : str or None
-        The verdict; '-' is no file.
+        The verdict; '-' is standard output, not a file.
 
     """
 
@@ -48,20 +48,20 @@ class Outputs:
 def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None = None,
                   runs: str | None = None) -> None:
     """
-    Refuse to write where no file can be, or over one that is needed.
+    Check that each output can be a file, and overwrites no file that is needed.
 
     Parameters
     ----------
     outputs : Outputs
     inputs : sequence of str
-        What is judged.
+        The inputs to judge.
     config, runs : str, optional
         The parameter file and the table of runs.
 
     Raises
     ------
     ValueError
-        One line with the option of the command line, the file, and what is wrong with it.
+        If one cannot; one line with the command-line option, the file, and what is wrong.
 
     """
     taken = {Path(path).resolve(): f'the file of --{option}'
@@ -86,7 +86,7 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
 
 @contextmanager
 def name_file(path: str) -> Iterator[None]:
-    """Have an error of writing name the file."""
+    """Add the file name to errors of writing."""
     try:
         yield
     except OSError as error:
@@ -97,11 +97,11 @@ _Writer = PairsCsvWriter | EnsemblesCsvWriter
 
 
 class _Table:
-    """A table that is opened when the first pairs come, or at the end if none has failed."""
+    """A table that opens with its first pairs, or empty at the end unless there was an error."""
 
-    def __init__(self, path: str, opened: Callable[[], _Writer]) -> None:
+    def __init__(self, path: str, open_file: Callable[[], _Writer]) -> None:
         self._path = path
-        self._opened = opened
+        self._open_file = open_file
         self._file: _Writer | None = None
 
     def __enter__(self) -> '_Table':
@@ -110,7 +110,7 @@ class _Table:
     def __exit__(self, kind: type | None, *exception: object) -> None:
         with name_file(self._path):
             if self._file is None and kind is None:
-                self._file = self._opened()
+                self._file = self._open_file()
             if self._file is not None:
                 self._file.close()
 
@@ -118,12 +118,12 @@ class _Table:
         """Append the rows of some pairs."""
         with name_file(self._path):
             if self._file is None:
-                self._file = self._opened()
+                self._file = self._open_file()
             self._file.write(pairs)
 
 
 def open_tables(outputs: Outputs, settings: Settings) -> Iterator[_Table]:
-    """Yield the tables asked for, each of which takes the pairs."""
+    """Yield the requested tables; each takes the pairs."""
     center_deg = settings.wrap_center_deg
     if outputs.csv:
         yield _Table(outputs.csv, partial(

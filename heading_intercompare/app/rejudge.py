@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings judged anew, and what has become of the verdicts that they hold."""
+"""Judging recordings again, and comparing the result with the verdicts that they hold."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _ORDER = (CHANGED, UNJUDGED, WITHOUT_REPORT, SAME)
 _REPORT = 'report.json'
 _STORED = 'settings.'
 _SCHEMA = 'heading_intercompare/verdict/'
-#: The first build numbered neither its rule nor its schema otherwise.
+#: Verdicts of schema 1 name no rule: they are by rule 1.
 _RULE_OF_SCHEMA_1 = 1
 _WORSE = {Outcome.COMPLIANT: 0, Outcome.INDETERMINATE: 1, Outcome.NON_COMPLIANT: 2}
 
@@ -36,17 +36,17 @@ _WORSE = {Outcome.COMPLIANT: 0, Outcome.INDETERMINATE: 1, Outcome.NON_COMPLIANT:
 @dataclass(frozen=True, slots=True)
 class FormerVerdict:
     """
-    What every version of a verdict says, also one that is not read as a whole any more.
+    What all versions of a verdict have in common, even versions that can no longer be read whole.
 
     Attributes
     ----------
     outcome : Outcome
     headline : str or None
-        None by rule 1, which had none.
+        None under rule 1, which had no headline.
     validity_effect : str or None
-        None by rule 1.
+        None under rule 1.
     software_version, rule_version, settings_sha256
-        What judged, by which rule and with which settings; None if it does not say so.
+        The software, rule and settings of the verdict; None if it does not name them.
 
     """
 
@@ -59,7 +59,7 @@ class FormerVerdict:
 
     @property
     def words(self) -> str:
-        """The outcome, its doubt and what judged, in words."""
+        """The outcome, whether it is doubtful, and its rule, in words."""
         doubt = ', DOUBTFUL' if is_doubtful(self.outcome, self.validity_effect) else ''
         rule = 'an unnumbered rule' if self.rule_version is None else f'rule {self.rule_version}'
         return f'{OUTCOME_WORDS[self.outcome.value]}{doubt} by {rule}'
@@ -68,25 +68,25 @@ class FormerVerdict:
 @dataclass(frozen=True, slots=True)
 class Rejudged:
     """
-    What became of one recording.
+    The result of judging one recording again.
 
     Attributes
     ----------
     path : str
     status : {'changed', 'not_judged', 'no_report', 'same'}
-        Changed is another outcome, or the same one that is doubtful now or no longer.
+        'changed' if the outcome differs, or has become doubtful or is no longer doubtful.
     former : FormerVerdict or None
-        Of the report in it; None without one.
+        The verdict in the recording's report; None without a report.
     outcome, headline, validity_effect, rule_version, settings_sha256
-        Of the verdict anew; None if it could not be judged.
+        Of the new verdict; None if the recording could not be judged.
     settings_changed : tuple of str
-        Settings that both verdicts have, with other values.
+        Settings of both verdicts whose values differ.
     settings_gone : tuple of str
-        Stored settings that are gone, each with what to do instead.
+        Stored settings that no longer exist, each with what to do instead.
     error : str or None
-        Why it could not be judged.
+        Why the recording could not be judged.
     notes : tuple of str
-        What else the user should know of it.
+        What else the user should know about it.
 
     """
 
@@ -105,7 +105,7 @@ class Rejudged:
 
     @property
     def line(self) -> str:
-        """What became of it, in one line."""
+        """The result in one line."""
         if self.status == UNJUDGED:
             return f'{self.path}: not judged: {self.error}'
         if self.former is None:
@@ -118,7 +118,7 @@ class Rejudged:
 
     @property
     def rank(self) -> tuple[int, int, int]:
-        """Its place among others: what changed comes first, the most severe before the rest."""
+        """The sort key: changed recordings first, the most severe change before the rest."""
         now = 0 if self.outcome is None else _WORSE[self.outcome]
         then = now if self.former is None else _WORSE[self.former.outcome]
         return _ORDER.index(self.status), then - now, -now
@@ -128,25 +128,25 @@ def rejudge(paths: Sequence[str], config: Config | None = None, assignments: Seq
             jobs: int | None = None,
             progress: Callable[[str], None] = lambda text: None) -> list[Rejudged]:
     """
-    Judge recordings anew, each with its own settings; one that is bad does not stop the others.
+    Judge recordings again, each with its own settings; a bad one does not stop the others.
 
     Parameters
     ----------
     paths : sequence of str
         ``.mcap`` files and rosbag2 directories.
     config : Config, optional
-        Settings for all of them, instead of those that they store.
+        Settings for all recordings, instead of those that they store.
     assignments : sequence of str
-        ``name=value``, before those of the file or of the recording.
+        ``name=value``; they override the settings of the file or the recording.
     jobs : int, optional
         Processes that read a recording.
     progress : callable
-        Told what has been done.
+        Called with the progress in words.
 
     Returns
     -------
     list of Rejudged
-        The changed ones first, the most severe before the rest.
+        Changed recordings first, the most severe change before the rest.
 
     Raises
     ------
@@ -157,7 +157,7 @@ def rejudge(paths: Sequence[str], config: Config | None = None, assignments: Seq
     settings_for(config or Config(), assignments)
     found = []
     for done, path in enumerate(paths):
-        progress(f'{done} done, {path}')
+        progress(f'{done} of {len(paths)} done, {path}')
         try:
             found.append(rejudge_bag(path, config, assignments, jobs=jobs))
         except UNREADABLE as error:
@@ -168,12 +168,12 @@ def rejudge(paths: Sequence[str], config: Config | None = None, assignments: Seq
 def rejudge_bag(path: str, config: Config | None = None, assignments: Sequence[str] = (), *,
                 jobs: int | None = None) -> Rejudged:
     """
-    Judge one recording anew; as `rejudge`.
+    Judge one recording again; see `rejudge`.
 
     Raises
     ------
     OSError, ValueError
-        If it cannot be judged.
+        If the recording cannot be judged.
 
     """
     reader = BagReader(path)
@@ -193,7 +193,7 @@ def _compare(path: str, former: FormerVerdict | None, verdict: Verdict,
         status = WITHOUT_REPORT
     else:
         doubtful = is_doubtful(verdict.outcome, verdict.validity_effect)
-        # Rule 1 doubted nothing: what it certified and is doubtful now has changed.
+        # Rule 1 had no doubts: a certificate of it that is doubtful now has changed.
         same = (former.outcome is verdict.outcome
                 and is_doubtful(former.outcome, former.validity_effect) == doubtful)
         status = SAME if same else CHANGED
@@ -203,7 +203,7 @@ def _compare(path: str, former: FormerVerdict | None, verdict: Verdict,
 
 
 def _read_report(reader: BagReader) -> tuple[Mapping[str, Any] | None, list[str]]:
-    """Return the last report in a bag, and what is wrong with it."""
+    """Return the last report in a bag, or None and what is wrong with it."""
     texts: list[str | bytes] = [attached.data for attached in reader.attachments()
                                 if attached.name == _REPORT]
     texts = texts or [text for _, text in read_texts(reader, REPORT_TOPIC)]
@@ -245,7 +245,7 @@ def _text(value: Any) -> str | None:
 
 
 def _stored_settings(reader: BagReader, report: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return the settings that a bag stores, else those of the report in it."""
+    """Return the settings stored in a bag; if there are none, those of the report in it."""
     record = reader.metadata().get(RECORD, {})
     stored = {name.removeprefix(_STORED): value for name, value in record.items()
               if name.startswith(_STORED)}
@@ -273,7 +273,7 @@ def _settings(config: Config, stored: Mapping[str, Any], assignments: Sequence[s
 
 
 def _find_changed(report: Mapping[str, Any] | None, settings: Settings) -> list[str]:
-    """Return the settings that both verdicts have, with other values."""
+    """Return the settings of the report whose values differ now."""
     given = (report or {}).get('settings')
     if not isinstance(given, Mapping):
         return []

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""One input judged by an executor: where it failed, and whether last digits may differ."""
+"""The judging of one input by an executor: where it failed, whether last digits may differ."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ try:
 except ModuleNotFoundError:
     threadpool_limits = None
 
-# VERSION is asked for by name where this must be there to be loaded.
+# `cluster` asks workers for VERSION of this module by name, to see that they can load it.
 __all__ = ['describe_libraries', 'judge_there', 'VERSION']
 
 
 class _OneThread:
     """
-    Linear algebra with one thread while any task of this process is under way.
+    Limits linear algebra to one thread while any task runs in this process.
 
-    As in the processes of `campaign`; an executor may have several tasks at once in one process,
-    and then computes with as many threads as there are cores. Without threadpoolctl it stays so.
+    This matches the processes of `campaign`. An executor may run several tasks in one process, and
+    each would then use as many threads as there are cores. Without threadpoolctl none is set.
     """
 
     def __init__(self) -> None:
@@ -53,17 +53,17 @@ _ONE_THREAD = _OneThread()
 
 def judge_there(job: Job, path: str, place: str, libraries: str) -> Judged:
     """
-    Judge an input wherever this is called.
+    Judge an input in the process that calls this, perhaps on another computer.
 
     Parameters
     ----------
     job : Job
     path : str
-        What the verdict calls it.
+        Name of the input in the verdict.
     place : str
         Its absolute path.
     libraries : str
-        `describe_libraries` of who asks; a note says if they are others here.
+        `describe_libraries` of the process that asks; if they differ here, a note says so.
 
     """
     with _ONE_THREAD:
@@ -72,11 +72,11 @@ def judge_there(job: Job, path: str, place: str, libraries: str) -> Judged:
         return job.unread(path, f'{judged.error} (on {gethostname()})')
     here = describe_libraries()
     if libraries != here:
-        judged.notes.append(f'{path}: judged with {here} on {gethostname()}, here are '
+        judged.notes.append(f'{path}: judged with {here} on {gethostname()}, but here are '
                             f'{libraries}: last digits may differ')
     return judged
 
 
 def describe_libraries() -> str:
-    """Return the versions on which the last bits of figures depend."""
+    """Return the versions of the libraries on which the last bits of figures depend."""
     return ' and '.join(f'{name} {version(name)}' for name in ('numpy', 'scipy'))

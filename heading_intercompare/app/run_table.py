@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The table that says where the runs are, and of which input each is."""
+"""The table of runs: their start and stop times, and the input of each."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Mapping, Sequence
 
 __all__ = ['assign_runs', 'read_run_table', 'RunTable']
 
-#: Start and stop, nanoseconds, and the source.
+#: Start and stop in nanoseconds, and the source.
 Run = tuple[int, int, str]
 RunTable = Sequence[Run]
 
@@ -24,7 +24,7 @@ def read_run_table(path: str) -> list[Run]:
     Raises
     ------
     OSError, ValueError
-        If it cannot be read, or a row is wrong: file and line.
+        If the file cannot be read, or a row is wrong; the message names file and line.
 
     """
     # Spreadsheets put a byte order mark before the header.
@@ -38,7 +38,7 @@ def read_run_table(path: str) -> list[Run]:
             rows.fieldnames = names
             return sorted(map(_run, rows))
         except UnicodeDecodeError:
-            raise ValueError(f'{path}: is not UTF-8; save it as that') from None
+            raise ValueError(f'{path}: is not UTF-8; save it as UTF-8') from None
         except (csv.Error, ValueError) as error:
             raise ValueError(f'{path}, line {rows.line_num}: {error}') from error
 
@@ -52,14 +52,15 @@ def _run(row: Mapping[str, str | None]) -> Run:
 
 def assign_runs(table: RunTable, paths: Sequence[str]) -> tuple[list[Run], list[str]]:
     """
-    Return a table whose sources are the paths of the inputs they mean, and those of no input.
+    Return the table with sources replaced by input paths, and the sources that match no input.
 
-    A source means the inputs of that path, however it is written, else that of the same name.
+    A source matches the inputs with the same path, however it is written; if there is none, the
+    input with that file name.
 
     Raises
     ------
     ValueError
-        If several inputs have that name.
+        If several inputs have that file name.
 
     """
     places = {path: os.path.abspath(path) for path in paths}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Scenario files: found by path, or by name among those that come with the package."""
+"""Scenario files, found by path, or by name if they come with the package."""
 
 from __future__ import annotations
 
@@ -10,10 +10,9 @@ from typing import NamedTuple
 
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.yaml_file import parse_yaml
 
-from .yaml_file import parse_yaml
-
-__all__ = ['read_scenario', 'ScenarioFile']
+__all__ = ['list_scenarios', 'read_scenario', 'ScenarioFile']
 
 
 class ScenarioFile(NamedTuple):
@@ -25,9 +24,9 @@ class ScenarioFile(NamedTuple):
     scenario : Scenario
         What to simulate.
     name : str
-        Of the file, without its folder.
+        Name of the file, without its folder.
     data : bytes
-        The file as it is.
+        The bytes of the file.
 
     """
 
@@ -37,22 +36,27 @@ class ScenarioFile(NamedTuple):
 
 
 def _folders() -> list[Path]:
-    """Return where the scenarios of the package are, in the checkout or as installed."""
+    """Return the folders where the scenarios of the package may be, checked out or installed."""
     return [folder / below / 'scenarios' for folder in Path(__file__).resolve().parents
             for below in ('config', 'share/heading_intercompare/config')]
 
 
+def list_scenarios() -> list[str]:
+    """Return the names of the scenarios that come with the package."""
+    return sorted({file.stem for folder in _folders() for file in folder.glob('*.yaml')})
+
+
 def _find(given: str) -> Path:
-    """Return the file that is meant, which may be absent."""
+    """Return the path of the file; it may not exist."""
     path = Path(given)
     if path.exists() or path.name != given or path.suffix:
         return path
     shipped = [folder / f'{given}.yaml' for folder in _folders()]
     found = next((file for file in shipped if file.is_file()), None)
     if found is None:
-        names = sorted({file.stem for folder in _folders() for file in folder.glob('*.yaml')})
+        names = ', '.join(list_scenarios()) or 'of the package, which are not installed'
         raise SettingsError(f'--scenario {given}: is neither a file nor one of the scenarios '
-                            f'{", ".join(names) or "of the package, which are not installed"}')
+                            f'{names}')
     return found
 
 
@@ -65,21 +69,21 @@ def read_scenario(given: str, seed: int | None = None) -> ScenarioFile:
     given : str
         Path of a YAML file, or the name of one that comes with the package ('demo').
     seed : int, optional
-        Instead of that in the file.
+        Replaces the seed in the file.
 
     Raises
     ------
     OSError
         If the file cannot be read.
     SettingsError
-        One line with the file, what is wrong and what is allowed.
+        If the scenario is wrong; one line with the file, what is wrong and what is allowed.
 
     """
     path = _find(given)
     data = path.read_bytes()
     mapping = parse_yaml(data, path)
     if not isinstance(mapping, dict):
-        raise SettingsError(f'{path}: not a scenario: it must hold names and values such as '
+        raise SettingsError(f'{path}: is not a scenario: must hold names and values such as '
                             'duration_s: 1200')
     try:
         scenario = Scenario.from_mapping(mapping)

@@ -33,6 +33,6 @@ class BagError(ValueError):
         self.path = os.fspath(path)
         self.offset = offset
 
-    def at(self, path: str | os.PathLike[str], offset: int | None = None) -> 'BagError':
+    def locate(self, path: str | os.PathLike[str], offset: int | None = None) -> 'BagError':
         """Return the same error with a path and an offset."""
         return BagError(self.problem, path, offset)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 from importlib import import_module
+import os
 import sys
 from typing import Any, NoReturn, Sequence
 
@@ -103,6 +104,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(argv: Sequence[str]) -> int:
+    if '_ARGCOMPLETE' in os.environ:
+        # A shell asks what the Tab key completes; nobody else waits for what that needs.
+        from heading_intercompare.cli.completion import complete
+
+        complete(_build_parser(os.environ.get('COMP_LINE', '').split()))
     parser = _build_parser(argv)
     arguments = parser.parse_args(argv)
     if arguments.command is None:

@@ -3,8 +3,8 @@
 """
 Arithmetic on the circle, and the one conversion between headings and quaternions.
 
-Nobody else in the package subtracts two headings. Live nodes and bag readers call the same
-functions here, so a recorded quaternion gives the live heading to the bit.
+No other module subtracts two headings. Live nodes and bag readers call the same functions, so a
+recorded quaternion gives the live heading to the bit.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ __all__ = ['circular_mean', 'heading_from_quaternion', 'quaternion_from_heading'
            'unwrap_deg', 'wrap180', 'wrap360']
 
 
-#: Angles whose functions are taken at once: what comes between stays in the cache.
+#: Angles processed at once: intermediate results stay in the cache.
 _PIECE = 32768
 
 
-def _within(angle: np.ndarray, lowest: float, below: float) -> bool:
-    """Tell whether there are angles and all lie in a half-open range."""
+def _are_within(angle: np.ndarray, lowest: float, below: float) -> bool:
+    """Tell whether there are any angles, all of them in the half-open range."""
     return angle.size > 0 and bool(angle.min() >= lowest) and bool(angle.max() < below)
 
 
 def _remainder(angle: np.ndarray) -> np.ndarray:
-    """Return what whole turns leave, with the sign of the angle; nan if it is not finite."""
-    if _within(angle, -359.0, 360.0):
+    """Remove whole turns and keep the sign of the angle; nan if it is not finite."""
+    if _are_within(angle, -359.0, 360.0):
         return angle
     rest: Reals = np.fmod(np.where(np.isfinite(angle), angle, np.nan), 360.0)
     return rest
@@ -63,7 +63,7 @@ def wrap180(angle_deg: ArrayLike, center_deg: float = 0.0) -> np.ndarray:
 
     """
     angle = np.asarray(angle_deg, dtype=np.float64) - center_deg
-    if _within(angle, -180.0, 180.0):
+    if _are_within(angle, -180.0, 180.0):
         return angle + center_deg
     d = _remainder(angle)
     d = np.where(d >= 180.0, d - 360.0, d)
@@ -92,7 +92,7 @@ def wrap360(angle_deg: ArrayLike) -> np.ndarray:
 
     """
     angle = np.asarray(angle_deg, dtype=np.float64)
-    if _within(angle, 0.0, 360.0):
+    if _are_within(angle, 0.0, 360.0):
         return angle + 0.0
     d = _remainder(angle)
     d = np.where(d < 0.0, d + 360.0, d)
@@ -173,7 +173,7 @@ def heading_from_quaternion(x: ArrayLike, y: ArrayLike, z: ArrayLike, w: ArrayLi
     Parameters
     ----------
     x, y, z, w : array_like, shape (n,)
-        The quaternion body to world; it need not be normalised.
+        The quaternion from body to world; it need not be normalised.
     convention : {'enu', 'ned'}
         'enu' (REP-103): world axes east, north, up, heading = 90 - yaw.
         'ned': world axes north, east, down, heading = yaw.

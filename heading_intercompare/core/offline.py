@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whole streams judged; with the time skew between the sensors taken out if asked for."""
+"""Judges whole streams, with the time skew between the sensors removed on request."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ['analyze', 'judge_aligned']
 def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], settings: Settings, *,
                   source: str = '') -> list[RunResult]:
     """
-    Pair each run again with its skew taken out, and judge it again.
+    Remove the time skew of each run, then pair and judge it again.
 
     Parameters
     ----------
@@ -30,58 +30,60 @@ def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], sett
     results : sequence of RunResult
         Its runs as first judged.
     settings : Settings
-        Within `alignment.skew_range_s` of `alignment.skew_s` a skew is looked for.
+        The search covers `alignment.skew_range_s` on both sides of `alignment.skew_s`.
     source : str
         Name of the input.
 
     Returns
     -------
     list of RunResult
-        In the same order. A run whose skew is not well determined stays as it was, and says so.
+        In the same order. A run whose skew is not well determined stays unchanged, with a
+        warning that says why.
 
     Notes
     -----
-    The skew is that of the regression: the minimum of the scan, which is shown beside it, is
-    drawn away where interpolation averages the noise of the RS. A run keeps its TS readings: its
-    bounds move with the TS stamps. Each run is paired from its own readings alone.
+    The skew is that of the regression. The scan is shown for comparison only: interpolation
+    averages the noise of the RS, which shifts the minimum of the scan. A run keeps its TS
+    readings, so its bounds move with the TS stamps. Each run is paired from its own readings
+    alone.
 
     References
     ----------
     ``docs/verdict.md``, time skew.
 
     """
-    return [_again(ts, rs, result, settings, source) for result in results]
+    return [_judge_again(ts, rs, result, settings, source) for result in results]
 
 
-def _again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
-           source: str) -> RunResult:
+def _judge_again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
+                 source: str) -> RunResult:
     estimate = result.verdict.skew.estimate
     ts, rs = _readings_of(ts, rs, result, settings)
     found = scan_skew(ts, rs, settings.alignment.skew_range_s)
     if not estimate.well_determined or estimate.skew_s is None:
         why = estimate.why_not(settings.alignment.skew_range_s)
         return _note_alignment(result, found,
-                               f'not_aligned: {why}; the run is judged as its stamps say')
+                               f'not_aligned: {why}; the run is judged with its stamps unchanged')
     shift_ns = round(estimate.skew_s * 1e9)
     skew_s = settings.alignment.skew_s + shift_ns / 1e9
     table = [(result.verdict.start_ns - shift_ns, result.verdict.end_ns - shift_ns + 1)]
     moved = replace(settings, alignment=replace(settings.alignment, skew_s=skew_s),
-                    pairing=_as_paired(result, settings.pairing))
+                    pairing=_fix_method(result, settings.pairing))
     comparison = Intercomparison(moved, source=source, table=table)
     comparison.update(ts, rs)
     comparison.finish()
     now = comparison.results()
     if len(now) != 1:
         return _note_alignment(result, found,
-                               'not_aligned: at the skew found the run falls apart; it is '
-                               'judged as its stamps say')
-    return _note_alignment(now[0], found, f'aligned: {skew_s:.3f} s are taken from the stamps of '
-                           f'the TS; unaligned the outcome was {result.verdict.outcome}')
+                               'not_aligned: with the skew removed the run no longer pairs as one '
+                               'run; it is judged with its stamps unchanged')
+    return _note_alignment(now[0], found, f'aligned: {skew_s:.3f} s are subtracted from the TS '
+                           f'stamps; without this the outcome was {result.verdict.outcome}')
 
 
-def _as_paired(result: RunResult, rule: Pairing) -> Pairing:
-    """Return the rule with the sensor that 'auto' interpolated in a run named."""
-    sensor = result.verdict.pairing.interpolated(rule.method)
+def _fix_method(result: RunResult, rule: Pairing) -> Pairing:
+    """Replace the method 'auto' by the one that it chose in a run."""
+    sensor = result.verdict.pairing.find_interpolated(rule.method)
     if sensor is None:
         return rule
     return replace(rule, method='interpolate' if sensor == 'rs' else 'interpolate_ts')
@@ -89,7 +91,7 @@ def _as_paired(result: RunResult, rule: Pairing) -> Pairing:
 
 def _readings_of(ts: Headings, rs: Headings, result: RunResult,
                  settings: Settings) -> tuple[Headings, Headings]:
-    """Return the TS readings of a run, and the RS readings that any skew might need."""
+    """Return the TS readings of a run, and the RS readings that any skew in range needs."""
     known_ns = round(settings.alignment.skew_s * 1e9)
     run = result.verdict
     inside = (ts.stamp_ns - known_ns >= run.start_ns) & (ts.stamp_ns - known_ns <= run.end_ns)
@@ -108,19 +110,19 @@ def _note_alignment(result: RunResult, found: Scan | None, words: str) -> RunRes
 def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings],
             settings: Settings) -> Verdict:
     """
-    Judge a TS by an RS.
+    Judge a TS against an RS.
 
     Parameters
     ----------
     ts, rs : Headings, or equally long lists of them
-        Readings of the two sensors; in lists, each element is an input of its own.
+        Readings of the two sensors; each element of a list is a separate input.
     settings : Settings
-        With the norms.
+        Must hold the norms.
 
     Returns
     -------
     Verdict
-        On all runs of all inputs; not compliant if an input has no run.
+        The verdict on all runs of all inputs; never compliant if an input has no run.
 
     Raises
     ------

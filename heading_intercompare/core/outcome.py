@@ -32,8 +32,8 @@ def worst(outcomes: Iterable[Outcome]) -> Outcome:
     Returns
     -------
     Outcome
-        Non-compliant if any is, compliant if all are, else indeterminate; none at all is
-        indeterminate.
+        Non-compliant if any is, compliant if all are, otherwise indeterminate. No outcomes at
+        all give indeterminate.
 
     References
     ----------

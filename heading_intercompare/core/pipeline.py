@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The stages joined: pairs into runs, runs into a verdict; live, in replay and offline."""
+"""Joins the stages: pairs to runs, runs to a verdict; live, in replay and offline."""
 
 from __future__ import annotations
 
@@ -40,14 +40,15 @@ class Compliance:
     Parameters
     ----------
     settings : Settings
-        With the norms.
+        Must hold the norms.
     source : str
         Name of the input, stated with each run.
     table : sequence of (start_ns, stop_ns), optional
-        Where the runs are; without it marks decide, else the first pair opens a run.
+        Start and stop of each run. Without a table, marks decide; without marks the first pair
+        opens a run.
     keeper : callable, optional
-        Returns for each run where its pages are kept (see `Column`), so that memory does not
-        grow while it lasts; without it they stay in memory.
+        Returns the store for the pages of a run (see `Column`), so that memory does not grow
+        during the run. Without it all pages stay in memory.
 
     Raises
     ------
@@ -56,8 +57,8 @@ class Compliance:
 
     Notes
     -----
-    Time is what the stamps say: nothing here reads a clock, so a replay at any rate and an
-    analysis of the recording give the live verdict.
+    Time comes from the stamps alone; nothing here reads a clock. So a replay at any rate, or an
+    analysis of the recording, gives the live verdict.
 
     """
 
@@ -67,7 +68,7 @@ class Compliance:
         self.settings = settings
         self._keeper = keeper
         self.newest_ns: int | None = None
-        # Of the newest run: for the rolling window, in which it is the last one at least.
+        # The limits of the newest run also serve the rolling window, which ends in it.
         self._limits = Limits.of(settings.norms, settings.model)
         self._source = source
         self._cutter = RunCutter(settings.runs, table)
@@ -79,7 +80,7 @@ class Compliance:
         self._rolling = Rolling(settings.window_s)
 
     def update(self, pairs: Pairs) -> None:
-        """Take pairs in stamp order; runs that end with them are judged."""
+        """Take pairs in stamp order; judge the runs that end with them."""
         if not len(pairs):
             return
         differences = subtract(pairs, self.settings.installation_offset_deg,
@@ -96,7 +97,7 @@ class Compliance:
         self._end_run_if_cut()
 
     def mark(self, kind: str, stamp_ns: int) -> None:
-        """Start or stop a run behind the pair of a stamp; see `RunCutter.mark`."""
+        """Start or stop a run after the pair with this stamp; see `RunCutter.mark`."""
         if self._cutter.mark(kind, stamp_ns):
             self._finished.clear()
             self._run = self._run_key = None
@@ -114,7 +115,7 @@ class Compliance:
 
     @property
     def early(self) -> LookVerdict | None:
-        """What the looks at the run in progress leave standing; None before one decides."""
+        """The result that stands after the looks at the current run; None until one decides."""
         return find_standing(self._looks)
 
     def _end_run_if_cut(self) -> None:
@@ -142,7 +143,7 @@ class Compliance:
 
     @property
     def cuts(self) -> list[int]:
-        """Where the runs judged so far were cut; the ledger needs a segment from each."""
+        """Stamps of the cuts that opened the runs judged so far; each starts a ledger segment."""
         return [cut_ns for _, cut_ns in self._finished]
 
     def run_figures(self) -> dict[str, Any]:
@@ -174,7 +175,8 @@ class Compliance:
         Parameters
         ----------
         ledger : Ledger, optional
-            Of the pairer that made the pairs; without it the pairs are all that was received.
+            Ledger of the pairer that made the pairs. Without it, the pairs count as all readings
+            received.
 
         """
         results = [result for result, _ in self._finished]
@@ -186,10 +188,11 @@ class Compliance:
                       for r, cut_ns in self._finished]
             inside = shares
         else:
-            # The run in progress has its share too; it is not among the results yet.
+            # The run in progress also has a share, though it is not among the results yet.
             in_progress = [] if self._run is None else [self._run.cut_ns]
             shares = ledger.shares([*self.cuts, *in_progress])
-            inside = [ledger.between(cut_ns, r.verdict.end_ns) for r, cut_ns in self._finished]
+            inside = [ledger.count_between(cut_ns, r.verdict.end_ns)
+                      for r, cut_ns in self._finished]
         short = (f'{self._n_short} pieces shorter than runs.min_duration_s were left out',) \
             if self._n_short else ()
         return [r.with_pairing(share, within, short if at == 0 else ())
@@ -204,21 +207,21 @@ class Compliance:
 def join(results: Sequence[RunResult], settings: Settings,
          inputs: Iterable[Input] = (), *, incomplete: bool = False) -> Verdict:
     """
-    Return the verdict on runs, numbered in the order given.
+    Return the verdict on runs, and number them in the order given.
 
     Parameters
     ----------
     results : sequence of RunResult
-        Of one input or of several.
+        Runs of one input or of several.
     settings : Settings
     inputs : iterable of Input
-        Where the runs come from.
+        The sources of the runs.
     incomplete : bool
-        Whether there are inputs that could not be judged; then the verdict is not compliant.
+        Whether an input could not be judged; then the verdict is never compliant.
 
     """
     runs = compare_runs(results)
-    results = [r.among(at + 1, runs) for at, r in enumerate(results)]
+    results = [r.place_among(at + 1, runs) for at, r in enumerate(results)]
     verdicts = [r.verdict for r in results]
     outcome, coverage, campaign = conclude_campaign(results, runs, settings, incomplete)
     verdict = Verdict.of(verdicts, outcome, campaign, coverage, settings, tuple(inputs))
@@ -235,7 +238,7 @@ class Intercomparison:
     Parameters
     ----------
     settings : Settings
-        With the norms.
+        Must hold the norms.
     source, table
         As for `Compliance`.
 
@@ -263,13 +266,13 @@ class Intercomparison:
             self.pairer.ledger.cut(stop_ns)
 
     def update(self, ts: Headings | None = None, rs: Headings | None = None) -> Pairs:
-        """Take readings; return the pairs they made."""
+        """Take readings; return the pairs that they complete."""
         pairs = self.pairer.update(ts, rs)
         self.compliance.update(pairs)
         return pairs
 
     def mark(self, kind: str, stamp_ns: int) -> None:
-        """Start or stop a run behind the pair of a stamp."""
+        """Start or stop a run after the pair with this stamp."""
         self.pairer.ledger.cut(stamp_ns + 1)
         self.compliance.mark(kind, stamp_ns)
 
@@ -281,7 +284,7 @@ class Intercomparison:
         return pairs
 
     def results(self) -> list[RunResult]:
-        """Return the runs judged so far, for `join` with those of other inputs."""
+        """Return the runs judged so far, to `join` with those of other inputs."""
         return self.compliance.results(self.pairer.ledger)
 
     def verdict(self, inputs: Iterable[Input] = ()) -> Verdict:

@@ -3,7 +3,7 @@
 """
 The arrays that flow through the package: headings, pairs, differences.
 
-Each is a chunk: n >= 0 samples in columns of equal length. Nothing flows sample by sample.
+Each is a chunk: n >= 0 samples in columns of equal length. No sample travels alone.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class _Columns:
         def empty(cls: type[_Chunk]) -> _Chunk: ...
 
     def __post_init__(self) -> None:
-        """Refuse columns of different length, for they could not belong together."""
+        """Raise ValueError if the columns differ in length: they cannot belong together."""
         lengths = {f.name: getattr(self, f.name).shape for f in fields(self)}
         if len(set(lengths.values())) > 1 or any(len(s) != 1 for s in lengths.values()):
             raise ValueError(f'{type(self).__name__}: columns differ in shape: {lengths}')
@@ -88,14 +88,14 @@ def _reals(values: ArrayLike) -> Reals:
 @dataclass(frozen=True, slots=True, eq=False)
 class Headings(_Columns):
     """
-    Readings of one heading sensor, in the order in which they came.
+    Readings of one heading sensor, in order of arrival.
 
     Attributes
     ----------
     stamp_ns : ndarray of int64, shape (n,)
         UTC stamps, nanoseconds.
     heading_deg : ndarray of float64, shape (n,)
-        Degrees clockwise from true north; nan where the sensor calls itself invalid.
+        Degrees clockwise from true north; nan where the sensor flags its reading as invalid.
 
     """
 
@@ -104,12 +104,12 @@ class Headings(_Columns):
 
     @classmethod
     def empty(cls) -> 'Headings':
-        """Return the chunk of no samples."""
+        """Return the empty chunk."""
         return cls.of([], [])
 
     @classmethod
     def of(cls, stamp_ns: ArrayLike, heading_deg: ArrayLike) -> 'Headings':
-        """Return the chunk of these columns; stamps must be integers."""
+        """Build a chunk from these columns; stamps must be integers."""
         return cls(_stamps(stamp_ns), _reals(heading_deg))
 
 
@@ -121,14 +121,14 @@ class Pairs(_Columns):
     Attributes
     ----------
     stamp_ns : ndarray of int64, shape (n,)
-        Stamps of the TS readings, nanoseconds; of the RS readings where the TS is interpolated.
+        Stamps of the TS readings, nanoseconds; of the RS readings if the TS is interpolated.
     ts_deg, rs_deg : ndarray of float64, shape (n,)
         Headings, degrees.
     lag_ns : ndarray of int64, shape (n,)
         RS stamp - TS stamp, nanoseconds; 0 where one of them is interpolated.
     rs_variance_factor, ts_variance_factor : ndarray of float64, shape (n,)
-        Factor by which interpolation has shrunk the white noise of the RS, and of the TS,
-        (1-w)^2 + w^2; 1 where it is not interpolated.
+        Factor by which interpolation reduces the white-noise variance of the RS, and of the TS:
+        (1-w)^2 + w^2, or 1 without interpolation.
 
     """
 
@@ -141,14 +141,14 @@ class Pairs(_Columns):
 
     @classmethod
     def empty(cls) -> 'Pairs':
-        """Return the chunk of no samples."""
+        """Return the empty chunk."""
         return cls.of([], [], [])
 
     @classmethod
     def of(cls, stamp_ns: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike,
            lag_ns: ArrayLike | None = None, rs_variance_factor: ArrayLike | None = None,
            ts_variance_factor: ArrayLike | None = None) -> 'Pairs':
-        """Return the chunk of these columns; lags default to 0 and factors to 1."""
+        """Build a chunk from these columns; lags default to 0 and factors to 1."""
         stamps = _stamps(stamp_ns)
         lag = np.zeros(stamps.shape, np.int64) if lag_ns is None else _stamps(lag_ns)
         factors = (np.ones(stamps.shape) if factor is None else _reals(factor)
@@ -175,10 +175,10 @@ class Differences(_Columns):
 
     @classmethod
     def empty(cls) -> 'Differences':
-        """Return the chunk of no samples."""
+        """Return the empty chunk."""
         return cls.of([], [])
 
     @classmethod
     def of(cls, stamp_ns: ArrayLike, x_deg: ArrayLike) -> 'Differences':
-        """Return the chunk of these columns; stamps must be integers."""
+        """Build a chunk from these columns; stamps must be integers."""
         return cls(_stamps(stamp_ns), _reals(x_deg))

@@ -3,8 +3,8 @@
 """
 Every setting of the analysis: name, default, unit, meaning, range. Declared here and only here.
 
-ROS parameters, the YAML file, `--set` and the tables of the documentation are made from these
-classes. The edge folders declare their own settings with the same `setting`.
+These classes give the ROS parameters, the YAML file, `--set` and the tables of the documentation.
+The outer rooms declare their own settings with the same `setting`.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ __all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown
            'SettingsError', 'to_mapping']
 
 
-_NO_GATE = ('is gone: the decision has no gate any more, its bounds grow where the record says '
+_NO_GATE = ('is gone: the decision has no gate any more, its bounds widen if the record says '
             'little; leave it out (risk.min_duration_s states the least length of a run)')
 
 _GONE = {
     'risk.method': 'is gone: there is one rule, live and at the end; leave it out',
-    'detectors.same_source_ratio': 'is gone: detectors.same_source_share takes its place',
+    'detectors.same_source_ratio': 'is gone: use detectors.same_source_share instead',
     'risk.nu_min': _NO_GATE, 'risk.r1_max': _NO_GATE, 'risk.share_max': _NO_GATE,
 }
 """Settings of earlier versions, and what to do instead."""
@@ -51,7 +51,7 @@ class SettingsError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """One declared setting, as documentation and parameter servers need it."""
+    """One declared setting, for documentation and parameter servers."""
 
     name: str
     default: Any
@@ -63,7 +63,7 @@ class Setting:
 
     @property
     def allowed(self) -> str:
-        """What may be given, in words."""
+        """The allowed values, in words."""
         words = []
         if bool in self.kinds:
             words.append('true or false')
@@ -90,26 +90,26 @@ def setting(default: Any, help: str, lo: float | None = None, hi: float | None =
     Parameters
     ----------
     default : object
-        Value when nothing is given; None for an optional setting.
+        Value if none is given; None for an optional setting.
     help : str
         Meaning, with the unit in square brackets.
     lo, hi : float, optional
         Inclusive range of numbers.
     choices : tuple of str
-        The words allowed where text is allowed; empty for any text.
+        The allowed words, if the setting takes text; empty for any text.
 
     """
     return field(default=default,
                  metadata={'help': help, 'lo': lo, 'hi': hi, 'choices': tuple(choices)})
 
 
-# To evaluate the annotations of a class takes 0.2 ms, and every settings object asks for them.
+# Evaluating the annotations of a class takes 0.2 ms, and every settings object needs them.
 _hints_of = cache(get_type_hints)
 
 
 @cache
 def _groups_of(settings_class: type) -> dict[str, type]:
-    """Return the settings classes nested in one, by name."""
+    """Return the settings classes nested in a class, by name."""
     return {f.name: cast(type, hint) for f in fields(settings_class)
             if is_dataclass(hint := _hints_of(settings_class)[f.name])}
 
@@ -132,7 +132,7 @@ def list_settings(settings_class: type, prefix: str = '') -> tuple[Setting, ...]
 
 
 def _check_value(rule: Setting, value: Any) -> Any:
-    """Return the value as the declared type, or raise."""
+    """Return the value as the declared type, or raise SettingsError."""
     kinds = rule.kinds
     if type(None) in kinds and (value is None or value == 'none'):
         return None
@@ -173,7 +173,7 @@ def _walk(mapping: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
 
 
 def explain_unknown(kind: str, name: str, known: Iterable[str]) -> SettingsError:
-    """Return the error of a name that is no setting: what it meant, or may have meant."""
+    """Return the error for an unknown name: its replacement, or the nearest known name."""
     if name in _GONE:
         return SettingsError(f'{kind} {name!r} {_GONE[name]}')
     close = difflib.get_close_matches(name, known, n=1)
@@ -183,19 +183,19 @@ def explain_unknown(kind: str, name: str, known: Iterable[str]) -> SettingsError
 
 def leave_out_gone(given: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """
-    Return settings that an earlier version stored, as this one can take them.
+    Remove obsolete settings from those that an earlier version stored.
 
     Parameters
     ----------
     given : mapping
-        By their dotted names.
+        Settings by their dotted names.
 
     Returns
     -------
     kept : dict
-        Without those that are gone. A name that is wrong stays.
+        The settings that are not obsolete. Unknown names stay.
     gone : list of str
-        Of each that is gone its name and value, and what to do instead.
+        For each obsolete setting its name and value, and what to do instead.
 
     """
     return ({name: value for name, value in given.items() if name not in _GONE},
@@ -260,19 +260,18 @@ def to_mapping(settings: Any) -> dict[str, Any]:
 
 def settings_sha256(mapping: Mapping[str, Any]) -> str:
     """
-    Return the hash that tells which settings a verdict was made with.
+    Return the hash that identifies the settings of a verdict.
 
     Parameters
     ----------
     mapping : mapping
-        All settings by their dotted names, as `to_mapping` returns them and the JSON of a
-        verdict holds them.
+        All settings by their dotted names, as in `to_mapping` and in the JSON of a verdict.
 
     Returns
     -------
     str
-        SHA-256 in hexadecimal of the mapping as JSON in UTF-8: names sorted, no space, numbers
-        as Python writes them (``0.3``, ``600.0``), an absent setting null.
+        SHA-256, in hexadecimal, of the mapping as JSON in UTF-8: names sorted, no spaces, numbers
+        as Python writes them (``0.3``, ``600.0``), None as null.
 
     Examples
     --------
@@ -290,7 +289,7 @@ class Checked:
     __slots__ = ()
 
     def __post_init__(self) -> None:
-        """Check every field, and normalise the type of the plain ones."""
+        """Check every field and convert plain values to their declared type."""
         own = cast(type, type(self))
         for rule in list_settings(own):
             if '.' not in rule.name:
@@ -303,7 +302,7 @@ class Checked:
 
 @dataclass(frozen=True, slots=True)
 class Norms(Checked):
-    """What the TS must meet, and what is known of the RS."""
+    """The norms of the TS, and what is known about the RS."""
 
     sigma_max_deg: float | None = setting(
         None, 'norm of the TS standard deviation [deg]; required, or given by a preset', 0.0)
@@ -349,12 +348,15 @@ class Pairing(Checked):
     """How TS and RS readings are paired."""
 
     method: str = setting(
-        'auto', "'interpolate': RS interpolated to the TS stamp; 'interpolate_ts': TS to that of "
-        "the RS; 'auto': this if the RS is slow, else that; 'nearest': mutual nearest stamps, "
-        'ties to the earlier', choices=('auto', 'interpolate', 'interpolate_ts', 'nearest'))
-    auto_s: float = setting(60.0, "start of a run by which 'auto' chooses [s]", 1.0, 600.0)
+        'auto', "'interpolate': RS interpolated to the TS stamps; 'interpolate_ts': TS to the RS "
+        "stamps; 'auto': 'interpolate_ts' if the RS is slow, otherwise 'interpolate'; 'nearest': "
+        'mutual nearest stamps, ties to the earlier',
+        choices=('auto', 'interpolate', 'interpolate_ts', 'nearest'))
+    auto_s: float = setting(
+        60.0, "start of a run on which 'auto' bases its choice [s]", 1.0, 600.0)
     slow_rs_s: float = setting(
-        0.25, 'an RS is slow if its step is longer, and above 1.5 TS steps [s]', 0.0, 3600.0)
+        0.25, 'an RS is slow if its step is longer than this, and than 1.5 TS steps [s]', 0.0,
+        3600.0)
     max_gap_s: float = setting(3.0, 'longest bracket interpolated, inclusive [s]', 0.0, 3600.0)
     tolerance_s: float = setting(0.05, "largest lag of a pair, method 'nearest' [s]", 0.0, 60.0)
     max_wait_s: float = setting(
@@ -363,12 +365,12 @@ class Pairing(Checked):
 
 @dataclass(frozen=True, slots=True)
 class RunCutting(Checked):
-    """Where a run starts and ends, and what of it is analysed."""
+    """Where a run starts and ends, and which part is analysed."""
 
     stabilization_s: float | str = setting(
         0.0, "start of a run that is not analysed [s], or 'auto'", 0.0, choices=('auto',))
-    gap_s: float = setting(60.0, 'a longer silence of the pairs cuts a run [s]', 0.0)
-    min_duration_s: float = setting(0.0, 'a shorter piece is not a run [s]', 0.0)
+    gap_s: float = setting(60.0, 'a silence of the pairs longer than this cuts a run [s]', 0.0)
+    min_duration_s: float = setting(0.0, 'a piece shorter than this is not a run [s]', 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -378,9 +380,10 @@ class Alignment(Checked):
     skew_s: float = setting(
         0.0, 'known TS latency, subtracted from the TS stamps before pairing [s]', -60.0, 60.0)
     skew: str = setting(
-        'report', "'off'; 'report': estimate the skew and show the verdict with and without; "
-        "'apply': pair again at the estimate", choices=('off', 'report', 'apply'))
-    skew_range_s: float = setting(2.0, 'range of the skew scan, both ways [s]', 0.01, 60.0)
+        'report', "'off'; 'report': estimate the skew and show the verdict with and without it; "
+        "'apply': pair again with the skew removed", choices=('off', 'report', 'apply'))
+    skew_range_s: float = setting(
+        2.0, 'largest skew to search for, in either direction [s]', 0.01, 60.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -396,58 +399,59 @@ class Sequential(Checked):
 class Risk(Checked):
     """Risks of the guarded decision."""
 
-    alpha_consumer: float = setting(0.05, 'risk to certify a TS at its norm', 1e-9, 0.5)
-    alpha_producer: float = setting(0.05, 'risk to reject a TS at its norm', 1e-9, 0.5)
+    alpha_consumer: float = setting(0.05, 'risk of certifying a TS at its norm', 1e-9, 0.5)
+    alpha_producer: float = setting(0.05, 'risk of rejecting a TS at its norm', 1e-9, 0.5)
     count_share: float = setting(
-        0.1, "share of the producer's risk that the counts may take; the rest is for the "
-        'variance', 0.001, 0.999)
+        0.1, "share of the producer's risk for the counts; the rest is for the variance", 0.001,
+        0.999)
     slowest_error_s: float | None = setting(
         None, 'slowest error of the TS: the time in which its correlation falls to 1/e, never a '
-        'period [s]; no run shorter than 20 times that is certified', 0.0)
+        'period [s]; a run shorter than 20 times this is not certified', 0.0)
     sensor_class: str | None = setting(
-        None, 'class of the TS, which states its slowest error where that is not given (see the '
+        None, 'class of the TS; gives the slowest error if slowest_error_s does not (see the '
         'command norms)', choices=('gyrocompass', 'ins', 'ins_aided', 'gnss_compass'))
     min_duration_s: float | None = setting(
-        None, 'shortest run that may comply, if longer than what the slowest error asks [s]; '
-        'none: 600 s where no slowest error is stated', 0.0)
+        None, 'shortest run that may comply, if longer than the slowest error requires [s]; '
+        'none: 600 s if no slowest error is stated', 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class CampaignRule(Checked):
-    """How several runs are judged together; chosen before the data."""
+    """How several runs are judged together; to be chosen before the data are seen."""
 
     rule: str = setting(
-        'every_run', "'every_run': each run must comply; 'sensor': the runs share one variance, "
-        'which must comply', choices=('every_run', 'sensor'))
+        'every_run', "'every_run': each run must comply; 'sensor': the common variance of all "
+        'runs must comply', choices=('every_run', 'sensor'))
 
 
 @dataclass(frozen=True, slots=True)
 class Detectors(Checked):
-    """When the detectors speak, and when a finding binds."""
+    """Thresholds of the detectors and of their findings."""
 
     convention_tolerance_deg: float = setting(
-        10.0, 'a mean difference so near to 90, -90 or 180 is a wrong convention [deg]', 0.0, 45.0)
+        10.0, 'a mean difference within this of 90, -90 or 180 means a wrong convention [deg]',
+        0.0, 45.0)
     frozen_s: float = setting(
-        5.0, 'a sensor is frozen if it repeats its value for so long [s]', 0.0)
+        5.0, 'a sensor is frozen if it repeats its value for at least this time [s]', 0.0)
     frozen_moved_deg: float = setting(
-        0.0, 'and the other one turns by so much meanwhile, and by more than the errors and steps '
-        'of both explain [deg]', 0.0, 180.0)
+        0.0, 'a frozen sensor counts only if the other one meanwhile turns by more than this, and '
+        'by more than the errors and steps of both explain [deg]', 0.0, 180.0)
     same_source_share: float = setting(
-        0.001, 'the sensors are one if at most so many readings differ, as a share of those that '
-        'change', 0.0, 1.0)
+        0.001, 'the sensors are one if at most this share of the changing readings differs', 0.0,
+        1.0)
     mean_max_deg: float = setting(
-        15.0, 'a larger mean difference, less the installation angle stated, makes a run void '
-        'unless 3 standard uncertainties of that angle cover it [deg]', 0.0, 180.0)
+        15.0, 'a larger mean difference, after the stated installation angle is removed, makes a '
+        'run void unless 3 standard uncertainties of that angle cover it [deg]', 0.0, 180.0)
     lost_doubtful: float = setting(
-        0.1, 'a run that lacks a larger share of its readings is doubtful', 0.0, 1.0)
-    lost_void: float = setting(0.5, 'and void if a larger share', 0.0, 1.0)
+        0.1, 'a run with a larger share of lost readings is doubtful', 0.0, 1.0)
+    lost_void: float = setting(0.5, 'a run with a larger share of lost readings is void', 0.0, 1.0)
     silence_steps: float = setting(
-        10.0, 'a silence is so many times longer than the usual step of the stamps', 1.0)
+        10.0, 'a step of the stamps longer than this multiple of the usual one is a silence', 1.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Settings(Checked):
-    """All settings of the analysis; nodes, command line and scripts take the same ones."""
+    """All settings of the analysis, the same for nodes, command line and scripts."""
 
     norms: Norms = field(default_factory=Norms)
     model: str = setting('NN', 'TS and RS error distributions, N normal or U uniform',
@@ -478,11 +482,11 @@ class Settings(Checked):
     detectors: Detectors = field(default_factory=Detectors)
 
     def __post_init__(self) -> None:
-        """Check single settings, and those that exclude each other."""
+        """Check single settings, and combinations that exclude each other."""
         Checked.__post_init__(self)
         if self.variant == 'A' and self.drift_order != 0:
-            raise SettingsError(f'drift_order = {self.drift_order!r}: variant A takes 0 only, '
-                                'for its TS has no systematic error that could drift')
+            raise SettingsError(f'drift_order = {self.drift_order!r}: must be 0 in variant A, '
+                                'whose TS has no systematic error that could drift')
 
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, Any]) -> 'Settings':

@@ -14,7 +14,7 @@ _FIRST_MS, _END_MS = -62_135_596_800_000, 253_402_300_800_000
 
 def utc(stamp_ns: int | None) -> str:
     """
-    Return a stamp as UTC text, rounded down to milliseconds; without one a dash.
+    Return a stamp as UTC text, rounded down to milliseconds; a dash for None.
 
     Examples
     --------

@@ -4,13 +4,13 @@
 
 __all__ = ['RULE_VERSION', 'VERSION']
 
-#: setup.py reads it from here; bags state it, too.
+#: setup.py reads it here, and bags state it.
 VERSION = '0.1.0'
 
 RULE_VERSION = 2
 """
-Raised whenever the same readings and settings may give another outcome, bound or limit.
+Increased whenever the same readings and settings may give another outcome, bound or limit.
 
-1 had a gate and a choice of estimators (``risk.method``); 2 has the spectrum of the squares, and
-findings that bind. ``docs/risk.md`` describes the present one.
+Version 1 had a gate and a choice of estimators (``risk.method``); version 2 has the spectrum of
+the squares and binding findings. ``docs/risk.md`` describes the current version.
 """

@@ -100,12 +100,12 @@ def parse_address(source: str) -> Address:
         options = _options(source, query, ('baud',))
         if not device:
             raise SettingsError(f'source = {source!r}: the device is missing; {_FORMS}')
-        return Address('serial', path=device,
-                       baud=_whole(source, 'baud', options.get('baud', '4800'), 50, 4_000_000))
-    return _network(source, scheme)
+        baud = _parse_whole(source, 'baud', options.get('baud', '4800'), 50, 4_000_000)
+        return Address('serial', path=device, baud=baud)
+    return _parse_network(source, scheme)
 
 
-def _network(source: str, scheme: str) -> Address:
+def _parse_network(source: str, scheme: str) -> Address:
     try:
         url = urlsplit(source)
         host, port = url.hostname or '', url.netloc.rpartition(']')[2].rpartition(':')[2]
@@ -113,7 +113,7 @@ def _network(source: str, scheme: str) -> Address:
         raise SettingsError(f'source = {source!r}: {error}; {_FORMS}') from None
     if not url.netloc or url.path not in ('', '/') or '@' in url.netloc:
         raise SettingsError(f'source = {source!r}: {_FORMS}')
-    port = _whole(source, 'port', port, 1, 65535)
+    port = _parse_whole(source, 'port', port, 1, 65535)
     options = _options(source, url.query, ('interface', 'from') if scheme == 'udp' else ())
     if scheme == 'tcp' and not host:
         raise SettingsError(f'source = {source!r}: the host is missing; {_FORMS}')
@@ -144,7 +144,7 @@ def _options(source: str, query: str, allowed: tuple[str, ...]) -> dict[str, str
     return options
 
 
-def _whole(source: str, name: str, text: str, lo: int, hi: int) -> int:
+def _parse_whole(source: str, name: str, text: str, lo: int, hi: int) -> int:
     if not (text.isascii() and text.isdigit() and lo <= int(text) <= hi):
         raise SettingsError(f'source = {source!r}: {name} must be a whole number from {lo} to '
                             f'{hi}; {_FORMS}')

@@ -112,7 +112,7 @@ class Replayer(Node):
             self._marker.publish(message.data)
             self._marks += 1
 
-    def _ready(self) -> bool:
+    def _is_ready(self) -> bool:
         """Tell whether the headings have subscribers, and the marks too."""
         if not self._audience.is_there():
             return False
@@ -123,7 +123,7 @@ class Replayer(Node):
     def _tick(self) -> None:
         if self.done or self.ended:
             return
-        if not self._begun and self._ready():
+        if not self._begun and self._is_ready():
             await_acknowledgement([self._marker])
             self._begun = True
             self._replay.begin()

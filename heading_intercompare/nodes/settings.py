@@ -63,7 +63,7 @@ class SynchronizerNode(Checked):
     subscribers: int = setting(
         1, 'subscriptions that the pairs must have before headings are taken', 0, 100)
     startup_wait_s: float = setting(
-        10.0, 'longest wait for these subscriptions [s]', 0.0, 3600.0)
+        10.0, 'longest wait for the subscriptions of the pairs [s]', 0.0, 3600.0)
     end_wait_s: float = setting(
         1.0, 'at the end: how long to take headings while their publishers continue [s]', 0.0, 5.0)
 

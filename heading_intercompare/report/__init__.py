@@ -9,12 +9,42 @@ from typing import Sequence
 
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
-from . import html, json
+from . import json
 from .series_sketch import SeriesSketch
 
-__all__ = ['SeriesSketch', 'write', 'WRITERS']
+__all__ = ['check_form', 'SeriesSketch', 'write', 'WRITERS']
 
-WRITERS = {'.html': html.write, '.json': json.write}
+
+def _write_html(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch]) -> None:
+    # It loads much, which may not be there.
+    from . import html
+    html.write(verdict, path, sketches)
+
+
+WRITERS = {'.html': _write_html, '.json': json.write}
+
+
+def check_form(path: str | Path) -> None:
+    """
+    Refuse a file that could not be written for want of a form or a library, before any work.
+
+    Raises
+    ------
+    ValueError
+        If the suffix is no key of `WRITERS`, or what draws the protocol is not installed.
+
+    """
+    path = Path(path)
+    if path.suffix.lower() not in WRITERS:
+        raise ValueError(f'{path}: a report must end in {" or ".join(WRITERS)}')
+    if path.suffix.lower() == '.html':
+        try:
+            from . import html  # noqa: F401
+        except ImportError as error:
+            raise ValueError(
+                f'{path}: the protocol needs Jinja2 and matplotlib: pip install '
+                "'heading_intercompare[report]' (or apt: python3-jinja2 python3-matplotlib); "
+                f'{path.with_suffix(".json")} needs neither [{error}]') from error
 
 
 def write(verdict: Verdict, path: str | Path,
@@ -33,10 +63,8 @@ def write(verdict: Verdict, path: str | Path,
     Raises
     ------
     ValueError, OSError
-        If the suffix is unknown, or the file cannot be written.
+        As `check_form`; or the file cannot be written.
 
     """
-    writer = WRITERS.get(Path(path).suffix.lower())
-    if writer is None:
-        raise ValueError(f'{path}: a report must end in {" or ".join(WRITERS)}')
-    writer(verdict, path, sketches)
+    check_form(path)
+    WRITERS[Path(path).suffix.lower()](verdict, path, sketches)

@@ -14,28 +14,20 @@ from heading_intercompare.core.verdict.validity import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
 from .formatting import interval, number, outcome, value
-from .markup import element, join, Markup
-from .tables import facts
 
-__all__ = ['describe_rule', 'describe_uncertainty']
+__all__ = ['describe_norms', 'describe_uncertainty', 'state_conformity']
+
+Rows = list[tuple[str, str]]
 
 _MET = {Outcome.COMPLIANT: 'met', Outcome.NON_COMPLIANT: 'not met',
         Outcome.INDETERMINATE: 'not decided, neither met nor not met can be stated at the risks'}
 
 _LAWS = {'N': 'normal', 'U': 'uniform'}
 
-def describe_rule(verdict: Verdict) -> Markup:
-    """
-    Return norms, method and decision rule.
 
-    The statement follows ISO/IEC 17025:2017, 7.8.6: the rule, the results covered, the
-    specification met or not.
-    """
-    return join((_norms(verdict), _statement(verdict)))
-
-
-def _norms(verdict: Verdict) -> Markup:
-    settings, norms = verdict.settings, verdict.settings.norms
+def describe_norms(settings: Settings) -> Rows:
+    """Return the norms and the method, as names and values."""
+    norms = settings.norms
     ts_law, rs_law = (_LAWS[letter] for letter in settings.model)
     rows = [('norm of the TS standard deviation, sigma_max [deg]',
              number(sigma_max_deg(norms, settings.model))),
@@ -59,7 +51,7 @@ def _norms(verdict: Verdict) -> Markup:
                     ('status of its text here', preset.status)]
         if preset.secant:
             rows.insert(3, ('latitude [deg]', number(norms.latitude_deg)))
-    return facts(rows)
+    return rows
 
 
 def _pairing(rule: Pairing) -> str:
@@ -73,7 +65,13 @@ def _pairing(rule: Pairing) -> str:
     return f'{words}; bracket at most {number(rule.max_gap_s)} s'
 
 
-def _statement(verdict: Verdict) -> Markup:
+def state_conformity(verdict: Verdict) -> Rows:
+    """
+    Return the decision rule and what follows from it, as names and values.
+
+    The statement follows ISO/IEC 17025:2017, 7.8.6: the rule, the results covered, the
+    specification met or not.
+    """
     settings, runs = verdict.settings, verdict.runs
     consumer = number(settings.risk.alpha_consumer)
     producer = number(settings.risk.alpha_producer)
@@ -88,7 +86,7 @@ def _statement(verdict: Verdict) -> Markup:
     looks = '' if plan is None else (
         f' The risks are shared among {settings.sequential.looks} looks of a run planned for '
         f'{number(plan)} s.')
-    rows = [
+    return [
         ('decision rule',
          'Guarded and non-binary: a run is compliant if the upper bound U of the variance of '
          'the differences is at most A = sigma_max² + M_low² sigma_ref_max², non-compliant if '
@@ -106,8 +104,6 @@ def _statement(verdict: Verdict) -> Markup:
         ('in one line', verdict.headline),
         ('the same by GK as printed',
          f'{outcome(verdict.paper_outcome)} (no allowance for the sampling error)')]
-    return join((element('p', 'Statement of conformity after ISO/IEC 17025, 7.8.6:'),
-                 facts(rows)))
 
 
 def _several(settings: Settings, m: int) -> str:
@@ -133,7 +129,7 @@ def _covered(runs: Sequence[RunVerdict]) -> str:
     return f'{which}, {sum(run.n for run in runs)} differences'
 
 
-def describe_uncertainty(verdict: Verdict) -> Markup:
+def describe_uncertainty(verdict: Verdict) -> list[str]:
     """Return remarks on what makes the result uncertain, with figures where there are."""
     settings = verdict.settings
     known = settings.norms.sigma_ref_deg
@@ -168,4 +164,4 @@ def describe_uncertainty(verdict: Verdict) -> Markup:
         'A systematic error common to both sensors is not seen by the comparison; GK takes the '
         'RS for free of systematic error. Positively correlated errors of TS and RS make the TS '
         'look better than it is.']
-    return element('ul', *(element('li', item) for item in items))
+    return items

@@ -7,19 +7,26 @@ from __future__ import annotations
 import math
 from typing import Iterator, Sequence
 
+from matplotlib.axes import Axes
 import numpy as np
 
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
 from .formatting import number
-from .markup import Markup
+from .plots import ACCENT, draw, GREY, INK, SHADE
 from .series_sketch import HEADING_BINS, SeriesSketch
-from .svg import Plot
 
 __all__ = ['draw_graphs']
 
-_LIMIT, _TIGHTENED, _SIGMA, _NORM = '9 4', '2 3', '9 3 2 3', '14 4'
+_Dash = tuple[int, tuple[float, ...]]
+
+#: Dashes of lines.
+_LIMIT: _Dash = (0, (9.0, 4.0))
+_TIGHTENED: _Dash = (0, (2.0, 2.5))
+_SIGMA: _Dash = (0, (9.0, 3.0, 2.0, 3.0))
+_NORM: _Dash = (0, (16.0, 4.0))
+_START: _Dash = (0, (1.0, 3.0))
 _HISTOGRAM_BARS = 120
 _LOST_AT_MOST = 0.02
 
@@ -33,30 +40,32 @@ def _runs_of(sketch: SeriesSketch, runs: Sequence[RunVerdict]) -> list[RunVerdic
     return [r for r in inside if r.source == sketch.source] or inside
 
 
-def draw_graphs(sketch: SeriesSketch, verdict: Verdict) -> Iterator[Markup]:
+def draw_graphs(sketch: SeriesSketch, verdict: Verdict, name: str) -> Iterator[str]:
     """
-    Yield the graphs of a sketch; none without a difference.
+    Yield the graphs of a sketch in SVG; none without a difference.
 
     Parameters
     ----------
     sketch : SeriesSketch
     verdict : Verdict
         The limits of the runs in the sketch are drawn.
+    name : str
+        Of this sketch alone; what the names of its graphs begin with.
 
     """
     start_ns = sketch.time.start_ns
     if not sketch.n or start_ns is None:
         return
     runs = _runs_of(sketch, verdict.runs)
-    name = _name(runs)
+    title = _title(runs)
     bands = [_Band(run, verdict.settings.variant) for run in runs]
     norm = verdict.settings.norms.total_error_max_deg
-    yield _time(sketch, start_ns, name, bands, verdict.settings.runs.gap_s)
-    yield _draw_histogram(sketch, name, bands)
-    yield _heading(sketch, name, bands, norm)
+    yield _draw_time(sketch, start_ns, title, bands, verdict.settings.runs.gap_s, f'{name}-time')
+    yield _draw_histogram(sketch, title, bands, f'{name}-size')
+    yield _draw_heading(sketch, title, bands, norm, f'{name}-heading')
 
 
-def _name(runs: Sequence[RunVerdict]) -> str:
+def _title(runs: Sequence[RunVerdict]) -> str:
     if not runs:
         return 'No run'
     if len(runs) == 1:
@@ -76,9 +85,9 @@ class _Band:
         self.tightened_deg = counts.tightened_limit_deg
         self.sigma_deg = math.sqrt(run.variance_criterion.limit_deg2)
 
-    def lines(self) -> list[tuple[float, str, str]]:
+    def lines(self) -> list[tuple[float, _Dash, str | None]]:
         """Return level, dash and legend of the limits; the legend once for both sides."""
-        return [(self.center_deg + sign * size, dash, words if sign > 0 else '')
+        return [(self.center_deg + sign * size, dash, words if sign > 0 else None)
                 for size, dash, words in (
                     (self.limit_deg, _LIMIT, 'limit of GK (*), n+ beyond it'),
                     (self.tightened_deg, _TIGHTENED,
@@ -95,8 +104,8 @@ def _extremes(sketch: SeriesSketch) -> tuple[float, float]:
     return float(sketch.time.bins.low_deg.min()), float(sketch.time.bins.up_deg.max())
 
 
-def _time(sketch: SeriesSketch, start_ns: int, name: str, bands: Sequence[_Band],
-          gap_s: float) -> Markup:
+def _draw_time(sketch: SeriesSketch, start_ns: int, title: str, bands: Sequence[_Band],
+               gap_s: float, name: str) -> str:
     """Draw the differences against time: extremes and mean of each bin."""
     envelope, levels = sketch.time, list(_extremes(sketch))
     for band in bands:
@@ -107,32 +116,37 @@ def _time(sketch: SeriesSketch, start_ns: int, name: str, bands: Sequence[_Band]
     unit_s, unit = next((s, u) for least, s, u in
                         ((10800.0, 3600.0, 'h'), (600.0, 60.0, 'min'), (0.0, 1.0, 's'))
                         if span_s >= least)
-    plot = Plot((0.0, span_s / unit_s), _pad(min(levels), max(levels)),
-                title=f'{name}: difference against time, n = {sketch.n}',
-                x_label=f'time since {utc(start_ns)} UTC [{unit}]',
-                y_label='difference TS - RS [deg]')
     time = (at + 0.5) * width_s / unit_s
-    cuts = np.flatnonzero(np.diff(at) * width_s > max(gap_s, 2.0 * width_s)) + 1
     low, mean, up = (column[at] for column in (envelope.bins.low_deg, envelope.bins.mean_deg,
                                                envelope.bins.up_deg))
-    for k, part in enumerate(np.split(np.arange(len(at)), cuts)):
-        t, first = time[part].tolist(), not k
-        plot.band(list(zip(t, low[part].tolist())), list(zip(t, up[part].tolist())),
-                  legend=f'least to largest in {number(width_s)} s' if first else '')
-        plot.line(list(zip(t, mean[part].tolist())), width=0.9,
-                  legend='mean of the same' if first else '')
-        if len(part) == 1:
-            plot.dots([(t[0], float(mean[part[0]]))])
-    for k, band in enumerate(bands):
-        ends = [max(0.0, (stamp_ns - start_ns) / 1e9 / unit_s)
-                for stamp_ns in (band.run.start_ns, band.run.end_ns)]
-        for level, dash, words in band.lines():
-            plot.horizontal(level, (ends[0], max(ends[1], ends[0] + width_s / unit_s)),
-                            dash=dash, legend=words if not k else '')
-        if len(bands) > 1:
-            plot.vertical(ends[0], width=0.8, dash='1 3',
-                          legend='start of a run' if not k else '')
-    return plot.svg()
+    cuts = np.flatnonzero(np.diff(at) * width_s > max(gap_s, 2.0 * width_s)) + 1
+    alone = [part[0] for part in np.split(np.arange(len(at)), cuts) if len(part) == 1]
+
+    def fill(axes: Axes) -> None:
+        # A line and a band end where nothing was measured.
+        t, least, middle, most = (np.insert(column, cuts, np.nan)
+                                  for column in (time, low, mean, up))
+        axes.fill_between(t, least, most, color=SHADE, linewidth=0.8,
+                          label=f'least to largest in {number(width_s)} s')
+        axes.plot(t, middle, color=ACCENT, linewidth=1.0, label='mean of the same')
+        axes.vlines(time[alone], low[alone], up[alone], color=SHADE, linewidth=2.0)
+        axes.plot(time[alone], mean[alone], 'o', color=ACCENT, markersize=3.5, clip_on=False)
+        for k, band in enumerate(bands):
+            begin, end = (max(0.0, (stamp_ns - start_ns) / 1e9 / unit_s)
+                          for stamp_ns in (band.run.start_ns, band.run.end_ns))
+            end = max(end, begin + width_s / unit_s)
+            for level, dash, words in band.lines():
+                axes.plot([begin, end], [level, level], color=INK, linewidth=1.3,
+                          linestyle=dash, label=None if k else words)
+            if len(bands) > 1:
+                axes.axvline(begin, color=GREY, linewidth=1.0, linestyle=_START,
+                             label=None if k else 'start of a run')
+        axes.set_xlim(0.0, span_s / unit_s)
+        axes.set_ylim(*_pad(min(levels), max(levels)))
+
+    return draw(fill, name=name, title=f'{title}: difference against time, n = {sketch.n}',
+                x_label=f'time since {utc(start_ns)} UTC [{unit}]',
+                y_label='difference TS - RS [deg]')
 
 
 def _choose_axis(sketch: SeriesSketch, bands: Sequence[_Band]) -> tuple[float, float, int]:
@@ -151,7 +165,7 @@ def _choose_axis(sketch: SeriesSketch, bands: Sequence[_Band]) -> tuple[float, f
     return (*_pad(low, up), 0)
 
 
-def _draw_histogram(sketch: SeriesSketch, name: str, bands: Sequence[_Band]) -> Markup:
+def _draw_histogram(sketch: SeriesSketch, title: str, bands: Sequence[_Band], name: str) -> str:
     """Draw how many differences have which size."""
     histogram = sketch.histogram
     low, up, lost = _choose_axis(sketch, bands)
@@ -161,45 +175,53 @@ def _draw_histogram(sketch: SeriesSketch, name: str, bands: Sequence[_Band]) -> 
     width = joint * histogram.width_deg
     at = (histogram.first + np.arange(len(histogram.counts))) // joint
     counts = np.bincount(at - at[0], histogram.counts)
+    edges = (at[0] + np.arange(len(counts) + 1)) * width
     beyond = f', {lost} beyond the axis' if lost else ''
-    plot = Plot((low, up), (0.0, 1.08 * float(counts.max())),
-                title=f'{name}: size of the differences, n = {sketch.n}{beyond}',
+
+    def fill(axes: Axes) -> None:
+        axes.stairs(counts, edges, fill=True, color=SHADE)
+        axes.stairs(counts, edges, color=ACCENT, linewidth=0.9)
+        if len(bands) == 1:
+            for level, dash, words in bands[0].lines():
+                axes.axvline(level, color=INK, linewidth=1.3, linestyle=dash, label=words)
+        elif bands:
+            for pick, words in ((min, None), (max, 'outermost limits of GK (*) of the runs')):
+                axes.axvline(pick(level for band in bands for level, _, _ in band.lines()),
+                             color=INK, linewidth=1.3, linestyle=_LIMIT, label=words)
+        axes.set_xlim(low, up)
+        axes.set_ylim(0.0, 1.08 * float(counts.max()))
+
+    return draw(fill, name=name,
+                title=f'{title}: size of the differences, n = {sketch.n}{beyond}',
                 x_label='difference TS - RS [deg]', y_label=f'number in {number(width, 3)} deg')
-    plot.bars([((at[0] + k) * width, (at[0] + k + 1) * width, 0.0, float(n))
-               for k, n in enumerate(counts.tolist()) if n and low <= (at[0] + k + 1) * width
-               and (at[0] + k) * width <= up], stroke='#555555')
-    if len(bands) == 1:
-        for level, dash, words in bands[0].lines():
-            plot.vertical(level, dash=dash, legend=words)
-    elif bands:
-        for pick, words in ((min, ''), (max, 'outermost limits of GK (*) of the runs')):
-            plot.vertical(pick(level for band in bands for level, _, _ in band.lines()),
-                          dash=_LIMIT, legend=words)
-    return plot.svg()
 
 
-def _heading(sketch: SeriesSketch, name: str, bands: Sequence[_Band],
-             norm_deg: float | None) -> Markup:
+def _draw_heading(sketch: SeriesSketch, title: str, bands: Sequence[_Band],
+                  norm_deg: float | None, name: str) -> str:
     """Draw mean and standard deviation against the RS heading."""
     bins, width = sketch.heading, 360.0 / HEADING_BINS
     at = np.flatnonzero(bins.n)
     x, mean = (at + 0.5) * width, bins.mean_deg[at]
     std = np.nan_to_num(bins.std_deg[at], nan=0.0)
-    lines = [(norm_deg * sign, _NORM, 'norm of the total error' if sign > 0 else '')
+    lines = [(norm_deg * sign, _NORM, 'norm of the total error' if sign > 0 else None)
              for sign in (1.0, -1.0)] if norm_deg is not None else []
     if bands:
         low = min(band.center_deg - band.sigma_deg for band in bands)
         up = max(band.center_deg + band.sigma_deg for band in bands)
         words = 'mean +/- root of the limit of GK (5)'
-        lines += [(up, _SIGMA, words), (low, _SIGMA, '')]
+        lines += [(up, _SIGMA, words), (low, _SIGMA, None)]
     levels = [*(mean - std).tolist(), *(mean + std).tolist(), *(level for level, _, _ in lines)]
-    plot = Plot((0.0, 360.0), _pad(min(levels), max(levels)), x_step=45.0,
-                title=f'{name}: difference against heading, n = {sketch.n}',
+
+    def fill(axes: Axes) -> None:
+        axes.vlines(x, mean - std, mean + std, color=GREY, linewidth=1.6,
+                    label='+/- its standard deviation')
+        axes.plot(x, mean, 'o', color=ACCENT, markersize=4.5,
+                  label=f'mean in {number(width)} deg')
+        for level, dash, words in lines:
+            axes.axhline(level, color=INK, linewidth=1.3, linestyle=dash, label=words)
+        axes.set_xlim(0.0, 360.0)
+        axes.set_xticks(range(0, 361, 45))
+        axes.set_ylim(*_pad(min(levels), max(levels)))
+
+    return draw(fill, name=name, title=f'{title}: difference against heading, n = {sketch.n}',
                 x_label='RS heading [deg]', y_label='difference TS - RS [deg]')
-    for k, (place, m, s) in enumerate(zip(x.tolist(), mean.tolist(), std.tolist())):
-        plot.line([(place, m - s), (place, m + s)], width=1.2,
-                  legend='+/- its standard deviation' if not k else '')
-    plot.dots(list(zip(x.tolist(), mean.tolist())), legend=f'mean in {number(width)} deg')
-    for level, dash, words in lines:
-        plot.horizontal(level, dash=dash, legend=words)
-    return plot.svg()

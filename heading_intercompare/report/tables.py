@@ -5,17 +5,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Callable, Generic, Iterable, Mapping, Sequence, TypeVar
+from typing import Any, Callable, Generic, Mapping, Sequence, TypeVar
 
 from heading_intercompare.core.decision.campaign import Together
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Campaign, RunVerdict
 
 from .formatting import ABSENT, interval, number, value
-from .markup import element, join, Markup
 
-__all__ = ['facts', 'GUARDED', 'LEDGER', 'RESULTS', 'Row', 'rows_by_run', 'rows_of', 'SENSOR',
-           'table', 'WORST']
+__all__ = ['GUARDED', 'LEDGER', 'RESULTS', 'Row', 'rows_by_run', 'rows_of', 'SENSOR', 'Table',
+           'WORST']
 
 _COLUMNS = 5
 
@@ -40,6 +39,14 @@ class Row(Generic[Thing]):
     name: str
     unit: str
     figure: Callable[[Thing], Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table: the words of its head, and rows of as many cells, of which the first is a name."""
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
 
 
 def _rejected(reasons: Mapping[str, int]) -> str:
@@ -184,35 +191,16 @@ SENSOR: tuple[Row[Together], ...] = (
 )
 
 
-def table(head: Sequence[object], rows: Iterable[Sequence[object]], **attributes: str) -> Markup:
-    """Return a table; the first cell of each row names it."""
-    body = [element('tr', element('th', row[0], scope='row'),
-                    *(element('td', cell) for cell in row[1:])) for row in rows]
-    top = element('thead', element('tr', *(element('th', cell, scope='col') for cell in head))) \
-        if head else ''
-    return element('table', top, element('tbody', *body), **attributes)
-
-
 def rows_of(rows: Sequence[Row[Thing]], thing: Thing) -> list[tuple[str, str, str]]:
     """Return name, unit and cell of each row."""
     return [(row.name, row.unit, value(row.figure(thing))) for row in rows]
 
 
 def rows_by_run(rows: Sequence[Row[Thing]], runs: Sequence[tuple[int, Thing]], *,
-                units: bool = True) -> Markup:
+                units: bool = True) -> list[Table]:
     """Return tables of a row a figure and a column a run, numbered, a few runs in each."""
-    parts = []
-    for first in range(0, len(runs), _COLUMNS):
-        some = runs[first:first + _COLUMNS]
-        parts.append(table(['', *(['unit'] if units else []),
-                            *(f'run {number}' for number, _ in some)],
-                           [[row.name, *([row.unit] if units else []),
-                             *(value(row.figure(thing)) for _, thing in some)]
-                            for row in rows]))
-    return join(parts)
-
-
-def facts(rows: Iterable[tuple[str, object]]) -> Markup:
-    """Return a table of names and values; a value that is '' is left to be filled by hand."""
-    return table([], [(name, thing if thing != '' else element('span', '', class_='blank'))
-                      for name, thing in rows], class_='facts')
+    return [Table(['', *(['unit'] if units else []), *(f'run {number}' for number, _ in some)],
+                  [[row.name, *([row.unit] if units else []),
+                    *(value(row.figure(thing)) for _, thing in some)] for row in rows])
+            for some in (runs[first:first + _COLUMNS]
+                         for first in range(0, len(runs), _COLUMNS))]

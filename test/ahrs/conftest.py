@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Run a gimballed AHRS and look at what is true, which no sensor shows."""
+"""Run a gimballed AHRS and observe its true state, which no sensor shows."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Run:
 
 @pytest.fixture
 def make_ahrs():
-    """Return a function that builds an AHRS; quiet and calm at 45 degrees unless told."""
+    """Return a function that builds an AHRS; default: no noise, calm sea, 45 degrees."""
     def make(latitude_deg=45.0, legs=((0.0, 0.0, 0.0),), seaway='calm', seed=1,
              model='dtg_precision', errors=None, **settings):
         settings.setdefault('noise', False)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A command on the way does what the same entry of the scenario does, to the bit."""
+"""A command during a trial acts like the same entry of the scenario, to the bit."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def said(chunks):
 
 
 def scheduled(**ts):
-    """Return readings and statuses where all is in the scenario."""
+    """Return readings and statuses with everything in the scenario."""
     return said(rest_of(begun(**ts), 100.0))
 
 
@@ -57,7 +57,7 @@ def test_a_trial_ends_when_all_is_handed_over():
 
 @pytest.mark.parametrize('kind', FAULTS)
 def test_fault_injected_now_is_the_fault_of_the_scenario(kind):
-    """Injected when 33.6 s are handed over; gone when 61.6 s are."""
+    """Injected when 33.6 s are delivered; mended when 61.6 s are."""
     trial = begun()
     chunks = [trial.advance(33.6)]
     assert trial.inject('ts', kind) == 33.6
@@ -102,7 +102,7 @@ def test_command_ahead_of_time_is_the_event_of_the_scenario(kind, mode):
 
 @pytest.mark.parametrize('step_s', [0.05, 3.7, 11.9])
 def test_command_of_now_happens_with_the_next_block(step_s):
-    """With 33.9 s handed over, of a sensor 0.3 s late, the block to 40 s has been made."""
+    """With 33.9 s delivered by a sensor 0.3 s late, the block up to 40 s has been made."""
     trial = begun()
     chunks = [trial.advance(20.0), trial.advance(33.9)]
     assert trial.command('ts', 'gyro_azimuth') == pytest.approx(40.0)
@@ -118,9 +118,9 @@ def test_command_of_now_happens_with_the_next_block(step_s):
     (lambda t: t.inject('ts', 'melt'), "fault 'melt': must be freeze or"),
     (lambda t: t.command('ts', 'dance'), "command 'dance': must be gyrocompass or"),
     (lambda t: t.command('rs', 'gyrocompass'), "a sensor of the model 'ideal' has no modes"),
-    (lambda t: t.inject('ts', 'jump', t_s=10.0), r't_s = 10.0: must not be before 20 s'),
+    (lambda t: t.inject('ts', 'jump', t_s=10.0), r't_s = 10.0: must be at least 20 s'),
     (lambda t: t.mend('ts', 'jump'), 'jump is not present'),
-    (lambda t: (t.inject('rs', 'jump'), t.inject('rs', 'jump')), 'jump is present already')])
+    (lambda t: (t.inject('rs', 'jump'), t.inject('rs', 'jump')), 'jump is already present')])
 def test_what_cannot_be_is_refused_with_its_reason(act, words):
     trial = begun()
     trial.advance(20.0)

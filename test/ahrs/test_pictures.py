@@ -6,10 +6,14 @@ from __future__ import annotations
 
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+import re
 import sys
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
+
+pytest.importorskip('matplotlib')
 
 DOCS = Path(__file__).resolve().parents[2] / 'docs'
 SVG = '{http://www.w3.org/2000/svg}'
@@ -39,8 +43,15 @@ def test_every_picture_is_there_and_shown(pictures):
 
 
 def test_levelling_is_drawn_with_the_labels_of_the_file(pictures):
-    drawn = pictures.levelling().svg()
+    drawn = pictures.levelling()
     assert labels(drawn) == labels((DOCS / 'ahrs_levelling.svg').read_text(encoding='utf-8'))
-    lines = [line.get('points').split() for line in ElementTree.fromstring(drawn).iter(
-        f'{SVG}polyline')]
-    assert sorted(map(len, lines)) == [2, 2, 300, 750]
+    styles = ' '.join(path.get('style', '') for path in ElementTree.fromstring(drawn).iter(
+        f'{SVG}path'))
+    assert {pictures.INK, pictures.ACCENT, pictures.GREY} <= {
+        f'#{color}' for color in re.findall('stroke: #([0-9a-f]{6})', styles)}
+
+
+def test_points_are_means_of_so_many_samples(pictures):
+    """Of seven samples, three at a time; the last is left out."""
+    x, y = pictures.smooth(np.arange(7.0), np.arange(7.0) ** 2, 3)
+    assert x.tolist() == [1.0, 4.0] and y.tolist() == [5.0 / 3.0, 50.0 / 3.0]

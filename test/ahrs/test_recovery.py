@@ -53,7 +53,7 @@ def unbiased(estimates, truth):
 
 
 def often_enough(hits, probability):
-    """Tell whether there are not fewer hits than one case in a million has."""
+    """Tell whether there are at least as many hits as in all but one case in a million."""
     return np.sum(hits) >= binom.ppf(1e-6, len(hits), probability)
 
 

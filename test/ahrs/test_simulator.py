@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A simulated trial is one and the same, however it is cut (A11), and fast (A10)."""
+"""A simulated trial is the same however it is cut (A11), and fast (A10)."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ TRIAL = {
 
 
 def joined(scenario, chunk_s):
-    """Return all that a trial hands over."""
+    """Return all data that a trial delivers."""
     chunks = list(Simulation(scenario).chunks(chunk_s))
     return ([Headings.concatenate(getattr(chunk, name) for chunk in chunks)
              for name in ('ts', 'rs', 'truth')]
@@ -88,7 +88,7 @@ def test_a_live_sender_sets_the_start():
 
 
 def test_cold_ahrs_is_invalid_until_it_has_settled():
-    """Alongside: nothing before the meridian is found, then better than 0.3 degrees."""
+    """At berth: nothing before the meridian is found, then better than 0.3 degrees."""
     scenario = Scenario.from_mapping({
         'duration_s': 5400.0, 'seaway': 'moored', 'ts': {'model': 'dtg_precision',
                                                          'rate_hz': 1.0}})

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Recorded runs judged from Python: the verdicts of the command line, its words as warnings."""
+"""Recorded runs judged from Python: the verdicts of the command line, its notes as warnings."""
 
 from __future__ import annotations
 
@@ -86,14 +86,14 @@ def test_the_notes_come_back_with_the_graphs(bags):
     told = []
     judged = judge_bags([bags[0]], SETTINGS, sketched=True, progress=told.append,
                         runs=[(start_ns(0), start_ns(0) + 50 * S, ''), (1, 2, 'gone')])
-    assert judged.notes == ('runs: source gone is none of the INPUTs',)
+    assert judged.notes == ('runs: source gone is not one of the INPUTs',)
     assert [sketch.n for sketch in judged.sketches] == [1200]
     assert told[-1] == '2,400 headings'
 
 
 @pytest.mark.parametrize('paths, settings, error, words', [
-    ([], SETTINGS, ValueError, 'give a list of one path at least'),
-    ('trial_0', SETTINGS, ValueError, "paths = 'trial_0': give a list"),
+    ([], SETTINGS, ValueError, 'must be a list of at least one path'),
+    ('trial_0', SETTINGS, ValueError, "paths = 'trial_0': must be a list"),
     (['a', 'b'], Settings(), ValueError, 'norms.sigma_max_deg'),
     (['nowhere'], SETTINGS, FileNotFoundError, 'nowhere'),
     (['nowhere', 'neither'], SETTINGS, ValueError, 'none of the 2 inputs can be read')])
@@ -109,5 +109,5 @@ def test_pairs_are_given_of_one_input_and_refused_of_more(bags):
     assert sum(map(len, taken)) == 1200
     with ThreadPoolExecutor(1) as executor, pytest.raises(ValueError, match='takers: '):
         judge_bags([bags[0]], SETTINGS, takers=[taken.append], executor=executor)
-    with pytest.raises(ValueError, match='takers: pairs are given of one input alone'):
+    with pytest.raises(ValueError, match='takers: must be empty with several inputs'):
         judge_bags(bags, SETTINGS, takers=[taken.append])

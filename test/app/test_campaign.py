@@ -63,7 +63,7 @@ def bags(tmp_path, capsys):
 
 
 def judged(capsys, *arguments) -> tuple[dict, str]:
-    """Return the JSON of `analyze` and what it says beside it."""
+    """Return the JSON of `analyze` and its other output."""
     capsys.readouterr()
     assert main(['analyze', *arguments, *NORMS, '--json', '-']) == 0
     out, err = capsys.readouterr()
@@ -72,7 +72,7 @@ def judged(capsys, *arguments) -> tuple[dict, str]:
 
 @pytest.fixture
 def processes(monkeypatch):
-    """Have even small inputs judged in processes of their own."""
+    """Judge even small inputs in their own processes."""
     monkeypatch.setattr(campaign, '_WORTH_BYTES', 0)
 
 
@@ -130,7 +130,7 @@ def test_a_bag_with_a_wrong_mark_is_named_and_the_others_judged(
     with BagWriter(marked) as writer:
         writer.add_topic('compliance/marker', kind)
         writer.write('compliance/marker', encode(kind, message), S)
-    why = f"topic '/compliance/marker': {why}; with --runs no mark counts"
+    why = f"topic '/compliance/marker': {why}; --runs ignores all marks"
     verdict, said = judged(capsys, marked, bags[0])
     assert said == f'note: {marked}: not judged: {why}\n'
     assert [run['source'] for run in verdict['runs']] == bags[:1]
@@ -206,7 +206,7 @@ def test_a_source_in_the_table_of_runs_may_be_written_as_another_path(bags, tmp_
     assert [(run['source'], run['n']) for run in verdict['runs']] == [
         (bags[0], 500), (bags[1], 600)]
     assert 'the table of runs has no row for it' in verdict['inputs'][2]['no_run']
-    assert said.endswith(f'note: {table}: source gone is none of the INPUTs\n')
+    assert said.endswith(f'note: {table}: source gone is not one of the INPUTs\n')
 
 
 def test_a_source_that_means_several_inputs_is_refused(bags, tmp_path, capsys):
@@ -268,7 +268,7 @@ def test_what_a_cluster_does_not_do_is_refused_before_a_file_is_touched(
 
 @pytest.mark.process
 def test_a_process_that_dies_is_no_end_of_the_others():
-    """An exit code 3 instead of an answer: what a process killed for want of memory leaves."""
+    """Exit with code 3 instead of an answer, like a process killed when memory ran out."""
     broken = Future()
     broken.set_exception(BrokenProcessPool())
     job = SimpleNamespace(survive=os._exit, unread=lambda path, why: (path, why))
@@ -291,7 +291,7 @@ def entered(gate, process) -> int:
 @pytest.mark.parametrize('number, code', [
     (signal.SIGINT, 130), (signal.SIGTERM, -signal.SIGTERM), (signal.SIGKILL, -signal.SIGKILL)])
 def test_no_process_outlives_the_command(tmp_path, number, code):
-    """Two of its processes wait for what will never come; a third input is not begun."""
+    """Two of its processes wait for ever; a third input is not started."""
     gates = [tmp_path / f'{i}.csv' for i in range(3)]
     for gate in gates:
         os.mkfifo(gate)
@@ -358,7 +358,8 @@ def test_any_executor_of_the_standard_library_judges_as_one_process_does(bags, m
     assert exact([each.results for each in found]) == exact([each.results for each in alone])
     assert [each.notes for each in found] == [[]] * len(bags)
     assert [each.sketch.n for each in found] == [1200] * len(bags)
-    assert said[0] == '0 done' and said[-1].startswith(f'{len(bags)} done, ')
+    n = len(bags)
+    assert said[0] == f'0 of {n} done' and said[-1].startswith(f'{n} of {n} done, ')
 
 
 def exact(results) -> str:
@@ -387,7 +388,7 @@ class Failing(Executor):
 
 @pytest.mark.parametrize('error, why', [
     (BrokenExecutor('the host burned'), 'the host burned'),
-    (None, 'the executor gave it up')])
+    (None, 'the executor dropped it')])
 def test_what_an_executor_does_not_do_is_named_and_the_campaign_goes_on(bags, error, why):
     settings = Settings.from_mapping({'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1})
     found = campaign.judge_inputs(bags[:2], settings, executor=Failing(error))

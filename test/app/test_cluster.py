@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A campaign on a cluster: the verdict of one process, and one line for whatever is wrong."""
+"""A campaign on a cluster: the same verdict as in one process, and one line for each mistake."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture
 def gate(tmp_path):
-    """Return a csv that is a named pipe: who reads it waits until a test lets him."""
+    """Return a csv that is a named pipe: its reader waits until a test releases it."""
     path = tmp_path / 'gate.csv'
     os.mkfifo(path)
     return path
@@ -105,7 +105,7 @@ def gate(tmp_path):
 
 @pytest.fixture
 def processes(monkeypatch):
-    """Have even small inputs judged in processes of their own, where there is no cluster."""
+    """Judge even small inputs in their own processes if there is no cluster."""
     monkeypatch.setattr(campaign, '_WORTH_BYTES', 0)
 
 
@@ -122,21 +122,21 @@ def norms() -> list[str]:
 
 
 def analyze(capsys, *arguments: str | Path, code: int = 0) -> tuple[str, str]:
-    """Return what `analyze` prints, and what it says beside it."""
+    """Return what `analyze` prints on stdout and on stderr."""
     capsys.readouterr()
     assert main(['analyze', *map(str, arguments), *norms(), '--json', '-']) == code
     return capsys.readouterr()
 
 
 def refusal(capsys, *arguments: str | Path) -> str:
-    """Return the one line with which `analyze` gives up."""
+    """Return the one line with which `analyze` fails."""
     out, err = analyze(capsys, *arguments, code=2)
     assert out == '' and err.count('\n') == 1
     return err
 
 
 def eventually(condition: Callable[[], Any]) -> Any:
-    """Return what a condition gives as soon as it holds."""
+    """Wait until a condition holds, and return its value."""
     deadline = time.monotonic() + DEADLINE_S
     while not (found := condition()):
         assert time.monotonic() < deadline
@@ -146,7 +146,7 @@ def eventually(condition: Callable[[], Any]) -> Any:
 
 @contextmanager
 def held(gate: Path) -> Iterator[None]:
-    """Hold up who reads a pipe, as soon as somebody does; the end lets him see its end."""
+    """Hold up the reader of a pipe once there is one; at the end it sees the end of the pipe."""
     def opened() -> int | None:
         try:
             return os.open(gate, os.O_WRONLY | os.O_NONBLOCK)
@@ -218,7 +218,7 @@ def test_an_input_that_was_judged_with_other_libraries_has_a_note(
     monkeypatch.setattr(campaign, 'describe_libraries', lambda: 'numpy 0.9 and scipy 0.1')
     _, said = analyze(capsys, folder / 'trial_0', '--dask', cluster.scheduler_address)
     assert said == (f'note: {folder / "trial_0"}: judged with {there} on {socket.gethostname()}, '
-                    'here are numpy 0.9 and scipy 0.1: last digits may differ\n')
+                    'but here are numpy 0.9 and scipy 0.1: last digits may differ\n')
 
 
 @pytest.mark.parametrize('inputs', [['nowhere'], ['nowhere', 'neither']])
@@ -329,7 +329,7 @@ def test_a_worker_with_other_software_is_named_before_work_starts(capsys, tmp_pa
                    workers=[worker])
         said = refusal(capsys, tmp_path / 'nowhere', '--dask', spoilt.scheduler_address)
     here = module.VERSION
-    assert f'heading_intercompare is {here} here, worker {worker} {why}' in said
+    assert f'heading_intercompare is {here} here, but worker {worker} {why}' in said
 
 
 @pytest.mark.parametrize('address', ['tcp://127.0.0.1:{port}', '127.0.0.1:{port}',
@@ -347,7 +347,7 @@ def test_where_no_scheduler_is_one_line_says_so_in_time(folder, capsys, monkeypa
 def test_a_worker_is_not_taken_for_a_scheduler(cluster, folder, capsys):
     address = next(iter(cluster.scheduler.workers))
     said = refusal(capsys, folder / 'trial_0', '--dask', address)
-    assert f'--dask {address}: no Dask scheduler answers there: what does is a Worker\n' in said
+    assert f'--dask {address}: no Dask scheduler answers there: a Worker does\n' in said
 
 
 @pytest.mark.parametrize('words', [b'SSH-2.0-x\r\n', bytes(64), b'', b'\x08' + bytes(15)])
@@ -362,7 +362,7 @@ def test_another_program_is_not_taken_for_a_scheduler(
         greeted = beside.submit(greet)
         said = refusal(capsys, folder / 'trial_0', '--dask', address)
         greeted.result(DEADLINE_S)
-    why = 'what does is another program' if words else 'not within 0.5 s'
+    why = 'another program does' if words else 'not within 0.5 s'
     assert f'--dask {address}: no Dask scheduler answers there: {why}\n' in said
     assert not [each for each in caplog.records if each.levelno == logging.CRITICAL]
 
@@ -370,12 +370,12 @@ def test_another_program_is_not_taken_for_a_scheduler(
 def test_a_scheduler_of_another_version_is_refused(cluster, folder, capsys, monkeypatch):
     monkeypatch.setattr(module, 'DISTRIBUTED', '1.0')
     said = refusal(capsys, folder / 'trial_0', '--dask', cluster.scheduler_address)
-    assert f'distributed is 1.0 here, the scheduler has {distributed.__version__}' in said
+    assert f'distributed is 1.0 here, but the scheduler has {distributed.__version__}' in said
 
 
 @pytest.mark.parametrize('text, why', [
-    (None, 'No such file'), ('{', 'is not JSON'), ('[]', 'is not the file of a Dask scheduler'),
-    ('{"address": 1}', 'is not the file of a Dask scheduler'), ('\udcff', 'is not JSON')])
+    (None, 'No such file'), ('{', 'must be JSON'), ('[]', 'is not the file of a Dask scheduler'),
+    ('{"address": 1}', 'is not the file of a Dask scheduler'), ('\udcff', 'must be JSON')])
 def test_a_wrong_file_of_a_scheduler_is_named(folder, capsys, tmp_path, text, why):
     file = tmp_path / 'scheduler.json'
     if text is not None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""MCAP files put together by hand, right and wrong, and a whole bag checked with `mcap`."""
+"""MCAP files built by hand, right and wrong, and the check of a whole bag with `mcap`."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ PACK = {'': bytes, 'lz4': lz4.frame.compress, 'zstd': zstandard.ZstdCompressor()
 
 
 class Sent(NamedTuple):
-    """A message as `BagReader.messages` gives it, but for its type."""
+    """A message as `BagReader.messages` yields it, without its type."""
 
     topic: str
     log_time_ns: int
@@ -49,7 +49,7 @@ def schema(number: int, name: str = 'std_msgs/msg/String',
 
 
 def channel(number: int, topic: str, schema_id: int = 1, encoding: str = 'cdr') -> bytes:
-    """Return a channel with metadata as `BagWriter` has them."""
+    """Return a channel with the metadata of `BagWriter`."""
     metadata = {'offered_qos_profiles': Qos().to_yaml(), 'topic_type_hash': ''}
     return record(mcap.Channel(id=number, topic=topic, message_encoding=encoding,
                                metadata=metadata, schema_id=schema_id))
@@ -98,7 +98,7 @@ def indexed(*records: bytes, **options) -> bytes:
 
 
 def write(path: Path, *pieces: bytes) -> Path:
-    """Write a file that begins as it should and has no end."""
+    """Write a file with a correct beginning and no end."""
     path.write_bytes(b''.join((MAGIC, HEADER, *pieces)))
     return path
 
@@ -110,7 +110,7 @@ def sent(bag: Path) -> list[Sent]:
 
 
 def assert_exact(bag: Path) -> None:
-    """Check all that is said of messages anywhere in a bag; decompress and count with `mcap`."""
+    """Check everything a bag says about its messages; decompress and count with `mcap`."""
     import yaml
     loader = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
     text = (bag / 'metadata.yaml').read_text()

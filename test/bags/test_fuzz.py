@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Bags with bytes flipped, cut and repeated: one clear error or what is there, never anything else.
+Bags with bytes flipped, cut and repeated: one clear error or the data that is there, nothing else.
 
 `make release` looks longer than CI does.
 """
@@ -102,7 +102,7 @@ def messages(which: int) -> Counter:
 
 
 def unproved(path: Path) -> int:
-    """Return how many messages there are of a chunk in which the file ends."""
+    """Return the number of messages of a chunk in which the file ends."""
     with open(path, 'rb') as file:
         return sum(len(item.block.start) for item in Salvage(file).scan()
                    if isinstance(item, Sound) and item.fault)
@@ -161,7 +161,7 @@ def read_all(path: Path) -> int:
 
 
 def recovered(path: Path, target: Path) -> list:
-    """Recover a file; check that the result is whole and what it is said to be."""
+    """Recover a file; check that the result is complete and matches its record."""
     try:
         total = recover(path, target)
     except BagError as error:
@@ -202,7 +202,7 @@ def examine(which: int, damages: list[tuple[str, float, int]]) -> None:
 
 
 def test_damaged_bags_never_end_in_anything_but_one_clear_error():
-    """The peak of the process may not grow by more than the files, their chunks and a library."""
+    """The peak memory may grow by no more than the files, their chunks and a library."""
     originals()
     before = megabytes()
     examine()
@@ -218,7 +218,7 @@ def test_the_originals_are_whole(which, tmp_path):
 
 
 def records_in(data: bytes) -> Iterator[tuple[int, int]]:
-    """Yield the first byte of each record of a whole file, and the one behind it."""
+    """Yield the first byte of each record of a whole file, and the byte after it."""
     at = 8
     while at < len(data) - 8:
         end = at + 9 + int.from_bytes(data[at + 1:at + 9], 'little')
@@ -262,7 +262,7 @@ def test_cut_in_any_part_of_any_record_all_messages_before_are_recovered(which, 
 
 @pytest.mark.parametrize('which', [0, 3, 5])
 def test_flipped_in_any_part_of_any_record_few_messages_are_lost(which, tmp_path):
-    """One chunk, or the bare messages around; nothing comes under another topic."""
+    """One chunk, or the messages around it; nothing appears under another topic."""
     left = damaged_once(which, tmp_path,
                         lambda data, at: data[:at] + bytes([data[at] ^ 0x20]) + data[at + 1:])
     total = sum(messages(which).values())
@@ -292,7 +292,7 @@ def zeros_of_gigabytes(compression: str) -> bytes:
 @pytest.mark.parametrize('place', ['middle', 'cut'])
 @pytest.mark.parametrize('compression', ['zstd', 'unsized', 'lz4'])
 def test_a_chunk_that_claims_gigabytes_takes_no_memory(compression, place, tmp_path):
-    """Behind the others of a file without an end; cut, the file ends within it."""
+    """After the others of a file without an end; cut, the file ends within it."""
     piece = zeros_of_gigabytes(compression)
     path = tmp_path / 'x.mcap'
     path.write_bytes(unfinished(2) + (piece if place == 'middle' else piece[:-4]))
@@ -308,7 +308,7 @@ def test_a_chunk_that_claims_gigabytes_takes_no_memory(compression, place, tmp_p
 
 
 def test_heads_of_chunks_within_heads_of_chunks_do_not_take_forever(tmp_path):
-    """Each claims to reach behind all others, and would have to be read to be disproved."""
+    """Each claims to reach past all others, and could be disproved only by reading it."""
     count, zeros = 40_000, bytes(1000)
     heads = b''.join(
         b'\x06' + struct.pack('<QQQQIIQ', left - 9, 1, 2, left - 49, 1, 0, left - 49)
@@ -322,7 +322,7 @@ def test_heads_of_chunks_within_heads_of_chunks_do_not_take_forever(tmp_path):
 
 
 def test_many_small_gaps_do_not_take_forever(tmp_path):
-    """Behind each the next record is near, and only what is near is searched."""
+    """After each the next record is near, and only nearby bytes are searched."""
     piece = b'\0\x0f' + struct.pack('<QI', 4, 0)
     path = tmp_path / 'x.mcap'
     path.write_bytes(unfinished(2) + 3000 * piece + bytes(10**7))

@@ -273,7 +273,7 @@ def test_a_replay_that_cannot_be_is_one_line(options, words, bag, capfd):
 
 
 @pytest.mark.parametrize('content, words', [
-    (None, 'No such file'), ('stamp_ns,ts_deg,rs_deg', 'not a ROS parameter file'),
+    (None, 'No such file'), ('stamp_ns,ts_deg,rs_deg', 'is not a ROS parameter file'),
     ('a: 1', "section 'a': must hold ros__parameters")])
 @pytest.mark.parametrize('command', [['replay', 'bag'], ['record']])
 def test_a_wrong_parameter_file_of_a_node_is_one_line(command, content, words, tmp_path, capfd):

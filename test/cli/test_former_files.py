@@ -59,7 +59,8 @@ def test_a_bag_is_sound_and_shows_what_it_holds(capsys):
     assert main(['info', BAG]) == 0
     said = capsys.readouterr().out
     assert 'software: heading_intercompare 0.1.0' in said and 'risk.method: dyadic+acf' in said
-    assert re.search(r'not a verdict that this version reads: .*: judge the recordings anew', said)
+    assert re.search(r'not a verdict that this version reads: .*: judge the recordings again',
+                     said)
 
 
 def test_the_tables_are_written_as_they_were(capsys, tmp_path):
@@ -74,7 +75,7 @@ def test_the_tables_are_written_as_they_were(capsys, tmp_path):
 def test_a_verdict_is_refused_and_told_how_it_is_made_anew(capsys, tmp_path):
     said = refused(capsys, 'report', VERDICT, '-o', str(tmp_path / 'r.html'))
     assert f"{VERDICT}: schema = 'heading_intercompare/verdict/1'" in said
-    assert said.endswith('judge the recordings anew, with `analyze` or `rejudge`\n')
+    assert said.endswith('judge the recordings again, with `analyze` or `rejudge`\n')
 
 
 @pytest.mark.parametrize('version, rule', [('2_0', None), ('2_1', 2)])
@@ -96,7 +97,7 @@ def test_a_verdict_of_2_1_meets_the_schema_that_is_installed():
 def test_a_parameter_file_is_refused_with_all_that_is_gone_and_read_without(capsys, tmp_path):
     said = refused(capsys, 'analyze', BAG, '--config', PARAMETERS, *NORMS)
     assert sorted(re.findall(r"'([a-z_.0-9]+)'", said)) == GONE
-    for words in ('leave it out', 'detectors.same_source_share takes its place'):
+    for words in ('leave it out', 'use detectors.same_source_share instead'):
         assert words in said
     text = Path(PARAMETERS).read_text('utf-8')
     for name in GONE:

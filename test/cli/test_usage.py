@@ -155,6 +155,21 @@ def test_a_cut_bag_is_judged_on_what_is_there_and_said(bag, capsys, tmp_path):
     assert 'VERDICT' in out and 'note: ' in err and 'cut.mcap' in err
 
 
+@pytest.mark.parametrize('command', [['analyze', *NORMS], ['info'], ['info', '--check']])
+def test_damaged_metadata_of_a_bag_are_named_with_line_and_remedy(command, bag, capsys, tmp_path):
+    damaged = shutil.copytree(bag, tmp_path / 'bag')
+    with (damaged / 'metadata.yaml').open('a') as file:
+        file.write('rosbag2_bagfile_information: {}\n')
+    line = (damaged / 'metadata.yaml').read_text().count('\n')
+    said = refused(capsys, command[0], damaged, *command[1:])
+    assert f"metadata.yaml: line {line}: 'rosbag2_bagfile_information' is given twice; " in said
+    assert '`recover` reads the bag without it' in said
+    assert main(['recover', str(damaged), '-o', str(tmp_path / 'new')]) == 0
+    out, err = capsys.readouterr()
+    assert 'kept: 6001 messages' in out and 'note: metadata.yaml: line ' in err
+    assert main(['analyze', str(tmp_path / 'new'), *NORMS]) == 0
+
+
 def test_the_run_table_says_where_the_runs_are(bag, capsys, tmp_path):
     table = tmp_path / 'runs.csv'
     table.write_text(f'start,stop,source\n{T0},{T0 + 60 * S},\n'

@@ -92,7 +92,7 @@ def test_an_unknown_convention_is_refused():
 
 @given(st.lists(st.floats(0.0, 359.999), min_size=1, max_size=40), st.data())
 def test_conversions_do_not_depend_on_the_chunk(headings, data):
-    """Live converts few at a time, offline many: the same headings to the bit."""
+    """Live nodes convert few at a time, offline programs many: the same headings to the bit."""
     cut = data.draw(st.integers(0, len(headings)))
     z, w = quaternion_from_heading(headings)
     none = np.zeros(len(headings))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whole streams: a run that is paired again keeps its readings, and how it was paired."""
+"""Whole streams: a run paired again keeps its readings and its method of pairing."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The version of the decision rule is raised when the rule decides otherwise."""
+"""The version of the decision rule increases when the rule decides differently."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ S = 1_000_000_000
 
 
 def differences(kind: str, n: int = 6000) -> np.ndarray:
-    """Return differences of a kind, degrees."""
+    """Return differences of one kind, degrees."""
     rng = np.random.default_rng(5)
     if kind == 'white':
         return rng.normal(0.0, 0.2, n)

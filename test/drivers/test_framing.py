@@ -59,7 +59,7 @@ def test_splitting_the_stream_changes_nothing(data, places):
        st.lists(st.integers(0, 10**6), max_size=30))
 @settings(max_examples=200)
 def test_splitting_changes_nothing_when_lines_do_not_end(data, places):
-    """With bounds so small that the memory of an open line is cut all the time."""
+    """With limits so small that an open line is shortened all the time."""
     data = data.replace(b'\r', b'').replace(b'\n', b'') + b'\n'
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(framing, 'MAX_SENTENCE', 14)

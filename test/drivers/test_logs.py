@@ -185,7 +185,7 @@ def test_the_lines_of_ship_logs_are_all_accounted_for(shared_data, name, time, n
 
 
 def test_replayed_data_have_their_true_time_in_zda(shared_data):
-    """Replayed at a line in 0.255 s; the sensor's own time goes on by whole seconds."""
+    """Replayed at one line per 0.255 s; the sensor's own time advances by whole seconds."""
     headings, _ = read_log(shared_data / (REPLAY + 's330-2017-11-04'),
                            DriverSettings(time='validity'))
     steps_ns, n = np.unique(np.diff(headings.stamp_ns), return_counts=True)

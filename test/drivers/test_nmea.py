@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The decoder: which sentence is taken, how it is stamped, that everything is accounted for."""
+"""The decoder: which sentence it chooses, how it stamps it, and that it counts everything else."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def zda(seconds: float) -> bytes:
 
 
 def decode(*pieces: bytes, **settings) -> tuple[Headings, dict[str, int]]:
-    """Decode pieces that come at 0, 1, 2 ... seconds."""
+    """Decode pieces received at 0, 1, 2 ... seconds."""
     decoder = NmeaDecoder(DriverSettings(**settings))
     chunks = [decoder.feed(piece, i * S) for i, piece in enumerate(pieces)]
     chunks.append(decoder.flush())

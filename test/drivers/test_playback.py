@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A log played live: its pace, and that it gives what importing it gives."""
+"""A log played live: its pace, and that it gives the same headings as an import."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NOON = 1772366400 * S   # 2026-03-01T12:00:00Z
 
 
 class Clock:
-    """A clock that goes on only when waited for."""
+    """A clock that advances only when waited for."""
 
     def __init__(self):
         self.now = 1000.0
@@ -37,7 +37,7 @@ class Clock:
 
 @pytest.fixture
 def log(tmp_path):
-    """Return the path of a log with a line each second, one of them without a stamp."""
+    """Return the path of a log with one line per second, one of them without a stamp."""
     path = tmp_path / 'gyro.log'
     path.write_bytes(b'1772366400.0 $HEHDT,1.0,T*2E\n'
                      b'no stamp\n'

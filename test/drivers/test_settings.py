@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Source addresses and driver settings: what is accepted, what is said of the rest."""
+"""Source addresses and driver settings: what is accepted, and the errors for the rest."""
 
 from __future__ import annotations
 

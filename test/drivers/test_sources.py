@@ -29,7 +29,7 @@ def counting():
 
 
 def read_until(source, done):
-    """Read until `done(what has come)`, at most ten seconds."""
+    """Read until `done(bytes received)`, at most ten seconds."""
     received, end = [], time.monotonic() + DEADLINE_S
     while not done(received):
         assert time.monotonic() < end, f'only {received} came; {source.status}'

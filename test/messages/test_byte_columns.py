@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Values at any bytes, and chunks of single messages."""
+"""Values at any offsets, and chunks of single messages."""
 
 from __future__ import annotations
 

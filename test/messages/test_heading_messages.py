@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Chunks of messages at once are the single messages, to the bit."""
+"""Whole chunks of messages equal the single messages, to the bit."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def message(type_name: str, frame: str, stamp_ns: int, q: tuple, covariance: flo
 
 
 def one_by_one(type_name: str, convention: str, messages: list[bytes]) -> Headings:
-    """Return the headings by the decoder of single messages."""
+    """Return the headings from the decoder of single messages."""
     stamps, values = [], []
     for data in messages:
         fields = decode(type_name, data)
@@ -217,7 +217,7 @@ def test_pairs_come_back_to_the_bit(rng):
 
 
 def big_endian(messages: list[bytes], type_name: str) -> list[bytes]:
-    """Return messages as a computer of the other byte order sends them."""
+    """Return messages as a computer with the other byte order sends them."""
     typesys = pytest.importorskip('rosbags.typesys')
     store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
     return [bytes(store.serialize_cdr(store.deserialize_cdr(data, type_name), type_name,

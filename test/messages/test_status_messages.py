@@ -59,7 +59,7 @@ def test_nothing_to_say_is_a_message_all_the_same():
 
 @pytest.mark.parametrize('start', [b'\x00\x07', b'\x00\x03', b'\x00\x0b', b'\x01\x00'])
 def test_another_encapsulation_is_refused(start):
-    """XCDR2, parameter lists of either version, and what is no encapsulation at all."""
+    """XCDR2, parameter lists of either version, and no encapsulation at all."""
     data = encode_statuses(1, [Status('a', OK, '', {})])
     with pytest.raises(MessageError, match='does not start as CDR'):
         decode_statuses(start + data[2:])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""One context and one executor a test, no threads, conditions with a deadline."""
+"""One context and one executor per test, no threads, conditions with a deadline."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ class Ros:
         return node
 
     def ours(self, make, name=None, **values):
-        """Make a node of the package with settings, those of the norms among them."""
+        """Make a node of the package with settings, including the norms."""
         from heading_intercompare.nodes.ros.parameters import make_overrides
         named = {key.replace('__', '.'): value for key, value in values.items()}
         return self.add(make, name=name, parameter_overrides=make_overrides({**NORMS, **named}))
 
     def spin_until(self, condition, timeout_s=10.0):
-        """Spin until a condition holds, else fail."""
+        """Spin until a condition holds; fail if it does not in time."""
         deadline_s = time.monotonic() + timeout_s
         while not condition():
             assert time.monotonic() < deadline_s, 'the condition did not come true in time'

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the launch files ask for, told without the packages `launch` and `launch_ros`."""
+"""What the launch files start, read without the packages `launch` and `launch_ros`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FOLDER = Path(__file__).resolve().parents[2] / 'launch'
 
 @dataclass
 class Node:
-    """A node that is asked for, with what `launch_ros.actions.Node` is given."""
+    """A node to start, with the arguments of `launch_ros.actions.Node`."""
 
     package: str
     executable: str
@@ -54,7 +54,7 @@ class Argument:
 
 @dataclass
 class Configuration:
-    """The value of an argument, to come."""
+    """The future value of an argument."""
 
     name: str
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The messages of the nodes as rclpy has them: what other programs send, and what they receive."""
+"""The messages of the nodes as rclpy objects, as other programs send and receive them."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ S_NS = 1_000_000_000
 
 
 def some_pairs(rng, lo_s, hi_s):
-    """Return a pair a second, T0 + lo to hi - 1 seconds."""
+    """Return one pair per second, T0 + lo to hi - 1 seconds."""
     stamps = T0_NS + np.arange(lo_s, hi_s) * S_NS
     return Pairs.of(stamps, 90.0 + rng.normal(0.0, 0.1, hi_s - lo_s), np.full(hi_s - lo_s, 90.0))
 
@@ -56,7 +56,7 @@ class Graph:
                        and self.ledger.get_subscription_count() == 1)
 
     def send(self, pairs):
-        """Publish pairs, no more at once than are kept, and wait until they have been taken."""
+        """Publish pairs, at most the queue depth at once, and wait until they have been taken."""
         for lo in range(0, len(pairs), 500):
             piece = pairs[lo:lo + 500]
             n = self.node.n_pairs + len(piece)
@@ -95,7 +95,7 @@ def values(message):
 
 
 def offline(pairs, marks=()):
-    """Return what the pure part says of the pairs."""
+    """Return the result of the pure part for the pairs."""
     compliance = pipeline.Compliance(Settings.from_mapping(NORMS), source='live')
     for kind, stamp_ns in marks:
         compliance.mark(kind, stamp_ns)
@@ -105,7 +105,7 @@ def offline(pairs, marks=()):
 
 
 def without_ledger(run):
-    """Return a run less what its share of the ledger says; the pure part has seen none."""
+    """Return a run without its share of the ledger, which the pure part has not seen."""
     return {**run, 'pairing': None,
             'validity': [f for f in run['validity'] if f['condition'] != 'losses']}
 

@@ -75,7 +75,7 @@ def test_the_live_verdict_is_that_of_the_recording(trial):
 
 
 def test_with_a_slow_rs_the_live_verdict_is_that_of_the_recording(tmp_path):
-    """Stamps at 40 times their pace, so that readings wait for the choice by the clock, too."""
+    """Stamps run at 40 times their pace: readings also wait for the choice by the clock."""
     bag = str(tmp_path / 'bag')
     live = intercompare([Source(SensorSimulator, 'sensor_simulator',
                                 {**TRIAL, 'rs.rate_hz': 1.0, 'speed': 40.0})],
@@ -89,7 +89,7 @@ def test_with_a_slow_rs_the_live_verdict_is_that_of_the_recording(tmp_path):
 
 
 def test_while_a_run_is_judged_readings_are_recorded(tmp_path, monkeypatch):
-    """The judge waits for the recorder; in one thread it would in vain."""
+    """The judge waits for the recorder; in a single thread it would wait for ever."""
     judging, recorded = threading.Event(), threading.Event()
     beat, drain = Compliance._beat, Recorder._drain
 
@@ -154,7 +154,7 @@ def test_the_bag_of_a_simulation_holds_its_settings_and_the_whole_truth(trial):
 
 
 def log(path, n, first_s, heading_deg):
-    """Write a log of n HDT sentences, 5 a second."""
+    """Write a log of n HDT sentences, 5 per second."""
     lines = []
     for i in range(n):
         body = f'HEHDT,{heading_deg + 0.02 * (i * 7 % 11):.2f},T'

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The graph as the launch files start it: one process a node, ended by a signal."""
+"""The graph as the launch files start it: one process per node, ended by a signal."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ DOMAIN = 1 + os.getpid() % 100
 
 
 class Processes:
-    """Processes of one graph; whatever happens, none is left behind."""
+    """Processes of one graph; whatever happens, none is left running."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

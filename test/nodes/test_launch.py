@@ -21,7 +21,7 @@ TEMPLATE = Path(__file__).resolve().parents[2] / 'config' / 'heading_intercompar
 
 @pytest.fixture
 def config(tmp_path):
-    """Return a parameter file that says nothing of topics."""
+    """Return a parameter file without topics."""
     path = tmp_path / 'config.yaml'
     path.write_text(yaml.dump({
         '/**': {'ros__parameters': NORMS},
@@ -36,7 +36,7 @@ def by_name(name, **given):
 
 
 def own(node):
-    """Return what the launch file itself sets."""
+    """Return the parameters that the launch file itself sets."""
     return next((p for p in node.parameters if isinstance(p, dict)), {})
 
 

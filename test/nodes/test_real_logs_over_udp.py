@@ -63,7 +63,7 @@ def free_port() -> int:
 
 
 class Graph:
-    """Processes of nodes in a domain of their own."""
+    """Processes of nodes in their own domain."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

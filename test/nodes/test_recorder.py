@@ -45,7 +45,7 @@ def sensor_of(ros, topic='ts/heading', kind=Imu):
 
 
 def of_bag(states):
-    """Return what was said of the bag on /diagnostics."""
+    """Return the states of the bag on /diagnostics."""
     return [s for m in states for s in m.status if s.name == 'recorder: bag']
 
 
@@ -203,7 +203,7 @@ def test_settings_and_version_are_in_the_bag(ros, tmp_path):
 
 
 def test_after_a_second_what_came_is_on_the_disk(ros, tmp_path):
-    """What is read here is what a process that is killed leaves behind."""
+    """The test reads the files as a killed process would leave them."""
     node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
     sensor, sent = sensor_of(ros), some_headings(50)
     for message in sent:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The recorder as a process of its own, at a thousand headings a second of each sensor."""
+"""The recorder as a process of its own, at a thousand headings per second and sensor."""
 
 from __future__ import annotations
 

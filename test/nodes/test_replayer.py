@@ -65,7 +65,7 @@ def bag_of(path, marks=(), ts_topic='/ts/heading', noise_deg=None):
 
 
 def listeners(ros):
-    """Return what the topics of both sensors say."""
+    """Return the messages on the topics of both sensors."""
     return [ros.listen(Imu, f'{role}/heading', qos.PAIRS) for role in ('ts', 'rs')]
 
 
@@ -161,7 +161,7 @@ def test_a_loop_is_for_watching_for_its_stamps_go_back_and_are_rejected(ros, tmp
 
 
 class SteadyClock:
-    """A clock that stands until it is set; nanoseconds."""
+    """A clock that stands still until it is set; nanoseconds."""
 
     def __init__(self):
         self.ns = 10 ** 12
@@ -181,7 +181,7 @@ def paced(ros, path, **values):
 
 
 def until_published(ros, node, n):
-    """Spin until so many messages are out."""
+    """Spin until `n` messages are out."""
     ros.spin_until(lambda: node.published >= n)
 
 
@@ -194,7 +194,7 @@ def ticks(ros, n=4):
 
 
 def test_each_message_goes_out_when_it_is_due_and_not_before(ros, tmp_path):
-    """At half the speed the pair of number k is due 0.2 s times k behind the first, to the ns."""
+    """At half speed, pair k is due 0.2 s times k after the first, to the ns."""
     node, clock, ts, rs = paced(ros, tmp_path / 'bag', rate=0.5)
     begin_ns = clock.ns
     for k in (1, 2, 50, 51, 52, 298):
@@ -288,7 +288,7 @@ def test_it_can_start_paused_with_its_clock_standing(ros, tmp_path):
 
 
 def test_the_clock_does_not_run_ahead_of_messages_that_are_held_up(ros, tmp_path):
-    """An hour in a moment: the rate of messages is bounded, and the clock waits for them."""
+    """An hour in a moment: the rate of messages is limited, and the clock waits for them."""
     shown = ros.listen(Clock, '/clock', qos.CLOCK)
     node = ros.ours(Replayer, bag=bag_of(tmp_path / 'bag'), rate=3600.0, clock=True,
                     max_rate_hz=500.0)

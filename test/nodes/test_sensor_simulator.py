@@ -27,7 +27,7 @@ TRIAL = {'duration_s': 20.0, 'ts.rate_hz': 10.0, 'rs.rate_hz': 4.0, 'ts.white_de
 
 
 def run(ros, **values):
-    """Return what both topics say until the trial is over."""
+    """Return the messages on both topics until the trial is over."""
     node = ros.ours(SensorSimulator, **{k.replace('.', '__'): v for k, v in TRIAL.items()},
                     **values)
     heard = [ros.listen(Imu, f'{role}/heading', qos.PAIRS) for role in ('ts', 'rs')]
@@ -89,7 +89,7 @@ def values(heard, part):
 
 
 def begun(ros, **settings):
-    """Return a node whose trial goes on for long, what its TS says, and the diagnostics."""
+    """Return a node with a long trial, the messages of its TS, and the diagnostics."""
     node = ros.ours(SensorSimulator, stamps='scenario', duration_s=100000.0, **settings)
     ts, _ = (ros.listen(Imu, f'{role}/heading', qos.PAIRS) for role in ('ts', 'rs'))
     diagnostics = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)

@@ -187,7 +187,7 @@ def test_a_wrong_setting_ends_the_node_before_it_begins(ros):
 
 
 def big_endian(message):
-    """Return an Imu message as a computer of the other byte order sends it."""
+    """Return an Imu message as a computer with the other byte order sends it."""
     typesys = pytest.importorskip('rosbags.typesys')
     store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
     return bytes(store.serialize_cdr(store.deserialize_cdr(message, IMU), IMU,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The gimballed AHRS: platform, computer, modes, and what it puts out."""
+"""The gimballed AHRS: platform, computer, modes and output."""
 
 from typing import TYPE_CHECKING
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-From power-on to an aligned platform: the procedures of modes 1 to 6.
+The procedures of modes 1 to 6, from power-on to an aligned platform.
 
 A procedure is a generator. It yields the rates to command over the next control step, or None
-while the platform is caged, and returns the mode that follows. When it goes on after a yield the
+while the platform is caged, and returns the mode that follows. When it resumes after a yield, the
 computer has taken the measurements of that step.
 """
 
@@ -54,7 +54,7 @@ STRAIGHT_RAD = math.radians(5.0 / 3600.0)
 
 
 class Machine(Protocol):
-    """What a procedure may see and change of the AHRS."""
+    """The part of the AHRS that a procedure may read and change."""
 
     settings: Ahrs
     errors: Errors
@@ -70,17 +70,17 @@ class Machine(Protocol):
     residual_deg_h: float
 
     def say(self, message: str) -> None:
-        """Report what has happened."""
+        """Report an event."""
 
     def flag(self, name: str) -> None:
-        """Go on degraded, for the reason named."""
+        """Continue in a degraded state, for the reason named."""
 
     def fail(self, cause: str) -> Mode:
-        """Report a fault and return its mode."""
+        """Report a fault and return the mode FAULT."""
 
 
 def steps(span_s: float) -> int:
-    """Return the control steps of a span of seconds."""
+    """Return the number of control steps in a span, seconds."""
     return round(span_s / GRID_S)
 
 
@@ -108,7 +108,7 @@ def thermostat_wait(ahrs: Machine) -> Procedure:
 
 
 def coarse_levelling(ahrs: Machine) -> Procedure:
-    """Level fast, until the filtered tilt stands still: S (1)-(3)."""
+    """Level fast, until the filtered tilt stops changing: S (1)-(3)."""
     computer = ahrs.computer
     tau_s = COARSE_TAU_S if computer.moored else COARSE_TAU_AT_SEA_S
     share = GRID_S / tau_s
@@ -148,7 +148,7 @@ def gyro_calibration(ahrs: Machine) -> Procedure:
         bias_x = 0.5 * (forth.bias_x + back.bias_x)
         bias_y = 0.5 * (forth.bias_y + back.bias_y)
         residual = max(forth.residual, back.residual)
-        # The swell adds to the residual but, under the window, hardly to the biases.
+        # The swell adds to the residual but, thanks to the window, hardly to the biases.
         limit = FIT_LIMIT_RAD_S if computer.moored else FIT_LIMIT_AT_SEA_RAD_S
         if math.hypot(bias_x, bias_y) < BIAS_LIMIT_RAD_S and residual < limit:
             computer.meter_x_rad_s, computer.meter_y_rad_s = bias_x, bias_y
@@ -164,7 +164,7 @@ def gyro_calibration(ahrs: Machine) -> Procedure:
 
 
 def _revolution(ahrs: Machine, sense: float):
-    """Turn the meter once and fit its readings; the ends, cut by the swell, count less."""
+    """Turn the meter once and fit its readings; the ends, disturbed by the swell, count less."""
     computer, platform = ahrs.computer, ahrs.platform
     columns = [[], [], [], []]
     angle_rad = 0.0 if sense > 0.0 else 2.0 * math.pi
@@ -220,7 +220,7 @@ def azimuth_alignment(ahrs: Machine) -> Procedure:
 
 
 def slew(ahrs: Machine, angle_rad: float) -> Generator[tuple[float, float, float], None, None]:
-    """Turn the platform in azimuth until the angle is reached: S (10), (11)."""
+    """Turn the platform in azimuth by an angle: S (10), (11)."""
     computer = ahrs.computer
     sense, left = math.copysign(1.0, angle_rad), abs(angle_rad)
     while left > 0.0:
@@ -234,7 +234,7 @@ def slew(ahrs: Machine, angle_rad: float) -> Generator[tuple[float, float, float
 
 
 def fine_levelling(ahrs: Machine) -> Procedure:
-    """Level with all that is known, and calibrate what can be: S (12)-(19)."""
+    """Level using all estimates, and make the calibrations that are possible: S (12)-(19)."""
     computer, settings = ahrs.computer, ahrs.settings
     computer.enter_hold()
     ahrs.validity = Validity.PROVISIONAL
@@ -252,7 +252,7 @@ def fine_levelling(ahrs: Machine) -> Procedure:
 
 
 def _two_positions(ahrs: Machine) -> Generator[tuple[float, float, float], None, int]:
-    """Find the accelerometer biases from the platform as it is and turned round."""
+    """Find the accelerometer biases from two positions of the platform, half a turn apart."""
     computer = ahrs.computer
     start_rad, n, taken = computer.azimuth_rad, steps(POSITION_S), 0
     means = []
@@ -277,7 +277,7 @@ def _two_positions(ahrs: Machine) -> Generator[tuple[float, float, float], None,
 
 
 def _one_position(ahrs: Machine) -> Generator[tuple[float, float, float], None, int]:
-    """Read the accelerometers on the levelled platform, which tells a change but no bias."""
+    """Read the accelerometers on the levelled platform, which shows a change but no bias."""
     computer, n = ahrs.computer, steps(POSITION_S)
     read_x, read_y = [], []
     for _ in range(n):
@@ -291,7 +291,7 @@ def _one_position(ahrs: Machine) -> Generator[tuple[float, float, float], None, 
 
 
 def _course_gyro_drift(ahrs: Machine) -> Generator[tuple[float, float, float], None, int]:
-    """Find the drift of the course gyro from readings of a heading that is known: S (15)."""
+    """Find the drift of the course gyro from readings of a known heading: S (15)."""
     computer, platform, n = ahrs.computer, ahrs.platform, steps(READING_S)
     readings = []
     for _ in range(READINGS):
@@ -306,7 +306,7 @@ def _course_gyro_drift(ahrs: Machine) -> Generator[tuple[float, float, float], N
         computer.drift_z_rad_s -= drift
         ahrs.say('drift of the course gyro calibrated')
     else:
-        ahrs.say('drift of the course gyro kept: its readings are no straight line')
+        ahrs.say('drift of the course gyro kept: its readings are not on a straight line')
     return READINGS * n
 
 

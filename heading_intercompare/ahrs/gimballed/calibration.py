@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is fitted to measurements at rest: meter biases, azimuth, drifts, accelerometer biases."""
+"""Fits to measurements at rest: meter biases, azimuth, drifts, accelerometer biases."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ class WindowedMean:
     Parameters
     ----------
     n : int
-        Steps that will be added.
+        Number of steps to add.
     columns : int
-        Quantities in each step.
+        Number of quantities per step.
 
     """
 
@@ -57,7 +57,7 @@ class WindowedMean:
             self._sums[i] += w * value
 
     def mean(self) -> list[float]:
-        """Return the means of what was added."""
+        """Return the means of the quantities added."""
         return [total / self._weight for total in self._sums]
 
 
@@ -73,18 +73,18 @@ def fit_rotation(cosine: ArrayLike, sine: ArrayLike, rate_x: ArrayLike, rate_y: 
     rate_x, rate_y : array_like, shape (n,)
         Mean readings of the two axes of the meter over each sector.
     weights : array_like, shape (n,), optional
-        Weights of the sectors; equal unless given.
+        Weights of the sectors; default equal.
 
     Returns
     -------
     RotationFit
         Biases (in the axes of the case), rates (in the axes of the platform), and the root mean
-        square of what the fit leaves.
+        square of the residuals.
 
     Raises
     ------
     ValueError
-        With fewer than three sectors, which do not determine the four unknowns safely.
+        For fewer than three sectors, which do not safely determine the four unknowns.
 
     References
     ----------
@@ -131,8 +131,8 @@ def azimuth_from_rates(rate_x: float, rate_y: float) -> float:
 
     References
     ----------
-    S (8), S (9), with the quadrants of atan2: rates are averaged before the angle is taken, for
-    a mean of angles fails at +-180 degrees.
+    S (8), S (9), with the quadrants of atan2. The rates are averaged before the angle is computed,
+    because a mean of angles fails at +-180 degrees.
 
     Examples
     --------
@@ -150,7 +150,7 @@ def course_drift(angle: ArrayLike, step_s: float, method: str = 'lsq') -> tuple[
     Parameters
     ----------
     angle : array_like, shape (n,)
-        Readings; an even number of at least 2 for 'pairs', of at least 3 for 'lsq'.
+        Readings, at least 3; for 'pairs' an even number.
     step_s : float
         Interval of the readings, seconds.
     method : {'lsq', 'pairs'}
@@ -159,7 +159,7 @@ def course_drift(angle: ArrayLike, step_s: float, method: str = 'lsq') -> tuple[
     Returns
     -------
     drift, residual : float
-        Unit of the angle per second; root mean square about the straight line.
+        Drift, in the unit of the angle per second; root mean square about the straight line.
 
     Raises
     ------
@@ -209,7 +209,7 @@ def gps_drift(difference_1: float, difference_2: float, step_s: float) -> tuple[
 
     References
     ----------
-    S (14), corrected: the half-sum that is printed as a drift is the offset.
+    S (14), corrected: the half-sum printed as a drift is the offset.
 
     Examples
     --------
@@ -232,10 +232,10 @@ def drift_correction(t_s: ArrayLike, difference: ArrayLike, corrected: ArrayLike
     difference : array_like, shape (n,)
         Indicated minus satellite heading, continuous.
     corrected : array_like, shape (n,)
-        Integral of the drift estimate in force, up to each fix: what the corrections so far have
-        added to the difference.
+        Integral of the current drift estimate up to each fix: the amount that the corrections so
+        far have added to the difference.
     method : {'rls', 'pair'}
-        Line through all fixes with the corrections undone; or the estimate in force, moved by
+        A line through all fixes with the corrections undone; or the current estimate, changed by
         half of the drift between the last two fixes.
 
     References
@@ -255,12 +255,12 @@ def drift_correction(t_s: ArrayLike, difference: ArrayLike, corrected: ArrayLike
 
 def accelerometer_bias(force: ArrayLike, step_s: float) -> float:
     """
-    Return the bias of an accelerometer at rest from its first and second integral.
+    Return the bias of an accelerometer at rest from its first and second integrals.
 
     Parameters
     ----------
     force : array_like, shape (n,)
-        Readings, mean over each interval, n >= 1.
+        Readings, each the mean over an interval, n >= 1.
     step_s : float
         Interval, seconds.
 
@@ -271,8 +271,8 @@ def accelerometer_bias(force: ArrayLike, step_s: float) -> float:
 
     References
     ----------
-    S (16)-(19). On a platform levelled by the same accelerometers the result is zero whatever
-    their bias: tilt and bias cannot be told apart without turning the platform.
+    S (16)-(19). On a platform levelled by the same accelerometers the result is zero, whatever
+    their bias: tilt and bias cannot be separated without turning the platform.
 
     Examples
     --------

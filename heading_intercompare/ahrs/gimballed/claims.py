@@ -16,7 +16,7 @@ from heading_intercompare.ahrs.ship.earth import (
 __all__ = ['alignment_sigma', 'azimuth_sigma', 'gyrocompass_sigma', 'output_sigma']
 
 ALIGNMENT_PER_DRIFT = math.radians(1.75 / 60.0) / 0.008
-"""An alignment with meter drifts of 0.008 deg/h is good to 1.75 arc minutes at the equator."""
+"""An alignment with meter drifts of 0.008 deg/h is accurate to 1.75 arc minutes at the equator."""
 
 
 def alignment_sigma(residual_deg_h: float, latitude_rad: float) -> float:
@@ -26,7 +26,7 @@ def alignment_sigma(residual_deg_h: float, latitude_rad: float) -> float:
     Parameters
     ----------
     residual_deg_h : float
-        Drift that the calibration has left, deg/h.
+        Drift left by the calibration, deg/h.
     latitude_rad : float
         Latitude, radians.
 
@@ -35,7 +35,7 @@ def alignment_sigma(residual_deg_h: float, latitude_rad: float) -> float:
 
 
 def output_sigma(errors: Errors) -> float:
-    """Return what the output adds: noise, flexure, pick-off harmonics, radians."""
+    """Return the part of the output: noise, flexure and pick-off harmonics, radians."""
     arcsec = math.hypot(errors.harmonic_arcsec, errors.harmonic2_arcsec) / math.sqrt(2.0)
     return math.radians(math.hypot(errors.output_deg, errors.flexure_deg, arcsec / 3600.0))
 
@@ -50,18 +50,18 @@ def gyrocompass_sigma(errors: Errors, residual_deg_h: float, sigma_1_s: float, s
     errors : Errors
         Errors of the class.
     residual_deg_h : float
-        Drift that the calibration has left, deg/h.
+        Drift left by the calibration, deg/h.
     sigma_1_s : float
         Tuning, 1/s.
     soak : float
-        Share of the drift at power-on that was left when the gyros were calibrated.
+        Share of the power-on drift that remained when the gyros were calibrated.
     latitude_rad : float
         Latitude, radians.
 
     References
     ----------
-    Root of the sum of squares of the east drifts over W cos(phi); the random walk N through the
-    loop gives sqrt(3/8) N sqrt(sigma) / (W cos(phi)).
+    Root of the sum of squares of the east drifts over W cos(phi). Through the loop, the random
+    walk N gives sqrt(3/8) N sqrt(sigma) / (W cos(phi)).
 
     """
     slow = math.hypot(residual_deg_h, errors.markov_deg_h, errors.soak_deg_h * soak)
@@ -78,7 +78,7 @@ def azimuth_sigma(errors: Errors, start_rad: float, span_s: float) -> float:
     errors : Errors
         Errors of the class.
     start_rad : float
-        Standard deviation when the azimuth was set free.
+        Standard deviation when the azimuth became free.
     span_s : float
         Time since then, seconds.
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The computer of the AHRS: what it believes, and the rates its control laws command."""
+"""The computer of the AHRS: its estimates, and the rates that its control laws command."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ Rates = tuple[float, float, float]
 
 class Computer:
     """
-    Everything that the AHRS knows, and its control laws.
+    All knowledge of the AHRS, and its control laws.
 
-    `take` reads the instruments after each control step; each law then returns the rates about
-    x, y, z of the platform to command over the next step, rad/s.
+    `take` reads the instruments after each control step. A law then returns the rates to command
+    over the next step, about x, y, z of the platform, rad/s.
 
     Attributes
     ----------
@@ -40,9 +40,9 @@ class Computer:
     bias_x_m_s2, bias_y_m_s2 : float
         Estimated biases of the accelerometers.
     azimuth_rad : float
-        Assumed azimuth of the platform; 0 once it is slewed to the meridian.
+        Assumed azimuth of the platform; 0 after the slew to the meridian.
     qx, qy : float
-        Integrated accelerometers less the velocity of the log, m/s.
+        Integrated accelerometers minus the velocity of the log, m/s.
     ix, iy : float
         Integral rate corrections, rad/s.
     p : float
@@ -81,8 +81,8 @@ class Computer:
                 and abs(self._speed_m_s) <= MOORED_M_S)
 
     def prepare(self, latitude_rad: float) -> None:
-        """Get ready to work at a latitude, before the first measurement."""
-        self._at(latitude_rad if self._latitude_rad is None else self._latitude_rad)
+        """Prepare for a latitude, before the first measurement."""
+        self._set_latitude(latitude_rad if self._latitude_rad is None else self._latitude_rad)
         self.north_m_s = self.east_m_s = 0.0
 
     def take(self) -> None:
@@ -92,7 +92,7 @@ class Computer:
             latitude = (platform.latitude_rad if self._latitude_rad is None
                         else self._latitude_rad)
             if latitude != self.latitude_rad:
-                self._at(latitude)
+                self._set_latitude(latitude)
         self.ax = platform.force_x_m_s2 - self.bias_x_m_s2
         self.ay = platform.force_y_m_s2 - self.bias_y_m_s2
         known = not self.no_speed
@@ -102,13 +102,13 @@ class Computer:
         self.vx = self._speed_m_s * math.cos(psi)
         self.vy = self._speed_m_s * math.sin(psi)
         if known == self.no_speed or not self._started:
-            # A change of the source of the velocity is no acceleration.
+            # A change of the source of the velocity is not an acceleration.
             self.old_vx, self.old_vy = self.vx, self.vy
             self._started = True
         self._resolve(self.vx, self.vy)
 
     def _take_speed(self) -> None:
-        """Find the speed for the laws; the last one of the log for a minute after its loss."""
+        """Find the speed for the laws; for a minute after its loss, keep that of the log."""
         if self.settings.speed_compensation == 'manual':
             self._speed_m_s = self.settings.manual_speed_kn * KNOT_M_S
         elif self.settings.speed_compensation == 'none':
@@ -116,7 +116,7 @@ class Computer:
         elif self.log_ok:
             self._log_lost_s = 0.0
             speed = self.platform.speed_m_s
-            # Alongside, the noise of the log would only shake the platform.
+            # At berth the noise of the log would only shake the platform.
             self._speed_m_s = speed if abs(speed) > MOORED_M_S else 0.0
         else:
             self._log_lost_s += GRID_S
@@ -125,11 +125,11 @@ class Computer:
 
     @property
     def no_speed(self) -> bool:
-        """Whether the log has been lost for longer than its last speed is kept."""
+        """Whether the log has been lost for so long that its last speed no longer counts."""
         return self._log_lost_s > LOG_MEMORY_S
 
-    def _at(self, latitude_rad: float) -> None:
-        """Take over a latitude."""
+    def _set_latitude(self, latitude_rad: float) -> None:
+        """Set the latitude, and the Earth rates, radii and gravity there."""
         self.latitude_rad = latitude_rad
         self.cos, self.sin = math.cos(latitude_rad), math.sin(latitude_rad)
         self.earth_north, self.earth_up = EARTH_RATE_RAD_S * self.cos, EARTH_RATE_RAD_S * self.sin
@@ -137,7 +137,7 @@ class Computer:
         self.gravity = gravity(latitude_rad)
 
     def _resolve(self, vx: float, vy: float) -> None:
-        """Turn a velocity in platform axes to north and east, and find its Coriolis rate."""
+        """Resolve a velocity in platform axes into north and east, and find its Coriolis rate."""
         c, s = math.cos(self.azimuth_rad), math.sin(self.azimuth_rad)
         self.north_m_s, self.east_m_s = vx * c - vy * s, vx * s + vy * c
         self.transport_down = -self.east_m_s * self.sin / (self.cos * self.normal_m)
@@ -151,7 +151,7 @@ class Computer:
                 -self.earth_up)
 
     def enter_hold(self) -> None:
-        """Set the gains of levelling with integral action for this place."""
+        """Set the gains of levelling with integral action for this latitude."""
         self._hold = compute_hold_gains(HOLD_1_S, HOLD_ZETA, self.gravity)
 
     def hold(self) -> Rates:
@@ -173,7 +173,7 @@ class Computer:
         return self.vy / radius, -self.vx / radius
 
     def fine(self) -> Rates:
-        """Level with all that is known, azimuth free: S (12), (13)."""
+        """Level using all estimates, free in azimuth: S (12), (13)."""
         self._integrate(self._hold.k1_1_s)
         gains = self._hold
         self.ix += GRID_S * gains.ki_rad_m_s * self.qy
@@ -184,7 +184,7 @@ class Computer:
                 uy - gains.k_rad_m * self.qx + FRICTION * platform.pitch_rate_rad_s, uz)
 
     def free(self) -> Rates:
-        """Hold the platform by what is known, accelerometers off."""
+        """Hold the platform by the estimates alone, without accelerometers."""
         c, s = math.cos(self.azimuth_rad), math.sin(self.azimuth_rad)
         north = self.earth_north + self.east_m_s / self.normal_m
         east = -self.north_m_s / self.meridian_m
@@ -209,14 +209,14 @@ class Computer:
             self.correction_rad_s)
 
     def enter_schuler(self) -> None:
-        """Start an own velocity from that of the log."""
+        """Start the AHRS's own velocity from that of the log."""
         self.own = self.settings.own_latitude
         self.own_x, self.own_y = self.vx, self.vy
         self.ix = self.iy = 0.0
 
     def schuler(self) -> Rates:
         """Level by the velocity integrated from the accelerometers alone."""
-        # The new velocity is commanded at once: with the old one the oscillation would grow.
+        # Commands the new velocity at once: with the old one the oscillation would grow.
         self._resolve(self.own_x, self.own_y)
         turning = self.coriolis
         x, y = self.own_x, self.own_y
@@ -224,11 +224,11 @@ class Computer:
         self.own_y = y + GRID_S * (self.ay + turning * x)
         self._resolve(self.own_x, self.own_y)
         if self.own:
-            self._at(self.latitude_rad + GRID_S * self.north_m_s / self.meridian_m)
+            self._set_latitude(self.latitude_rad + GRID_S * self.north_m_s / self.meridian_m)
         return self.free()
 
     def leave_schuler(self) -> None:
-        """Go back to the position from outside."""
+        """Return to the external position."""
         self.own = False
 
     def _integrate(self, damping_1_s: float) -> None:

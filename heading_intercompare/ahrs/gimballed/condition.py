@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The condition of an AHRS: progress of its mode, results of its built-in tests, both in words."""
+"""The condition of an AHRS in words: progress of its mode, results of its built-in tests."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SELF_TESTS = {
     'levelling': Mode.COARSE_LEVELLING,
     'alignment': Mode.AZIMUTH_ALIGNMENT,
 }
-"""The built-in tests, and the mode behind which each has been passed."""
+"""The built-in tests; each has passed once the AHRS is beyond this mode."""
 
 _PENDING, _PASSED, _FAILED = 'pending', 'passed', 'failed'
 
@@ -33,16 +33,16 @@ _PENDING, _PASSED, _FAILED = 'pending', 'passed', 'failed'
 @dataclass(frozen=True, slots=True)
 class Condition:
     """
-    What an AHRS says of itself, for a diagnostics display.
+    The condition of an AHRS, for a diagnostics display.
 
     Attributes
     ----------
     level : str
-        'ok' in operation with a valid heading; 'error' after a fault; else 'warn'.
+        'ok' in operation with a valid heading; 'error' after a fault; otherwise 'warn'.
     words : str
-        Mode and validity in words, flags and faults.
+        Mode, validity, flags and faults in words.
     figures : dict of str to (str, int or float)
-        By name with its unit; what is unknown is left out.
+        Figures by name, which includes the unit; unknown ones are left out.
 
     """
 
@@ -54,25 +54,25 @@ class Condition:
 def progress(mode: Mode, mode_s: float, validity: Validity, away_k: float,
              settings: Ahrs) -> float:
     """
-    Return how far a mode has come, as a share of the least time that it takes.
+    Return the progress of a mode, as a share of the least time that it takes.
 
     Parameters
     ----------
     mode : Mode
-        Gyrocompass is through when its heading is valid; gyro azimuth at once.
+        Gyrocompass is complete when its heading is valid, gyro azimuth at once.
     mode_s : float
         Time in this mode, seconds.
     validity : Validity
-        How good the heading is.
+        Quality of the heading.
     away_k : float
-        Temperature of the instruments less its set point, kelvin.
+        Temperature of the instruments minus its set point, kelvin.
     settings : Ahrs
-        Lengths of the procedures.
+        Gives the lengths of the procedures.
 
     Returns
     -------
     float
-        From 0 to 1, and 1 while the mode takes longer; 0 in the mode FAULT.
+        From 0 to 1; stays at 1 if the mode takes longer; 0 in the mode FAULT.
 
     """
     if mode is Mode.FAULT:
@@ -102,7 +102,7 @@ def self_tests(reached: Mode, faults: Collection[str]) -> dict[str, str]:
     Parameters
     ----------
     reached : Mode
-        The last mode before a fault, or the present one.
+        The last mode before a fault, or the current one.
     faults : collection of str
         Causes of the mode FAULT.
 

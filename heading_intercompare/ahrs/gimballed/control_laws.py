@@ -37,7 +37,7 @@ class GyrocompassGains:
 
 def torque(rate_rad_s: float) -> tuple[float, float]:
     """
-    Return the control moment and the current of the torque motor that turn the platform.
+    Return the control moment, and the current of the torque motor, that turn the platform.
 
     Parameters
     ----------
@@ -72,21 +72,21 @@ def coarse_rate(force_m_s2: float, gravity_m_s2: float, tau_s: float, friction: 
     Parameters
     ----------
     force_m_s2 : float
-        Corrected accelerometer of the crossed axis with the sign of that axis: +A_y for the rate
-        about x, -A_x for the rate about y.
+        Corrected accelerometer of the other axis, with sign: +A_y for the rate about x, -A_x for
+        the rate about y.
     gravity_m_s2 : float
         Gravity.
     tau_s : float
         Time constant, seconds.
     friction : float
-        What the friction feed-forward leaves over, k - k_fr.
+        Friction left after the feed-forward, k - k_fr.
     gimbal_rate_rad_s : float
         Rate of the gimbal, rad/s.
 
     Returns
     -------
     float
-        Rate, rad/s. A tilt dies away as exp(-t / tau).
+        Rate, rad/s. A tilt decays as exp(-t / tau).
 
     References
     ----------
@@ -98,7 +98,7 @@ def coarse_rate(force_m_s2: float, gravity_m_s2: float, tau_s: float, friction: 
 
 def compute_hold_gains(omega_1_s: float, zeta: float, gravity_m_s2: float) -> HoldGains:
     """
-    Return the gains that put the poles of the levelling loop.
+    Return the gains that place the poles of the levelling loop.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def compute_gyrocompass_gains(sigma_1_s: float, gravity_m_s2: float) -> Gyrocomp
     Parameters
     ----------
     sigma_1_s : float
-        Real part and imaginary part of the four poles, 1/s.
+        Magnitude of the real and the imaginary parts of the four poles, 1/s.
     gravity_m_s2 : float
         Gravity.
 
@@ -170,7 +170,7 @@ def gyrocompass_azimuth(drift_x_rad_s: float, drift_y_rad_s: float, drift_z_rad_
     References
     ----------
     S (22): A = -e_y / (W cos phi) + 2 e_z / sigma - (b_y / g + e_x / (2 sigma)) tan(phi). The last
-    bracket is the tilt about north that accelerometer and damping agree on.
+    bracket is the tilt about north at which accelerometer and damping balance.
 
     """
     tilt = bias_y_m_s2 / gravity(latitude_rad) + 0.5 * drift_x_rad_s / sigma_1_s
@@ -180,7 +180,7 @@ def gyrocompass_azimuth(drift_x_rad_s: float, drift_y_rad_s: float, drift_z_rad_
 
 def speed_error(speed_m_s: float, course_rad: float, latitude_rad: float) -> float:
     """
-    Return the heading error of a gyrocompass that knows nothing of the speed of the ship.
+    Return the heading error of a gyrocompass without speed compensation.
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ def speed_error(speed_m_s: float, course_rad: float, latitude_rad: float) -> flo
 def settled_rate(walk_rad_sqrt_s: float, residual_rad_s: float, sigma_1_s: float,
                  latitude_rad: float) -> float:
     """
-    Return the azimuth correction below which a gyrocompass counts as settled, rad/s.
+    Return the azimuth correction rate below which a gyrocompass counts as settled, rad/s.
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ def settled_rate(walk_rad_sqrt_s: float, residual_rad_s: float, sigma_1_s: float
     Notes
     -----
     The first term is the stationary noise of the correction, which grows with the secant of the
-    latitude; a floor of 0.05 deg/h keeps the number finite without noise.
+    latitude. A floor of 0.05 deg/h keeps the result above zero without noise.
 
     """
     noise = 0.5 * walk_rad_sqrt_s * sigma_1_s**1.5 / earth_rate(latitude_rad)[0]

@@ -38,21 +38,21 @@ THERMOSTAT_K = 2.0
 @dataclass(frozen=True, slots=True)
 class Track:
     """
-    What the AHRS did over one block.
+    The states of the AHRS over one block.
 
     Attributes
     ----------
     start_s : float
         Start of the block, seconds.
     azimuth_rad, error_rad, alpha_rad, beta_rad : ndarray, shape (101,)
-        On the grid of the control loop, both ends included: true azimuth of the platform,
-        assumed minus true azimuth in (-pi, pi], tilts.
+        True azimuth of the platform, assumed minus true azimuth in (-pi, pi], and tilts, on the
+        grid of the control loop, both ends included.
     flexure_rad, sigma_rad : ndarray, shape (100,)
-        In each step: error of the mounting, claimed standard deviation of the heading.
+        Error of the mounting, and claimed standard deviation of the heading, in each step.
     mode, validity : ndarray of int8, shape (100,)
-        In each step.
+        Mode and validity in each step.
     statuses : tuple of AhrsStatus
-        What it said of itself.
+        Status reports of the block.
 
     """
 
@@ -70,16 +70,16 @@ class Track:
 
 class GimballedAhrs:
     """
-    The AHRS, block after block.
+    The AHRS, simulated block by block.
 
     Parameters
     ----------
     settings : Ahrs
-        How it is set up.
+        Set-up of the AHRS.
     errors : Errors
         Errors of its instruments, all given; see `sensor_presets.errors_of`.
     ship : ShipTruth
-        The ship it is mounted on.
+        The ship that carries it.
     seed : int
         Seed of the simulation.
     role : str
@@ -114,7 +114,7 @@ class GimballedAhrs:
         self._set_up()
 
     def _set_up(self) -> None:
-        """Put the platform where it is at the start."""
+        """Put the platform into its initial state."""
         state = self.settings.initial_state
         if state == 'aligned':
             self._align()
@@ -135,7 +135,7 @@ class GimballedAhrs:
                                      else math.radians(azimuth_deg))
 
     def _align(self) -> None:
-        """Start as a gyrocompass that has settled with the drifts a calibration leaves."""
+        """Start as a gyrocompass that has settled, with the drifts that a calibration leaves."""
         parts, computer, platform = self.instruments, self.computer, self.platform
         drift_x, drift_y, drift_z = (bias + soak * parts.soak for bias, soak in zip(
             parts.gyro_bias[:3], parts.gyro_soak[:3]))
@@ -157,21 +157,21 @@ class GimballedAhrs:
         self.sigma_rad = alignment_sigma(self.residual_deg_h, computer.latitude_rad)
 
     def command(self, kind: str, t_s: float) -> float:
-        """Let an event happen at a time, or at the next block if it is past; return when."""
+        """Make an event happen at a time, or at the next block if that is past; return when."""
         event = Event(max(t_s, self.now_s), kind)
         insort(self._events, event, key=lambda other: other.t_s)
         return event.t_s
 
     def say(self, message: str) -> None:
-        """Report what has happened."""
+        """Report an event."""
         self._messages.append(message)
 
     def flag(self, name: str) -> None:
-        """Go on degraded, for the reason named."""
+        """Continue in a degraded state, for the reason named."""
         self._flags.add(name)
 
     def fail(self, cause: str) -> Mode:
-        """Report a fault and return its mode."""
+        """Report a fault and return the mode FAULT."""
         self._faults.append(cause)
         self.say(f'fault: {cause}')
         return Mode.FAULT
@@ -182,7 +182,7 @@ class GimballedAhrs:
         return self._step * GRID_S
 
     def block(self) -> Track:
-        """Run for the next ten seconds and return what happened."""
+        """Run for the next ten seconds and return the states."""
         ship = self._ship.block(self._step // BLOCK_STEPS)
         random = self.instruments.take(TRACK_STEPS)
         rows = rows_of(ship, self._step % BLOCK_STEPS, random)
@@ -226,7 +226,7 @@ class GimballedAhrs:
         computer.take()
 
     def _next(self) -> tuple[float, float, float] | None:
-        """Return the rates to command, after as many changes of mode as are due."""
+        """Return the rates to command, after all changes of mode that are due."""
         while True:
             try:
                 return next(self._procedure)
@@ -244,7 +244,7 @@ class GimballedAhrs:
         self.say(f'mode {mode.name}')
 
     def _happen(self, kind: str) -> None:
-        """Let an event happen."""
+        """Carry out an event."""
         computer = self.computer
         if kind in ('gyrocompass', 'gyro_azimuth'):
             self.operation = Mode[kind.upper()]
@@ -273,7 +273,7 @@ class GimballedAhrs:
             self.platform.stuck |= kind == 'fail_accelerometer'
 
     def _switch(self) -> None:
-        """Change between the modes of operation; azimuth and drift estimates are kept."""
+        """Switch the mode of operation; keep azimuth and drift estimates."""
         computer = self.computer
         if self.mode is Mode.GYRO_AZIMUTH and self.settings.vertical == 'schuler':
             computer.leave_schuler()
@@ -281,7 +281,7 @@ class GimballedAhrs:
         self._enter(self.operation)
 
     def _restart(self) -> None:
-        """Begin again with the self-test; what was calibrated is kept."""
+        """Start again with the self-test; keep the calibrations."""
         self._faults.clear()
         self._flags.clear()
         self.computer.reset_loops()
@@ -291,7 +291,7 @@ class GimballedAhrs:
         self._enter(Mode.POST)
 
     def _watch(self) -> None:
-        """Look once a second for what must stop the AHRS, and for the loss of the log."""
+        """Check once a second for failures that stop the AHRS, and for the loss of the log."""
         lost = 'NO_SPEED' in self._flags
         if self.computer.no_speed and not lost:
             self.flag('NO_SPEED')
@@ -309,7 +309,7 @@ class GimballedAhrs:
             self._enter(self.fail(min(seen)))
 
     def _status(self) -> AhrsStatus:
-        """Return what is said now."""
+        """Return the status report of this step."""
         computer = self.computer
         message, self._messages = '; '.join(self._messages), []
         mode_s = round((self._step - self._entered) * GRID_S, 3)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of gyros, accelerometers, log and satellite heading as they go on in time."""
+"""Errors of gyros, accelerometers, log and satellite heading over time."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from heading_intercompare.ahrs.ship.seaway import GRID_S
 __all__ = ['Instruments', 'Thermostat']
 
 _GYROS = ('drift_x', 'drift_y', 'drift_z', 'meter_x', 'meter_y')
-"""Gyro channels: the gyro vertical about x and y, the course gyro about z, its two axes as a
-meter."""
+"""Gyro channels: the gyro vertical about x and y, the course gyro about z, and the two axes of the
+course gyro as a meter."""
 
 _ACCELEROMETERS = ('bias_x', 'bias_y')
 
@@ -49,7 +49,7 @@ class Thermostat:
         return abs(self.away_k) < self.READY_K
 
     def step(self) -> None:
-        """Go on by one control step."""
+        """Advance by one control step."""
         goal_k = self.ROOM_C - self.SET_C if self.broken else 0.0
         self.away_k = goal_k + (self.away_k - goal_k) * self._decay
 
@@ -63,7 +63,7 @@ class Instruments:
     errors : Errors
         Sizes of the errors, all given.
     settings : Ahrs
-        Fixed errors, initial state and whether there is noise.
+        Uses fixed errors, initial state and `noise`.
     seed : int
         Seed of the simulation.
     role : str
@@ -129,7 +129,7 @@ class Instruments:
         self._aligned = False
 
     def step(self) -> None:
-        """Let temperature and soak go on by one control step."""
+        """Advance temperature and soak by one control step."""
         self.soak *= self._soak_decay
         self.thermostat.step()
 

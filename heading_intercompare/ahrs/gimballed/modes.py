@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Modes of the AHRS, how good its heading is in each, and what it reports of itself."""
+"""Modes of the AHRS, the quality of its heading, and its status reports."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Mode(IntEnum):
 
 
 class Validity(IntEnum):
-    """How good the heading is; only VALID readings belong into an intercomparison."""
+    """Quality of the heading; only VALID readings belong in an intercomparison."""
 
     NONE = 0
     PROVISIONAL = 1
@@ -36,7 +36,7 @@ class Validity(IntEnum):
 @dataclass(frozen=True, slots=True)
 class AhrsStatus:
     """
-    What the AHRS says of itself, once a second and at each change.
+    Status report of the AHRS, made once a second and at each change.
 
     Attributes
     ----------
@@ -45,11 +45,11 @@ class AhrsStatus:
     mode, validity : str
         Names of `Mode` and `Validity`.
     mode_s, progress : float
-        Time in this mode, seconds; its share of the least time that the mode takes, 1 at most.
+        Time in this mode, seconds; its share of the least time that the mode takes, at most 1.
     tests : tuple of (str, str)
         Built-in tests and their results, 'pending', 'passed' or 'failed'.
     message : str
-        What has just happened; empty if nothing.
+        The latest event; empty if there is none.
     flags : tuple of str
         Empty, or 'DEGRADED' and its reasons: 'FORCED_ON', 'NOT_CALIBRATED', 'NO_SPEED'.
     faults : tuple of str
@@ -63,7 +63,7 @@ class AhrsStatus:
     biases_ug : tuple of float
         Estimates: accelerometers x and y.
     currents_a : tuple of float
-        Torque motors x, y, z.
+        Currents of the torque motors x, y, z.
 
     """
 

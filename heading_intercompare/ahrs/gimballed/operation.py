@@ -25,7 +25,7 @@ SECOND = steps(1.0)
 
 
 def gyrocompass(ahrs: Machine) -> Procedure:
-    """Seek the meridian and tell when it is found: S (20)-(22)."""
+    """Seek the meridian and report when it is found: S (20)-(22)."""
     computer, errors = ahrs.computer, ahrs.errors
     computer.enter_gyrocompass()
     sigma_1_s = ahrs.settings.sigma_1_s
@@ -58,7 +58,7 @@ def gyrocompass(ahrs: Machine) -> Procedure:
 
 
 def gyro_azimuth(ahrs: Machine) -> Procedure:
-    """Hold the azimuth, levelled with the log or by an own velocity; correct by fixes: S (14)."""
+    """Hold the azimuth, levelled by the log or the AHRS's own velocity, with fixes: S (14)."""
     computer = ahrs.computer
     computer.enter_hold()
     schuler = ahrs.settings.vertical == 'schuler'
@@ -76,7 +76,7 @@ def gyro_azimuth(ahrs: Machine) -> Procedure:
 
 
 class _Fixes:
-    """Satellite fixes of the heading, each a mean over ten minutes of every half hour."""
+    """Satellite fixes of the heading: the mean of the last ten minutes of each half hour."""
 
     def __init__(self, ahrs: Machine) -> None:
         self._ahrs = ahrs
@@ -87,7 +87,7 @@ class _Fixes:
         self._sums = [0, 0.0, 0.0]
 
     def step(self) -> None:
-        """Take in one control step."""
+        """Add one control step."""
         computer, platform = self._ahrs.computer, self._ahrs.platform
         self._step += 1
         self._done_rad += GRID_S * computer.drift_z_rad_s
@@ -104,7 +104,7 @@ class _Fixes:
             self._use()
 
     def _use(self) -> None:
-        """Add a complete fix and correct the drift by what all fixes say."""
+        """Add a complete fix, and correct the drift by all fixes."""
         n, difference, done = self._sums
         self._sums = [0, 0.0, 0.0]
         if n < steps(FIX_S):

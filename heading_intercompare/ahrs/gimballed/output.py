@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the AHRS puts out: its heading at any instant, with the errors of the read-out."""
+"""The output of the AHRS: its heading at any instant, with the errors of the read-out."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ class AhrsOutput:
     Parameters
     ----------
     sensor : Sensor
-        Settings of the sensor; its model is one of the AHRS.
+        Settings of the sensor, whose model is an AHRS.
     ship : ShipTruth
-        The ship it is mounted on.
+        The ship that carries it.
     seed : int
         Seed of the simulation.
     role : str
@@ -60,12 +60,12 @@ class AhrsOutput:
         self._statuses: list[AhrsStatus] = []
 
     def statuses(self) -> tuple[AhrsStatus, ...]:
-        """Return what the AHRS said since the last call, up to the end of its newest block."""
+        """Return the statuses since the last call, up to the end of the newest block."""
         said, self._statuses = tuple(self._statuses), []
         return said
 
     def command(self, kind: str, t_s: float) -> float:
-        """Let an event happen at a time, or at the next block if it is past; return when."""
+        """Make an event happen at a time, or at the next block if that is past; return when."""
         return self._ahrs.command(kind, t_s)
 
     def read(self, t_s: np.ndarray) -> Indication:
@@ -75,7 +75,7 @@ class AhrsOutput:
         Parameters
         ----------
         t_s : ndarray, shape (n,)
-            Seconds since the start, not before the block in which the last call ended.
+            Seconds since the start, no earlier than the block in which the last call ended.
 
         """
         heading_deg, sigma_deg = np.empty(t_s.shape), np.empty(t_s.shape)
@@ -87,16 +87,16 @@ class AhrsOutput:
                 continue
             end_s = self._track.start_s + BLOCK_S
             part = slice(done, int(np.searchsorted(t_s, end_s, side='left')))
-            heading_deg[part], sigma_deg[part] = self._indicated(self._track, t_s[part])
+            heading_deg[part], sigma_deg[part] = self._indicate(self._track, t_s[part])
             done = part.stop
         return Indication(heading_deg, sigma_deg)
 
-    def _indicated(self, track: Track, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _indicate(self, track: Track, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """
         Return headings and claimed standard deviations within one block.
 
-        The heading is that of the ship, less what the platform is off the azimuth it is assumed
-        to have, with follow-up lag, pick-off harmonics, gimbal coupling, flexure and noise.
+        The heading is that of the ship plus the azimuth error of the platform (assumed minus true
+        azimuth), with follow-up lag, pick-off harmonics, gimbal coupling, flexure and noise.
         """
         e, ship = self._errors, self._ship
         position = np.minimum((t_s - track.start_s) / GRID_S, TRACK_STEPS - 1e-9)

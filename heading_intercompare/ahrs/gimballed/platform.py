@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The gimballed platform with its instruments: commands in, measurements out, step by step."""
+"""The gimballed platform with its instruments: turns commands into measurements, step by step."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ SERVO_RATE_1_S = 2.8
 
 def rows_of(ship: ShipBlock, first: int, random: dict[str, np.ndarray]) -> list[tuple]:
     """
-    Return what acts on the platform over each control step, as rows of plain floats.
+    Return the inputs of the platform over each control step, as rows of plain floats.
 
     Parameters
     ----------
     ship : ShipBlock
         The ship over the minute.
     first : int
-        Step of the minute with which the rows begin; there are as many as random errors.
+        Step of the minute at which the rows begin; the random errors give their number.
     random : dict of ndarray
         Errors, from `Instruments.take`.
 
@@ -53,7 +53,7 @@ def rows_of(ship: ShipBlock, first: int, random: dict[str, np.ndarray]) -> list[
 
 class Platform:
     """
-    True state of the platform, and what its instruments show.
+    The true state of the platform, and the readings of its instruments.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Platform:
     rate_x_rad_s, rate_y_rad_s : float
         Course gyro as a rate meter, mean over the last step.
     pick_off_rad : float
-        Angle of the ship's axis from x of the platform.
+        Angle from x of the platform to the ship's axis.
     speed_m_s, latitude_rad, roll_rate_rad_s, pitch_rate_rad_s : float
         Log, position and gimbal rates.
     satellite_rad : float
@@ -76,8 +76,8 @@ class Platform:
 
     Notes
     -----
-    First order in the tilts, exact in azimuth. Where the azimuth turns fast, the tilts turn with
-    it: the rate about z of the platform, not of the level frame, couples them.
+    First order in the tilts, exact in azimuth. If the azimuth turns fast, the tilts turn with it:
+    the rate about z of the platform, not that of the level frame, couples them.
 
     """
 
@@ -96,11 +96,11 @@ class Platform:
 
     def turn_meter(self, angle_rad: float, rate_rad_s: float) -> None:
         """
-        Let the servo of the rotation unit follow an angle for one step, to reach it at its end.
+        Move the servo of the rotation unit for one step towards the angle at its end.
 
         References
         ----------
-        S (4): moment k (psi_g - psi_m) + k' (psi_g' - psi_m'), over the inertia of the unit.
+        S (4): moment k (psi_g - psi_m) + k' (psi_g' - psi_m'), divided by the inertia of the unit.
 
         """
         moment = (SERVO_1_S2 * (angle_rad - GRID_S * rate_rad_s - self.angle_rad)
@@ -110,7 +110,7 @@ class Platform:
 
     def step(self, row: tuple, ux: float, uy: float, uz: float) -> None:
         """
-        Go on by one control step under the commanded rates, and measure.
+        Advance by one control step at the commanded rates, and measure.
 
         Parameters
         ----------
@@ -142,7 +142,7 @@ class Platform:
             self.alpha_rad = alpha + GRID_S * (px - wx + beta * pz)
             self.beta_rad = beta + GRID_S * (py - wy - alpha * pz)
         else:
-            # A slew is measured by its pick-off, so the torquer's scale has no part in it.
+            # The pick-off measures a slew, so the scale error of the torquer does not matter.
             c, s = math.cos(azimuth + 0.5 * turn), math.sin(azimuth + 0.5 * turn)
             wx, wy = north * c + east * s, east * c - north * s
             half_c, half_s = math.cos(0.5 * turn), math.sin(0.5 * turn)
@@ -179,12 +179,12 @@ class Platform:
         self.roll_rate_rad_s, self.pitch_rate_rad_s = roll_rate, pitch_rate
 
     def rest(self, row: tuple) -> None:
-        """Go on by one control step with the platform caged."""
+        """Advance by one control step with the platform caged."""
         self._show(row[6], row[7], row[8], row[18], row[19])
 
     def _show(self, heading: float, speed: float, latitude: float, log: float,
               gps: float) -> None:
-        """Update what is measured against the ship, and let the instruments age."""
+        """Update the measurements relative to the ship, and advance the instruments."""
         self.pick_off_rad = PICK_OFF_RAD * math.floor(
             (heading - self.azimuth_rad) / PICK_OFF_RAD + 0.5)
         self.speed_m_s = speed * (1.0 + self.instruments.log_scale) + log

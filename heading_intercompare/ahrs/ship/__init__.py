@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The ship: the Earth under it, the sea, its motion."""
+"""The ship, the sea and the Earth: the motion that the sensors measure."""
 
 from typing import TYPE_CHECKING
 

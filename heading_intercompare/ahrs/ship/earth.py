@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The Earth as a gyro and an accelerometer on a ship feel it: WGS-84, its rotation, gravity."""
+"""The Earth as gyros and accelerometers on a ship sense it: WGS-84, rotation, gravity."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SEMI_MAJOR_M = 6378137.0
 ECCENTRICITY2 = 6.69437999014e-3
 
 RAD_PER_DEG_H = math.radians(1.0) / 3600.0
-"""1 deg/h in rad/s, which is one arc second a second."""
+"""1 deg/h in rad/s, which is one arc second per second."""
 
 RAD_PER_DEG_SQRT_H = math.radians(1.0) / 60.0
 """1 deg/sqrt(h) in rad/sqrt(s)."""
@@ -83,7 +83,7 @@ def gravity(latitude_rad: float) -> float:
 
 def earth_rate(latitude_rad: float) -> tuple[float, float]:
     """
-    Return the horizontal (north) and the vertical (up) part of the Earth rate, rad/s.
+    Return the horizontal (north) and the vertical (up) component of the Earth rate, rad/s.
 
     Examples
     --------

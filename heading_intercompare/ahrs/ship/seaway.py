@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""How the sea moves a ship about her mean course: six processes with a Bretschneider spectrum."""
+"""The motion that the sea gives a ship: six processes with a Bretschneider spectrum."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from heading_intercompare.ahrs.random_noise import open_stream
 __all__ = ['BLOCK_S', 'CHANNELS', 'GRID_S', 'Seaway', 'SEAWAYS', 'SeawayPreset']
 
 GRID_S = 0.1
-"""Step of the grid on which the ship's motion is tabulated, and of the control loop, seconds."""
+"""Step of the table of the ship's motion, and of the control loop, seconds."""
 
 BLOCK_S = 60.0
 """Length of one tabulated block, seconds."""
@@ -49,8 +49,8 @@ class Seaway:
     """
     Roll, pitch, yaw, surge, sway and heave as pure functions of time.
 
-    Each is a sum of sinusoids with irregular frequencies, so that derivatives are exact and any
-    instant can be asked for. What is kept between calls is a cache only.
+    Each is a sum of sinusoids with irregular frequencies, so derivatives are exact and any instant
+    can be computed. Only a cache is kept between calls.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ class Seaway:
         Returns
         -------
         ndarray, shape (6, 3, 601)
-            Channel (as in `CHANNELS`), derivative 0 to 2, step of `GRID_S`; rad or m, and s.
+            Channel (as in `CHANNELS`), derivative 0 to 2, step of `GRID_S`; in rad or m, and s.
 
         """
         if index not in self._kept:
@@ -128,7 +128,7 @@ class Seaway:
         -------
         value, rate : ndarray, shape (n,)
             Interpolated by cubics with the exact slopes at the grid (error below 0.02 arc
-            seconds). The same instant gives the same bits whatever else is asked with it.
+            seconds). An instant gives the same bits whatever other instants are read with it.
 
         """
         value, rate = np.zeros(t_s.shape), np.zeros(t_s.shape)

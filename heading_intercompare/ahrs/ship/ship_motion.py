@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The ship: steered along a course plan and moved by the sea. True heading comes from here."""
+"""The motion of the ship, steered along a course plan and moved by the sea: the true heading."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SENSOR_HEIGHT_M = 10.0
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """From `t_s` on the autopilot steers `course_deg` at `speed_kn`."""
+    """From `t_s` on, the autopilot steers `course_deg` at `speed_kn`."""
 
     t_s: float
     course_deg: float
@@ -41,7 +41,7 @@ class Leg:
 @dataclass(frozen=True, slots=True)
 class ShipBlock:
     """
-    The ship over one block of the grid, both ends included: what the AHRS feels.
+    The motion that the AHRS senses over one block of the grid, both ends included.
 
     All attributes are ndarrays of shape (601,), in rad, m and s: heading (continuous, not
     wrapped) and its rate; speed along the ship axis; velocity; latitude; roll and pitch with
@@ -70,15 +70,15 @@ class ShipTruth:
     """
     Motion of the ship as a pure function of time.
 
-    Two objects with the same arguments describe the same ship to the bit, whatever is asked of
-    them and in whatever order; what they keep between calls is a cache only.
+    Two objects with the same arguments describe the same ship to the bit, whatever calls are made
+    and in whatever order. Only a cache is kept between calls.
 
     Parameters
     ----------
     legs : sequence of Leg
-        Course plan; the first leg starts at 0 and sets the heading and speed of the start.
+        Course plan; the first leg starts at 0 and sets the initial heading and speed.
     latitude_deg, longitude_deg : float
-        Place of the start, degrees.
+        Initial position, degrees.
     seaway : str
         A name of `seaway.SEAWAYS`.
     seed : int
@@ -87,8 +87,8 @@ class ShipTruth:
     References
     ----------
     First-order steering T r' + r = K delta (Nomoto 1957) under a rate-limited autopilot that moves
-    the rudder every 0.5 s. Between, the exponentials are exact; they are read by their power
-    series, for sums and products give the same bits in arrays of any length. Dead reckoning by
+    the rudder every 0.5 s. Between these steps the exponentials are evaluated by power series,
+    because sums and products give the same bits in arrays of any length. Dead reckoning by
     trapezoids on the same grid.
 
     """
@@ -111,16 +111,16 @@ class ShipTruth:
     def heading_rad(self, t_s: np.ndarray) -> np.ndarray:
         """Return the true heading as a continuous angle, shape (n,), radians."""
         t = np.asarray(t_s, dtype=np.float64)
-        return self._steered(t)[0] + self._sea.read('yaw', t)[0]
+        return self._read_steering(t)[0] + self._sea.read('yaw', t)[0]
 
     def heading_rate_rad_s(self, t_s: np.ndarray) -> np.ndarray:
         """Return the rate of turn to starboard, shape (n,), rad/s."""
         t = np.asarray(t_s, dtype=np.float64)
-        return self._steered(t)[1] + self._sea.read('yaw', t)[1]
+        return self._read_steering(t)[1] + self._sea.read('yaw', t)[1]
 
     def speed_m_s(self, t_s: np.ndarray) -> np.ndarray:
         """Return the speed along the ship axis, shape (n,), m/s."""
-        return self._driven(np.asarray(t_s, dtype=np.float64))[0]
+        return self._read_speed(np.asarray(t_s, dtype=np.float64))[0]
 
     def position_deg(self, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return latitude and longitude, each of shape (n,), degrees."""
@@ -135,19 +135,20 @@ class ShipTruth:
         return self._sea.read('roll', t)[0], self._sea.read('pitch', t)[0]
 
     def block(self, index: int) -> ShipBlock:
-        """Return the ship on the grid of the control loop, from `index` minutes on."""
+        """Return the ship on the grid of the control loop, over the minute number `index`."""
         if self._block is None or self._block[0] != index:
-            self._block = index, self._tabulated(index)
+            self._block = index, self._tabulate(index)
         return self._block[1]
 
-    def _tabulated(self, index: int) -> ShipBlock:
+    def _tabulate(self, index: int) -> ShipBlock:
         t = index * BLOCK_S + GRID_S * np.arange(BLOCK_STEPS + 1)
-        steered, turn = self._steered(t)
-        speed, surge = self._driven(t)
+        steered, turn = self._read_steering(t)
+        speed, surge = self._read_speed(t)
         latitude = np.radians(self.position_deg(t)[0])
         north, east = speed * np.cos(steered), speed * np.sin(steered)
         sea = dict(zip(CHANNELS, self._sea.block(index)))
-        # One latitude per block is enough for radii and gravity (15 knots: half a mile a minute).
+        # One latitude per block suffices for radii and gravity: at 15 knots a block is a quarter
+        # of a mile.
         middle = float(latitude[BLOCK_STEPS // 2])
         meridian, normal = radii(middle)
         turning = 2.0 * EARTH_RATE_RAD_S * math.sin(middle) + east * math.tan(middle) / normal
@@ -172,8 +173,8 @@ class ShipTruth:
             force_east_m_s2=ahead * np.sin(steered) + aside * np.cos(steered) - turning * north,
             force_down_m_s2=-gravity(middle) + sea['heave'][2])
 
-    def _steered(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Read steered heading and rate of turn."""
+    def _read_steering(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Read the steered heading and the rate of turn."""
         grid, step, u = self._place(t)
         decay, slope = u / NOMOTO_S, grid[2][step]
         turn = grid[1][step] + slope * u * (1.0 - decay / 2.0 + decay**2 / 6.0)
@@ -181,24 +182,24 @@ class ShipTruth:
             0.5 - decay / 6.0 + decay**2 / 24.0))
         return heading, turn
 
-    def _driven(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Read speed and acceleration along the ship axis."""
+    def _read_speed(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Read the speed and the acceleration along the ship axis."""
         grid, step, u = self._place(t)
         decay, slope = u / SPEED_LAG_S, grid[4][step]
         return (grid[3][step] + slope * u * (1.0 - decay / 2.0 + decay**2 / 6.0),
                 slope * (1.0 - decay + decay**2 / 2.0))
 
     def _place(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the course grid, the step of each instant and the time into that step."""
+        """Return the course grid, the step of each instant, and the time since that step."""
         grid = self._reach(t)
         step = (t / STEP_S).astype(np.int64)
         return grid, step, t - step * STEP_S
 
     def _reach(self, t: np.ndarray) -> np.ndarray:
-        """Return the course grid, made long enough for these instants."""
+        """Return the course grid, extended as far as these instants."""
         if t.size:
             if float(t.min()) < 0.0:
-                raise ValueError(f't_s = {float(t.min())!r}: the ship starts at 0')
+                raise ValueError(f't_s = {float(t.min())!r}: must be at least 0')
             last = int(float(t.max()) / STEP_S) + 2
             if last >= self._grid.shape[1]:
                 while last >= HORIZON_STEPS * len(self._rows):
@@ -207,7 +208,7 @@ class ShipTruth:
         return self._grid
 
     def _sail(self, steps: int) -> np.ndarray:
-        """Steer on for some steps; rows: heading, r, r', v, v', latitude, longitude."""
+        """Steer for some more steps; rows: heading, r, r', v, v', latitude, longitude."""
         start, heading, r, v, latitude, longitude = self._state
         turn_decay, speed_decay = math.exp(-STEP_S / NOMOTO_S), math.exp(-STEP_S / SPEED_LAG_S)
         rudder = RUDDER_GAIN_1_S * RUDDER_RAD

@@ -49,7 +49,7 @@ def find_chunk_head(data: bytes) -> ChunkHead | None:
     """
     Return the head of the chunk whose record begins these bytes; None if it contradicts itself.
 
-    The opcode may be wrong if the head has a checksum, for that can later prove the chunk.
+    The opcode may be wrong if the head has a checksum, because that can prove the chunk.
     """
     if len(data) < HEAD.size + CHUNK_HEAD.size:
         return None
@@ -66,7 +66,7 @@ def find_chunk_head(data: bytes) -> ChunkHead | None:
                      data[start:start + letters].decode(errors='replace'), packed)
 
 
-def _plausible(begun: bytearray, size: int) -> bool:
+def _is_plausible(begun: bytearray, size: int) -> bool:
     """Tell whether these bytes can begin the records of a chunk of this size."""
     if len(begun) < HEAD.size:
         return False
@@ -90,7 +90,7 @@ def decompress_begun(content: bytes) -> bytearray:
             with zstandard.ZstdDecompressor().stream_reader(data) as reader:
                 while len(found) < size and (piece := reader.read(_PIECE_BYTES)):
                     found += piece
-                    if len(found) == len(piece) and not _plausible(found, size):
+                    if len(found) == len(piece) and not _is_plausible(found, size):
                         break
         elif compression == b'lz4':
             frame = lz4.frame.LZ4FrameDecompressor()
@@ -98,7 +98,7 @@ def decompress_begun(content: bytes) -> bytearray:
                     piece := frame.decompress(data, max_length=_PIECE_BYTES)):
                 data = b''
                 found += piece
-                if len(found) == len(piece) and not _plausible(found, size):
+                if len(found) == len(piece) and not _is_plausible(found, size):
                     break
         elif not compression:
             found += data

@@ -79,7 +79,7 @@ def build_ending(start: int, schemas: Sequence[mcap.Schema], channels: Sequence[
     start : int
         The offset in the file at which it begins.
     schemas, channels, chunk_indexes, extra_indexes : sequence
-        What is in the file.
+        The contents of the file.
     counts : dict of int to int
         Messages by channel.
     span_ns : tuple of int

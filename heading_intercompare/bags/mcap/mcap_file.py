@@ -232,7 +232,7 @@ class Part:
             problem = 'it has no end'
         except BagError as error:
             if closed and stream.size > len(MAGIC):
-                raise error.at(self.path, error.offset) from None
+                raise error.locate(self.path, error.offset) from None
             problem = error.problem
         if finished:
             problem = self._ending_problem(stream, closed)
@@ -337,7 +337,7 @@ class Part:
                 if isinstance(piece, Block):
                     yield piece
         except BagError as error:
-            raise error.at(self.path, error.offset) from None
+            raise error.locate(self.path, error.offset) from None
 
     def check_count(self, count: int) -> None:
         """Raise BagError unless the message count matches the index of the file."""
@@ -362,4 +362,4 @@ class Part:
                                        self.end):
                     yield read(stream.content(stream.record(at)))
             except BagError as error:
-                raise error.at(self.path, error.offset if at is None else at) from None
+                raise error.locate(self.path, error.offset if at is None else at) from None

@@ -150,7 +150,7 @@ class RecordStream:
                 except BagError as error:
                     if chunks:
                         yield chunks.block(), chunks.end
-                    raise error.at('', at) from None
+                    raise error.locate('', at) from None
                 at = start + length
             elif opcode in _BARE:
                 block, at = self._read_bare(record, end)

@@ -15,7 +15,7 @@ __all__ = ['replace_file', 'Syncing']
 
 
 def replace_file(target: Path, text: str) -> None:
-    """Replace a file and sync it to the disk; nobody sees half of it, failures leave the old."""
+    """Replace a file, synced to the disk; nobody ever sees half of it, and no draft is left."""
     draft = target.with_name(f'{target.name}.part')
     try:
         with open(draft, 'w', encoding='utf-8') as file:

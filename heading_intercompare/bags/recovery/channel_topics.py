@@ -36,7 +36,7 @@ class _History:
             epochs.append(epoch)
             found.append(definition)
 
-    def at(self, number: int, epoch: int, begin: int, end: int) -> _Definition | None:
+    def find(self, number: int, epoch: int, begin: int, end: int) -> _Definition | None:
         """Return the last definition up to `epoch`, or the next one, within [begin, end)."""
         epochs, found = self._rows.get(number, ([], []))
         place = bisect_right(epochs, epoch) - 1
@@ -98,7 +98,7 @@ class Definitions:
         if not checked:
             histories[1].add(self.epoch, definition)
             return
-        known = histories[0].at(definition.id, self.epoch, self._files[-1], self.epoch + 1)
+        known = histories[0].find(definition.id, self.epoch, self._files[-1], self.epoch + 1)
         if known is not None and known != definition:
             self.epoch += 1
             self._seen.clear()
@@ -124,7 +124,7 @@ class Definitions:
         begin = self._files[file - 1]
         end = self._files[file] if file < len(self._files) else self.epoch + 1
         for history in histories:
-            definition = history.at(number, epoch, begin, end)
+            definition = history.find(number, epoch, begin, end)
             if definition is not None:
                 return definition
         return None

@@ -299,7 +299,7 @@ def take_inventory(path: Path, progress: Callable[[str], None]) -> Inventory:
 def _take(found: Inventory, item: Sound, salvage: Salvage) -> None:
     opcode = item.record.opcode
     if item.begins:
-        # Only a header at the very beginning starts another file; elsewhere this file was torn.
+        # Only a header just after magic bytes begins another file; elsewhere the file was torn.
         if found.begun:
             found.definitions.begin_file()
             found.sections.append(Section(found.definitions.epoch))
@@ -317,7 +317,7 @@ def _take(found: Inventory, item: Sound, salvage: Salvage) -> None:
         found.sections[-1].untimed += int((log < 0).sum())
         found.count(found.definitions.epoch, counts)
         if counts:
-            row = _outside(item.record.start - HEAD.size, item.end, counts)
+            row = _make_row(item.record.start - HEAD.size, item.end, counts)
             if kind == Kind.BARE and found.damage and not found.chunks:
                 found.doubtful.append((len(found.pieces), found.definitions.epoch, row))
             found.pieces.add(kind, found.definitions.epoch, row)
@@ -336,10 +336,10 @@ def _take(found: Inventory, item: Sound, salvage: Salvage) -> None:
                 return
         found.extras += 1
         start = item.record.start - HEAD.size
-        found.pieces.add(Kind.EXTRA, found.definitions.epoch, _outside(start, item.end, ()))
+        found.pieces.add(Kind.EXTRA, found.definitions.epoch, _make_row(start, item.end, ()))
 
 
-def _outside(start: int, end: int, counts: Counts) -> Chunk:
+def _make_row(start: int, end: int, counts: Counts) -> Chunk:
     """Return the table row of a piece that is not a whole chunk."""
     return Chunk(start, end, end, 0, 0, 0, 0, '', 0, counts, frozenset(), False, False, False)
 

@@ -86,6 +86,17 @@ class Recovered:
             self.notes.append(f'{path.name}: {text}')
 
 
+def _find_absent_parts(source: Path, total: Recovered) -> list[str]:
+    """Return the files that are missing; of metadata that cannot be read only a note remains."""
+    try:
+        return find_absent_parts(source)
+    except BagError as error:
+        total.note(Path(error.path), error.problem.partition(';')[0])
+    except OSError as error:
+        total.note(source / 'metadata.yaml', error.strerror or str(error))
+    return []
+
+
 def _take_inventories(paths: list[Path], progress: Callable[[str], None]
                       ) -> tuple[list[Inventory], list[tuple[Path, str]]]:
     """Return the inventories of files, and why others cannot be read; OSError if all fail."""
@@ -231,13 +242,13 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
         raise BagError('already exists; a bag is never overwritten', target)
     paths = mcap_files(source)
     if source.resolve() in target.resolve().parents:
-        raise BagError(f'lies in the bag that is recovered; write it beside {source}', target)
+        raise BagError(f'lies inside the bag to recover; write it next to {source}', target)
     files, others = _take_inventories(paths, progress)
     total = _sum_up(files)
     for path, problem in others:
         total.note(path, problem)
         total.messages_known = False
-    for name in find_absent_parts(source):
+    for name in _find_absent_parts(source, total):
         total.note(source / name, 'is missing')
         total.messages_known = False
     if not total.messages and (total.messages_lost or not any(

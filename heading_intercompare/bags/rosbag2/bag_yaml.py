@@ -5,12 +5,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 import json
 from pathlib import Path
 import re
 from typing import Any, Iterator, Mapping, Sequence
 
-from heading_intercompare.bags.checked_text import decimal
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.yaml_file import load_yaml, YamlError
 
 __all__ = ['bag_metadata', 'find_absent_parts', 'list_parts', 'metadata_file', 'PartInfo', 'Qos',
            'TopicRow']
@@ -21,13 +23,13 @@ _DISTRIBUTION = 'jazzy'
 _NEVER = 2**63 - 1
 _FOREVER = {'sec': 9223372036, 'nsec': 854775807}
 _DEPTH = 1000
-#: A number of messages kept has no more digits, the name of a file no more bytes.
-_DIGITS, _NAME_BYTES = 9, 255
-#: No more of a metadata.yaml is read; that of a hundred thousand files has less.
-_MOST_BYTES = 2**24
+#: Messages kept are fewer, and the name of a file has no more bytes.
+_DEPTHS, _NAME_BYTES = 10**9, 255
+#: A longer metadata.yaml is refused, as are longer profiles of a topic; a hundred thousand files
+#: or a thousand publishers need less.
+_MOST_BYTES, _MOST_QOS_BYTES = 2**24, 2**18
 _PLAIN = re.compile(r'[A-Za-z/][\w./-]*')
-#: An entry of a list in brackets.
-_ENTRY = re.compile(r"""\s*("[^"\\]*(?:\\.[^"\\]*)*"|'[^']*(?:''[^']*)*'|[^],]*)\s*[],]""")
+_WHOLE = 'rosbag2_bagfile_information'
 _WORDS = ('true', 'false', 'yes', 'no', 'on', 'off', 'null', 'y', 'n')
 
 
@@ -66,17 +68,7 @@ class Qos:
     @classmethod
     def of_yaml(cls, text: str) -> 'Qos':
         """Return the first profile in the metadata of a channel; the default where it is mute."""
-        found = {}
-        for name in ('history', 'depth', 'reliability', 'durability'):
-            match = re.search(rf'^[- ] *{name}: *(\w+)', text, re.MULTILINE)
-            if match is not None:
-                word = match[1]
-                if name == 'depth':
-                    depth = decimal(word, _DIGITS)
-                    found[name] = _DEPTH if depth is None else depth
-                else:
-                    found[name] = _NUMBERED[name].get(word, word)
-        return cls(**found)
+        return _read_qos(text) if len(text) <= _MOST_QOS_BYTES else cls()
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the one profile as rosbag2 lists it."""
@@ -89,6 +81,25 @@ class Qos:
     def to_yaml(self) -> str:
         """Return the value of `offered_qos_profiles` in the metadata of an MCAP channel."""
         return '\n'.join(_lines(self.rows(), ''))
+
+
+@lru_cache(maxsize=64)
+def _read_qos(text: str) -> Qos:
+    """Return the first profile of a text; the topics of a bag have few different ones."""
+    try:
+        profiles = load_yaml(text, _MOST_QOS_BYTES)
+    except YamlError:
+        return Qos()
+    first = profiles[0] if isinstance(profiles, list) and profiles else {}
+    found: dict[str, Any] = {}
+    for name, words in _NUMBERED.items() if isinstance(first, Mapping) else ():
+        word = str(first.get(name))
+        if type(first.get(name)) in (str, int) and re.fullmatch(r'\w+', word):
+            found[name] = words.get(word, word)
+    depth = first.get('depth') if isinstance(first, Mapping) else None
+    if type(depth) is int and 0 <= depth < _DEPTHS:
+        found['depth'] = depth
+    return Qos(**found)
 
 
 @dataclass(slots=True)
@@ -191,52 +202,73 @@ def bag_metadata(parts: Sequence[PartInfo], custom_data: Mapping[str, str]) -> s
 def metadata_file(parts: Sequence[PartInfo], custom_data: Mapping[str, str]) -> str:
     """Return the text of metadata.yaml; see `bag_metadata`."""
     inner = bag_metadata(parts, custom_data).splitlines()
-    return '\n'.join(['rosbag2_bagfile_information:', *(f'  {line}' for line in inner)]) + '\n'
+    return '\n'.join([f'{_WHOLE}:', *(f'  {line}' for line in inner)]) + '\n'
 
 
-def _entries(text: str) -> Iterator[str]:
-    """Yield the entries of the list with which a text begins, in brackets or a line each."""
-    if text.startswith('['):
-        at = 1
-        while (match := _ENTRY.match(text, at)) is not None:
-            yield match[1].strip()
-            at = match.end()
-            if text[at - 1] == ']':
-                return
-    else:
-        for line in text.splitlines()[1:]:
-            if not line.strip().startswith('- '):
-                return
-            yield line.strip()[2:].strip()
-
-
-def _file_name(entry: str) -> str:
-    """Return the file that an entry names, without folders; '' if there can be none."""
-    try:
-        plain = (str(json.loads(entry)) if entry.startswith('"') else
-                 entry[1:-1].replace("''", "'") if entry.startswith("'") else entry)
-        name = Path(plain).name
-        return name if len(name.encode()) <= _NAME_BYTES and '\0' not in name else ''
-    except ValueError:
-        return ''
+def _is_file_name(name: str) -> bool:
+    """Tell whether there can be a file of a name."""
+    return name not in ('', '..') and '\0' not in name and len(name.encode()) <= _NAME_BYTES
 
 
 def list_parts(path: Path) -> list[str]:
     """
-    Return the file names that a metadata.yaml lists; none if there is no such file.
+    Return the file names that a metadata.yaml lists, without folders.
 
-    What cannot be the name of a file is left out.
+    Parameters
+    ----------
+    path : Path
+        The metadata.yaml; none are listed if there is no such file.
+
+    Raises
+    ------
+    BagError
+        If it is no metadata of rosbag2: with the line, and what can be done.
+
     """
     if not path.is_file():
         return []
     with path.open('rb') as file:
-        text = file.read(_MOST_BYTES).decode(errors='replace')
-    begin = re.search(r'^ *relative_file_paths: *', text, re.MULTILINE)
-    return [] if begin is None else list(filter(None, map(_file_name,
-                                                          _entries(text[begin.end():]))))
+        data = file.read(_MOST_BYTES + 1)
+    try:
+        if len(data) > _MOST_BYTES:
+            raise YamlError(f'longer than {_MOST_BYTES} bytes')
+        parts = _parts_in(load_yaml(data.decode(), _MOST_BYTES))
+    except UnicodeDecodeError as error:
+        line = data.count(b'\n', 0, error.start) + 1
+        raise _refuse(path, YamlError('not UTF-8', line)) from error
+    except YamlError as error:
+        raise _refuse(path, error) from error
+    return list(filter(_is_file_name, (Path(part).name for part in parts)))
+
+
+def _parts_in(metadata: Any) -> list[str]:
+    """Return what loaded metadata list as files; YamlError if they are none of rosbag2."""
+    whole = metadata.get(_WHOLE) if isinstance(metadata, Mapping) else None
+    if not isinstance(whole, Mapping):
+        raise YamlError(f'{_WHOLE} is missing')
+    parts = whole.get('relative_file_paths')
+    parts = [] if parts is None else parts
+    if not isinstance(parts, list) or not all(isinstance(part, str) for part in parts):
+        raise YamlError('relative_file_paths must be a list of names')
+    return parts
+
+
+def _refuse(path: Path, fault: YamlError) -> BagError:
+    """Return the error of a metadata.yaml with its line."""
+    line = '' if fault.line is None else f'line {fault.line}: '
+    return BagError(f'{line}{fault}; `recover` reads the bag without it, and so does everything '
+                    'else once it is removed', path)
 
 
 def find_absent_parts(folder: Path) -> list[str]:
-    """Return the names of files that the metadata.yaml of a bag lists and that are not there."""
+    """
+    Return the names of files that the metadata.yaml of a bag lists and that are not there.
+
+    Raises
+    ------
+    BagError
+        As `list_parts`.
+
+    """
     return [name for name in list_parts(folder / 'metadata.yaml')
             if not (folder / name).is_file()]

@@ -14,12 +14,13 @@ from typing import ContextManager, Sequence
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
+from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.verdict.validity import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict
-from heading_intercompare.report import json, SeriesSketch, write, WRITERS
+from heading_intercompare.report import check_form, json, SeriesSketch, write, WRITERS
 
 __all__ = ['add_analysis_arguments', 'add_arguments', 'add_settings_arguments',
            'add_verdict_arguments', 'check_report', 'conclude', 'deliver', 'run']
@@ -143,9 +144,12 @@ def _check_options(arguments: argparse.Namespace) -> None:
 
 
 def check_report(arguments: argparse.Namespace) -> None:
-    """Refuse a protocol of an unknown form."""
-    if arguments.report and Path(arguments.report).suffix not in WRITERS:
+    """Refuse a protocol of an unknown form, or one that cannot be drawn here."""
+    if not arguments.report:
+        return
+    if Path(arguments.report).suffix not in WRITERS:
         raise ValueError(f'--report {arguments.report}: must end with {" or ".join(WRITERS)}')
+    check_form(arguments.report)
 
 
 def conclude(verdict: Verdict, arguments: argparse.Namespace) -> int:
@@ -162,7 +166,7 @@ def conclude(verdict: Verdict, arguments: argparse.Namespace) -> int:
     if arguments.json == '-':
         sys.stdout.write(json.render(verdict))
     else:
-        print(verdict)
+        say(str(verdict), VERDICT_MARKS)
         if arguments.json:
             with name_file(arguments.json):
                 json.write(verdict, arguments.json)

@@ -20,6 +20,7 @@ from heading_intercompare.bags.rosbag2.provenance import (
     REPORT_TOPIC,
 )
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
+from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import VerdictError
@@ -33,6 +34,11 @@ _LOSSES = {'received': 'received', 'lost_on_the_way': 'lost on the way',
 #: A scenario has many settings, most of them not given.
 _ABSENT = ('None', 'none', '')
 _REPORT, _RUNS = 'report.json', 'runs.csv'
+#: What stands out on a terminal.
+_MARKS = (*VERDICT_MARKS, (r'(?m)^(?:bag|span|software|attachment): ', 'bold'),
+          (r'(?m)^topic +type +messages\b.*$', 'bold'), (r'(?m)^complete: (yes)$', 'green'),
+          (r'(?m)^complete: (no): ', 'yellow'), (r'(?m)^  every checksum is right$', 'green'),
+          (r'(?m)^  wrong: .*$', 'red'))
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -60,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
         lines += ['', *_extract(attachments, Path(arguments.extract))]
     if checked is not None:
         lines += ['', *_report_check(checked)]
-    print('\n'.join(lines))
+    say('\n'.join(lines), _MARKS)
     if checked is not None and checked.faults:
         raise BagError('; '.join(checked.faults), arguments.bag)
     return 0

@@ -6,10 +6,14 @@ from __future__ import annotations
 
 import argparse
 
+from heading_intercompare.cli.terminal.console import say
 from heading_intercompare.core.decision.coverage import SENSOR_CLASSES, span_words
 from heading_intercompare.core.decision.norm_presets import PRESETS
 
 __all__ = ['add_arguments', 'run']
+
+#: What stands out on a terminal: names, and a text that was not read.
+_MARKS = ((r'(?m)^(?!use)(\w+): ', 'bold'), (r'(?m)\[unverified\]$', 'yellow'))
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,6 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print every named norm and every class of sensors."""
+    lines = []
     for name, preset in PRESETS.items():
         secant = ' sec(lat)' if preset.secant else ''
         if preset.rms_deg is not None:
@@ -25,13 +30,15 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             p = f'{preset.probability:g}' if preset.probability else 'norms.probability'
             rule = f'sigma_max = {preset.limit_deg:g}{secant} deg / K({p})'
-        print(f'{name}: {preset.title} [{preset.status}]\n    {rule}\n'
-              f'    asks: {preset.content}')
-    print('use: --set norms.preset=NAME, with --set norms.latitude_deg=LAT where sec(lat) stands')
-    print('\nclasses of sensors: the slowest error, and the run that follows from it')
+        lines.append(f'{name}: {preset.title} [{preset.status}]\n    {rule}\n'
+                     f'    asks: {preset.content}')
+    lines.append('use: --set norms.preset=NAME, with --set norms.latitude_deg=LAT where sec(lat) '
+                 'stands')
+    lines.append('\nclasses of sensors: the slowest error, and the run that follows from it')
     for name, found in SENSOR_CLASSES.items():
-        print(f'{name}: {found.title}\n    slowest error {span_words(found.slowest_s)}: '
-              f'{found.source}\n    least run: {span_words(found.least_s)}; {found.trial}')
-    print('use: --set risk.sensor_class=NAME, or --set risk.slowest_error_s=S with a figure of '
-          'your own')
+        lines.append(f'{name}: {found.title}\n    slowest error {span_words(found.slowest_s)}: '
+                     f'{found.source}\n    least run: {span_words(found.least_s)}; {found.trial}')
+    lines.append('use: --set risk.sensor_class=NAME, or --set risk.slowest_error_s=S with a '
+                 'figure of your own')
+    say('\n'.join(lines), _MARKS)
     return 0

@@ -20,6 +20,7 @@ from heading_intercompare.app.rejudge import (
     UNJUDGED,
     WITHOUT_REPORT,
 )
+from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.verdict.verdict_document import make_plain, Software
 from heading_intercompare.core.version import RULE_VERSION
@@ -60,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json == '-':
         sys.stdout.write(_render(found))
     else:
-        print(*(each.line for each in found), sep='\n')
+        say('\n'.join(each.line for each in found), VERDICT_MARKS)
         print(f'of {len(found)}: ' + ', '.join(f'{counts[status]} {words}'
                                               for status, words in _WORDS.items()))
         if arguments.json:

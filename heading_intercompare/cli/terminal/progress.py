@@ -5,17 +5,28 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import time
+from typing import Any
+
+from .console import open_console
 
 __all__ = ['Progress']
 
 _USUAL = 80
+_BAR = 24
+#: How a text begins that says how much of the work is done.
+_PERCENT, _OF = re.compile(r'(\d+)%'), re.compile(r'([\d,]+) of ([\d,]+)\b')
 
 
 class Progress:
     """
     One line on stderr that is written over; nothing when stderr is not a terminal.
+
+    With rich it has a spinner, the time passed and, where the text begins with a percentage or
+    with one number of another, a bar and the time left. No thread draws it, for a process with a
+    second thread is not forked to decode a bag.
 
     Parameters
     ----------
@@ -29,6 +40,10 @@ class Progress:
     def __init__(self, label: str, quiet: bool = False) -> None:
         self._label = label
         self._on = not quiet and sys.stderr.isatty()
+        self._console = open_console(sys.stderr) if self._on else None
+        self._spinner: Any = None
+        self._start = self._begun = time.monotonic() if self._on else 0.0
+        self._share = 0.0
         self._next = 0.0
         self._width = 0
 
@@ -44,10 +59,47 @@ class Progress:
             return
         self._next = time.monotonic() + 0.1
         room = _columns() - 1
-        line = f'{self._label}: {text}'[:room]
-        sys.stderr.write(line.ljust(self._width)[:room] + '\r')
+        if self._console is not None:
+            self._draw(text, room)
+        else:
+            line = f'{self._label}: {text}'[:room]
+            sys.stderr.write(line.ljust(self._width)[:room] + '\r')
+            self._width = len(line)
         sys.stderr.flush()
-        self._width = len(line)
+
+    def _draw(self, text: str, room: int) -> None:
+        """Write the line with rich, as wide as the terminal."""
+        from rich.progress_bar import ProgressBar
+        from rich.segment import Segments
+        from rich.spinner import Spinner
+        from rich.table import Table
+        from rich.text import Text
+
+        now = time.monotonic()
+        if self._spinner is None:
+            letters = (self._console.encoding or '').lower().startswith('utf')
+            self._spinner = Spinner('dots' if letters else 'line', style='cyan')
+        # What others have named is text, without markup and without what moves the cursor.
+        words = Text(_printable(f'{self._label}: {text}'), overflow='ellipsis')
+        cells = [self._spinner.render(now), words, Text(_clock(now - self._start), style='dim')]
+        share = _find_share(text)
+        if share is not None and room > 2 * _BAR:
+            if share < self._share:
+                self._begun = now
+            self._share = share
+            left_s = (now - self._begun) * (1.0 / share - 1.0) if share else None
+            cells += [ProgressBar(total=1.0, completed=share, width=_BAR),
+                      Text('' if left_s is None else f'{_clock(left_s)} left')]
+        line = Table.grid(*('' for _ in cells), padding=(0, 1))
+        for column in line.columns:
+            column.no_wrap = True
+        line.add_row(*cells)
+        options = self._console.options.update(width=room, no_wrap=True)
+        (drawn, *_) = self._console.render_lines(line, options)
+        with self._console.capture() as written:
+            self._console.print(Segments(drawn), end='')
+        sys.stderr.write(written.get() + '\r')
+        self._width = room
 
     def clear(self) -> None:
         """Take the line off the screen."""
@@ -55,6 +107,43 @@ class Progress:
             sys.stderr.write('\r' + ' ' * self._width + '\r')
             sys.stderr.flush()
             self._width = 0
+
+
+def _find_share(text: str) -> float | None:
+    """
+    Return which share of the work is done, if a text begins with it.
+
+    Examples
+    --------
+    >>> _find_share('12% copied'), _find_share('1,200 of 4,800 s'), _find_share('17 pairs')
+    (0.12, 0.25, None)
+
+    """
+    if match := _PERCENT.match(text):
+        return min(int(match[1]) / 100.0, 1.0)
+    if match := _OF.match(text):
+        part, whole = (int(number.replace(',', '') or '0') for number in match.groups())
+        return min(part / whole, 1.0) if whole else None
+    return None
+
+
+def _printable(text: str) -> str:
+    return ''.join(letter if letter.isprintable() else '\ufffd' for letter in text)
+
+
+def _clock(seconds: float) -> str:
+    """
+    Return a span as a clock shows it.
+
+    Examples
+    --------
+    >>> _clock(7.9), _clock(75.0), _clock(7384.0)
+    ('0:07', '1:15', '2:03:04')
+
+    """
+    minutes, rest = divmod(int(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f'{hours}:{minutes:02d}:{rest:02d}' if hours else f'{minutes}:{rest:02d}'
 
 
 def _columns() -> int:

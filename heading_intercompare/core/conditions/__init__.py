@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Signs that the pairs of a run compare nothing: one source, conventions, standstill."""
+"""Signs that a comparison means nothing: one source, different conventions, standstill."""
 
 from typing import TYPE_CHECKING
 

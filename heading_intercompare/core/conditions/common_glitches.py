@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the TS follows the glitches of the RS: then both have one source."""
+"""Whether the TS follows the glitches of the RS, which means that both have one source."""
 
 from __future__ import annotations
 
@@ -41,21 +41,21 @@ _CHANCE = 1e-5
 @dataclass(frozen=True, slots=True)
 class CommonGlitches:
     """
-    How many glitches of the RS the TS follows.
+    The glitches of the RS, and those that the TS follows.
 
     Attributes
     ----------
     kind : {'common', 'independent', 'not_testable'}
-        'common': the sensors have one source. 'not_testable': the RS shows fewer than three
+        'common': the sensors have one source. 'not_testable': the RS has fewer than three
         glitches, more than ten seconds apart, that a filter of five seconds would leave visible.
     count : int
         Glitches of the RS.
     followed : int
-        How many of them the TS follows after one and the same time.
+        Those that the TS follows after the same delay.
     delay_s : float or None
-        That time, seconds; None if it follows fewer than three.
+        That delay, seconds; None if the TS follows fewer than three.
     chance : float or None
-        Upper bound of the probability of so many by chance, over all delays.
+        Upper bound of the probability that `followed` or more match by chance, over all delays.
 
     """
 
@@ -84,15 +84,16 @@ def find_common_glitches(stamp_ns: ArrayLike, x_deg: ArrayLike,
 
     Notes
     -----
-    A glitch goes there and back within three readings, stands out of all that the RS does
-    otherwise, and would ask for an acceleration above 30 deg/s^2, which no ship has: an abrupt
-    turn is seen by both sensors and is none. A TS that copies it late or through a filter jumps
-    by a constant share of it after a constant time. Of jumps
-    above three times the 90 % quantile, those as large as the least that follows are counted
-    within two minutes of each glitch; the product of their shares, times the ways to choose the
-    glitches followed and the least of them, times the delays tried, bounds the probability of
-    chance.
-    Three glitches and half of all must be followed, and chance be below 1e-5.
+    A glitch returns within three readings, stands out from everything else that the RS does, and
+    would need an acceleration above 30 deg/s^2, which no ship reaches. An abrupt turn is no
+    glitch: both sensors see it.
+
+    A TS that copies the RS late or through a filter jumps by a constant share of the glitch after
+    a constant delay. Only jumps above three times the 90 % quantile count. Within two minutes of
+    each glitch, the share of jumps at least as large as the smallest one that follows a glitch is
+    found. The product of these shares, times the ways to choose the followed glitches and the
+    smallest of them, times the delays tried, bounds the probability of chance. The TS must follow
+    at least three glitches and half of all, and this bound must be below 1e-5.
 
     References
     ----------
@@ -109,7 +110,7 @@ def find_common_glitches(stamp_ns: ArrayLike, x_deg: ArrayLike,
     where, size = _glitches(stamps, rs, step_s)
     if where.size < _FEWEST:
         return CommonGlitches('not_testable', int(where.size))
-    # Only what comes before counts: a filter returns slowly.
+    # Compares with earlier readings only, because a filter returns slowly.
     jump = np.diff(rs + unwrap_deg(x_deg), 2, prepend=(0.0, 0.0))
     jump[:2] = 0.0
     least = _FOLLOWS * float(np.quantile(np.abs(jump[::max(1, jump.size // _LOOKED_AT)]),
@@ -117,7 +118,7 @@ def find_common_glitches(stamp_ns: ArrayLike, x_deg: ArrayLike,
     least = max(least, _LEAST_DEG)
     jumps = np.abs(jump)
     large = jumps > least
-    # Through the slowest filter, and put between two stamps, a glitch leaves half of this.
+    # The slowest filter, and falling between two stamps, leave half of this of a glitch.
     shown = np.abs(size) * min(1.0, step_s / _FILTER_S) > 2.0 * least
     kind = 'independent' if np.count_nonzero(shown) >= _FEWEST else 'not_testable'
     lags = np.arange(-round(_EARLIEST_S / step_s), round(_LATEST_S / step_s) + 1)
@@ -139,7 +140,7 @@ def find_common_glitches(stamp_ns: ArrayLike, x_deg: ArrayLike,
         share = _share(jumps >= float(jumps[at[hit]].min()), at[hit], round(_NEAR_S / step_s))
         chance = math.exp(min(0.0, math.log(math.comb(where.size, followed))
                               + math.log(where.size * lags.size) + float(np.log(share).sum())))
-        # The earliest of the delays that as many follow: a glitch goes back, too.
+        # On a tie the earliest delay wins, because a glitch also returns.
         if (chance < _CHANCE, followed) > (best.kind == 'common', best.followed):
             best = CommonGlitches('common' if chance < _CHANCE else kind, int(where.size),
                                   followed, lag * step_s, chance)
@@ -147,7 +148,7 @@ def find_common_glitches(stamp_ns: ArrayLike, x_deg: ArrayLike,
 
 
 def _share(large: np.ndarray, at: np.ndarray, reach: int) -> np.ndarray:
-    """Return the share of large jumps about each of some places, but for those that are there."""
+    """Return the share of large jumps around each of some places, without the place itself."""
     count = np.concatenate(([0], np.cumsum(large)))
     both = []
     for width in (reach, _LONGEST + 2):
@@ -160,7 +161,7 @@ def _share(large: np.ndarray, at: np.ndarray, reach: int) -> np.ndarray:
 
 def _glitches(stamps: np.ndarray, rs: np.ndarray,
               step_s: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return where the RS has glitches, the first reading of each, and their sizes, degrees."""
+    """Return the index of the first reading of each glitch of the RS, and its size, degrees."""
     off = rs - scipy.ndimage.median_filter(rs, 2 * _BESIDE + 1, mode='nearest')
     size = np.abs(off)
     outer = float(np.quantile(size[::max(1, size.size // _LOOKED_AT)], _QUANTILE))
@@ -182,7 +183,7 @@ def _glitches(stamps: np.ndarray, rs: np.ndarray,
         around = np.arange(max(0, int(own[0]) - 2), min(size.size, int(own[-1]) + 3))
         own = around[size[around] > _FLANK * size[peak]]
         first, last = int(own[0]), int(own[-1])
-        # Half of the time there and back, from the reading before to the one behind.
+        # Half of the time out and back, from the reading before to the reading after.
         lasts = 0.5 * (last - first + 2) * step_s
         needed = 0.5 * _SHIP_DEG_S2 * lasts ** 2 / (1.0 - _FLANK)
         if last - first >= _LONGEST or size[peak] <= needed:

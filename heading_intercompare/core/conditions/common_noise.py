@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the noise of the RS is found in the TS, too: then both have one source."""
+"""Whether the TS also shows the noise of the RS, which means that both have one source."""
 
 from __future__ import annotations
 
@@ -44,32 +44,32 @@ _UNEVEN = 1e-3
 _SLOWER = 1.1
 _INTERPOLATED = 1e-6
 _LEAST_NOISE_DEG = 0.001
-#: Exponents of the spectrum of noise, and from which frequency on no ship moves like that, Hz.
+#: Exponents of the noise spectrum, and the frequency above which no ship moves like that, Hz.
 _COLOURS = (0, 0.0), (2, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
 class CommonNoise:
     """
-    How much of the noise of the RS is found in the TS.
+    How much of the noise of the RS shows in the TS.
 
     Attributes
     ----------
     kind : {'common', 'independent', 'not_testable'}
         'common': the sensors have one source.
     reason : str
-        Why it is not testable: 'too_short'; 'too_slow', readings more than 1.25 s apart, which
-        fold the motion; or 'no_rs_noise' where the RS shows no noise of its
-        own, above its rounding and over most of the frequencies. Empty otherwise.
+        Why the noise is not testable: 'too_short'; 'too_slow' if readings more than 1.25 s apart
+        fold the motion; 'no_rs_noise' if the RS shows no noise of its own, above its rounding and
+        over most of the frequencies. Empty otherwise.
     segments : int
-        Stretches of time that the spectra are means of.
+        Number of time segments that the spectra average.
     band_hz : pair of float or None
         Frequencies at which the RS shows its noise rather than the motion of the ship.
     rs_noise_deg : float or None
-        Standard deviation of that noise, taken for white, degrees.
+        Standard deviation of that noise, as if it were white, degrees.
     coherence : float or None
-        Share of the TS that follows the RS linearly there, less what the motion explains: the
-        largest mean of three groups of frequencies beside each other.
+        Share of the TS that follows the RS linearly there, minus the part that the motion
+        explains: the largest mean of three neighbouring groups of frequencies.
 
     """
 
@@ -94,11 +94,11 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
     x_deg, rs_deg : array_like, shape (n,)
         Differences and headings of the RS, finite, degrees.
     rs_factor : array_like, shape (n,), optional
-        Factor of the variance of the RS by interpolation, (1-w)^2 + w^2; default 1.
+        Factor by which interpolation reduces the variance of the RS, (1-w)^2 + w^2; default 1.
     rs_step_deg, ts_step_deg : float, optional
-        Steps in which RS and TS report, degrees. Noise below that of rounding is none: sensors
-        that round the same motion make the same errors. Where the RS is interpolated its step
-        is not known, and that of the TS stands for it.
+        Steps in which RS and TS report, degrees. Noise below that of rounding does not count,
+        because sensors that round the same motion make the same errors. The step of an
+        interpolated RS is unknown; that of the TS replaces it.
 
     Returns
     -------
@@ -106,17 +106,19 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
 
     Notes
     -----
-    The motion of a ship dies away at high frequencies, white noise does not. Two sensors share
-    the motion; one that copies the other, late, filtered, rounded or with noise added, shares
-    its noise. Where the spectrum of the RS is flat over 60 % of the frequencies, the squared
-    coherence of two sensors is at most the share of the motion, 1 - floor/spectrum; what it
-    exceeds that by, by more than 0.15 and six standard deviations of chance, speaks for one
-    source. A quarter of the frequencies suffices where the spectrum falls to the floor by a
-    factor of 50 and more from the middle of the band, as folded motion does not; but motion may
-    still be half of it, and 0.75 is asked for there.
-    From 1 Hz on noise may also fall with the square of the frequency, which no ship's motion
-    does. A sensor slower than the pairs is taken at its own rate; segments with turns are left
-    out.
+    The motion of a ship dies away at high frequencies; white noise does not. Two sensors share
+    the motion. A sensor that copies the other, even late, filtered, rounded or with noise added,
+    also shares its noise.
+
+    If the spectrum of the RS is flat over 60 % of the frequencies, the squared coherence of two
+    separate sensors is at most the share of the motion, 1 - floor/spectrum. An excess above 0.15
+    and above six standard deviations of chance indicates one source. A quarter of the frequencies
+    suffices if the spectrum falls by a factor of 50 or more from the middle of the band to the
+    floor, which folded motion does not. Motion may still be half of the floor, so the excess must
+    then be above 0.75. Above 1 Hz the noise may also fall with the square of the frequency, which
+    no ship's motion does.
+
+    A sensor slower than the pairs is used at its own rate. Segments with turns are left out.
 
     References
     ----------
@@ -155,7 +157,7 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
         # Noise of this colour is flat once multiplied by the power of the sine.
         flattened = level * sine ** exponent
         lowest = float(np.sort(flattened[usable])[:3].mean())
-        flat = _from_above(usable, flattened <= _FLAT * lowest)
+        flat = _select_flat(usable, flattened <= _FLAT * lowest)
         floor = float(np.median(flattened[flat])) if flat.any() else 0.0
         share = np.count_nonzero(flat) / np.count_nonzero(usable)
         steep = exponent == 0 and level[_GROUPS // 2 - 1] >= _STEEP * floor
@@ -167,18 +169,18 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
         band = (float(frequency[edges[where[0]]]), float(frequency[edges[where[-1] + 1] - 1]))
         fine = _Groups(_make_growing_groups(frequency.size))
         spectrum = fine(power) * fine(np.sin(0.5 * np.pi * frequency / frequency[-1])) ** exponent
-        # An RS faster than the pairs has a flat response, and its pairs do not tell it.
+        # An RS faster than the pairs has a flat response, which the pairs cannot show.
         unshaped = float(np.median((grouped(power) * sine ** exponent)[flat])) / spectrum
         spectrum /= np.maximum(fine(response), _RESPONSE)
         inside = (fine(response) >= _RESPONSE) & (fine(frequency) >= lowest_hz)
-        inside = _from_above(inside, spectrum <= _FLAT * floor)
+        inside = _select_flat(inside, spectrum <= _FLAT * floor)
         if exponent:
-            # Over a narrow band white noise and motion together look like that colour, too.
+            # Over a narrow band, white noise plus motion also looks like that colour.
             white = fine(power) / np.maximum(fine(response), _RESPONSE)
             unshaped = np.minimum(unshaped, float(np.sort(level[usable])[:3].mean()) / white)
         motion = np.maximum(0.0, 1.0 - floor / spectrum)
         if share >= _SHARE:
-            # The spectrum that the motion is told by is known to some standard errors only.
+            # The spectrum that shows the motion is itself uncertain by some standard errors.
             unsure = 1.0 + _UNSURE * np.sqrt(2.0 / (_BEST * segments * fine.width))
             motion = np.minimum(1.0, np.maximum(motion, 1.0 - unshaped) * unsure)
         excess = (fine(coherence) - motion)[inside]
@@ -193,8 +195,8 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
     return CommonNoise('not_testable', 'no_rs_noise', segments)
 
 
-def _from_above(usable: np.ndarray, low: np.ndarray) -> np.ndarray:
-    """Return the usable groups from the lowest one on, above which nearly all are low."""
+def _select_flat(usable: np.ndarray, low: np.ndarray) -> np.ndarray:
+    """Select the usable groups from the lowest frequency above which nearly all are low."""
     count = np.cumsum(usable[::-1])[::-1]
     share = np.cumsum((usable & low)[::-1])[::-1] / np.maximum(count, 1)
     begins = np.flatnonzero(usable & low & (share >= _NEARLY_ALL))
@@ -215,7 +217,7 @@ class _Groups:
 
 
 def _make_growing_groups(n: int) -> np.ndarray:
-    """Return edges of groups of six frequencies and more, an eighth wider from one to the next."""
+    """Return edges of groups of at least six frequencies, each about an eighth of its start."""
     edges = [1]
     while edges[-1] < n:
         edges.append(edges[-1] + max(_FEWEST, edges[-1] // 8))
@@ -224,7 +226,7 @@ def _make_growing_groups(n: int) -> np.ndarray:
 
 def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLike | None,
               ) -> tuple[float, np.ndarray, np.ndarray, float] | None:
-    """Return step, segments of TS and RS on even times, and the mean factor of those taken."""
+    """Return step, segments of TS and RS at even times, and the mean factor of those used."""
     n = stamps.size
     if n < _LEAST_LENGTH * _LEAST_SEGMENTS // 2:
         return None
@@ -235,7 +237,7 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
         return None
     step *= every
     f = None if factor is None else np.asarray(factor, dtype=np.float64)
-    # Between pairs of 7 a second and an RS of 5 a second no whole number leads.
+    # With 7 pairs and 5 RS readings per second, the ratio is no whole number.
     slower = pairs_per_reading(f) if f is not None and every == 1 else 1.0
     longest = 2.0 * n / every / (_LEAST_SEGMENTS + 3)
     length = 1 << round(math.log2(max(_SEGMENT_S / step, _LEAST_LENGTH)))
@@ -259,7 +261,7 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
         if not (np.diff(t) > 0.0).all():
             continue
         heading = unwrap_deg(rs[pick])
-        # Taken as even, uneven times would put the same false noise on both.
+        # Uneven times treated as even would put the same false noise on both.
         both = np.stack((heading + unwrap_deg(x[pick]), heading), axis=1)
         even = np.linspace(t[0], t[-1], length)
         if slower > _SLOWER:
@@ -279,15 +281,15 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
 
 def _spectra(step_s: float, ts: np.ndarray, rs: np.ndarray,
              ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int]:
-    """Return frequencies, spectra of RS, of TS and of both, and the number of segments used."""
+    """Return frequencies, spectra of RS and TS, their cross-spectrum, and the segments used."""
     rs, ts = np.diff(rs, 2, axis=1), np.diff(ts, 2, axis=1)
-    # Glitches, and blows of the sea faster than the readings, are not noise.
+    # Glitches, and wave impacts faster than the readings, are not noise.
     square = np.diff(rs, 2, axis=1) ** 2
     quiet = (square ** 2).mean(axis=1) <= _KURTOSIS * square.mean(axis=1) ** 2
     m = rs.shape[1]
     window = np.sin(np.pi * (np.arange(m) + 0.5) / m) ** 4
     phase = 2.0 * np.pi * np.fft.rfftfreq(m)
-    # Second differences of white noise of variance 1 have 4 (1 - cos)^2; the first one is zero.
+    # Second differences of unit white noise have the spectrum 4 (1 - cos)^2, zero at first.
     gain = np.maximum(4.0 * (1.0 - np.cos(phase)) ** 2, 1e-300) * float(window @ window)
     rs, ts = (np.fft.rfft(h * window, axis=1) for h in (rs, ts))
     rs2, ts2 = np.abs(rs) ** 2, np.abs(ts) ** 2

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether both sensors report their heading by the same convention, and the mean difference."""
+"""Whether both sensors use the same heading convention, and their mean difference."""
 
 from __future__ import annotations
 
@@ -26,25 +26,25 @@ _STEP_NS = 250_000_000
 @dataclass(frozen=True, slots=True)
 class Convention:
     """
-    Whether one heading is reported by another convention than the other.
+    Whether the two sensors report headings by different conventions.
 
     Attributes
     ----------
     kind : {'consistent', 'offset', 'mirrored', 'not_testable'}
-        'offset': TS - RS is near 90, -90 or 180. 'mirrored': TS turns against RS, so that the
-        difference turns with -2 times the heading. 'not_testable': no samples.
+        'offset': TS - RS is near 90, -90 or 180. 'mirrored': TS turns against RS, so the
+        difference turns by -2 times the heading. 'not_testable': no samples.
     angle_deg : float or None
         Mean of TS - RS, or of TS + RS if mirrored; degrees.
     spread_deg : float or None
         Circular standard deviation of the same.
     direction : {'with', 'against', 'not_testable'}
-        How TS turns: with RS, against it, or unknown since no motion shows above the noise.
+        How TS turns: with RS, against it, or unknown because no motion shows above the noise.
     turned_deg : float
-        Range of the heading of the RS, degrees, in means over the span that tells the direction
-        best; 0 if none does.
+        Range of the RS heading, degrees, in means over the span that shows the direction best; 0
+        if none does.
     balance : float or None
-        There, the square sum of the changes of TS + RS over that of TS - RS: above 4 they turn
-        together, below 1/4 against each other. None where no motion shows.
+        For the same span, the sum of squared changes of TS + RS over that of TS - RS. Above 4 the
+        sensors turn together, below 1/4 against each other. None if no motion shows.
 
     """
 
@@ -59,18 +59,18 @@ class Convention:
 def find_convention(x_deg: ArrayLike, rs_deg: ArrayLike, tolerance_deg: float = 10.0, *,
                     stamp_ns: ArrayLike | None = None, range_s: float = 2.0) -> Convention:
     """
-    Look for a difference of conventions between the sensors.
+    Look for different heading conventions of the sensors.
 
     Parameters
     ----------
     x_deg, rs_deg : array_like, shape (n,)
         Differences and headings of the RS, in sample order, finite, degrees.
     tolerance_deg : float
-        How near to 90, -90 or 180 a mean difference is suspicious, degrees.
+        A mean difference within this of 90, -90 or 180 is suspicious, degrees.
     stamp_ns : array_like of int, shape (n,), optional
-        Stamps of the pairs in increasing order, nanoseconds; without them no skew is allowed for.
+        Stamps of the pairs in increasing order, nanoseconds. Without them no skew is allowed for.
     range_s : float
-        Skews so large are allowed for, either way, seconds.
+        Largest skew to allow for, in either direction, seconds.
 
     Returns
     -------
@@ -78,9 +78,9 @@ def find_convention(x_deg: ArrayLike, rs_deg: ArrayLike, tolerance_deg: float = 
 
     Notes
     -----
-    The direction is told by `find_turn_direction`. A yaw taken for a heading, TS = 90 - heading,
-    gives 'mirrored' with 90. The means are circular: nothing happens at the seam of the wrap; of
-    more than 131072 samples they are taken over so many, spread evenly.
+    `find_turn_direction` finds the direction. A TS that reports yaw as heading, TS = 90 -
+    heading, gives 'mirrored' with 90. The means are circular, so the seam of the wrap does not
+    matter. Long records are thinned evenly to at most 131072 samples for the means.
 
     References
     ----------
@@ -114,7 +114,7 @@ def _spread(length: float) -> float:
 @dataclass(frozen=True, slots=True)
 class MeanDifference:
     """
-    The mean difference on the circle and how well it is known.
+    The mean difference on the circle, and how well it is known.
 
     Attributes
     ----------
@@ -124,13 +124,13 @@ class MeanDifference:
         Mean of the differences wrapped about their circular mean, in [-180, 180); None for
         n = 0 or if no direction is preferred.
     resultant : float or None
-        Length of the mean resultant of up to 131072 of them, in [0, 1]; None for n = 0.
+        Length of the mean resultant of up to 131072 differences, in [0, 1]; None for n = 0.
     u_deg : float or None
         Standard uncertainty of the mean, which allows for correlation; None for n < 16.
     interval_deg : pair of float or None
-        95 % interval; it is not wrapped.
+        95 % interval, not wrapped.
     seam_share : float
-        Share of the differences that the seam of the wrap puts a whole turn away from the others.
+        Share of the differences that the seam of the wrap moves a whole turn away from the rest.
 
     """
 
@@ -141,7 +141,7 @@ class MeanDifference:
     interval_deg: tuple[float, float] | None = None
     seam_share: float = 0.0
 
-    def torn(self, wrap_center_deg: float) -> bool:
+    def is_torn(self, wrap_center_deg: float) -> bool:
         """Tell whether the differences lie on both sides of the seam of their wrap."""
         if self.mean_deg is None or self.resultant is None or not self.seam_share:
             return False
@@ -151,7 +151,7 @@ class MeanDifference:
         return away <= _ON_SEAM_SIGMAS * _spread(self.resultant)
 
     def surely_exceeds(self, limit_deg: float) -> bool:
-        """Tell whether all of the interval lies outside of plus and minus a limit, degrees."""
+        """Tell whether the whole interval lies beyond plus or minus a limit, degrees."""
         if self.interval_deg is None:
             return False
         low, high = self.interval_deg
@@ -165,7 +165,7 @@ def estimate_mean_difference(x_deg: ArrayLike) -> MeanDifference:
     Parameters
     ----------
     x_deg : array_like, shape (n,)
-        Differences in sample order, finite, degrees; wrapped anywhere.
+        Differences in sample order, finite, degrees; wrapped about any centre.
 
     Returns
     -------
@@ -173,8 +173,8 @@ def estimate_mean_difference(x_deg: ArrayLike) -> MeanDifference:
 
     Notes
     -----
-    The uncertainty is that of the mean of the deviations, wrapped about the circular mean, by
-    16 to 31 block means; it holds if the correlation is short compared with a block.
+    The uncertainty is that of the mean of the deviations, wrapped about the circular mean, from
+    16 to 31 block means. It is valid if the correlation time is short compared with a block.
 
     References
     ----------

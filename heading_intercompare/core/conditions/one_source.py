@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""All signs that both headings of a run come from one sensor, and what they say together."""
+"""All signs that both headings of a run come from one sensor, and the conclusion from them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class OneSource:
     noise : CommonNoise
         Whether the TS follows the noise of the RS.
     glitches : CommonGlitches
-        Whether it follows its glitches.
+        Whether the TS follows the glitches of the RS.
 
     """
 
@@ -42,11 +42,11 @@ class OneSource:
     @property
     def kind(self) -> str:
         """
-        What they say together.
+        The conclusion from all signs.
 
-        'common': one source. 'independent': the RS shows noise or glitches of its own, and the
-        TS has neither. 'suspected': it shows none, and the TS repeats it reading by reading, as a
-        copy does, and a sensor without error beside another. Else 'not_testable'.
+        'common': one source. 'independent': the RS shows noise or glitches, and the TS does not
+        follow them. 'suspected': the RS shows neither, and the TS repeats it reading by reading;
+        so would a copy, but also a second sensor without errors. Otherwise 'not_testable'.
         """
         kinds = self.noise.kind, self.glitches.kind
         if 'common' in kinds:
@@ -69,9 +69,10 @@ def find_one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     x_deg, rs_deg : array_like, shape (n,)
         Differences and headings of the RS, finite, degrees.
     factor : array_like, shape (n,), optional
-        What interpolation left of the variance of white noise, (1-w)^2 + w^2; default 1.
+        Factor by which interpolation reduces the variance of white noise, (1-w)^2 + w^2;
+        default 1.
     interpolates_ts : bool
-        Whether that is of the TS; else it is of the RS.
+        Whether the TS is interpolated, not the RS.
     share : float
         `detectors.same_source_share`.
 
@@ -81,7 +82,7 @@ def find_one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
 
     Notes
     -----
-    Pairs are all that is used: so a run says the same live, in replay and offline.
+    Uses nothing but pairs, so the result is the same live, in replay and offline.
 
     References
     ----------

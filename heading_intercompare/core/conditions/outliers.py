@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Isolated differences far outside of all others, named, and their share of the variance."""
+"""Isolated differences far from all others, one by one, and their share of the variance."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ class Outlier:
     Attributes
     ----------
     index, n : int
-        Index of its farthest difference, and how many differences in a row belong to it.
+        Index of its farthest difference, and number of consecutive differences in it.
     stamp_ns : int
-        Stamp of the farthest, nanoseconds.
+        Stamp of the farthest difference, nanoseconds.
     size_deg : float
-        Its distance from the median of the differences beside it, degrees, with sign.
+        Signed distance of that from the median of the differences on both sides, degrees.
 
     """
 
@@ -51,26 +51,26 @@ class Outlier:
 @dataclass(frozen=True, slots=True, eq=False)
 class Outliers:
     """
-    Isolated differences far outside of all others.
+    Isolated differences far from all others.
 
     Attributes
     ----------
     kind : {'none', 'found', 'not_testable'}
         'not_testable': fewer than 30 differences.
     index : ndarray of int64, shape (k,)
-        Which differences, increasing.
+        Indices of the outliers, increasing.
     count : int
-        How many isolated excursions they form.
+        Number of isolated excursions that they form.
     largest : tuple of Outlier
         The ten largest excursions, the largest first.
     threshold_deg : float or None
         Distance beyond which a difference is an outlier, degrees.
     variance_deg2, variance_without_deg2 : float or None
-        Of all differences, and of those that are none; square degrees.
+        Variance of all differences, and without the outliers; square degrees.
     share : float
-        Of the sum of squares about the mean; 0 if there are none.
+        Share of the outliers in the sum of squares about the mean; 0 if there are none.
     excursions : int
-        Times the difference stayed outside for longer: not isolated, and not in `index`.
+        Number of longer excursions: not isolated, and not in `index`.
 
     """
 
@@ -88,19 +88,19 @@ class Outliers:
 def find_outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3.0,
                   step_deg: float | None = None) -> Outliers:
     """
-    Find isolated differences far outside of all others.
+    Find isolated differences far from all others.
 
     Parameters
     ----------
     stamp_ns : array_like of int, shape (n,)
         Stamps in increasing order, nanoseconds.
     x_deg : array_like, shape (n,)
-        Differences, or their residuals about a drift, finite, degrees; not wrapped anew.
+        Differences, or their residuals about a drift, finite, degrees; not wrapped again.
     longest_s : float
-        Longest excursion that is isolated, seconds: one bad reading of an interpolated RS
-        disturbs all pairs of two brackets. Three differences in a row always are.
+        Longest excursion that counts as isolated, seconds: one bad reading of an interpolated RS
+        disturbs all pairs of two brackets. Up to three differences in a row always count.
     step_deg : float, optional
-        Step in which the coarser sensor reports, degrees; default the one found in x, which takes
+        Step in which the coarser sensor reports, degrees. By default found from x, which needs
         20 changes.
 
     Returns
@@ -109,12 +109,12 @@ def find_outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3
 
     Notes
     -----
-    The tail of the distance from the median is taken for exponential, with the 90 % quantile q
-    that the distances have. A difference beyond q (1 + (ln(n/10) + 5)/ln 10), which n distances
-    of that law exceed with a probability of e^-5, and beyond three steps, is an outlier if it is
-    that far, too, from the median of the 30 differences beside its excursion: a slow excursion
-    is none. For 12000 normal errors the point is 10 standard deviations; the tail is that of
-    Laplace's law. As many as a tenth of the differences may be outliers without moving it much.
+    The distance from the median is assumed to have an exponential tail, as in Laplace's law, with
+    the observed 90 % quantile q. The threshold is q (1 + (ln(n/10) + 5)/ln 10), which n distances
+    of that law exceed with a probability of e^-5, but at least three steps. A difference beyond
+    it is an outlier if it is also that far from the median of the 30 differences on both sides of
+    its excursion; this excludes slow excursions. For 12000 normal errors the threshold is 10
+    standard deviations. Up to a tenth of the differences may be outliers without moving it much.
 
     References
     ----------
@@ -161,7 +161,7 @@ def _quantile(x: np.ndarray) -> tuple[float, float]:
 
 def _find_isolated(stamps: np.ndarray, x: np.ndarray, centre: float, far: np.ndarray,
                    threshold: float, longest_s: float) -> tuple[list[Outlier], np.ndarray, int]:
-    """Return the isolated excursions among far differences, their indices, and other ones."""
+    """Return the isolated excursions, their indices, and the number of other excursions."""
     if not far.size:
         return [], far, 0
     begins = np.flatnonzero(np.diff(far, prepend=-2) > 1)
@@ -190,7 +190,7 @@ def _find_isolated(stamps: np.ndarray, x: np.ndarray, centre: float, far: np.nda
 
 
 def _level(x: np.ndarray, first: np.ndarray, last: np.ndarray, centre: float) -> np.ndarray:
-    """Return the median of the differences beside each excursion, on both sides."""
+    """Return the median of the differences on both sides of each excursion."""
     steps = np.arange(1, _BESIDE + 1)
     at = np.concatenate((first[:, np.newaxis] - steps, last[:, np.newaxis] + steps), axis=1)
     inside = (at >= 0) & (at < x.size)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far both sensors move in windows of time, and what that allows a sensor that repeats."""
+"""Ranges of both sensors in windows of time, which bound what a repeating sensor may miss."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _NORMS, _RANGE_NORMS = 1.5, 8.0
 
 def _part_means(stamps: np.ndarray, values: np.ndarray) -> np.ndarray:
     """
-    Return the means of a heading over about a second each; the readings, if they are fewer.
+    Return means of a heading over about a second each, or the readings if they are fewer.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def _part_means(stamps: np.ndarray, values: np.ndarray) -> np.ndarray:
     Returns
     -------
     ndarray, shape (m,)
-        Unwrapped; of 1024 parts at most, spread over the time.
+        Unwrapped means of at most 1024 parts, spread over the time.
 
     """
     span = (int(stamps[-1]) - int(stamps[0])) / 1e9
@@ -54,14 +54,14 @@ def _part_means(stamps: np.ndarray, values: np.ndarray) -> np.ndarray:
     if parts <= _MOST_PARTS and values.size <= _LOOKED_AT:
         edges = np.linspace(0, values.size, parts + 1).astype(np.int64)
         return np.add.reduceat(unwrap_deg(values), edges[:-1]) / np.diff(edges)
-    # Longer parts would average a swell away, and evenly chosen ones could keep step with it.
+    # Longer parts would average a swell away, and evenly spaced ones could keep step with it.
     some = min(parts, _MOST_PARTS)
     k = np.arange(some)
     width = values.size // parts
     begins = ((k + (_GOLDEN * k) % 1.0) * (parts / some)).astype(np.int64) * values.size // parts
     inside = np.arange(0, width, max(1, width // _PER_PART))
-    taken = np.minimum(begins[:, None] + inside, values.size - 1)
-    means: Reals = unwrap_deg(values[taken].ravel()).reshape(taken.shape).mean(axis=1)
+    index = np.minimum(begins[:, None] + inside, values.size - 1)
+    means: Reals = unwrap_deg(values[index].ravel()).reshape(index.shape).mean(axis=1)
     return means
 
 
@@ -72,18 +72,18 @@ def _range_deg(stamps: np.ndarray, values: np.ndarray) -> float:
 
 class Windows:
     """
-    What both sensors do in windows that hold no long repetition.
+    The motion of both sensors in windows without a long repetition.
 
     Parameters
     ----------
     stamps : ndarray of int64, shape (n,)
         Stamps in increasing order, nanoseconds; n >= 2.
     heading, other : ndarray, shape (n,)
-        Headings of the sensor looked at, and of the other, degrees.
+        Headings of the sensor examined, and of the other one, degrees.
     busy : ndarray of bool, shape (n,)
-        Readings of the long repetitions of the sensor.
+        Whether a reading belongs to a long repetition of the sensor.
     other_step_deg : float
-        Step in which the other reports, degrees; 0 if it has none.
+        Step in which the other sensor reports, degrees; 0 if unknown.
     sigma_deg : float or None
         Norm of the errors of the other sensor, degrees.
 
@@ -99,19 +99,19 @@ class Windows:
 
     def excess(self, lo: int, hi: int, grain_deg: float) -> tuple[float, float] | None:
         """
-        Tell whether the other sensor moves further in a stretch than a sensor that works allows.
+        Tell whether the other sensor moves too far for a repetition of a working sensor.
 
         Parameters
         ----------
         lo, hi : int
-            First reading of the repetition and the one behind its last.
+            Readings lo <= i < hi are the repetition.
         grain_deg : float
-            How far it may move if neither of them errs, degrees.
+            Range allowed for the other sensor if neither has errors, degrees.
 
         Returns
         -------
         moved_deg, allowed_deg : float
-            Degrees; None if it moves no further.
+            Range of the other sensor, and the range allowed, degrees. None if it stays within.
 
         """
         moved = _range_deg(self._stamps[lo:hi], self._other[lo:hi])
@@ -132,20 +132,20 @@ class Windows:
             if apart < _LEAST_WINDOWS or length > span:
                 continue
             most = max((_range_deg(self._stamps[a:b], self._other[a:b])
-                        for a, b in self._within(lo, hi, length, 2)), default=0.0)
+                        for a, b in self._make_windows(lo, hi, length, 2)), default=0.0)
             allowed = _allowed_deg(rows, length, most, rounded)
             if most > allowed:
                 return most, allowed
             longest = allowed if longest is None else longest
         if longest is None:
-            return self._beyond_norm(lo, hi, moved, grain_deg)
-        # A slow turn shows in the whole stretch alone.
+            return self._exceed_norm(lo, hi, moved, grain_deg)
+        # A slow turn shows only over the whole repetition.
         allowed = longest + _RANGE_NORMS * (self._sigma_deg or 0.0)
         return (moved, allowed) if moved > allowed else None
 
-    def _beyond_norm(self, lo: int, hi: int, moved: float,
+    def _exceed_norm(self, lo: int, hi: int, moved: float,
                      grain_deg: float) -> tuple[float, float] | None:
-        """Judge by the norm of the other sensor where the rest of the run tells nothing."""
+        """Judge by the norm of the other sensor if the rest of the run shows nothing."""
         if 2 * int(self._before[-1]) <= self._before.size - 1:
             return None
         sigma = self._sigma_deg or 0.0
@@ -153,16 +153,17 @@ class Windows:
         if moved > allowed:
             return moved, allowed
         swings = [float(np.var(_part_means(self._stamps[a:b], self._other[a:b]), ddof=1))
-                  for a, b in self._within(lo, hi, _SWING_S, 1)]
+                  for a, b in self._make_windows(lo, hi, _SWING_S, 1)]
         if len(swings) < _LEAST_WINDOWS:
             return None
-        # Of a sine the range is 2 sqrt(2) times the standard deviation.
+        # The range of a sine is 2 sqrt(2) times its standard deviation.
         moved = math.sqrt(8.0 * float(np.mean(swings)))
         allowed = math.sqrt(8.0) * math.hypot(0.5 * grain_deg, _NORMS * sigma)
         return (moved, allowed) if moved > allowed else None
 
-    def _within(self, lo: int, hi: int, length_s: float, per_length: int) -> list[tuple[int, int]]:
-        """Return windows of a length within a stretch: evenly, 64 at most."""
+    def _make_windows(self, lo: int, hi: int, length_s: float,
+                      per_length: int) -> list[tuple[int, int]]:
+        """Return at most 64 even windows of a length within a repetition."""
         stamps, length = self._stamps, round(length_s * 1e9)
         begins = np.arange(int(stamps[lo]), int(stamps[hi - 1]) - length + 1,
                            length // per_length)
@@ -173,12 +174,12 @@ class Windows:
         return list(zip(a[enough].tolist(), b[enough].tolist()))
 
     def _ranges(self, length_s: float) -> tuple[np.ndarray, int]:
-        """Return the ranges of sensor, other and difference; how many windows are disjoint."""
+        """Return ranges of sensor, other and difference; and the number of disjoint windows."""
         if length_s not in self._known:
-            self._known[length_s] = self._measured(round(length_s * 1e9))
+            self._known[length_s] = self._measure(round(length_s * 1e9))
         return self._known[length_s]
 
-    def _measured(self, length: int) -> tuple[np.ndarray, int]:
+    def _measure(self, length: int) -> tuple[np.ndarray, int]:
         stamps, whole = self._stamps, int(self._stamps[-1]) - int(self._stamps[0])
         if 2 * length >= whole:
             return np.empty((3, 0)), 0
@@ -201,11 +202,11 @@ class Windows:
 
 
 def _allowed_deg(rows: np.ndarray, length_s: float, moved_deg: float, grain_deg: float) -> float:
-    """Return how far the other may move in such a window while a working sensor repeats."""
+    """Return the range allowed for the other sensor while a working sensor repeats its value."""
     own, others, errors = rows
     alike = (others >= 0.5 * moved_deg) & (others <= 2.0 * moved_deg)
     if length_s >= _FOLLOWS_S and np.count_nonzero(alike) >= _LEAST_WINDOWS:
-        # A window without a long repetition holds changes by a step or two even at rest.
+        # Even at rest, a window without a long repetition holds changes by a step or two.
         follows = (own >= _FOLLOWS * others) & (own > grain_deg)
         if np.mean(follows[alike]) >= _SPAN_SHARE:
             return grain_deg

@@ -21,16 +21,16 @@ _LEAST_CHANGES = 300
 @dataclass(frozen=True, slots=True)
 class SameSource:
     """
-    Whether both headings are the same but for a constant.
+    Whether both headings are the same except for a constant.
 
     Attributes
     ----------
     suspected : bool or None
-        None where the headings change too seldom: then two sensors may agree by chance.
+        None if the headings change too rarely: then two sensors may agree by chance.
     std_deg : float or None
         Standard deviation of the difference; None for n < 2.
     rounding_deg : float
-        What rounding of both headings alone gives.
+        Standard deviation that rounding of both headings alone would give.
 
     """
 
@@ -49,9 +49,9 @@ def find_same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution, rs: Re
     x_deg, rs_deg : array_like, shape (n,)
         Differences and headings of the RS, in sample order, finite, degrees.
     ts, rs : Resolution
-        Of the headings of TS and RS.
+        Resolution of the TS and RS headings.
     share : float
-        So many readings may differ, as a share of those that change.
+        Largest number of differing readings, as a share of the readings that change.
 
     Returns
     -------
@@ -59,12 +59,12 @@ def find_same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution, rs: Re
 
     Notes
     -----
-    Two good sensors that round the same motion differ by no more than rounding, whatever their
-    noise is, and by less if their steps begin at the same angle: a small difference proves
-    nothing. But the errors of two sensors, e apart, part their readings in a share e/q of the
-    changes at least, q the coarser step. From 300 changes on, fewer than one in a thousand that
-    differ mean errors that agree to a thousandth of a step. A copy that is late, filtered,
-    interpolated or rounded again shows in its noise, `core.common_noise`, if it has any.
+    A small difference proves nothing: two good sensors that round the same motion differ by no
+    more than rounding, and by less if their steps begin at the same angle. But if the errors of
+    two sensors are e apart, their readings differ in at least a share e/q of the changes, where q
+    is the coarser step. With 300 changes or more, fewer than one in a thousand that differ means
+    that the errors agree to a thousandth of a step. A copy that is late, filtered, interpolated
+    or rounded again is found by its noise, if it has any, in `common_noise`.
 
     """
     x = np.asarray(x_deg, dtype=np.float64)
@@ -74,19 +74,19 @@ def find_same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution, rs: Re
     x = x - x[0]
     std = float(x.std(ddof=1))
     heading = np.asarray(rs_deg, dtype=np.float64)
-    changes = min(_changed(heading), _changed(x + heading))
+    changes = min(_count_changes(heading), _count_changes(x + heading))
     if changes < _LEAST_CHANGES:
         return SameSource(None, std, rounding)
     x -= float(np.median(x[::max(1, x.size // 100_000)]))
-    return SameSource(_not_zero(x) <= share * changes, std, rounding)
+    return SameSource(_count_nonzero(x) <= share * changes, std, rounding)
 
 
-def _changed(heading: np.ndarray) -> int:
-    return _not_zero(np.diff(heading))
+def _count_changes(heading: np.ndarray) -> int:
+    return _count_nonzero(np.diff(heading))
 
 
-def _not_zero(difference: np.ndarray) -> int:
-    """Count the differences that are none of 0 and 360 degrees."""
+def _count_nonzero(difference: np.ndarray) -> int:
+    """Count the differences that are no whole number of turns."""
     off = np.abs(difference)
     off -= 360.0 * np.rint(off / 360.0)
     return int(np.count_nonzero(np.abs(off) > _EQUAL_DEG))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sensors that repeat a value: frozen, dead, or of a ship that does not move."""
+"""Sensors that repeat a value because they are frozen or dead, or the ship does not move."""
 
 from __future__ import annotations
 
@@ -36,33 +36,33 @@ _STEPS = 2.0
 @dataclass(frozen=True, slots=True)
 class Frozen:
     """
-    Values that a sensor repeats.
+    The times when a sensor repeats its value.
 
     Attributes
     ----------
     longest_s : float
         Longest time without a change, seconds; 0 for n < 2.
     stretches : int
-        Times it repeated its value for long while the other sensor turned.
+        Number of long repetitions while the other sensor turned.
     start_ns : int or None
-        Stamp of the one of these during which the other turned most, nanoseconds.
+        Start of the repetition during which the other sensor turned most, nanoseconds.
     duration_s, other_moved_deg : float or None
-        How long it lasted, and by how much the other turned meanwhile.
+        Duration of that repetition, seconds, and turn of the other sensor meanwhile, degrees.
     kind : {'alive', 'frozen', 'dead', 'constant', 'not_testable'}
-        'frozen': there are such stretches. 'dead': one value for an hour from a sensor that
+        'frozen': there are such repetitions. 'dead': one value for an hour from a sensor that
         reports decimals, while the other's value changed. 'constant': the same for nine tenths of
         a shorter run. 'not_testable': n < 2.
     frozen_s : float
-        Total duration of these stretches, seconds.
+        Total duration of these repetitions, seconds.
     resolution_deg : float or None
-        Step in which it reports, degrees: from its changes, or else from its decimals. None if
-        it has none of up to four decimals.
+        Step in which the sensor reports, degrees: from its changes, otherwise from its decimals.
+        None if it shows no step of up to four decimals.
     hold_s : float or None
-        Usual time from one of its changes to the next, seconds, in the first 16384 readings;
-        None without any change in them.
+        Usual time from one change to the next, seconds, in the first 16384 readings; None if
+        they hold fewer than two changes.
     allowed_deg : float or None
-        Of the stretch at `start_ns`: how far the other may turn while a sensor that works
-        repeats its value, degrees.
+        Turn of the other sensor that the repetition at `start_ns` allows a working sensor,
+        degrees.
 
     """
 
@@ -80,7 +80,7 @@ class Frozen:
 
 def find_coarse_resolution(heading_deg: ArrayLike) -> float | None:
     """
-    Return the step in which a heading is reported, also of one that hardly changes.
+    Return the step in which a heading is reported, even if it hardly changes.
 
     Parameters
     ----------
@@ -90,11 +90,12 @@ def find_coarse_resolution(heading_deg: ArrayLike) -> float | None:
     Returns
     -------
     float or None
-        The step of its changes; where they are too few to tell, or fewer than a tenth of the
-        readings, the last decimal that a thousand readings show: those that occur more than
-        once, if any, for others may be interpolated. Of that, the multiple that all changes are
-        of, if there are three or more; or five, if it is always 5 or 0. None without readings,
-        or beyond four decimals.
+        The step of the changes, if there are enough of them and they make up at least a tenth of
+        the readings. Otherwise the unit of the last decimal of a thousand readings; values that
+        occur only once are ignored if others repeat, because they may be interpolated. Three or
+        more changes refine this to the largest common step of all changes. With fewer, a last
+        decimal that is always 5 or 0 gives five units. None without readings, or for more than
+        four decimals.
 
     Examples
     --------
@@ -113,12 +114,12 @@ def find_coarse_resolution(heading_deg: ArrayLike) -> float | None:
     for decimals in range(_MOST_DECIMALS + 1):
         scaled = some * 10.0 ** decimals
         if (np.abs(scaled - np.rint(scaled)) <= _DECIMAL_DEG * 10.0 ** decimals).all():
-            return _coarsest(heading, some, 10.0 ** -decimals) if some.size else None
+            return _find_coarsest(heading, some, 10.0 ** -decimals) if some.size else None
     return found.step_deg
 
 
-def _coarsest(heading: np.ndarray, values: np.ndarray, unit_deg: float) -> float:
-    """Return the coarsest step that a heading with this last decimal shows."""
+def _find_coarsest(heading: np.ndarray, values: np.ndarray, unit_deg: float) -> float:
+    """Return the coarsest step that fits a heading with this unit of the last decimal."""
     changes = np.abs(wrap180(np.diff(heading[:_CHANGES_IN])))
     changes = changes[changes > _EQUAL_DEG] / unit_deg
     if changes.size >= _LEAST_CHANGES and (np.abs(changes - np.rint(changes)) < _OFF).all():
@@ -131,22 +132,23 @@ def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLik
                 least_s: float = 5.0, moved_deg: float = 0.5,
                 sigma_deg: float | None = None) -> Frozen:
     """
-    Look for times when a sensor repeats its value while the other one turns.
+    Look for times when a sensor repeats its value while the other sensor turns.
 
     Parameters
     ----------
     stamp_ns : array_like of int, shape (n,)
         Stamps in increasing order, nanoseconds.
     heading_deg, other_deg : array_like, shape (n,)
-        Headings of the sensor looked at, and of the other, finite, degrees.
+        Headings of the sensor examined, and of the other one, finite, degrees.
     least_s : float
-        Shortest time counted, seconds. A coarse sensor on a steady course repeats itself for
-        seconds without a fault.
+        Shortest repetition that counts, seconds. A coarse sensor on a steady course repeats
+        itself for seconds without a fault.
     moved_deg : float
         Least range of the other sensor within that time, degrees.
     sigma_deg : float, optional
-        Norm of the standard deviation of the other's errors, degrees: bounds them where the
-        sensor repeats itself for so much of the run that the rest does not tell; default 0.
+        Norm of the standard deviation of the other's errors, degrees; default 0. Bounds these
+        errors if the sensor repeats itself for most of the run, so that the rest cannot show
+        them.
 
     Returns
     -------
@@ -154,20 +156,24 @@ def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLik
 
     Notes
     -----
-    Judged is the range of the other's means over about a second, within the stretch less two
-    seconds and one hold at either end: a skew, or a sensor slower than its messages, repeats
-    values into and out of a turn. A sensor that works may repeat a value while the ship stays
-    within two of its steps and the other rounds by one of its own; the errors of both add twice
-    the range that the difference has in nine of ten other windows as long. Of normal errors
-    twice that range is exceeded with a probability below 1e-6. Nothing is added where in nine of
-    ten windows as long, of 16 seconds or more, in which the other moved about as much (half to
-    twice), the sensor followed by 0.3 of it or more and by more than those steps: then the
-    difference ranges because of a skew. Windows that overlap a long repetition are left out.
-    Where fewer than eight are left, a stretch is judged by the windows of half its length, a
-    quarter, and so on to eight seconds, of which eight are left that do not overlap: by the one
-    in which the other moved most, and as a whole with 8 `sigma_deg` more. Where there are none,
-    and the repetitions make more than half of the run, the other may range over 8 `sigma_deg`
-    more than two steps, and within half a minute scatter by 1.5 `sigma_deg` and one step.
+    The test takes the range of the other's means over about a second, within the repetition less
+    two seconds and one hold at either end. The margins are needed because a skew, or a sensor
+    slower than its messages, repeats values into and out of a turn.
+
+    A working sensor may repeat a value while the ship stays within two of its steps and the other
+    sensor rounds by one of its own. The errors of both sensors add twice the range that the
+    difference has in nine of ten other windows of that length; normal errors exceed this with a
+    probability below 1e-6. Nothing is added if the sensor follows the other one: that is, if in
+    nine of ten windows of at least 16 s in which the other moved about as much (half to twice),
+    the sensor moved by at least 0.3 of that and by more than those steps. Then a skew makes the
+    difference range.
+
+    Windows that overlap a long repetition are left out. If fewer than eight remain, windows of
+    half the length, a quarter, and so on down to eight seconds are tried, until eight remain that
+    do not overlap. The repetition is then judged by the one window in it in which the other moved
+    most, and as a whole with 8 `sigma_deg` more. If there are none, and the repetitions make up
+    more than half of the run, the other sensor may range over 8 `sigma_deg` more than two steps,
+    and within half a minute scatter by 1.5 `sigma_deg` and one step.
 
     References
     ----------
@@ -198,7 +204,7 @@ def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLik
     grain = max(moved_deg, _STEPS * (step or 0.0))
     found = []
     for at in long:
-        lo, hi = _within(stamps, int(first[at]), int(last[at]), margin)
+        lo, hi = _cut_margins(stamps, int(first[at]), int(last[at]), margin)
         excess = windows.excess(lo, hi, grain)
         if excess is not None:
             found.append((*excess, float(lasted[at]), int(stamps[first[at]])))
@@ -212,9 +218,9 @@ def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLik
 
 def _kind(stamps: np.ndarray, longest_s: float, step: float | None, other: np.ndarray,
           least_s: float) -> str:
-    """Return what the longest repetition says by itself."""
+    """Return the kind that follows from the longest repetition alone."""
     whole_s = (int(stamps[-1]) - int(stamps[0])) / 1e9
-    # A value is held until the next one: from n readings it lasts n steps.
+    # A value is held until the next one: n readings last n steps.
     lasted = longest_s + float(np.median(np.diff(stamps[:_LOOKED_AT]))) / 1e9
     is_dead = lasted >= _DEAD_S
     is_constant = longest_s >= max(least_s, _NEARLY_ALL * whole_s)
@@ -225,7 +231,7 @@ def _kind(stamps: np.ndarray, longest_s: float, step: float | None, other: np.nd
 
 def _stretches(stamps: np.ndarray,
                heading: np.ndarray) -> tuple[np.ndarray, np.ndarray, float | None]:
-    """Return first and last index of every stretch of equal readings, and the usual hold, s."""
+    """Return first and last index of every run of equal readings, and the usual hold, s."""
     steps = np.diff(heading)
     np.abs(steps, out=steps)
     same = steps <= _EQUAL_DEG
@@ -238,8 +244,8 @@ def _stretches(stamps: np.ndarray,
     return repeats[begins], repeats[np.append(begins[1:], True)[:begins.size]] + 1, hold
 
 
-def _within(stamps: np.ndarray, lo: int, hi: int, margin_s: float) -> tuple[int, int]:
-    """Return the half-open range of a stretch without its margins."""
+def _cut_margins(stamps: np.ndarray, lo: int, hi: int, margin_s: float) -> tuple[int, int]:
+    """Return the half-open index range of a repetition without its margins."""
     margin = round(margin_s * 1e9)
     first, last = np.searchsorted(stamps[lo:hi + 1], [stamps[lo] + margin, stamps[hi] - margin])
     return lo + int(first), lo + max(int(last), int(first)) + 1
@@ -256,7 +262,7 @@ def _still_deg(step: float | None) -> float:
 
 
 def _range_of(heading: np.ndarray, enough_deg: float = math.inf) -> float:
-    """Return the range about the first heading, on the circle; of some of them if it is enough."""
+    """Return the range of headings on the circle; of a few if that already exceeds enough."""
     for every in (max(1, heading.size // _LOOKED_AT), 1):
         off = wrap180(heading[::every] - heading[0])
         found = float(off.max() - off.min())
@@ -268,16 +274,17 @@ def _range_of(heading: np.ndarray, enough_deg: float = math.inf) -> float:
 @dataclass(frozen=True, slots=True)
 class Standstill:
     """
-    Whether both sensors hardly change: then the run does not show that they work.
+    Whether both sensors hardly change, so that the run does not show that they work.
 
     Attributes
     ----------
     kind : {'moving', 'still', 'not_testable'}
-        'still': both readings stay within two of their steps all the run. 'not_testable': n < 2.
+        'still': both sensors stay within two of their steps for the whole run. 'not_testable':
+        n < 2.
     ts_range_deg, rs_range_deg : float
-        Largest less smallest heading, degrees; of 16384 of them, where that is enough to tell.
+        Largest minus smallest heading, degrees; of 16384 headings if they suffice to decide.
     ts_step_deg, rs_step_deg : float or None
-        Steps in which they report, `find_coarse_resolution`.
+        Steps in which the sensors report, by `find_coarse_resolution`.
 
     """
 

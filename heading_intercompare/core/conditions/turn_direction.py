@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the TS turns with the RS or against it, at whatever small skew."""
+"""Whether the TS turns with the RS or against it, at any small skew."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from heading_intercompare.core.statistics.blocking import sum_covariance
 from heading_intercompare.core.timing.skew_instrument import common_tracks
-from heading_intercompare.core.timing.skew_search import coarser
+from heading_intercompare.core.timing.skew_search import coarsen
 
 __all__ = ['Direction', 'find_turn_direction']
 
@@ -36,10 +36,10 @@ class Direction(NamedTuple):
     ----------
     word : {'with', 'against', 'not_testable'}
     turned_deg : float
-        Range of the means of the RS in the span that tells it best, degrees; 0 if none does.
+        Range of the means of the RS over the span that shows it best, degrees; 0 if none does.
     balance : float or None
-        There, the square sum of the changes of TS + RS over that of TS - RS, each at the skew at
-        which it is least.
+        For the same span, the sum of squared changes of TS + RS over that of TS - RS, each at the
+        skew that minimises it.
 
     """
 
@@ -51,7 +51,7 @@ class Direction(NamedTuple):
 def find_turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
                         range_s: float = 2.0) -> Direction:
     """
-    Tell how the TS turns from the pairs of a run.
+    Find how the TS turns, from the pairs of a run.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def find_turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndar
     x_deg, rs_deg : ndarray, shape (n,)
         Differences and RS headings, finite, degrees.
     range_s : float
-        Skews so large are allowed for, either way, seconds.
+        Largest skew to allow for, in either direction, seconds.
 
     Returns
     -------
@@ -68,15 +68,22 @@ def find_turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndar
 
     Notes
     -----
-    D is the mean over a span less that over the span before, of both headings on even times a
-    quarter of a second apart (at most 2^18, then up to a second, then the middle of the run), for
-    spans of 0.25, 0.5, 1, ... s, at least eight to the run. At every skew L within the range and
-    a step, V(+) = sum (D_ts + D_rs(L))^2 and V(-) = sum (D_ts - D_rs(L))^2; the balance is the
-    least V(+) over the least V(-), so half a yaw period of skew does not look mirrored. It tells
-    the direction above 4 and below 1/4, with a hundredth of the power of both D added to either V
-    for steps of skew, and more where interpolating leaves more, if the motion shows: the means of
-    the RS range over 3 deg; or over 20 times the root of the lesser V a sample, in 32 spans or
-    more; or the sum of D_ts (D_rs(L+) + D_rs(L-)) is 7 times its uncertainty, in 128 or more.
+    Both headings are put on even times a quarter of a second apart. More than 2^18 of these make
+    the step longer, up to a second, and after that only the middle of the run is used. D is the
+    mean of a heading over a span minus that over the span before, for spans of 0.25, 0.5, 1, ...
+    s, with at least eight spans in the run.
+
+    At every skew L up to the range plus one step, V(+) = sum (D_ts + D_rs(L))^2 and
+    V(-) = sum (D_ts - D_rs(L))^2. The balance is the least V(+) over the least V(-), so half a
+    yaw period of skew does not look mirrored. The direction is clear if the balance is above 4 or
+    below 1/4. For this test a hundredth of the power of both D, more if interpolation leaves
+    more, is added to each V, because the skew moves in steps.
+
+    The motion must also show. One of these suffices:
+
+    * the means of the RS range over 3 deg;
+    * they range over 20 times the root of the lesser V per sample, in at least 32 spans;
+    * the sum of D_ts (D_rs(L+) + D_rs(L-)) is 7 times its uncertainty, in at least 128 spans.
 
     References
     ----------
@@ -85,23 +92,23 @@ def find_turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndar
     """
     if x_deg.size < _LEAST_WINDOWS or stamp_ns[-1] == stamp_ns[0]:
         return Direction()
-    ts, rs, grid_s, step_s = _on_even_times(stamp_ns, x_deg, rs_deg)
+    ts, rs, grid_s, step_s = _put_on_even_times(stamp_ns, x_deg, rs_deg)
     most = round((range_s + _GRID_S) / grid_s)
-    uneven = min(_UNEVENEST, _UNEVEN * (grid_s / _GRID_S) ** 2 + _interpolated(step_s))
+    uneven = min(_UNEVENEST, _UNEVEN * (grid_s / _GRID_S) ** 2 + _interpolation_share(step_s))
     best, clearest = Direction(), 0.0
     width = 1
     while rs.size >= _LEAST_WINDOWS * width:
-        found, clear = _at(ts, rs, width, min(most, rs.size // 4), uneven)
+        found, clear = _compare(ts, rs, width, min(most, rs.size // 4), uneven)
         if clear > _CLEARER * clearest:
             best, clearest = found, clear
         width *= 2
     return best
 
 
-def _on_even_times(stamp_ns: np.ndarray, x_deg: np.ndarray,
-                   rs_deg: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
-    """Return both headings, unwrapped, on even times; their step and that before, seconds."""
-    ts, rs = (coarser(track, _GRID_S) for track in common_tracks(stamp_ns, x_deg, rs_deg))
+def _put_on_even_times(stamp_ns: np.ndarray, x_deg: np.ndarray,
+                       rs_deg: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
+    """Return both headings, unwrapped, at even times; the new step and the old one, seconds."""
+    ts, rs = (coarsen(track, _GRID_S) for track in common_tracks(stamp_ns, x_deg, rs_deg))
     span = float(rs.t_s[-1] - rs.t_s[0])
     grid_s = _GRID_S
     while span / grid_s > _MOST and grid_s < _COARSEST_S:
@@ -112,14 +119,14 @@ def _on_even_times(stamp_ns: np.ndarray, x_deg: np.ndarray,
     return ts.at(t), rs.at(t), grid_s, float(np.median(np.diff(rs.t_s)))
 
 
-def _interpolated(step_s: float) -> float:
-    """Return what interpolating both sensors leaves of a yaw of five seconds, E.21, as a share."""
+def _interpolation_share(step_s: float) -> float:
+    """Return the error share of a yaw of five seconds after interpolating both sensors, E.21."""
     return 2.0 * (2.0 * math.pi * step_s / _FASTEST_YAW_S) ** 4 / 120.0
 
 
-def _at(ts: np.ndarray, rs: np.ndarray, width: int, most: int,
-        uneven: float) -> tuple[Direction, float]:
-    """Return the direction by spans of some samples, and how clear the balance is."""
+def _compare(ts: np.ndarray, rs: np.ndarray, width: int, most: int,
+             uneven: float) -> tuple[Direction, float]:
+    """Return the direction by spans of `width` samples, and how clear the balance is."""
     d_ts, (d_rs, mean_rs) = _changes(ts, width)[0], _changes(rs, width)
     n = d_ts.size - 2 * most
     if n < 2:
@@ -136,7 +143,7 @@ def _at(ts: np.ndarray, rs: np.ndarray, width: int, most: int,
     if together + apart <= 0.0:
         return Direction(), 0.0
     ratio = together / apart if apart > 0.0 else math.inf
-    # So much is left of a yaw of five seconds at the true skew.
+    # The remainder of a yaw of five seconds at the true skew.
     floor = uneven * (power + powers[0])
     surer = (together + floor) / (apart + floor)
     clear = max(surer, 1.0 / surer)
@@ -155,7 +162,7 @@ def _at(ts: np.ndarray, rs: np.ndarray, width: int, most: int,
 
 
 def _changes(heading: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the changes from mean to mean over so many samples, and the means."""
+    """Return the changes from mean to mean over `width` samples, and the means."""
     total = np.concatenate(([0.0], np.cumsum(heading - heading[0])))
     mean = (total[width:] - total[:-width]) / width
     return mean[width:] - mean[:-width], mean

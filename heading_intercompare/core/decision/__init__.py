@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Norms and decision rules: figures of a run, or of several, against limits."""
+"""Norms and decision rules: compare the figures of one run, or of several, with limits."""
 
 from typing import TYPE_CHECKING
 
@@ -16,7 +16,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'gk': ('apply_gk', 'Printed'),
     'guarded': ('decide', 'Evidence', 'gather_evidence', 'Guarded', 'REASONS'),
     'norm_presets': ('PRESETS', 'sigma_max_deg'),
-    'sequential': ('find_standing', 'Look', 'Looks', 'LookVerdict', 'rejecting',
+    'sequential': ('find_rejection', 'find_standing', 'Look', 'Looks', 'LookVerdict',
                    'risk_at_the_end'),
 })
 
@@ -53,10 +53,10 @@ if TYPE_CHECKING:
     )
     from .norm_presets import PRESETS as PRESETS, sigma_max_deg as sigma_max_deg
     from .sequential import (
+        find_rejection as find_rejection,
         find_standing as find_standing,
         Look as Look,
         Looks as Looks,
         LookVerdict as LookVerdict,
-        rejecting as rejecting,
         risk_at_the_end as risk_at_the_end,
     )

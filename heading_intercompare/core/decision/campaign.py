@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Several runs judged together: every run must comply, or the sensor that they all show."""
+"""The verdict on several runs: every run must comply, or all of them together."""
 
 from __future__ import annotations
 
@@ -26,65 +26,65 @@ __all__ = ['CAMPAIGN_REASONS', 'conclude_every_run', 'conclude_sensor', 'judge_t
            'LEAST_RUNS', 'Together']
 
 LEAST_RUNS = 5
-"""Fewest runs whose means say anything of errors slower than a run."""
+"""Fewest runs whose means can bound errors slower than a run."""
 
 CAMPAIGN_REASONS = {
     'no_run': 'there is no run',
     'every_run_compliant': 'every run complies',
-    'a_run_non_compliant': "a run is rejected, at its share of the producer's risk",
+    'a_run_non_compliant': "a run is rejected at its share of the producer's risk",
     'no_run_rejected_at_its_share':
         "a run is rejected on its own, but not at its share of the producer's risk",
     'an_input_not_judged': 'not every input could be judged',
-    'a_run_void': 'a run is void, so it says nothing of the sensor',
+    'a_run_void': 'a run is void, so it says nothing about the sensor',
     'a_run_indeterminate': 'not every run complies, and none is rejected',
-    'a_run_repeated': 'two runs are one record, which shows the sensor once',
+    'a_run_repeated': 'two runs are the same record, which shows the sensor only once',
     'insufficient_data': 'no run has 128 differences',
     'lower_bound_above_rejection_limit':
-        'the variance that the runs share is above the rejection limit, at the stated risk',
+        'the common variance of the runs is above the rejection limit, at the stated risk',
     'count_lower_bound_above_allowed': 'too many extreme differences, at the stated risk',
     'insufficient_duration': 'the runs together are shorter than a run must be to comply',
     'upper_bound_within_acceptance_limit':
-        'the variance that the runs share is within the acceptance limit, at the stated risk',
+        'the common variance of the runs is within the acceptance limit, at the stated risk',
     'total_error_not_within_norm': 'the total error of a run is not shown to be within its norm',
     'slow_errors_not_resolved':
-        'the errors have a slow part that these runs cannot measure: measure longer, or in five '
-        'runs or more',
+        'the errors have a slow part that these runs cannot measure: measure longer, or in at '
+        'least five runs',
     'reference_limited': 'only better knowledge of sigma_ref can decide, not more data',
     'data_limited': 'more data can decide',
 }
-"""Why the outcome of a campaign is what it is: code and words."""
+"""Reasons for the outcome of a campaign: code and words."""
 
 
 @dataclass(frozen=True, slots=True)
 class Together:
     """
-    The variance of the differences that all runs share; keys of the JSON.
+    The common variance of the differences of all runs; keys of the JSON.
 
     Attributes
     ----------
     runs : int
-        Runs taken: those with at least 128 differences.
+        Runs used: those with at least 128 differences.
     n : int
-        Their differences.
+        Total number of their differences.
     span_s : float
-        Their lengths added up, seconds.
+        Sum of their lengths, seconds.
     apart_s : float
         Shortest time between two of them, seconds; negative if they overlap, infinite for one.
     d_hat_deg2 : float
         Mean variance, weighted by the number of differences; square degrees. S.12.
     nu, f : float
-        Effective degrees of freedom of it, and of its slow part. S.12.
+        Effective degrees of freedom of this variance, and of its slow part. S.12.
     slow_allowance_deg2 : float
-        What `pooled_upper_bound_deg2` allows for a slow part that shows, square degrees.
+        Allowance of `pooled_upper_bound_deg2` for a visible slow part, square degrees.
     pooled_upper_bound_deg2 : float
-        Upper bound from what each run shows within itself, square degrees. S.12.
+        Upper bound from the variation within each run, square degrees. S.12.
     between_upper_bound_deg2 : float or None
         Upper bound that takes the slow part from the means of the runs, square degrees; None in
         variants A and C, for fewer than five runs, and for runs too close to each other. S.13.
     upper_bound_deg2, lower_bound_deg2 : float
-        The bounds that decide, square degrees; the upper one is S.13 where there is one.
+        The bounds that decide, square degrees; the upper one is that of S.13 if there is one.
     acceptance_limit_deg2, rejection_limit_deg2 : float
-        The limits they are compared with, square degrees.
+        The limits that they are compared with, square degrees.
     rate_plus_lower : float
         Lower bound of the rate of extreme deviations. S.14.
 
@@ -110,21 +110,21 @@ class Together:
 def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk, variant: str,
                    apart_s: float = math.inf) -> Together | None:
     """
-    Return what the runs say of one variance that they share.
+    Bound the common variance of the runs.
 
     Parameters
     ----------
     runs : sequence of Evidence
     limits : sequence of Limits
-        Of each run; acceptance limits differ where interpolation shrank the noise differently.
+        Limits of each run; acceptance limits differ if interpolation reduced the noise
+        differently.
     risk : Risk
         Not shared among runs: they are judged once, together.
     variant : {'A', 'B', 'C'}
-        Of GK Table I; only in B is the mean one constant that the means of runs estimate.
+        Variant of GK Table I. Only in B is the mean a constant, estimated by the means of runs.
     apart_s : float
-        Shortest time between two runs, seconds. Means of runs that are no further apart than the
-        slowest error that is stated, or than 600 s if none is, are not independent, and do not
-        count.
+        Shortest time between two runs, seconds. The means of runs count only if this exceeds the
+        slowest error stated, or 600 s if none is stated; otherwise they are not independent.
 
     Returns
     -------
@@ -164,7 +164,7 @@ def conclude_every_run(alone: Sequence[Outcome],
     Parameters
     ----------
     alone, among : sequence of Outcome
-        Of each run on its own, and when the runs share the producer's risk.
+        Outcome of each run on its own, and with the producer's risk shared among the runs.
 
     References
     ----------
@@ -192,14 +192,14 @@ def conclude_sensor(found: Together | None, limits: Sequence[Limits], totals_met
     ----------
     found : Together or None
     limits : sequence of Limits
-        Of the runs.
+        Limits of the runs.
     totals_met : bool
-        Whether the total error of every run is within its norm, or has none.
+        Whether the total error of every run is within its norm, or has no norm.
     risk : Risk
 
     Notes
     -----
-    No single run rejects: the bounds of all runs together do, at the full risk.
+    No single run can reject; the bounds of all runs together can, at the full risk.
 
     """
     if not limits:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which errors a verdict covers: how slow they may be, and how long a run must last for that."""
+"""The slowest errors that a verdict covers, and the run length needed for that."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ __all__ = ['Coverage', 'coverage_of', 'least_apart_s', 'least_duration_s', 'leas
            'least_together_s', 'SENSOR_CLASSES', 'SensorClass', 'slowest_error_s', 'span_words']
 
 _LEAST_TIMES = 20.0
-"""Correlation times that a record must hold for the risks to be kept."""
+"""Least length of a record in correlation times; in shorter records the risks do not hold."""
 
 _UNSTATED_LEAST_S = 600.0
-"""Least duration of a run where nobody states the slowest error, seconds."""
+"""Least duration of a run if the slowest error is not stated, seconds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,12 +29,12 @@ class SensorClass:
     title : str
         The instruments.
     slowest_s : float
-        Time in which the correlation of the slowest error falls to 1/e, seconds; of an
-        oscillation its coherence time, never its period.
+        Time in which the correlation of the slowest error falls to 1/e, seconds. For an
+        oscillation this is its coherence time, never its period.
     source : str
-        Where the figure comes from.
+        Source of the figure.
     trial : str
-        Whether a trial can be long enough, in words.
+        The trial that is long enough, in words.
 
     """
 
@@ -45,7 +45,7 @@ class SensorClass:
 
     @property
     def least_s(self) -> float:
-        """Length of the run that follows, seconds."""
+        """Least length of a run, seconds."""
         return _LEAST_TIMES * self.slowest_s
 
 
@@ -54,31 +54,31 @@ SENSOR_CLASSES: Mapping[str, SensorClass] = {
         'gyrocompass, Schuler-tuned and damped', 2300.0,
         'a swing of 84.4 min, damped to a third at each half swing, falls to 1/e in '
         '42.2 min / ln 3 = 38.4 min',
-        'one run of 12.8 h, or five runs and more by campaign.rule sensor'),
+        'one run of 12.8 h, or at least five runs with campaign.rule sensor'),
     'ins': SensorClass(
-        'inertial navigation system, not aided', 86164.0,
-        'Schuler, Foucault and Earth-rate oscillations are not damped: they stay coherent for a '
-        'sidereal day at least',
-        'no single run can certify it (20 days); five runs or more, each aligned anew, by '
-        'campaign.rule sensor'),
+        'inertial navigation system, unaided', 86164.0,
+        'Schuler, Foucault and Earth-rate oscillations are undamped: they stay coherent for at '
+        'least a sidereal day',
+        'no single run can certify it (20 days); at least five runs, with a new alignment before '
+        'each, with campaign.rule sensor'),
     'ins_aided': SensorClass(
         'inertial navigation system, aided by GNSS', 1800.0,
-        'heading is observed through manoeuvres only; 30 min is a usual time constant of that '
-        'filter state, to be replaced by the figure of the maker',
-        'one run of 10 h, or five runs and more by campaign.rule sensor'),
+        'only manoeuvres make the heading observable; 30 min is a typical time constant of that '
+        "filter state, to be replaced by the manufacturer's figure",
+        'one run of 10 h, or at least five runs with campaign.rule sensor'),
     'gnss_compass': SensorClass(
         'GNSS compass', 300.0,
-        'multipath from a reflector at 2 m turns by one wavelength of 0.19 m in 340 s, for a '
-        'satellite moves by 0.14 mrad/s; nearer reflectors are slower and weaker',
+        'multipath from a reflector at 2 m changes by one wavelength of 0.19 m in 340 s, because '
+        'a satellite moves by 0.14 mrad/s; nearer reflectors are slower and weaker',
         'one run of 100 min'),
 }
-"""By name for `risk.sensor_class`."""
+"""The classes by their names in `risk.sensor_class`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
     """
-    What the record covers; keys of the JSON.
+    The errors that a record covers; keys of the JSON.
 
     Attributes
     ----------
@@ -88,11 +88,11 @@ class Coverage:
         Slowest errors for which the risks hold: a twentieth of the record, or the shortest time
         between runs whose means count; seconds.
     stated_s : float or None
-        Slowest error that was stated, seconds; None if none was.
+        Slowest error stated in the settings, seconds; None if not stated.
     least_duration_s : float
         Least duration of a run that may comply, seconds.
     by_run_means : bool
-        Whether the means of several runs stand in for errors slower than that.
+        Whether the means of several runs cover slower errors.
 
     """
 
@@ -104,7 +104,7 @@ class Coverage:
 
     @property
     def words(self) -> str:
-        """What a certificate says of itself in its own line."""
+        """The line of a certificate that states its coverage."""
         covered = f'for errors that change within {span_words(self.longest_s)}'
         if self.by_run_means:
             covered += ', from run to run'
@@ -115,7 +115,7 @@ class Coverage:
 
 def span_words(span_s: float) -> str:
     """
-    Return a span as people read it.
+    Return a span of time in words.
 
     Examples
     --------
@@ -131,7 +131,7 @@ def span_words(span_s: float) -> str:
 
 
 def slowest_error_s(risk: Risk) -> float | None:
-    """Return the slowest error that the settings state, seconds; None if they state none."""
+    """Return the slowest error stated in the settings, seconds; None if not stated."""
     if risk.slowest_error_s is not None:
         return risk.slowest_error_s
     if risk.sensor_class is None:
@@ -141,10 +141,10 @@ def slowest_error_s(risk: Risk) -> float | None:
 
 def least_duration_s(risk: Risk) -> float:
     """
-    Return how long a run must be to comply, seconds.
+    Return the least length of a run that may comply, seconds.
 
-    Twenty times the slowest error, if one is stated; `risk.min_duration_s`, if that is longer;
-    600 s if nothing is stated.
+    It is the longer of twenty times the slowest error and `risk.min_duration_s`, as far as these
+    are stated, and 600 s if neither is.
 
     Examples
     --------
@@ -161,19 +161,19 @@ def least_duration_s(risk: Risk) -> float:
 
 
 def least_apart_s(risk: Risk) -> float:
-    """Return how far apart runs must be for their means to count as independent, seconds."""
+    """Return the least time between runs whose means count as independent, seconds."""
     slowest = slowest_error_s(risk)
     return _UNSTATED_LEAST_S if slowest is None else slowest
 
 
 def least_together_s(risk: Risk) -> float:
-    """Return how long runs must be together to comply by their means, seconds."""
+    """Return the least total length of runs that may comply by their means, seconds."""
     return _UNSTATED_LEAST_S if risk.min_duration_s is None else risk.min_duration_s
 
 
 def least_duration_words(risk: Risk) -> str:
     """
-    Return how long a run must be to comply, and why, to be said before the trial.
+    Return in words how long a run must be to comply and why, to be shown before the trial.
 
     Examples
     --------
@@ -192,7 +192,7 @@ def least_duration_words(risk: Risk) -> str:
 
 def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None) -> Coverage:
     """
-    Return what a record of this length covers.
+    Return the errors that a record of this length covers.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None) -> C
         Length of the record, or of all runs together, seconds.
     risk : Risk
     apart_s : float, optional
-        Shortest time between runs whose means stand in for slower errors, seconds.
+        Shortest time between runs, seconds, if their means cover slower errors.
 
     """
     longest = span_s / _LEAST_TIMES

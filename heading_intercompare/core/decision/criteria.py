@@ -59,8 +59,8 @@ def variance_limits(sigma_max_deg: float, sigma_ref_max_deg: float,
             sigma_max_deg ** 2 + sigma_ref_max_deg ** 2)
 
 
-def _given(name: str, value: float | None) -> float:
-    """Return a norm that every verdict needs."""
+def _require(name: str, value: float | None) -> float:
+    """Return a norm that every verdict needs; raise SettingsError if it is missing."""
     if value is None:
         raise SettingsError(f'norms.{name} is missing: a verdict needs it, e.g. norms.{name}=0.2')
     return value
@@ -69,16 +69,16 @@ def _given(name: str, value: float | None) -> float:
 @dataclass(frozen=True, slots=True)
 class Limits:
     """
-    Everything that the criteria compare with; computed once from the norms.
+    All limits of the criteria, computed once from the norms.
 
     Attributes
     ----------
     m_low, m_up : float
-        Bounds of M = sigma_ref / sigma_ref_max; `m_low` already holds the square root of the
-        factor by which interpolation shrinks the noise of the RS.
+        Bounds of M = sigma_ref / sigma_ref_max; `m_low` already includes the square root of the
+        factor by which interpolation reduces the noise variance of the RS.
     ts_variance_factor : float
-        Factor by which interpolation shrinks the white noise of the TS; holds where a small
-        variance is to prove compliance.
+        Factor by which interpolation reduces the white-noise variance of the TS; applies where a
+        small variance is to prove compliance.
     limit_deg2, tightened_limit_deg2 : float
         GK (5), (5').
     k, k_tightened : float
@@ -98,7 +98,7 @@ class Limits:
     ts_variance_factor: float = 1.0
 
     def with_rs_factor(self, factor: float) -> 'Limits':
-        """Return the limits where interpolation has shrunk the variance of the RS noise again."""
+        """Return the limits after interpolation reduced the RS noise variance once more."""
         lost = (1.0 - factor) * (self.m_low * self.sigma_ref_max_deg) ** 2
         return replace(self, m_low=self.m_low * math.sqrt(factor),
                        tightened_limit_deg2=self.tightened_limit_deg2 - lost)
@@ -119,7 +119,7 @@ class Limits:
         return self.sigma_max_deg ** 2 + (self.m_up * self.sigma_ref_max_deg) ** 2
 
     def allowed(self, n: int) -> Fraction:
-        """Return n (1 - P), exactly, from the shortest decimal form of P."""
+        """Return n (1 - P) exactly, from the shortest decimal form of P."""
         return n * (1 - Fraction(repr(self.probability)))
 
     @classmethod
@@ -131,7 +131,7 @@ class Limits:
         Parameters
         ----------
         norms : Norms
-            `sigma_max_deg` or a preset, and `sigma_ref_max_deg`, must be there.
+            Must hold `sigma_max_deg` or a preset, and `sigma_ref_max_deg`.
         model : {'NN', 'UN', 'NU', 'UU'}
             Error distributions of TS and RS.
         rs_variance_factor, ts_variance_factor : float
@@ -144,17 +144,18 @@ class Limits:
 
         Notes
         -----
-        Interpolation shrinks white errors by the factor, and those that last less. As nothing
-        is known of that, a TS at its norm may show anything from the factor times its variance
-        to all of it: acceptance takes the first, rejection the second. The same with the RS.
+        Interpolation reduces the variance of white errors by the factor, that of slower errors by
+        less. The share of white errors is unknown, so a TS at its norm may show anything from the
+        factor times its variance to the full variance. Acceptance assumes the first, rejection
+        the second. The same holds for the RS.
 
         References
         ----------
         GK (5), (5'), (*), (**).
 
         """
-        sigma_max = _given('sigma_max_deg', sigma_max_deg(norms, model))
-        sigma_ref_max = _given('sigma_ref_max_deg', norms.sigma_ref_max_deg)
+        sigma_max = _require('sigma_max_deg', sigma_max_deg(norms, model))
+        sigma_ref_max = _require('sigma_ref_max_deg', norms.sigma_ref_max_deg)
         low, up = norms.m_low, norms.m_up
         if norms.sigma_ref_deg is not None and sigma_ref_max > 0.0:
             low = up = norms.sigma_ref_deg / sigma_ref_max
@@ -178,7 +179,7 @@ class Limits:
 @dataclass(frozen=True, slots=True)
 class VarianceCriterion:
     """
-    What GK (5) says of one run.
+    The result of GK (5) for one run.
 
     Attributes
     ----------
@@ -235,7 +236,7 @@ def apply_variance_criterion(variance_deg2: float | None, limits: Limits) -> Var
 @dataclass(frozen=True, slots=True)
 class CountCriterion:
     """
-    What GK (6) says of one run.
+    The result of GK (6) for one run.
 
     Attributes
     ----------
@@ -244,7 +245,7 @@ class CountCriterion:
     limit_deg, tightened_limit_deg : float
         The limits of (*) and (**), degrees.
     n_plus, n_plus_plus : int
-        How many deviations exceed them.
+        Number of deviations that exceed them.
     allowed : float
         n (1 - P).
     dead_zone_width : float or None
@@ -273,17 +274,17 @@ def apply_count_criterion(n: int, n_plus: int, n_plus_plus: int, limits: Limits)
     n : int
         Number of differences.
     n_plus, n_plus_plus : int
-        How many deviate by more than `limits.count_limit_deg` and
+        Number of deviations above `limits.count_limit_deg` and above
         `limits.tightened_count_limit_deg`.
     limits : Limits
 
     Notes
     -----
-    n (1 - P) is compared exactly, as a fraction: in binary 10 (1 - 0.9) is less than 1.
+    n (1 - P) is compared exactly, as a fraction: in binary, 10 (1 - 0.9) is less than 1.
 
-    Fewer than two differences are indeterminate, as for the variance: one deviates from its own
-    mean by nothing, whatever the TS. For n < 1 / (1 - P) not a single deviation is allowed, and
-    (6') as printed is met by none; that says no more than that, and certifies no rate.
+    Fewer than two differences are indeterminate, as for the variance: a single difference equals
+    its own mean, whatever the TS. For n < 1 / (1 - P) no deviation at all is allowed, and a run
+    without any meets (6') as printed. That certifies no rate.
 
     References
     ----------
@@ -315,13 +316,13 @@ class TotalError:
     k : float or None
         Coverage factor used (for 'composition' that of the wide limits).
     sigma_ts_low_deg, sigma_ts_up_deg : float or None
-        The TS standard deviation if the RS is at the upper and at the lower bound of M.
+        The TS standard deviation with the RS at the upper and at the lower bound of M.
     low_deg, up_deg : float or None
         Wide limits (RS at its lower bound), degrees.
     low_narrow_deg, up_narrow_deg : float or None
         Narrow limits (RS at its upper bound), degrees.
     outcome : Outcome or None
-        Against the norm of the total error; None without one.
+        Outcome against the norm of the total error; None without a norm.
 
     """
 
@@ -343,18 +344,18 @@ def estimate_total_error(mean_deg: float | None, variance_deg2: float | None, li
     Parameters
     ----------
     mean_deg, variance_deg2 : float or None
-        Mean and variance of the differences; None with too few of them.
+        Mean and variance of the differences; None for too few of them.
     limits : Limits
     norms : Norms
-        `probability`, `k_rule`, `k_total_rule` and `total_error_max_deg` are used.
+        Uses `probability`, `k_rule`, `k_total_rule` and `total_error_max_deg`.
     model : {'NN', 'UN', 'NU', 'UU'}
 
     Notes
     -----
-    A variance of the differences below that of the RS gives a TS standard deviation of 0. For
-    the wide limits an interpolated TS has had errors larger by the root of its factor. The
-    rule of K is that of the counts: a number is taken as it is, 'three' is 3 where the law that K
-    belongs to is normal.
+    A variance of the differences below that of the RS gives a TS standard deviation of 0. The
+    wide limits assume that the errors of an interpolated TS were larger by the root of its
+    factor. K follows the same rule as for the counts: a number is used as given, and 'three' is 3
+    if the distribution that K belongs to is normal.
 
     References
     ----------

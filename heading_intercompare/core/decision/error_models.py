@@ -3,8 +3,8 @@
 """
 Distributions of the difference TS - RS, and their coverage factors K(P).
 
-A model is named by two letters, TS then RS: N normal, U uniform. Everything here is about the
-difference divided by its standard deviation, so that all models have variance 1.
+A model is named by two letters, TS then RS: N normal, U uniform. Everything here refers to the
+difference divided by its standard deviation, so all models have variance 1.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def _half_widths(ts: float, rs: float) -> tuple[float, float]:
 
 
 def _trapezoid_factor(ts: float, rs: float, p: float) -> float:
-    """K.1: on the flank or on the plateau of the trapezoid."""
+    """Return the factor by K.1: on the flank or on the plateau of the trapezoid."""
     w1, w2 = _half_widths(ts, rs)
     if (1.0 - p) * w1 <= w2:
         return w1 + w2 - 2.0 * math.sqrt((1.0 - p) * w1 * w2)
@@ -188,7 +188,7 @@ def _probability(p: float) -> float:
 
 def coverage_factor(model: str, ratio: float, p: float) -> float:
     """
-    Return K(P): how many standard deviations hold the difference with probability P.
+    Return K(P): the difference is within K standard deviations with probability P.
 
     Parameters
     ----------
@@ -212,8 +212,8 @@ def coverage_factor(model: str, ratio: float, p: float) -> float:
     Notes
     -----
     Normal: -Phi^-1((1 - P) / 2). Two uniform parts: the trapezoid in closed form. Normal and
-    uniform: root of the tail, which is a difference of partial expectations of the normal law
-    or, where those would cancel, a Gauss-Legendre sum. Relative error below 1e-13.
+    uniform: root of the tail, which is a difference of partial expectations of the normal
+    distribution or, where those would cancel, a Gauss-Legendre sum. Relative error below 1e-13.
 
     References
     ----------
@@ -275,8 +275,8 @@ def tail(model: str, ratio: float, k: ArrayLike) -> np.ndarray:
     Returns
     -------
     ndarray, shape of `k`
-        ``P(|x - a| > k sqrt(sigma^2 + sigma_ref^2))``, which is strict but for continuous laws no
-        different. Relative accuracy holds far into the tail.
+        ``P(|x - a| > k sqrt(sigma^2 + sigma_ref^2))``, with good relative accuracy far into the
+        tail.
 
     """
     ts, rs = _parts(ratio)
@@ -297,7 +297,7 @@ def density(model: str, ratio: float, z: ArrayLike) -> np.ndarray:
     Returns
     -------
     ndarray, shape of `z`
-        Density per standard deviation; divide by the standard deviation for one per degree.
+        Density per standard deviation; divide by the standard deviation for density per degree.
 
     """
     ts, rs = _parts(ratio)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What GK says as printed: the criteria (5), (6), (7) on the figures of a run, together."""
+"""The criteria (5), (6) and (7) of GK as printed, applied together to the figures of a run."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Printed:
     counts : CountCriterion
     total : TotalError
     outcome : Outcome
-        The worst of them; the total error counts if it has a norm.
+        The worst of the three; the total error counts only if it has a norm.
 
     """
 
@@ -54,12 +54,12 @@ def apply_gk(n: int, mean_deg: float | None, variance_deg2: float | None,
     n : int
         Number of differences.
     mean_deg, variance_deg2 : float or None
-        Their mean and variance; None where there are too few for them.
+        Their mean and variance; None for too few differences.
     count : callable
-        ``count(limit_deg)``: how many deviations exceed a limit.
+        ``count(limit_deg)`` returns the number of deviations above a limit.
     limits : Limits
     settings : Settings
-        Norms and model are used.
+        Uses norms and model.
 
     References
     ----------

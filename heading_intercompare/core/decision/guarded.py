@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The decision with a stated risk: confidence bounds, not estimates, against the limits."""
+"""The decision with a stated risk: compares confidence bounds, not estimates, with limits."""
 
 from __future__ import annotations
 
@@ -43,25 +43,25 @@ REASONS = {
     'slow_errors_not_resolved':
         'the errors have a slow part that this record cannot measure: measure longer',
     'drift_left_in':
-        'the drift that is left in may by itself break the norm: measure longer, or take it out '
-        '(drift_order)',
+        'the drift, which is not removed, may break the norm by itself: measure longer, or remove '
+        'it (drift_order)',
     'reference_limited': 'only better knowledge of sigma_ref can decide, not more data',
     'data_limited': 'more data can decide',
 }
-"""Why the decision on the variance is what it is: code and words."""
+"""Reasons for the decision on the variance: code and words."""
 
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
     """
-    All that the decision takes from the data of one run.
+    The figures of one run that the decision uses.
 
     Attributes
     ----------
     n : int
         Number of differences.
     spread : Spread or None
-        Their variance and how well it is known; None for fewer than 128.
+        Their variance, and how well it is known; None for fewer than 128.
     mean_deg : float or None
         Mean difference, degrees; None for n = 0.
     offset_u_deg : float
@@ -69,9 +69,9 @@ class Evidence:
     span_s : float
         Time from the first to the last difference, seconds.
     n_plus, n_plus_plus : int
-        How many deviations exceed the limits of GK (*) and (**).
+        Number of deviations above the limits of GK (*) and (**).
     drift_left_deg2 : float
-        Upper 95 % bound of the variance of the drift left in, square degrees.
+        Upper 95 % bound of the variance of the drift not removed, square degrees.
 
     """
 
@@ -90,41 +90,42 @@ class Guarded:
     """
     The guarded decision on one run; the fields are the keys of the JSON, in its order.
 
-    None where there is no figure (fewer than 128 differences); infinite where a figure has no
-    bound. Angles in degrees, variances in square degrees.
+    A missing figure is None (fewer than 128 differences); a figure without a bound is infinite.
+    Angles are in degrees, variances in square degrees.
 
     Attributes
     ----------
     d_hat_deg2 : float or None
-        Variance D with what the removed mean has swallowed. S.2.
+        Variance D, with the part that the removed mean absorbed added back. S.2.
     nu, f : float or None
         Effective degrees of freedom of the variance, and of its slow part. S.4, S.6.
     corner_j : float or None
-        Half-periods in the record at which the power of the squares falls off. S.5.
+        Frequency at which the power of the squares falls off, in half-periods per record. S.5.
     r_slow, slow_variance_deg2, slow_allowance_deg2 : float or None
-        How far the lowest half-periods stand out, the variance in that, and what the upper bound
-        allows for it. S.8, S.9.
+        Excess power of the lowest half-periods, the variance in it, and the allowance of the
+        upper bound for it. S.8, S.9.
     upper_bound_deg2, lower_bound_deg2 : float or None
         Bounds U at the consumer's and L at the producer's risk. S.10, S.11.
     acceptance_limit_deg2, rejection_limit_deg2 : float
         The limits A and R that they are compared with.
     sigma_ts_lower_deg, sigma_ts_upper_deg : float or None
-        Bounds of the TS standard deviation, the RS at its upper and at its lower value; the upper
-        one allows for what interpolating the TS may have taken from it.
+        Bounds of the TS standard deviation, with the RS at its upper and at its lower value. The
+        upper one allows for the reduction by interpolating the TS.
     confidence_compliant, confidence_non_compliant : float or None
-        That the variance is at most A; that it is above R.
+        Confidence that the variance is at most A; that it is above R.
     conformance_probability : float or None
-        That the TS meets its norm, the RS uniform between its bounds. E.10.
+        Probability that the TS meets its norm, with the RS uniform between its bounds. E.10.
     duration_factor, hours_needed : float or None
-        How many times as long a run would decide if everything stayed as it is, and its length.
+        Factor by which the run must grow to decide, other things being equal, and the length that
+        gives.
     bias_u_deg, bias_interval_deg, bias_significant : float, pair of float, bool or None
-        Standard uncertainty of the mean, its 95 % interval, whether that excludes 0.
+        Standard uncertainty of the mean, its 95 % interval, and whether that excludes 0.
     rate_plus, rate_plus_plus : float or None
         Rates of extreme deviations; None for n = 0.
     rate_plus_lower, rate_plus_plus_upper : float or None
         Their bounds. S.14.
     count_outcome, outcome : Outcome
-        On the counts; on the variance.
+        Outcome of the counts, and of the variance.
     reason : str
         A key of `REASONS`.
 
@@ -164,14 +165,14 @@ def gather_evidence(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: floa
                     mean_deg: float | None, offset_u_deg: float = 0.0, order: int = 0,
                     drift_left_deg2: float = 0.0) -> Evidence:
     """
-    Return what a run says.
+    Gather the figures of a run that the decision uses.
 
     Parameters
     ----------
     cells : Cells
-        Of the differences, or of their residuals about a polynomial.
+        Cells of the differences, or of their residuals about a polynomial.
     n_plus, n_plus_plus : int
-        How many deviations exceed the limits of GK (*) and (**).
+        Number of deviations above the limits of GK (*) and (**).
     span_s : float
         Time from the first to the last difference, seconds.
     mean_deg : float or None
@@ -181,7 +182,7 @@ def gather_evidence(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: floa
     order : int
         Order of the polynomial to allow for; see `estimate_spread`.
     drift_left_deg2 : float
-        Upper 95 % bound of the variance of the drift left in, square degrees.
+        Upper 95 % bound of the variance of the drift not removed, square degrees.
 
     """
     return Evidence(cells.n, estimate_spread(cells, order), mean_deg, offset_u_deg, span_s, n_plus,
@@ -189,12 +190,12 @@ def gather_evidence(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: floa
 
 
 def variance_risk(risk: Risk) -> float:
-    """Return the producer's risk that the variance may take."""
+    """Return the variance criterion's part of the producer's risk."""
     return risk.alpha_producer * (1.0 - risk.count_share)
 
 
 def count_risk(risk: Risk) -> float:
-    """Return the producer's risk that the counts may take."""
+    """Return the count criterion's part of the producer's risk."""
     return risk.alpha_producer * risk.count_share
 
 
@@ -205,11 +206,11 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
     Parameters
     ----------
     evidence : Evidence
-        Of one run, or of several together.
+        Evidence of one run, or of several together.
     limits : Limits
         Acceptance limit `tightened_limit_deg2` and rejection limit `rejection_limit_deg2`.
     risk : Risk
-        Among m runs divide `alpha_producer` by m: any of them may reject.
+        For m runs divide `alpha_producer` by m, because any of them may reject.
 
     Returns
     -------
@@ -217,8 +218,8 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
 
     Notes
     -----
-    Variance and counts may both reject, so they share the producer's risk; the variance alone
-    certifies, so it has all of the consumer's.
+    Variance and counts can both reject, so they share the producer's risk. Only the variance can
+    certify, so it has all of the consumer's risk.
 
     References
     ----------
@@ -229,7 +230,7 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
     found = evidence.spread
     accept, reject = limits.tightened_limit_deg2, limits.rejection_limit_deg2
     if found is None or evidence.mean_deg is None:
-        return _without_evidence(evidence, accept, reject)
+        return _refuse_to_decide(evidence, accept, reject)
     rates = evidence.n_plus / evidence.n, evidence.n_plus_plus / evidence.n
     producer = variance_risk(risk)
     upper = upper_bound(found, risk.alpha_consumer)
@@ -269,8 +270,8 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
         outcome=outcome, reason=reason)
 
 
-def _without_evidence(evidence: Evidence, accept_deg2: float, reject_deg2: float) -> Guarded:
-    """Return the decision on too few differences: the limits, and how many were extreme."""
+def _refuse_to_decide(evidence: Evidence, accept_deg2: float, reject_deg2: float) -> Guarded:
+    """Return the decision on too few differences: only the limits and the rates."""
     n = evidence.n
     return Guarded(
         acceptance_limit_deg2=accept_deg2, rejection_limit_deg2=reject_deg2,

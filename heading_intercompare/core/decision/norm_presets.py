@@ -25,15 +25,15 @@ class Preset:
     title : str
         The instrument and the document.
     rms_deg : float or None
-        Norm of the standard deviation, degrees; it is the TS norm by itself.
+        Norm of the standard deviation, degrees; used directly as the TS norm.
     limit_deg : float or None
-        Norm of the largest error, degrees; it becomes a standard deviation as limit / K(P).
+        Norm of the largest error, degrees; divided by K(P) it gives a standard deviation.
     probability : float or None
         Probability that belongs to the limit; None for `norms.probability`.
     secant : bool
         Whether the norm grows with the secant of the latitude.
     content : str
-        What else the document asks.
+        The main requirements of the document.
     status : str
         'verified' against the document, or 'unverified': from secondary sources or a draft.
 
@@ -71,14 +71,14 @@ PRESETS = {
 
 def sigma_max_deg(norms: Norms, model: str = 'NN') -> float | None:
     """
-    Return the norm of the TS standard deviation that is in force.
+    Return the norm of the TS standard deviation.
 
     Parameters
     ----------
     norms : Norms
-        With a preset the norm follows from it, else it is `sigma_max_deg`, which may be None.
+        The preset gives the norm; without a preset it is `sigma_max_deg`, which may be None.
     model : {'NN', 'UN', 'NU', 'UU'}
-        The TS law turns a norm of the largest error into one of the standard deviation.
+        The TS distribution converts a norm of the largest error to a standard deviation.
 
     Returns
     -------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Early verdicts: a few looks at doubling times that share the risk of one verdict."""
+"""Early verdicts: a few looks, at doubling times, that share the risk of one verdict."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from heading_intercompare.core.settings import Risk, Settings, SettingsError
 
 from .coverage import least_duration_s
 
-__all__ = ['find_standing', 'Look', 'Looks', 'LookVerdict', 'rejecting', 'risk_at_the_end']
+__all__ = ['find_rejection', 'find_standing', 'Look', 'Looks', 'LookVerdict', 'risk_at_the_end']
 
 
 @dataclass(frozen=True, slots=True)
 class Look:
     """
-    One moment at which a run in progress may be decided.
+    A time at which a run in progress may be decided.
 
     Attributes
     ----------
     index : int
-        From 0; the last is the planned end of the run.
+        Number of the look, from 0; the last look is the planned end of the run.
     span_ns : int
-        Time since the first difference at which it is due, nanoseconds.
+        Time from the first difference to the look, nanoseconds.
     risk : Risk
-        With this look's share of both risks.
+        This look's share of both risks.
 
     """
 
@@ -41,21 +41,21 @@ class Look:
 @dataclass(frozen=True, slots=True)
 class LookVerdict:
     """
-    What a look at a run in progress said; keys of the JSON.
+    The result of a look at a run in progress; keys of the JSON.
 
     Attributes
     ----------
     look, looks : int
-        Which look, from 1, of how many.
+        Number of the look, from 1, and number of looks planned.
     span_s : float
         Time since the first difference, seconds.
     outcome : Outcome
     reason : str
-        As for a run; or 'not_confirmed', where an earlier look accepted.
+        As for a run; or 'not_confirmed' if an earlier look accepted and this one does not.
     validity_effect : {'holds', 'doubtful', 'void'}
-        The gravest effect of a finding at that time.
+        The most serious effect of a finding at that time.
     headline : str
-        The same in one line.
+        The result in one line.
 
     """
 
@@ -72,23 +72,23 @@ class LookVerdict:
                 f'difference: {self.outcome}')
 
 
-def rejecting(looks: Sequence[LookVerdict]) -> LookVerdict | None:
+def find_rejection(looks: Sequence[LookVerdict]) -> LookVerdict | None:
     """Return the first look that rejected; None if none did."""
     return next((look for look in looks if look.outcome is Outcome.NON_COMPLIANT), None)
 
 
 def find_standing(looks: Sequence[LookVerdict]) -> LookVerdict | None:
     """
-    Return what the looks taken so far leave standing of a run in progress.
+    Return the result that stands after the looks taken so far.
 
     Returns
     -------
     LookVerdict or None
-        The first that rejected; else the last one, if any accepted: where it does not confirm
-        that, it is indeterminate and says so. None while no look has decided.
+        The first look that rejected. Otherwise, if any look accepted, the last one; if that does
+        not confirm the acceptance, its reason is 'not_confirmed'. None while no look has decided.
 
     """
-    rejected = rejecting(looks)
+    rejected = find_rejection(looks)
     if rejected is not None:
         return rejected
     if not any(look.outcome is Outcome.COMPLIANT for look in looks):
@@ -108,30 +108,30 @@ class Looks:
     plan_s : float
         Planned length of the run, seconds, greater than 0.
     looks : int
-        How many, at least 2: at plan, plan/2, plan/4, ... Those before the least duration of a
-        run do not exist.
+        Number of looks, at least 2: at plan, plan/2, plan/4, ... Looks earlier than the least
+        duration of a run are dropped.
     risk : Risk
-        To be shared: half of each alpha for the last look, the other half in equal parts for
-        the earlier ones; all for the last one if there is no other.
+        Risk to share. The last look gets half of each alpha, the earlier looks share the other
+        half equally. A single look gets all of it.
 
     Attributes
     ----------
     plan : tuple of Look
         All looks, first to last.
     taken : int
-        How many have been taken.
+        Number of looks taken.
 
     Raises
     ------
     SettingsError
-        If the plan is no plan, or a risk is too small to be shared.
+        If the plan or the number of looks is out of range, or a risk is too small to share.
 
     Notes
     -----
     The probability that any look decides wrongly is at most the sum of the shares, whatever the
-    dependence between looks (Bonferroni). To look more often, or at the full risk each time,
-    is what it must not be used for: a rule of 5 % looked at every minute for ten hours accepts
-    at the limit in a quarter of all runs and more.
+    dependence between looks (Bonferroni). Do not look more often, or at the full risk each time:
+    a rule of 5 % applied every minute for ten hours accepts at the limit in more than a quarter
+    of all runs.
 
     References
     ----------
@@ -144,7 +144,7 @@ class Looks:
     [900, 1800, 3600]
     >>> [look.risk.alpha_consumer for look in looks.plan]
     [0.0125, 0.0125, 0.025]
-    >>> [look.index for look in looks.due(2000.0)], looks.due(3000.0)
+    >>> [look.index for look in looks.take_due(2000.0)], looks.take_due(3000.0)
     ([0, 1], [])
 
     """
@@ -164,7 +164,7 @@ class Looks:
                           for k, span in enumerate(spans))
         self.taken = 0
 
-    def due(self, span_s: float) -> list[Look]:
+    def take_due(self, span_s: float) -> list[Look]:
         """
         Take the looks that a run of this length has reached.
 
@@ -176,12 +176,12 @@ class Looks:
         Returns
         -------
         list of Look
-            Those not taken before, first to last; each is returned once.
+            Looks not taken before, first to last; each is returned once.
 
         """
-        return self._reached(round(span_s * 1e9))
+        return self._take_reached(round(span_s * 1e9))
 
-    def _reached(self, span_ns: int) -> list[Look]:
+    def _take_reached(self, span_ns: int) -> list[Look]:
         start = self.taken
         while self.taken < len(self.plan) and self.plan[self.taken].span_ns <= span_ns:
             self.taken += 1
@@ -201,19 +201,19 @@ class Looks:
         Returns
         -------
         list of (int, Look)
-            How many samples of the chunk belong to the look: up to and with the first one that
-            reaches its time. So a look sees the same samples in whatever chunks they come.
+            Number of samples of the chunk that belong to the look: up to and including the first
+            one that reaches its time. So a look sees the same samples, however they are chunked.
 
         """
         if not len(stamp_ns):
             return []
-        reached = self._reached(int(stamp_ns[-1]) - start_ns)
+        reached = self._take_reached(int(stamp_ns[-1]) - start_ns)
         return [(int(np.searchsorted(stamp_ns, start_ns + look.span_ns)) + 1, look)
                 for look in reached]
 
 
 def risk_at_the_end(settings: Settings) -> Risk:
-    """Return the risks of the verdict at the end of a run: with a plan, those of its last look."""
+    """Return the risks of the verdict at the end of a run; with a plan, those of the last look."""
     plan, risk = settings.sequential, settings.risk
     if plan.plan_s is None:
         return risk
@@ -223,7 +223,7 @@ def risk_at_the_end(settings: Settings) -> Risk:
 def _share(risk: Risk, parts: int) -> Risk:
     for name in ('alpha_consumer', 'alpha_producer'):
         if getattr(risk, name) / parts < 1e-6:
-            raise SettingsError(f'risk.{name} = {getattr(risk, name)!r}: too small to be shared '
-                                f'by looks; must be at least {parts}e-06')
+            raise SettingsError(f'risk.{name} = {getattr(risk, name)!r}: too small to share '
+                                f'among the looks; must be at least {parts}e-06')
     return replace(risk, alpha_consumer=risk.alpha_consumer / parts,
                    alpha_producer=risk.alpha_producer / parts)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What else the pairs of a run say: findings and assumptions."""
+"""Further findings from the pairs of a run, and the assumptions of the verdict."""
 
 from typing import TYPE_CHECKING
 

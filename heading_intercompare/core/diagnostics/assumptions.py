@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The assumptions (a) to (j) that GK makes, each held against the data of a run.
+The assumptions (a) to (j) of GK, each compared with the data of a run.
 
-What two sensors cannot show is said to be not testable, never to be met.
+An assumption that two sensors cannot test is reported as not testable, never as met.
 """
 
 from __future__ import annotations
@@ -33,34 +33,34 @@ STATEMENTS = {
     'a': 'There are many readings, also counted as independent ones',
     'b': 'TS and RS are read at the same instants',
     'c': 'The stabilisation period is left out',
-    'd': 'The RS has no systematic error, and its norm is close to its true deviation',
-    'e': 'The installation offset is known, or small against the norm',
+    'd': 'The RS has no systematic error, and its norm is close to its true standard deviation',
+    'e': 'The installation offset is known, or small compared with the norm',
     'f': 'The difference is a drift plus a stationary process',
     'g': 'The process is ergodic: every run shows the same form',
     'h': 'Mean and variance are constant within the run',
     'i': 'The errors of TS and RS are uncorrelated',
-    'j': 'The errors follow the laws of the model',
+    'j': 'The errors follow the distributions of the model',
 }
-"""What GK takes for granted, in this package's words."""
+"""The assumptions of GK, in this package's words."""
 
 SIGNIFICANT = 0.01
-"""An assumption is violated if data that obey it would look so bad less often than this."""
+"""An assumption is violated if data that meet it would look this bad with a lower probability."""
 
 DEPENDENT = 0.001
-"""The same for a dependence on the heading, for the test on few blocks is somewhat eager."""
+"""The same for a dependence on the heading, because the test on few blocks rejects too often."""
 
 SKEW_SHARE = 0.05
-"""Share of the variance that a skew may add while the readings count as simultaneous."""
+"""Largest share of the variance from a skew at which readings count as simultaneous."""
 
 ENOUGH = 15.0
 """Fewest effectively independent differences that count as many."""
 
 SLOW_RATIO, SLOW_SHARE = 2.0, 0.05
-"""A slow error and a change look alike where the four lowest half-periods of a record have so many
-times the power of the middle ones, and so much of the variance."""
+"""A slow error looks like a change if the four lowest half-periods of a record exceed both: this
+multiple of the power of the middle ones, and this share of the variance."""
 
 SMALL_OFFSET = 1.0 / 3.0
-"""Share of sigma_max up to which a mean difference is small."""
+"""A mean difference is small up to this share of sigma_max."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,10 +73,10 @@ class Assumption:
     id : str
         'a' to 'j'.
     statement : str
-        Of `STATEMENTS`.
+        Its text in `STATEMENTS`.
     state : {'met', 'violated', 'not_testable'}
     evidence : str
-        A sentence with the figures.
+        The figures, in a sentence.
 
     """
 
@@ -95,27 +95,27 @@ def _of(key: str, state: str, evidence: str) -> Assumption:
 
 
 def is_resolved(found: Spread | None) -> bool:
-    """Tell whether a record is long enough to tell its slow errors from a change."""
+    """Tell whether a record is long enough to distinguish slow errors from a change."""
     return found is not None and not (found.r_slow > SLOW_RATIO and
                                       found.slow_variance_deg2 > SLOW_SHARE * found.d_deg2)
 
 
 def judge_large_n(n: int, nu: float | None, resolved: bool) -> Assumption:
-    """Judge (a) by the number of differences and what they are worth for the variance."""
+    """Judge (a) by the number of differences and their effective number for the variance."""
     if n == 0:
         return _of('a', NOT_TESTABLE, 'there are no differences')
     if nu is None:
         return _of('a', VIOLATED, f'{n} differences are fewer than 128, or too unevenly '
                    'spread in time')
     if nu >= ENOUGH and not resolved:
-        return _of('a', NOT_TESTABLE, f'{n} differences, but {_UNRESOLVED}: how many '
-                   'independent ones they are worth cannot be told')
+        return _of('a', NOT_TESTABLE, f'{n} differences, but {_UNRESOLVED}: the number of '
+                   'independent ones that they are worth is unknown')
     return _of('a', MET if nu >= ENOUGH else VIOLATED,
                f'{n} differences are worth {nu:.4g} independent ones; {ENOUGH:.4g} are needed')
 
 
 def judge_synchronous(skew: Skew, range_s: float) -> Assumption:
-    """Judge (b) by the time skew and the variance it adds."""
+    """Judge (b) by the time skew and the variance that it adds."""
     largest = skew.largest_variance_deg2(range_s)
     if largest is None or not skew.std_deg:
         return _of('b', NOT_TESTABLE, 'there is too little data to estimate a time skew')
@@ -135,7 +135,7 @@ def judge_synchronous(skew: Skew, range_s: float) -> Assumption:
 
 
 def judge_stabilized(warm_up: WarmUp | None) -> Assumption:
-    """Judge (c) by an exponential warm-up in what is analysed."""
+    """Judge (c) by an exponential warm-up in the analysed differences."""
     if warm_up is None:
         return _of('c', NOT_TESTABLE, 'there is too little data to see a warm-up')
     if not warm_up.preferred:
@@ -149,8 +149,8 @@ def judge_stabilized(warm_up: WarmUp | None) -> Assumption:
     return _of('c', VIOLATED, f'{figures} {end}')
 
 
-def _below_reference(upper_deg2: float | None, reference_deg: float) -> str:
-    """Return why the variance is too small for the RS, or an empty text."""
+def _explain_low_variance(upper_deg2: float | None, reference_deg: float) -> str:
+    """Return why the variance is too small for the RS, or an empty string."""
     if upper_deg2 is None or not upper_deg2 < reference_deg ** 2:
         return ''
     return (f'the standard deviation of the differences is at most {math.sqrt(upper_deg2):.3g} '
@@ -160,27 +160,28 @@ def _below_reference(upper_deg2: float | None, reference_deg: float) -> str:
 def judge_reference_norm(sigma_ref_lower_deg: float | None, sigma_ref_max_deg: float,
                          upper_deg2: float | None, m_low: float) -> Assumption:
     """
-    Judge (d) by what the data say of the noise of the RS.
+    Judge (d) by the noise of the RS that the data show.
 
     Parameters
     ----------
     sigma_ref_lower_deg : float or None
-        Lower bound of the RS standard deviation from both headings, `reference_noise`; degrees.
+        Lower bound of the RS standard deviation from both headings, by `reference_noise`;
+        degrees.
     sigma_ref_max_deg : float
-        Its norm, degrees.
+        Norm of the RS standard deviation, degrees.
     upper_deg2 : float or None
-        Upper confidence bound of the variance of the differences, square degrees; None if it
-        is not known or not to be trusted.
+        Upper confidence bound of the variance of the differences, square degrees; None if
+        unknown or unreliable.
     m_low : float
         Lower bound of sigma_ref / sigma_ref_max that the verdict uses.
 
     """
-    below = _below_reference(upper_deg2, m_low * sigma_ref_max_deg)
+    below = _explain_low_variance(upper_deg2, m_low * sigma_ref_max_deg)
     if below:
         return _of('d', VIOLATED, f'{below}: its norm is too large, unless (i) is violated')
     if sigma_ref_lower_deg is None:
         return _of('d', NOT_TESTABLE, 'a systematic error of the RS cannot be seen in '
-                   'differences, and the ship is never quiet enough to see its noise')
+                   'differences, and the ship is never quiet enough to show its noise')
     figures = (f'both headings show at least {sigma_ref_lower_deg:.3g} deg of RS noise, its norm '
                f'is {sigma_ref_max_deg:.3g} deg')
     if sigma_ref_lower_deg > sigma_ref_max_deg:
@@ -191,7 +192,7 @@ def judge_reference_norm(sigma_ref_lower_deg: float | None, sigma_ref_max_deg: f
 
 def judge_installation(mean_interval_deg: tuple[float, float] | None, sigma_max_deg: float,
                        variant: str) -> Assumption:
-    """Judge (e) by the 95 % interval of the mean, which holds the offset's uncertainty."""
+    """Judge (e) by the 95 % interval of the mean, which includes the offset's uncertainty."""
     if mean_interval_deg is None:
         return _of('e', NOT_TESTABLE, 'there is too little data for an interval of the mean')
     low, up = mean_interval_deg
@@ -208,14 +209,14 @@ def judge_installation(mean_interval_deg: tuple[float, float] | None, sigma_max_
 def judge_drift_and_stationary(order: Order | None, residual: Stationarity,
                                resolved: bool | None) -> Assumption:
     """
-    Judge (f) by the residuals about the polynomial that the drift calls for.
+    Judge (f) by the residuals about the polynomial that the drift needs.
 
     Parameters
     ----------
     order : Order or None
         The order chosen.
     residual : Stationarity
-        Of the residuals about that polynomial.
+        Stationarity of the residuals about that polynomial.
     resolved : bool or None
         Whether the record is long enough for their correlation.
 
@@ -238,8 +239,8 @@ def judge_ergodic(runs: Homogeneity | None) -> Assumption:
     if runs.variances_equal and runs.means_equal:
         return _of('g', MET, figures)
     if runs.variances_equal:
-        return _of('g', VIOLATED, f'{figures}; the systematic error changes from run to run '
-                   f'with {math.sqrt(runs.between_variance_deg2 or 0.0):.3g} deg: variant C')
+        return _of('g', VIOLATED, f'{figures}; the systematic error varies from run to run '
+                   f'by {math.sqrt(runs.between_variance_deg2 or 0.0):.3g} deg: variant C')
     return _of('g', VIOLATED, figures)
 
 
@@ -251,14 +252,14 @@ def judge_constant_moments(found: Stationarity, slope: Slope | None, span_h: flo
     Parameters
     ----------
     found : Stationarity
-        Of the differences as they are analysed.
+        Stationarity of the differences as analysed.
     slope : Slope or None
-        Of the same.
+        Slope of the same.
     span_h : float
         Length of the run, hours.
     dependence : HeadingDependence
     resolved : bool or None
-        Whether the record is long enough for the correlation of the rest.
+        Whether the record is long enough for the correlation of the residuals.
 
     """
     if found.least_p is None:
@@ -287,7 +288,7 @@ def judge_constant_moments(found: Stationarity, slope: Slope | None, span_h: flo
 def judge_correlated_errors(upper_deg2: float | None, reference_deg: float,
                             source: OneSource) -> Assumption:
     """
-    Judge (i): two sensors show it only where their difference is too small.
+    Judge (i): two sensors can only show a violation, by a difference that is too small.
 
     Parameters
     ----------
@@ -304,7 +305,7 @@ def judge_correlated_errors(upper_deg2: float | None, reference_deg: float,
     if source.kind == 'suspected':
         return _of('i', VIOLATED, 'the TS repeats the RS, reading by reading: both may come from '
                    'one sensor')
-    below = _below_reference(upper_deg2, reference_deg)
+    below = _explain_low_variance(upper_deg2, reference_deg)
     if below:
         return _of('i', VIOLATED, f'{below}: the errors are correlated, unless (d) is violated')
     return _of('i', NOT_TESTABLE, 'a correlation of the errors cannot be seen in differences')
@@ -323,7 +324,8 @@ def model_kurtosis(model: str, rs_share: float) -> float:
 
     References
     ----------
-    The fourth cumulant of a sum is the sum of theirs; -1.2 sigma^4 for a uniform law.
+    The fourth cumulant of a sum is the sum of the fourth cumulants; that of a uniform
+    distribution is -1.2 sigma^4.
 
     """
     ts, rs = (-1.2 if law == 'U' else 0.0 for law in model)
@@ -337,11 +339,11 @@ def judge_laws(shape: Shape, model: str, reference_deg: tuple[float, float]) -> 
     Parameters
     ----------
     shape : Shape
-        Of the differences or their residuals.
+        Shape of the differences or their residuals.
     model : {'NN', 'UN', 'NU', 'UU'}
     reference_deg : pair of float
         Least and largest standard deviation of the RS, degrees; any kurtosis that the model
-        gives between them is taken.
+        gives between them is accepted.
 
     """
     std_deg, kurtosis, z_skewness = shape.std_deg, shape.excess_kurtosis, shape.skewness_z

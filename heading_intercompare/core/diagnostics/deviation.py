@@ -19,11 +19,11 @@ from heading_intercompare.core.statistics.blocking import block_means, block_siz
 __all__ = ['fit_deviation', 'HeadingDependence', 'largest_empty_arc']
 
 _WORST_CONDITION = 1e4
-"""Largest condition number at which coefficients are given: headings all round give 2."""
+"""Largest condition number with coefficients; headings all round the compass give 2."""
 
 _TERMS = 5
-#: So many at once stay in the cache, and products of them in one thread: with several, one
-#: would wait for the other on a machine that is busy.
+#: Samples processed at once. They fit into the cache, and BLAS computes their products in one
+#: thread: on a busy machine, several threads would wait for each other.
 _PIECE = 1 << 13
 _LEAST_SAMPLES = 64
 _TURNS = 4.0
@@ -43,7 +43,7 @@ class HeadingDependence:
         Number of samples.
     reason : str
         Empty, or why there are no coefficients: 'insufficient_data', 'headings_too_narrow', or
-        'errors_outlast_the_turns': the ship turned round less than four times, and the errors
+        'errors_outlast_the_turns': the ship made fewer than four full turns, and the errors
         change too slowly to be told from a dependence on the heading.
     empty_arc_deg : float or None
         Largest arc of the compass without a heading of the RS; None for n = 0.
@@ -53,13 +53,14 @@ class HeadingDependence:
         A to E, and their standard uncertainties, which allow for correlation; degrees. B and C
         are semicircular (an uncorrected speed error is in C), D and E quadrantal.
     covariance_deg2 : tuple of 5 tuples or None
-        Of the coefficients.
+        Covariance of the coefficients.
     amplitude_deg : float or None
-        Largest departure from A over the compass.
+        Largest deviation from A over the compass.
     f, p : float or None
-        Of B to E being zero together, and the probability of so large a value if they are.
+        F statistic of the hypothesis that B to E are all zero, and the probability of a value at
+        least this large if they are.
     residual_std_deg : float or None
-        Standard deviation of the differences less the fit.
+        Standard deviation of the differences minus the fit.
 
     """
 
@@ -78,7 +79,7 @@ class HeadingDependence:
 
 def largest_empty_arc(heading_deg: ArrayLike) -> float | None:
     """
-    Return the largest arc that holds no heading.
+    Return the largest arc without a heading.
 
     Parameters
     ----------
@@ -104,7 +105,7 @@ def largest_empty_arc(heading_deg: ArrayLike) -> float | None:
 
 
 def _basis(heading_deg: np.ndarray) -> np.ndarray:
-    """Return the terms, a row each."""
+    """Return the five terms, one row each."""
     psi = np.radians(heading_deg)
     terms = np.empty((_TERMS, psi.size))
     terms[0] = 1.0
@@ -131,19 +132,21 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
     Returns
     -------
     HeadingDependence
-        Without coefficients for fewer than 64 samples, or where the headings are too narrow an
-        arc: then the five terms cannot be told apart.
+        Without coefficients for fewer than 64 samples, or if the headings cover too narrow an
+        arc to tell the five terms apart.
 
     Notes
     -----
-    Covariance G^-1 S G^-1, S from the scatter of the block means of each term times its
-    residual, so that it survives correlation. The 16 to 31 blocks have lost five degrees of
-    freedom to the fit, one to each term; the joint test allows for what is left (Hotelling).
-    Where the ship turned round less than four times the terms are as slow as the blocks, and the
-    scatter of these is too small: the covariance is then multiplied by 1 + 60 r max(1, 2.5 / k),
-    with k the number of turns and r the correlation time of the residuals over the length of the
-    run. That gives intervals of 90 to 99 % (measured, AR(1) over 20 to 200 correlation times).
-    Above r = 0.03 k, at most 0.06, nothing is given.
+    The covariance is G^-1 S G^-1, with S from the scatter of the block means of each term times
+    the residual, so it stays valid for correlated errors. The fit takes five of the 16 to 31
+    degrees of freedom of the blocks, one for each term; the joint test allows for this
+    (Hotelling).
+
+    If the ship made fewer than four full turns, the terms are as slow as the blocks, and the
+    scatter of the block means is too small. The covariance is then multiplied by
+    1 + 60 r max(1, 2.5 / k), where k is the number of turns and r the correlation time of the
+    residuals over the length of the run. This gives intervals of 90 to 99 % (measured, AR(1) over
+    20 to 200 correlation times). Above r = 0.03 k, at most 0.06, there are no coefficients.
 
     References
     ----------
@@ -168,7 +171,7 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
                                  condition if math.isfinite(condition) else None)
     beta = np.linalg.solve(gram, right)
     sums, rss = [], 0.0
-    # Both are powers of two: a block has whole pieces, or a piece whole blocks.
+    # Both are powers of two: a block holds whole pieces, or a piece holds whole blocks.
     unit = min(size, _PIECE)
     for part in _pieces(n):
         basis = _basis(psi[part])
@@ -199,7 +202,7 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
 
 
 def _widening(x: np.ndarray, psi: np.ndarray, beta: np.ndarray, first: float) -> float | None:
-    """Return by what the covariance is too small for want of turns; None if that is too much."""
+    """Return the factor by which few turns make the covariance too small; None if too large."""
     size = max(1, block_size(x.size, _LEAST_SAMPLES))
     ends = unwrap_deg(psi)[::size]
     turns = float(np.abs(np.diff(ends)).sum()) / 360.0
@@ -218,7 +221,7 @@ def _widening(x: np.ndarray, psi: np.ndarray, beta: np.ndarray, first: float) ->
 
 def _joint(beta: np.ndarray, covariance: np.ndarray,
            dof: int) -> tuple[float | None, float | None]:
-    """Return F and p of all being zero; None where the residuals are mere rounding."""
+    """Return F and p of all coefficients being zero; None if the residuals are only rounding."""
     scale = np.sqrt(np.diag(covariance))
     if not (scale > 1e-13 * (1.0 + np.abs(beta))).all():
         return None, None

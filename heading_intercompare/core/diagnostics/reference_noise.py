@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the two headings themselves say about the noise of the RS."""
+"""A lower bound of the noise of the RS, from the two headings themselves."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 __all__ = ['estimate_reference_noise', 'ReferenceNoise']
 
 QUIET = 0.1
-"""An octave is used if the standard error is below this share of the variance of x in it."""
+"""An octave is used if the standard error is below this share of its variance of x."""
 
 _LEAST_PAIRS = 16
 _RISK_FACTOR = 1.6448536269514722
@@ -27,14 +27,14 @@ class ReferenceNoise:
     Attributes
     ----------
     octaves : tuple of int
-        Samples averaged in the octaves used: 1, 2, 4, ... where the ship is quiet; empty if it
-        is in none.
+        Samples averaged in the octaves used: those of 1, 2, 4, ... in which the ship is quiet;
+        empty if it is quiet in none.
     ts_variance_deg2, rs_variance_deg2, u_deg2 : tuple of float
-        Of each octave used: the share of TS and of RS, which add up to that of x, and the
-        standard error of the latter; square degrees.
+        For each octave used, the variances of TS and RS, which add up to that of x, and the
+        standard error of the RS variance; square degrees.
     sigma_ref_lower_deg : float or None
-        Lower 95 % confidence bound of the RS standard deviation: what noise there is in other
-        octaves comes on top. None without any octave, 0 if the bound is below zero.
+        Lower 95 % confidence bound of the RS standard deviation; noise in other octaves adds to
+        it. None without any octave, 0 if the bound is below zero.
 
     """
 
@@ -45,7 +45,7 @@ class ReferenceNoise:
     sigma_ref_lower_deg: float | None = None
 
     def m_lower(self, sigma_ref_max_deg: float) -> float | None:
-        """Return the lower bound of M = sigma_ref / sigma_ref_max; None if nothing is known."""
+        """Return the lower bound of M = sigma_ref / sigma_ref_max; None if unknown."""
         if self.sigma_ref_lower_deg is None or not sigma_ref_max_deg > 0.0:
             return None
         return self.sigma_ref_lower_deg / sigma_ref_max_deg
@@ -54,15 +54,15 @@ class ReferenceNoise:
 def estimate_reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
                              skew_variance_deg2: float = 0.0) -> ReferenceNoise:
     """
-    Bound the noise of the RS from below by the readings of both sensors.
+    Bound the noise of the RS from below, by the readings of both sensors.
 
     Parameters
     ----------
     ts_deg, rs_deg : array_like, shape (n,)
         Unwrapped headings of the pairs in sample order, finite, degrees.
     skew_variance_deg2 : float
-        Largest variance that a time skew may add to x, square degrees. Half of it may pass for
-        noise of the RS, and is taken off the bound.
+        Largest variance that a time skew may add to x, square degrees. Half of it may look like
+        noise of the RS, and is subtracted from the bound.
 
     Returns
     -------
@@ -70,12 +70,13 @@ def estimate_reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
 
     Notes
     -----
-    With d the difference of neighbouring block means, d_ref (d_ref - d)/4 has the variance of
-    the RS noise in that octave as its mean, d (d - d_ref)/4 that of the TS: the heading cancels,
-    whatever it does. Where it moves much, the mean is uncertain and the octave is left out.
-    Holds if the errors of both and the heading are uncorrelated. A skew d makes the heading
-    itself leave g(0) - g(d) of its autocovariance, half of what it adds to x. Interpolating the
-    RS lowers the bound: the safe side.
+    Let d and d_ref be the differences of neighbouring block means of TS and RS. The mean of
+    d_ref (d_ref - d)/4 is the variance of the RS noise in that octave, that of d (d - d_ref)/4
+    the variance of the TS noise: the heading cancels, whatever it does. If the heading moves
+    much, the mean is uncertain and the octave is left out. This is valid if the errors of both
+    and the heading are uncorrelated. With a skew s the heading leaves g(0) - g(s) of its
+    autocovariance, half of what it adds to x. Interpolating the RS lowers the bound, which is the
+    safe side.
 
     References
     ----------

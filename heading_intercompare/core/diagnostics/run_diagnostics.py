@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What else a run says beside its verdict, and which assumptions of the verdict it bears out."""
+"""All diagnostics of a run, and the assumptions of its verdict that they confirm."""
 
 from __future__ import annotations
 
@@ -63,18 +63,18 @@ from .run_findings import (
 __all__ = ['diagnose', 'Diagnostics', 'Signs', 'with_runs']
 
 MOVING_AVERAGE_S = 1.0
-"""Span of the moving average that headings are compared with, seconds."""
+"""Span of the moving average that is subtracted from headings, seconds."""
 
 LONGEST_BURST_S = 60.0
-"""Longest excursion of the difference that is an outlier, not a slow error; seconds."""
+"""Longest excursion of the difference that counts as an outlier, not a slow error; seconds."""
 
 SETTLED_SHARE = 0.1
-"""Share of sigma_max to which a warm-up must have died away."""
+"""A warm-up has settled when it has fallen to this share of sigma_max."""
 
 
 @dataclass(frozen=True, slots=True)
 class Signs:
-    """What the detectors found in the pairs of a run; the warnings say it in words."""
+    """The findings of the detectors in the pairs of a run."""
 
     convention: Convention
     mean: MeanDifference
@@ -90,9 +90,9 @@ class Signs:
 @dataclass(frozen=True, slots=True)
 class Diagnostics:
     """
-    The open blocks of a run in the JSON, its assumptions and warnings.
+    The diagnostic blocks of a run in the JSON, its assumptions and warnings.
 
-    All fields but `signs` are keys of the JSON; ``docs/verdict_json.md`` lists what is in them.
+    All fields except `signs` are keys of the JSON; ``docs/verdict_json.md`` lists their contents.
     """
 
     skew: RunSkew
@@ -122,37 +122,38 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     x_deg, rs_deg : ndarray, shape (n,)
         Differences, installation offset removed, and headings of the RS; finite, degrees.
     settings : Settings
-        Installation offset, model, variant, alignment, risk, pairing gap and detectors are used.
+        Uses installation offset, model, variant, alignment, risk, pairing gap and detectors.
     guarded : Guarded
         The decision on the same differences.
     limits : Limits
-        That it was made with.
+        The limits of that decision.
     drift : Drift
-        Of the differences, `drift_of`.
+        Drift of the differences, from `describe_drift`.
     rest : Detrended
-        What it leaves of them.
+        The differences without that drift.
     residual_deg : ndarray, shape (n,), optional
-        Differences less the polynomial that `drift_order` removed; default the differences.
+        Differences minus the polynomial that `drift_order` removed; default the differences.
     times : CorrelationTimes, optional
-        `estimate_correlation_times` of the residuals, if known already.
+        `estimate_correlation_times` of the residuals, if already known.
     scan : Scan, optional
-        Of the two streams, if they are at hand.
+        Skew scan of the two streams, if available.
     factor : ndarray, shape (n,), optional
-        What interpolation left of the variance of white noise, (1-w)^2 + w^2; default 1.
+        Factor by which interpolation reduces the variance of white noise, (1-w)^2 + w^2;
+        default 1.
     interpolates_ts : bool
-        Whether that is of the TS; else it is of the RS.
+        Whether the TS is interpolated, not the RS.
 
     Returns
     -------
     Diagnostics
-        With None and 'not_testable' where n is too small.
+        Holds None and 'not_testable' where n is too small.
 
     Notes
     -----
-    Whatever is long is not thinned, but averaged or looked at in parts: the skew is estimated
-    on averages over up to 0.1 s, trends on 16 to 127 block means, the noise of each sensor on a
-    million readings spread over the run, resolutions on the first 100000. Everything else takes
-    all differences.
+    Long records are not thinned, but averaged or examined in parts. The skew is estimated on
+    averages over up to 0.1 s, trends on 16 to 127 block means, the noise of each sensor on a
+    million readings spread over the run, resolutions on the first 100000 readings. Everything
+    else uses all differences.
 
     References
     ----------
@@ -189,7 +190,7 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
                       residual_deg: np.ndarray, settings: Settings, detectors: Detectors,
                       limits: Limits, factor: np.ndarray | None, interpolates_ts: bool,
                       correlation: Correlation, estimate: Skew) -> tuple[Signs, Normality]:
-    """Look at the headings of both sensors; those of the TS follow from the differences."""
+    """Examine the headings of both sensors; those of the TS follow from the differences."""
     ts_deg = x_deg + rs_deg
     ts_deg += settings.installation_offset_deg
     ts_deg = wrap360(ts_deg)
@@ -250,7 +251,7 @@ def _assumptions(found: Diagnostics, n: int, settings: Settings, guarded: Guarde
 
 
 def with_runs(checked: Sequence[Assumption], runs: Homogeneity) -> tuple[Assumption, ...]:
-    """Return the assumptions of a run with (g) judged by all runs."""
+    """Return the assumptions of a run, with (g) judged from all runs."""
     return tuple(assumptions.judge_ergodic(runs) if a.id == 'g' else a for a in checked)
 
 
@@ -263,18 +264,18 @@ def _warnings(found: Diagnostics) -> Iterator[str]:
         if share > assumptions.SKEW_SHARE:
             age = 'older' if skew_s > 0.0 else 'newer'
             yield (f'skew: the TS data are {abs(skew_s):.3f} s {age} than their stamps '
-                   'say, compared with the RS; that makes '
+                   'say, compared with the RS; that makes up '
                    f'{100.0 * share:.0f} % of the variance')
     warm_up = found.drift.warm_up
     if warm_up is not None and warm_up.stabilization_s > 0.0:
-        yield (f'warm_up: the difference still settles, to within {warm_up.tolerance_deg:.3g} deg '
-               f'{warm_up.settle_s:.4g} s after its first value')
+        yield (f'warm_up: the difference is still settling; it is within '
+               f'{warm_up.tolerance_deg:.3g} deg {warm_up.settle_s:.4g} s after its first value')
     steps = [s for s in (found.normality.ts_step_deg, found.normality.rs_step_deg) if s]
     std = found.normality.difference.std_deg
     if steps and std is not None and std < 0.5 * max(steps):
-        yield (f'resolution: the differences scatter by {std:.2g} deg, less than half of the step '
-               f'of {max(steps):.2g} deg in which a heading is reported')
+        yield (f'resolution: the differences scatter by {std:.2g} deg, less than half of the '
+               f'{max(steps):.2g} deg step in which a sensor reports')
     stamps = found.correlation.stamps
     if stamps.silences:
         yield (f'silence: the pairs fall silent {stamps.silences} times, for up to '
-               f'{stamps.longest_s:.1f} s; correlation times and block lengths do not count that')
+               f'{stamps.longest_s:.1f} s; correlation times and block lengths ignore this')

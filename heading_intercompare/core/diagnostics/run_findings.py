@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Blocks of the JSON of a run that gather several findings: skew, drift, correlation, Allan."""
+"""Blocks of the JSON of a run that combine several findings: skew, drift, correlation, Allan."""
 
 from __future__ import annotations
 
@@ -38,18 +38,19 @@ __all__ = ['Allan', 'Correlation', 'describe_allan', 'describe_correlation', 'de
 @dataclass(frozen=True, slots=True)
 class RunSkew:
     """
-    The time skew of a run, and what the variance criterion says with and without it.
+    The time skew of a run, and the variance criterion with and without it.
 
     Attributes
     ----------
     estimate : Skew
-        From the pairs.
+        Estimate from the pairs.
     variance_aligned_deg2 : float or None
-        Variance of the differences less what the skew adds; None unless well determined.
+        Variance of the differences with the part of the skew removed; None unless the skew is
+        well determined.
     outcome_as_paired, outcome_aligned : Outcome or None
-        GK (5) of the variance as paired, and of the aligned one; None without a variance.
+        GK (5) on the variance as paired, and on the aligned one; None without a variance.
     scan : Scan or None
-        Of the two streams, where they were at hand.
+        Scan of the two streams, if they were available.
 
     """
 
@@ -63,25 +64,26 @@ class RunSkew:
 @dataclass(frozen=True, slots=True)
 class Drift:
     """
-    The drift of a run; None where there is too little data.
+    The drift of a run. A figure is None if there is too little data for it.
 
     Attributes
     ----------
     order : Order or None
-        The order that the differences call for, whatever order was removed.
+        The order that the differences need, whatever order was removed.
     coefficients_deg : tuple of float or None
-        Legendre coefficients of that order.
+        Legendre coefficients up to that order.
     left_deg2 : float or None
-        Upper 95 % bound of the variance that a drift of that order, at least a slope, makes if
-        it is left in; square degrees.
+        Upper 95 % bound of the variance that a drift of that order, at least a slope, adds if it
+        is not removed; square degrees.
     residual_std_deg : float or None
-        Standard deviation about that polynomial, RSS/(n - 1 - order).
+        Standard deviation about that polynomial, the root of RSS/(n - 1 - order).
     span_h : float
         Length of the run, hours.
     line : Slope or None
     warm_up : WarmUp or None
     mser_s : float or None
-        Where the start stops to disturb the mean, by MSER-5: seconds after the first stamp.
+        Time after which the start no longer disturbs the mean, by MSER-5: seconds after the
+        first stamp.
 
     """
 
@@ -105,13 +107,14 @@ class Correlation:
     n : int
         Number of differences.
     stamps : StampSteps
-        How their stamps follow each other; silences are not seen by what follows.
+        Steps of their stamps; the figures below ignore silences.
     r1 : float or None
-        Autocorrelation at one sample.
+        Autocorrelation at a lag of one sample.
     window_s, tau_1_s, tau_2_s : float or None
         Largest lag summed, and the correlation times for mean and variance, seconds.
     n_effective_mean, n_effective_variance : float
-        How many independent differences would give as good a mean, and as good a variance.
+        Number of independent differences that give an equally good mean, and an equally good
+        variance.
     closed : bool
         Whether the sum ended before a quarter of the run; if not, the times are too short.
 
@@ -131,16 +134,16 @@ class Correlation:
 @dataclass(frozen=True, slots=True)
 class Allan:
     """
-    Scatter of the differences by averaging time.
+    Scatter of the differences against averaging time.
 
     Attributes
     ----------
     m : tuple of int
-        Samples averaged: 1, 2, 4, ...; empty for n < 2.
+        Samples per average: 1, 2, 4, ...; empty for n < 2.
     tau_s, deviation_deg : tuple of float
         Averaging times, seconds, and overlapping Allan deviations, degrees.
     terms : tuple of int
-        Differences averaged in each.
+        Number of squared differences in each.
     reference_noise : ReferenceNoise
         The same variance split between TS and RS where the ship is quiet.
 
@@ -161,13 +164,13 @@ def describe_skew(estimate: Skew, variance_deg2: float | None, limits: Limits,
     Parameters
     ----------
     estimate : Skew
-        Of the pairs of the run.
+        Estimate from the pairs of the run.
     variance_deg2 : float or None
-        Of the differences as paired, square degrees.
+        Variance of the differences as paired, square degrees.
     limits : Limits
-        Of the variance criterion.
+        Limits of the variance criterion.
     scan : Scan, optional
-        Of the two streams.
+        Scan of the two streams.
 
     """
     if variance_deg2 is None:
@@ -176,7 +179,7 @@ def describe_skew(estimate: Skew, variance_deg2: float | None, limits: Limits,
     std_deg, aligned_deg = estimate.std_deg, estimate.std_aligned_deg
     if not estimate.well_determined or std_deg is None or aligned_deg is None:
         return RunSkew(estimate, None, paired, None, scan)
-    # The estimate may rest on short averages: what the skew adds is the same in these.
+    # The estimate may use short averages, to which the skew adds the same variance.
     added = std_deg ** 2 - aligned_deg ** 2
     aligned = max(0.0, variance_deg2 - added)
     return RunSkew(estimate, aligned, paired, apply_variance_criterion(aligned, limits).outcome,
@@ -186,7 +189,7 @@ def describe_skew(estimate: Skew, variance_deg2: float | None, limits: Limits,
 def describe_drift(stamp_ns: np.ndarray, x_deg: np.ndarray,
                    tolerance_deg: float) -> tuple[Drift, Detrended]:
     """
-    Return the block of the drift, and what it leaves of the differences.
+    Return the block of the drift, and the differences without it.
 
     Parameters
     ----------
@@ -195,7 +198,7 @@ def describe_drift(stamp_ns: np.ndarray, x_deg: np.ndarray,
     x_deg : ndarray, shape (n,)
         Differences, finite, degrees.
     tolerance_deg : float
-        What may be left of a warm-up, degrees.
+        Value to which a warm-up must fall, degrees.
 
     """
     n = x_deg.size
@@ -216,7 +219,7 @@ def describe_drift(stamp_ns: np.ndarray, x_deg: np.ndarray,
 
 def left_in_deg2(stamp_ns: np.ndarray, x_deg: np.ndarray) -> float:
     """
-    Return the upper bound of the variance that a drift makes if it is left in, square degrees.
+    Return the upper bound of the variance that a drift adds if it is not removed.
 
     Parameters
     ----------
@@ -228,7 +231,7 @@ def left_in_deg2(stamp_ns: np.ndarray, x_deg: np.ndarray) -> float:
     Returns
     -------
     float
-        `Drift.left_deg2` of `describe_drift`; 0 where that is None.
+        Square degrees: `Drift.left_deg2` of `describe_drift`, or 0 if that is None.
 
     """
     order = select_order(stamp_ns, x_deg)
@@ -246,9 +249,9 @@ def describe_correlation(x_deg: np.ndarray, stamps: StampSteps,
     x_deg : ndarray, shape (n,)
         Differences or residuals in sample order, finite, degrees.
     stamps : StampSteps
-        Of the same.
+        Steps of their stamps.
     times : CorrelationTimes
-        Of the same, `correlation_times`.
+        Their correlation times.
 
     """
     n, step = x_deg.size, stamps.typical_s
@@ -273,7 +276,7 @@ def describe_allan(x_deg: np.ndarray, step_s: float | None, noise: ReferenceNois
     step_s : float or None
         Time from sample to sample, seconds.
     noise : ReferenceNoise
-        Of the headings of both sensors.
+        Noise found in the headings of both sensors.
 
     """
     if not step_s:

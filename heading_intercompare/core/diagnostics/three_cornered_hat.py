@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The variance of each of three or more sensors, none of them a reference."""
+"""The variance of each of three or more sensors without a reference."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ class Hats:
     pair_variance_deg2 : tuple of float
         Variances of these differences, divisor n - 1.
     variance_deg2 : tuple of float
-        Of each sensor, by least squares on all pairs; negative if the errors are correlated or
-        the record is short, and reported so.
+        Variance of each sensor, by least squares on all pairs. May be negative, and is reported
+        so, if the errors are correlated or the record is short.
     interval_deg2 : tuple of pair of float, or None
         95 % intervals; None for n < 16.
     std_deg : tuple of float or None
         Roots of the variances; None where negative.
     point_deg2 : tuple of float
-        Variances that fit best among those that are not negative.
+        Best-fitting variances that are not negative.
 
     """
 
@@ -63,9 +63,9 @@ def at_common_stamps(sensors: Sequence[Headings],
     Parameters
     ----------
     sensors : sequence of Headings
-        Two or more.
+        At least two.
     skew_s : sequence of float, optional
-        How much older the first sensor's data are than those of each, seconds, as `scan` of the
+        Age of the first sensor's data relative to each sensor's, seconds, as `scan_skew` of the
         first and each gives it; the first number is 0. Default no skew.
 
     Returns
@@ -73,7 +73,7 @@ def at_common_stamps(sensors: Sequence[Headings],
     stamp_ns : ndarray of int64, shape (n,)
         Stamps of the first sensor that are within the readings of all others.
     heading_deg : ndarray, shape (k, n)
-        Unwrapped headings, those of the others interpolated at the stamp less their skew.
+        Unwrapped headings; those of the others are interpolated at the stamp minus their skew.
 
     """
     origin = int(sensors[0].stamp_ns[0]) if len(sensors[0]) else 0
@@ -82,7 +82,7 @@ def at_common_stamps(sensors: Sequence[Headings],
     t = tracks[0].t_s
     inside = np.ones(t.shape, bool)
     for track in tracks[1:]:
-        # Skew or not, a stamp counts only within the readings: so all skews share one set.
+        # Tests the stamp without its skew, so that all skews use the same set of stamps.
         inside &= track.covers(t, t)
     t = t[inside]
     headings = [tracks[0].heading_deg[inside]]
@@ -102,7 +102,7 @@ def three_cornered_hat(heading_deg: ArrayLike, stamp_ns: ArrayLike | None = None
     stamp_ns : array_like of int, shape (n,), optional
         The stamps; needed for an order above 0.
     order : int
-        Order of the polynomial taken out of each difference first, 0 to 3; 0 is the mean.
+        Order of the polynomial first removed from each difference, 0 to 3; 0 is the mean.
 
     Returns
     -------
@@ -111,12 +111,12 @@ def three_cornered_hat(heading_deg: ArrayLike, stamp_ns: ArrayLike | None = None
     Raises
     ------
     ValueError
-        For fewer than three sensors or two readings, or an order without stamps.
+        For fewer than three sensors, fewer than two readings, or an order without stamps.
 
     Notes
     -----
-    For three sensors s_1^2 = (D_12 + D_13 - D_23)/2, which equals cov(x_12, x_13). Intervals
-    from the scatter of block means of that product, with the Student factor.
+    For three sensors s_1^2 = (D_12 + D_13 - D_23)/2, which equals cov(x_12, x_13). The intervals
+    follow from the scatter of block means of that product, with Student's factor.
 
     References
     ----------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Headings of two sensors to pairs and differences, every reading accounted for."""
+"""Pairs and differences from the headings of two sensors, with every reading accounted for."""
 
 from typing import TYPE_CHECKING
 

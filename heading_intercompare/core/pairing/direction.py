@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Which sensor is interpolated to the stamps of the other: by the stamps of the first minute alone.
+The choice of the sensor to interpolate, from the stamps of the first minute alone.
 
-Halfway between two readings a bracket of length h is off by the curvature of the heading, about
-(pi h / T)^2 / 2 of the amplitude of a yaw of period T. What is interpolated should be the sensor
-that reports often.
+Halfway between two readings h apart, linear interpolation misses the curvature of the heading:
+about (pi h / T)^2 / 2 of the amplitude of a yaw of period T. So the sensor to interpolate is the
+one that reports often.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from heading_intercompare.core.settings import Pairing
 __all__ = ['Direction', 'is_slower', 'typical_step_ns']
 
 _RATIO = (3, 2)
-"""So many times longer than that of the TS must the step of a slower RS be."""
+"""An RS is slower if its step exceeds that of the TS by this factor, numerator and denominator."""
 
 
 def typical_step_ns(stamp_ns: np.ndarray) -> int | None:
     """
-    Return the step of the stamps that half of the time is bridged by, or by shorter ones.
+    Return the typical step: half of the time passes in steps of at most this length.
 
     Parameters
     ----------
     stamp_ns : ndarray of int64, shape (n,)
-        Rising stamps, nanoseconds.
+        Increasing stamps, nanoseconds.
 
     Returns
     -------
@@ -38,8 +38,8 @@ def typical_step_ns(stamp_ns: np.ndarray) -> int | None:
 
     Notes
     -----
-    Steps weigh by their length: readings that come in bursts are bridged by the pauses between
-    these, and a silence that is shorter than half of the time does not count.
+    Steps weigh by their length. For readings in bursts, the result is the pause between bursts.
+    A silence shorter than half of the time does not count.
 
     Examples
     --------
@@ -63,12 +63,12 @@ def is_slower(ts_step_ns: int | None, rs_step_ns: int | None, slow_ns: int) -> b
     ts_step_ns, rs_step_ns : int or None
         Typical steps of both over the same time, nanoseconds.
     slow_ns : int
-        An RS whose typical step is no longer is not slow, nanoseconds.
+        Longest typical step of an RS that is not slow, nanoseconds.
 
     Returns
     -------
     bool or None
-        None where one of them has no step.
+        None if one of them has no step.
 
     Examples
     --------
@@ -84,13 +84,13 @@ def is_slower(ts_step_ns: int | None, rs_step_ns: int | None, slow_ns: int) -> b
 
 class Direction:
     """
-    Choose for one stretch of two streams after the other whether the TS is interpolated.
+    Choose for each stretch of the two streams whether the TS is interpolated.
 
-    A stretch starts with the first reading of each sensor and with each one behind a silence of
-    its sensor that no pair can bridge, `runs.gap_s` or `pairing.max_gap_s` if that is longer:
-    there a run ends, too. In its first `pairing.auto_s` both sensors are watched. A stretch in
-    which one of them has fewer than 2 readings by then takes the choice of the next stretch; the
-    last one, that of the stretch before.
+    A stretch starts with the first reading of a sensor, and with the first one after a silence of
+    that sensor that no pair can bridge: the longer of `runs.gap_s` and `pairing.max_gap_s`. A run
+    ends there, too. Both sensors are watched for the first `pairing.auto_s` of a stretch. If one
+    of them has fewer than 2 readings by then, the stretch takes the choice of the next one; the
+    last stretch takes that of the stretch before.
 
     Parameters
     ----------
@@ -102,11 +102,11 @@ class Direction:
     Attributes
     ----------
     interpolates_ts : bool or None
-        Whether the TS is put onto the stamps of the RS in the present stretch; None as long as
-        that is open.
+        Whether the TS is interpolated to the stamps of the RS in the current stretch; None until
+        that is chosen.
     start_ns : int or None
-        Where the present stretch, or the first of those that share the choice, starts; None as
-        long as it is open.
+        Start of the current stretch, or of the first one that shares its choice; None until that
+        is chosen.
 
     """
 
@@ -138,7 +138,7 @@ class Direction:
                 self._stamp_ns[name] = stamps[np.searchsorted(stamps, oldest):]
 
     def forget(self) -> None:
-        """Keep of readings that were given up only what a choice can still depend on."""
+        """Drop the stamps of expired readings, except those that a choice can depend on."""
         newest = max(self._last_ns.values()) - self._watched_ns
         first = self._starts[0] + self._watched_ns if self._starts else newest
         for name, stamps in self._stamp_ns.items():
@@ -146,27 +146,27 @@ class Direction:
 
     @property
     def limit_ns(self) -> int | None:
-        """Where the next stretch starts; None if that is not known."""
+        """Start of the next stretch; None if unknown."""
         at = 1 if self.interpolates_ts is None else 0
         return self._starts[at] if len(self._starts) > at else None
 
-    def heard(self, stamp_ns: int) -> bool:
-        """Tell whether both sensors have been heard up to a stamp."""
+    def has_heard(self, stamp_ns: int) -> bool:
+        """Tell whether both sensors have reported up to a stamp."""
         return len(self._last_ns) > 1 and min(self._last_ns.values()) >= stamp_ns
 
     def choose(self, end: bool) -> bool:
         """
-        Choose for the present stretch, if that is open and can be done.
+        Choose for the current stretch, if that is still open and possible.
 
         Parameters
         ----------
         end : bool
-            Nothing more will come.
+            True if no more readings will come.
 
         Returns
         -------
         bool
-            Whether it is chosen.
+            Whether the choice is made.
 
         """
         while self.interpolates_ts is None and self._starts:
@@ -174,7 +174,7 @@ class Direction:
             until_ns = start_ns + self._watched_ns
             if limit_ns is not None:
                 until_ns = min(until_ns, limit_ns)
-            if not end and not self.heard(until_ns):
+            if not end and not self.has_heard(until_ns):
                 return False
             ts_step_ns, rs_step_ns = (
                 typical_step_ns(s[slice(*np.searchsorted(s, (start_ns, until_ns)))])
@@ -188,6 +188,6 @@ class Direction:
         return self.interpolates_ts is not None
 
     def leave(self) -> None:
-        """Go on to the next stretch."""
+        """Move on to the next stretch."""
         self._before = self.interpolates_ts
         self.interpolates_ts = self.start_ns = None

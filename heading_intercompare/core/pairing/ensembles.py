@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pairs averaged over ensembles of a few minutes, as those who correct current profilers do."""
+"""Pairs averaged over ensembles of a few minutes, as is usual for correcting current profilers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .difference import subtract
 __all__ = ['Ensembles', 'Ensembling', 'LONGEST_S', 'SHORTEST_S']
 
 SHORTEST_S, LONGEST_S = 1.0, 86400.0
-"""Least and greatest length of an ensemble, seconds."""
+"""Shortest and longest ensemble, seconds."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,16 +27,16 @@ class Ensembles:
     Attributes
     ----------
     stamp_ns : ndarray of int64, shape (n,)
-        Last pair of each.
+        Stamp of the last pair of each ensemble.
     mean_ts_deg : ndarray, shape (n,)
         Direction of the mean of the unit vectors of the TS headings, in [0, 360).
     last_ts_deg : ndarray, shape (n,)
         Last TS heading, in [0, 360).
     mean_deg, std_deg : ndarray, shape (n,)
-        Mean of the differences TS - RS, wrapped, the installation offset not removed; and their
-        standard deviation with num - 1.
+        Mean of the differences TS - RS, wrapped, with the installation offset not removed; and
+        their standard deviation, with num - 1.
     num : ndarray of int64, shape (n,)
-        Pairs that are finite; the figures are of these, and nan where they are too few.
+        Number of finite pairs. Only these enter the figures, which are nan if there are too few.
 
     """
 
@@ -51,8 +51,8 @@ class Ensembles:
         return len(self.num)
 
 
-def _of(pairs: Pairs, starts: np.ndarray, wrap_center_deg: float) -> Ensembles:
-    """Return the figures of the ensembles that start at some pairs, the last one up to the end."""
+def _summarise(pairs: Pairs, starts: np.ndarray, wrap_center_deg: float) -> Ensembles:
+    """Return the figures of the ensembles with these first pairs; the last ends with `pairs`."""
     if not len(pairs):
         none, nowhere = np.zeros(0, np.int64), np.zeros(0)
         return Ensembles(none, nowhere, nowhere, nowhere, nowhere, none)
@@ -70,7 +70,7 @@ def _of(pairs: Pairs, starts: np.ndarray, wrap_center_deg: float) -> Ensembles:
         east, north = sums(np.sin(angle)), sums(np.cos(angle))
         mean = sums(x) / num
         e = x - np.repeat(mean, stops - starts)
-        # The second term takes back the rounding of the mean.
+        # The second term corrects for the rounding of the mean.
         m2 = np.maximum(sums(e * e) - sums(e) ** 2 / num, 0.0)
         std = np.sqrt(np.where(num > 1, m2 / (num - 1), np.nan))
     direction = np.where((east != 0.0) | (north != 0.0), np.degrees(np.arctan2(east, north)),
@@ -83,16 +83,16 @@ class Ensembling:
     """
     Cuts pairs into ensembles.
 
-    The first pair begins an ensemble, and so does a pair behind a silence; from there on one
-    follows the other every `span_s`. None reaches across a silence, and where there is no pair
-    there is no ensemble. However the pairs come in chunks, the ensembles are the same to the bit.
+    The first pair begins an ensemble, and so does the first pair after a silence; from there on a
+    new ensemble begins every `span_s`. No ensemble spans a silence, and none is empty. The
+    ensembles are the same to the bit, however the pairs are cut into chunks.
 
     Parameters
     ----------
     span_s : float
         Length of an ensemble, seconds.
     gap_s : float
-        A longer time without a pair is a silence, seconds: `runs.gap_s`.
+        Longest time between pairs that is not a silence, seconds: `runs.gap_s`.
     wrap_center_deg : float
         Differences are reduced to [c - 180, c + 180), degrees.
 
@@ -103,7 +103,7 @@ class Ensembling:
 
     Notes
     -----
-    The pairs of the ensemble in progress are kept, and no others.
+    Keeps only the pairs of the ensemble in progress.
 
     """
 
@@ -117,40 +117,40 @@ class Ensembling:
         self._newest_ns = self._anchor_ns = self._number = 0
 
     def update(self, pairs: Pairs) -> Ensembles:
-        """Take pairs, whose stamps increase; return the ensembles that are complete now."""
+        """Take pairs with increasing stamps; return the ensembles that they complete."""
         starts = self._starts(pairs.stamp_ns)
         if not len(starts):
             if len(pairs):
                 self._open.append(pairs)
-            return _of(Pairs.empty(), starts, 0.0)
+            return _summarise(Pairs.empty(), starts, 0.0)
         first, last = int(starts[0]), int(starts[-1])
         done = Pairs.concatenate([*self._open, pairs[:last]])
-        # Where they start in `done`; one that was open starts at its beginning.
+        # Starts within `done`; the ensemble that was open starts at 0.
         starts = starts[:-1] + (len(done) - last)
         if self._open or first:
             starts = np.append(0, starts)
         self._open = [pairs[last:]]
-        return _of(done, starts, self._wrap_center_deg)
+        return _summarise(done, starts, self._wrap_center_deg)
 
     def finish(self) -> Ensembles:
-        """Return the ensemble in progress, if there is one; it is the last."""
+        """Return the ensemble in progress, if any; it is the last."""
         done, self._open = Pairs.concatenate(self._open), []
-        return _of(done, np.zeros(1, np.int64), self._wrap_center_deg)
+        return _summarise(done, np.zeros(1, np.int64), self._wrap_center_deg)
 
     def _starts(self, stamp_ns: np.ndarray) -> np.ndarray:
-        """Return which pairs of a chunk begin an ensemble."""
+        """Return the indices of the pairs of a chunk that begin an ensemble."""
         if not len(stamp_ns):
             return np.zeros(0, np.int64)
         fresh = not self._open
         before_ns = int(stamp_ns[0]) if fresh else self._newest_ns
-        anew = np.diff(stamp_ns, prepend=before_ns) > self._gap_ns
-        anew[0] |= fresh
-        at = np.flatnonzero(anew)
+        restarts = np.diff(stamp_ns, prepend=before_ns) > self._gap_ns
+        restarts[0] |= fresh
+        at = np.flatnonzero(restarts)
         anchor_ns = np.full(len(stamp_ns), self._anchor_ns)
         if len(at):
             anchor_ns[at[0]:] = np.repeat(stamp_ns[at], np.diff(at, append=len(stamp_ns)))
         number = (stamp_ns - anchor_ns) // self._span_ns
-        begins = anew | (np.diff(number, prepend=self._number) != 0)
+        begins = restarts | (np.diff(number, prepend=self._number) != 0)
         self._newest_ns, self._anchor_ns = int(stamp_ns[-1]), int(anchor_ns[-1])
         self._number = int(number[-1])
         return np.flatnonzero(begins)

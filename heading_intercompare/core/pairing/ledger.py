@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What became of every reading: paired, unpaired, used, unused or rejected, by reason.
+The fate of every reading: paired, unpaired, used, unused or rejected, with the reason.
 
-The ledger is kept in segments, so that each run can be given its own share: a reading belongs to
-the last segment that starts at or before its stamp, else to the first.
+The ledger is kept in segments, so that each run can get its own share. A reading belongs to the
+last segment that starts at or before its stamp, otherwise to the first.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from numpy.typing import ArrayLike
 __all__ = ['Ledger', 'LedgerKey', 'LedgerSegment', 'REASONS']
 
 REASONS = ('invalid', 'out_of_range', 'no_stamp', 'stamp_not_increasing')
-"""Why a reading is rejected before pairing."""
+"""Reasons to reject a reading before pairing."""
 
 
 class LedgerKey(str, Enum):
     """
-    What may become of a reading; the words are those of topics and bags.
+    The possible fates of a reading; topics and bags use the same words.
 
-    `PAIRED` counts pairs, every other key readings of one sensor: in a pair as they are
-    (`TS_PAIRED`), only interpolated between (`TS_USED`), either (`RS_USED`), neither
-    (`TS_UNPAIRED`, `RS_UNUSED`), not decided yet (`TS_PENDING`, `RS_PENDING`), or rejected.
+    `PAIRED` counts pairs. Every other key counts readings of one sensor: in a pair without
+    interpolation (`TS_PAIRED`), only used for interpolation (`TS_USED`), either (`RS_USED`),
+    neither (`TS_UNPAIRED`, `RS_UNUSED`), undecided (`TS_PENDING`, `RS_PENDING`), or rejected.
     """
 
     PAIRED = 'paired'
@@ -53,36 +53,36 @@ class LedgerKey(str, Enum):
         return self.value
 
     @classmethod
-    def rejected(cls, stream: str, reason: str) -> 'LedgerKey':
+    def of_rejected(cls, stream: str, reason: str) -> 'LedgerKey':
         """
         Return the key of readings of ``'ts'`` or ``'rs'`` rejected for one of `REASONS`.
 
         Examples
         --------
-        >>> print(LedgerKey.rejected('ts', 'no_stamp'))
+        >>> print(LedgerKey.of_rejected('ts', 'no_stamp'))
         ts_rejected.no_stamp
 
         """
         return cls(f'{stream}_rejected.{reason}')
 
     @classmethod
-    def pending(cls, stream: str) -> 'LedgerKey':
+    def of_pending(cls, stream: str) -> 'LedgerKey':
         """Return the key of readings of ``'ts'`` or ``'rs'`` that still wait for a partner."""
         return cls(f'{stream}_pending')
 
     @property
     def stream(self) -> str:
-        """Whose readings these are, ``'ts'`` or ``'rs'``; '' for pairs."""
+        """The sensor of these readings, ``'ts'`` or ``'rs'``; '' for pairs."""
         return '' if self is LedgerKey.PAIRED else self.value[:2]
 
     @property
     def reason(self) -> str:
-        """Why they were rejected; '' if they were not."""
+        """Reason of a rejection; '' for any other key."""
         return self.value.partition('_rejected.')[2]
 
 _PENDING = (LedgerKey.TS_PENDING, LedgerKey.RS_PENDING)
 
-# A cut may come this much later than the newest settled reading and still divide exactly.
+# A cut this far before the newest settled reading still divides exactly.
 _SLACK_NS = 60_000_000_000
 
 
@@ -96,7 +96,7 @@ class LedgerSegment:
     start_ns : int or None
         First stamp of the segment; None for the first segment, which has no beginning.
     counts : mapping of LedgerKey to int
-        Pairs, and readings by what became of them. An absent key is 0.
+        Pairs, and readings by fate. An absent key is 0.
 
     """
 
@@ -104,7 +104,7 @@ class LedgerSegment:
     counts: Mapping[LedgerKey, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Take the words of keys for the keys."""
+        """Turn strings into keys."""
         object.__setattr__(self, 'counts', {LedgerKey(k): n for k, n in self.counts.items()})
 
     def received(self, stream: str) -> int:
@@ -114,15 +114,15 @@ class LedgerSegment:
     def rejected(self, stream: str) -> dict[str, int]:
         """Return how many readings of ``'ts'`` or ``'rs'`` were rejected, by reason."""
         return {reason: n for reason in REASONS
-                if (n := self.counts.get(LedgerKey.rejected(stream, reason)))}
+                if (n := self.counts.get(LedgerKey.of_rejected(stream, reason)))}
 
 
 class Ledger:
     """
-    Counts of readings by what became of them.
+    Counts of readings by fate.
 
-    `add` counts, `cut` opens a segment, `settle` tells up to which stamp nothing more is to
-    come, which lets the ledger forget the single stamps: its memory does not grow with time.
+    `add` counts, `cut` opens a segment, and `settle` gives the stamp up to which no more readings
+    will come. Up to there the ledger can forget single stamps, so its memory does not grow.
     """
 
     def __init__(self) -> None:
@@ -134,7 +134,7 @@ class Ledger:
         self.newest_ns: int | None = None
 
     def receive(self, stream: str, stamp_ns: np.ndarray) -> None:
-        """Count readings as they come in, before anything is decided about them."""
+        """Count readings on arrival, before anything is decided about them."""
         if len(stamp_ns):
             self._received[stream] += len(stamp_ns)
             newest = int(stamp_ns.max())
@@ -146,12 +146,12 @@ class Ledger:
         if len(stamp_ns):
             self._recent.setdefault(key, []).append(stamp_ns)
 
-    def pending(self, stream: str, n: int) -> None:
-        """Set how many readings still wait for a partner."""
-        self._pending[LedgerKey.pending(stream)] = n
+    def set_pending(self, stream: str, n: int) -> None:
+        """Set the number of readings that still wait for a partner."""
+        self._pending[LedgerKey.of_pending(stream)] = n
 
     def cut(self, stamp_ns: int) -> None:
-        """Open a segment at a stamp, which may lie in the future or somewhat in the past."""
+        """Open a segment at a stamp, which may lie in the future or up to 60 s in the past."""
         at = int(np.searchsorted(self._starts, stamp_ns))
         if at < len(self._starts) and self._starts[at] == stamp_ns:
             return
@@ -159,10 +159,10 @@ class Ledger:
         self._counts.insert(at + 1, Counter())
 
     def settle(self, stamp_ns: int) -> None:
-        """Fold the stamps that no later cut can divide into their segments."""
+        """Add the stamps that no later cut can divide to the counts of their segments."""
         limit = stamp_ns - _SLACK_NS
         for key, chunks in self._recent.items():
-            # Chunks come nearly in order, so the first is the oldest; fold many at once.
+            # Chunks come nearly in order, so the first is the oldest. Fold many at once.
             if chunks and chunks[0][0] < limit - _SLACK_NS:
                 stamps = np.concatenate(chunks)
                 old = stamps < limit
@@ -178,7 +178,7 @@ class Ledger:
 
     @property
     def segments(self) -> tuple[LedgerSegment, ...]:
-        """The segments in order; the last one also holds what is still pending."""
+        """The segments in order; the last one also holds the pending readings."""
         counts = [Counter(c) for c in self._counts]
         for key, chunks in self._recent.items():
             if chunks:
@@ -190,7 +190,7 @@ class Ledger:
     @classmethod
     def from_segments(cls, segments: Iterable[LedgerSegment],
                       newest_ns: int | None = None) -> 'Ledger':
-        """Return a ledger holding these segments, as taken from `segments` of another one."""
+        """Return a ledger that holds these segments, taken from the `segments` of another."""
         ledger = cls()
         segments = list(segments)
         if segments:
@@ -203,7 +203,7 @@ class Ledger:
 
     @property
     def total(self) -> LedgerSegment:
-        """The counts of all segments together."""
+        """The sum of the counts of all segments."""
         total: Counter[LedgerKey] = Counter()
         for segment in self.segments:
             total.update(segment.counts)
@@ -215,12 +215,12 @@ class Ledger:
         return self.total.counts.get(LedgerKey.PAIRED, 0)
 
     def balance(self) -> dict[str, int]:
-        """Return received minus accounted for, per stream; anything but 0 is a defect."""
+        """Return readings received minus accounted for, per stream; not 0 is a defect."""
         total = self.total
         return {s: self._received[s] - total.received(s) for s in ('ts', 'rs')}
 
-    def between(self, start_ns: int, end_ns: int) -> LedgerSegment:
-        """Return the counts of the segments that start within two stamps, both included."""
+    def count_between(self, start_ns: int, end_ns: int) -> LedgerSegment:
+        """Return the counts of the segments that start between two stamps, both included."""
         counts: Counter[LedgerKey] = Counter()
         for segment in self.segments:
             if segment.start_ns is not None and start_ns <= segment.start_ns <= end_ns:
@@ -235,12 +235,12 @@ class Ledger:
         Parameters
         ----------
         start_ns : array_like of int, shape (m,)
-            Starts of the runs, ascending, m >= 1; each the start of a segment, except the first.
+            Starts of the runs, ascending, m >= 1; each but the first is the start of a segment.
 
         Returns
         -------
         list of LedgerSegment, length m
-            A segment goes to the last run that starts at or before it, else to the first.
+            A segment goes to the last run that starts at or before it, otherwise to the first.
 
         """
         starts = np.asarray(start_ns, dtype=np.int64)

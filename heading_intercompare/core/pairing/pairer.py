@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Pairing of TS with RS readings by stamp, every reading accounted for.
+Pairing of TS with RS readings by stamp, with every reading accounted for.
 
-The pairs depend on the two streams alone: not on how they are cut into chunks, nor on which
-stream runs ahead. Only a waiting limit on a live clock can change that, and it is counted.
+The pairs depend only on the two streams, not on how they are cut into chunks or which stream runs
+ahead. Only the waiting limit of a live clock can change that, and its effects are counted.
 """
 
 from __future__ import annotations
@@ -24,31 +24,31 @@ __all__ = ['pair', 'Pairer']
 
 class Pairer:
     """
-    Pair two streams of headings as they come.
+    Pair two streams of headings as they arrive.
 
     Parameters
     ----------
     settings : Settings
-        `pairing`, `alignment.skew_s` (subtracted from the TS stamps) and `runs.gap_s` (where the
-        ledger opens a segment, and 'auto' chooses again) are used.
+        Uses `pairing`, `alignment.skew_s` (subtracted from the TS stamps) and `runs.gap_s` (after
+        such a silence the ledger opens a segment and 'auto' chooses again).
 
     Attributes
     ----------
     ledger : Ledger
-        What became of every reading.
+        The fate of every reading.
 
     Notes
     -----
-    ``interpolate``: the RS heading is interpolated linearly on the circle between the two RS
-    readings around the TS stamp, at most `pairing.max_gap_s` apart and never beyond the first
-    or last one; a TS stamp that meets an RS stamp takes that reading whatever the gap.
-    ``interpolate_ts``: the same with TS and RS exchanged, so the pairs have the stamps of the RS.
-    ``auto``: one of these for each stretch of the streams, see `direction.Direction`; until it
-    is chosen the readings wait, and count as pending.
-    ``nearest``: a TS and an RS reading pair if each is the nearest to the other (ties go to the
+    ``interpolate``: interpolates the RS heading linearly on the circle between the two RS
+    readings around the TS stamp. These are at most `pairing.max_gap_s` apart; nothing is
+    extrapolated. A TS stamp equal to an RS stamp takes that reading, whatever the gap.
+    ``interpolate_ts``: the same with TS and RS exchanged, so the pairs have the RS stamps.
+    ``auto``: chooses one of these for each stretch of the streams, see `direction.Direction`;
+    until then the readings wait and count as pending.
+    ``nearest``: pairs a TS and an RS reading if each is the nearest to the other (ties go to the
     earlier one) and they are at most `pairing.tolerance_s` apart.
 
-    A reading whose stamp does not increase within its stream is rejected, the first kept.
+    A reading whose stamp does not increase within its stream is rejected; the first is kept.
 
     """
 
@@ -73,17 +73,17 @@ class Pairer:
     def update(self, ts: Headings | None = None, rs: Headings | None = None,
                now_s: float | None = None) -> Pairs:
         """
-        Take readings and return the pairs that they decide.
+        Take readings and return the pairs that are now decided.
 
         Parameters
         ----------
         ts, rs : Headings, optional
-            New readings, in the order in which they came; n >= 0 of each.
+            New readings, in order of arrival; n >= 0 of each.
         now_s : float, optional
-            A steady clock, seconds. With it a reading waits for its partner for
-            `pairing.max_wait_s`, by this clock and by the stamps of what comes meanwhile, and is
-            then counted as unpaired or unused. While nothing comes, as in a replay that is
-            paused, it waits on. Without a clock, none is given up.
+            A steady clock, seconds. With it a reading waits for its partner until
+            `pairing.max_wait_s` has passed both by this clock and by the stamps of newer readings;
+            then it counts as unpaired or unused. While nothing arrives, as in a paused replay, it
+            keeps waiting. Without a clock, no reading expires.
 
         Returns
         -------
@@ -104,7 +104,7 @@ class Pairer:
         return pairs
 
     def flush(self) -> Pairs:
-        """End both streams: decide all that waits and return the last pairs."""
+        """End both streams: decide all waiting readings and return the last pairs."""
         pairs = self._pair(end=True)
         for stream in (self._ts, self._rs):
             stream.release(len(stream))
@@ -114,21 +114,21 @@ class Pairer:
         return pairs
 
     def _pair(self, end: bool) -> Pairs:
-        """Return the pairs that are decided, one stretch after the other."""
+        """Return the pairs that are decided, stretch by stretch."""
         if self._method == 'nearest':
             return self._settle(*self._nearest(end))
         found = []
-        while self._chosen(end):
+        while self._choose(end):
             found.append(self._settle(*self._interpolate(end)))
             direction = self._direction
             limit_ns = direction.limit_ns if direction else None
-            if direction is None or limit_ns is None or not (end or direction.heard(limit_ns)):
+            if direction is None or limit_ns is None or not (end or direction.has_heard(limit_ns)):
                 break
             direction.leave()
         return Pairs.concatenate(found)
 
-    def _chosen(self, end: bool) -> bool:
-        """Tell whether it is known which sensor is interpolated; choose it if it can be."""
+    def _choose(self, end: bool) -> bool:
+        """Choose the sensor to interpolate if possible; tell whether it is chosen."""
         choice = self._direction
         if choice is None or choice.interpolates_ts is not None:
             return True
@@ -138,13 +138,13 @@ class Pairer:
         if at is not self._at:
             self._at, self._of = at, of
             if self._last_settled_ns != NEVER and choice.start_ns is not None:
-                # Both sensors give up what they had before: no bracket reaches over the change.
+                # Both sensors drop their earlier readings: no bracket spans the change.
                 for stream in (at, of):
                     stream.release(int(np.searchsorted(stream.stamp_ns, choice.start_ns)))
         return True
 
     def _interpolate(self, end: bool) -> tuple[int, np.ndarray, Pairs]:
-        """Return how many readings are decided, which of them pair, and the pairs."""
+        """Return the number of decided readings, the indices of those in pairs, and the pairs."""
         at, of = self._at, self._of
         ready, n = len(at), len(of)
         if self._direction and self._direction.limit_ns is not None:
@@ -174,7 +174,7 @@ class Pairer:
         return ready, which, Pairs(t, of_deg, at_deg, lag_ns, one, factor)
 
     def _nearest(self, end: bool) -> tuple[int, np.ndarray, Pairs]:
-        """Return how many TS readings are decided, which of them pair, and the pairs."""
+        """Return the number of decided TS readings, the indices of those paired, and the pairs."""
         ts, rs = self._ts, self._rs
         t, r = ts.stamp_ns, rs.stamp_ns
         if len(t) == 0 or len(r) == 0:
@@ -195,7 +195,7 @@ class Pairer:
         return ready, which, pairs
 
     def _settle(self, ready: int, which: np.ndarray, pairs: Pairs) -> Pairs:
-        """Book the decided readings; cut the ledger where the pairs begin and fall silent."""
+        """Record the decided readings; cut the ledger where pairs begin and where they pause."""
         if ready == 0:
             return pairs
         self._at.role[which] = PAIRED
@@ -214,14 +214,14 @@ class Pairer:
         return pairs
 
     def _expire(self, before_s: float) -> None:
-        """Give up readings that came before a time of the steady clock, and are old by stamp."""
+        """Drop readings that came before a time of the steady clock and are old by stamp."""
         before_ns = max(self._ts.last_ns, self._rs.last_ns) - self._max_wait_ns
         is_open = self._direction is not None and self._direction.interpolates_ts is None
         for stream, other in ((self._ts, self._rs), (self._rs, self._ts)):
             late = (stream.came_s < before_s) & (stream.stamp_ns <= before_ns)
             if self._method != 'nearest' or stream is self._rs:
-                # What the other sensor has come up to waits for nothing but a choice, and with it
-                # the reading that ends the last bracket.
+                # Readings up to the newest one of the other sensor wait only for a choice, and so
+                # does the reading that closes the last bracket.
                 come = int(np.searchsorted(stream.stamp_ns, other.last_ns, side='right'))
                 late[:come + 1 if is_open and come else come] = False
             given_up = np.flatnonzero(late)
@@ -234,7 +234,7 @@ class Pairer:
                     self._last_settled_ns = int(stamps[-1])
 
     def _forget(self) -> None:
-        """Release the readings that can only be brackets, and of none that may still come."""
+        """Release readings that can only be brackets, but no longer of any future reading."""
         at, of = self._at, self._of
         if self._direction is None or self._direction.interpolates_ts is not None:
             oldest = int(at.stamp_ns[0]) if len(at) else at.last_ns
@@ -242,10 +242,10 @@ class Pairer:
             if limit_ns is not None:
                 oldest = min(oldest, limit_ns)
             of.release(max(0, int(np.searchsorted(of.stamp_ns, oldest, side='right')) - 1))
-        self.ledger.pending('ts', len(self._ts))
-        self.ledger.pending('rs', len(self._rs))
+        self.ledger.set_pending('ts', len(self._ts))
+        self.ledger.set_pending('rs', len(self._rs))
         if self._last_settled_ns != NEVER:
-            # What was given up behind the last pair belongs to no run: cut before it is folded.
+            # Readings dropped after the last pair belong to no run: cut before folding them.
             if (self._last_pair_ns is not None
                     and self._last_settled_ns - self._last_pair_ns > self._run_gap_ns):
                 self.ledger.cut(self._last_pair_ns + 1)
@@ -253,7 +253,7 @@ class Pairer:
 
 
 def _nearest_index(among_ns: np.ndarray, of_ns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return which stamp is nearest (ties to the earlier), and whether none to come can be."""
+    """Return the index of the nearest stamp (ties to the earlier), and whether that is final."""
     right = np.searchsorted(among_ns, of_ns, side='left')
     closed = right < len(among_ns)
     right = np.minimum(right, len(among_ns) - 1)
@@ -269,7 +269,7 @@ def pair(ts: Headings, rs: Headings, settings: Settings | None = None) -> tuple[
     Parameters
     ----------
     ts, rs : Headings
-        All readings of the TS and of the RS, in the order in which they came.
+        All readings of the TS and of the RS, in order of arrival.
     settings : Settings, optional
         As for `Pairer`.
 
@@ -278,7 +278,7 @@ def pair(ts: Headings, rs: Headings, settings: Settings | None = None) -> tuple[
     pairs : Pairs
         In stamp order.
     ledger : Ledger
-        What became of every reading.
+        The fate of every reading.
 
     Examples
     --------

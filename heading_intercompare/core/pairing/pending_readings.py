@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The readings of one sensor that wait to be paired, and what each of them was good for."""
+"""The readings of one sensor that wait for a partner, and how each one was used."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NEVER = np.iinfo(np.int64).min
 """A stamp before all others."""
 
 BRACKET, PAIRED = 1, 2
-"""What a reading was good for, 0 for nothing; a pair as it is outranks a bracket."""
+"""How a reading was used: 0 is not at all; use in a pair outranks use in a bracket."""
 
 _KEYS = {'ts': (LedgerKey.TS_UNPAIRED, LedgerKey.TS_USED, LedgerKey.TS_PAIRED),
          'rs': (LedgerKey.RS_UNUSED, LedgerKey.RS_USED, LedgerKey.RS_USED)}
@@ -25,14 +25,14 @@ _KEYS = {'ts': (LedgerKey.TS_UNPAIRED, LedgerKey.TS_USED, LedgerKey.TS_PAIRED),
 
 def is_rising(stamp_ns: np.ndarray, newest_ns: int | None = None) -> np.ndarray:
     """
-    Tell which stamps are above all before them; the others are to be rejected.
+    Tell which stamps are greater than all earlier ones; the others must be rejected.
 
     Parameters
     ----------
     stamp_ns : ndarray of int64, shape (n,)
-        Stamps in the order in which they came, nanoseconds.
+        Stamps in order of arrival, nanoseconds.
     newest_ns : int, optional
-        Largest stamp accepted before.
+        Largest stamp accepted so far.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def is_rising(stamp_ns: np.ndarray, newest_ns: int | None = None) -> np.ndarray:
 
 
 class Stream:
-    """The accepted readings of one sensor that may still be needed, and when they came."""
+    """The accepted readings of one sensor that may still be needed, with arrival times."""
 
     def __init__(self, name: str, shift_ns: int, ledger: Ledger) -> None:
         self.name = name
@@ -67,7 +67,7 @@ class Stream:
         return len(self.stamp_ns)
 
     def take(self, headings: Headings, now_s: float) -> np.ndarray:
-        """Reject what cannot be used, keep the rest; return the stamps of the rest."""
+        """Reject unusable readings, keep the rest and return their stamps."""
         stamp: np.ndarray = headings.stamp_ns
         heading = headings.heading_deg
         self.ledger.receive(self.name, stamp)
@@ -78,7 +78,7 @@ class Stream:
         if stamp.size:
             rises = is_rising(stamp, self.last_ns)
             if not rises.all():
-                self.ledger.add(LedgerKey.rejected(self.name, 'stamp_not_increasing'),
+                self.ledger.add(LedgerKey.of_rejected(self.name, 'stamp_not_increasing'),
                                 stamp[~rises])
                 stamp, heading = stamp[rises], heading[rises]
         if stamp.size:
@@ -96,17 +96,17 @@ class Stream:
                 among: np.ndarray | None = None) -> np.ndarray:
         fails = ~passes if among is None else among & ~passes
         if fails.any():
-            self.ledger.add(LedgerKey.rejected(self.name, reason), stamp[fails] - self.shift_ns)
+            self.ledger.add(LedgerKey.of_rejected(self.name, reason), stamp[fails] - self.shift_ns)
         return passes if among is None else among & passes
 
     def release(self, n: int) -> np.ndarray:
-        """Book and drop the n oldest readings; return their stamps."""
+        """Record and drop the n oldest readings; return their stamps."""
         stamps = self._book(slice(0, n))
         self._keep(slice(n, None))
         return stamps
 
     def give_up(self, late: np.ndarray) -> np.ndarray:
-        """Book and drop readings in a row that waited too long; no bracket reaches over them."""
+        """Record and drop consecutive readings that waited too long; no bracket spans them."""
         lo, hi = int(late[0]), int(late[-1]) + 1
         stamps = self._book(slice(lo, hi))
         if hi < len(self):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Runs: where they begin and end, and what is kept of them."""
+"""Runs: where they begin and end, and the data kept of each."""
 
 from typing import TYPE_CHECKING
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Columns that grow for hours: in pages, which whoever watches live may keep out of memory."""
+"""Columns that grow for hours, in pages that a live node can move out of memory."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import numpy as np
 
 __all__ = ['Column', 'Keep', 'Page', 'Tails']
 
-#: Gives a page again, shape (n,), not to be written to.
+#: Returns a stored page, shape (n,), read-only.
 Page = Callable[[], np.ndarray]
-#: Takes a full page, shape (n,), and returns what gives it again.
+#: Stores a full page, shape (n,), and returns a function that reads it back.
 Keep = Callable[[np.ndarray], Page]
 
 _PAGE = 65536
-#: Of each page so many of the smallest values stay at hand, and of the largest.
+#: Number of smallest, and of largest, values of each page that stay in memory.
 _TAIL = _PAGE // 64
 
 
@@ -27,17 +27,17 @@ class Column:
     Parameters
     ----------
     dtype : type
-        Of the values.
+        Type of the values.
     keep : Keep, optional
-        Where full pages go. Without it there are no pages and all values stay in memory, 8 bytes
-        each, at most 16; capacity doubles, so n values cost O(n) copies in all.
+        Stores full pages. Without it there are no pages and all values stay in memory, at 8 to
+        16 bytes each. The capacity doubles, so n values cost O(n) copies in all.
     on_page : callable, optional
-        Is given each full page.
+        Called with each full page.
 
     Attributes
     ----------
     first, last : scalar or None
-        The oldest and the newest value; None while it is empty.
+        The oldest and the newest value; None while the column is empty.
 
     """
 
@@ -55,7 +55,7 @@ class Column:
         return len(self._pages) * _PAGE + self._n_open
 
     def append(self, chunk: np.ndarray) -> None:
-        """Add a chunk behind the values."""
+        """Append a chunk."""
         if not len(chunk):
             return
         if self.first is None:
@@ -81,25 +81,25 @@ class Column:
             self._open = grown
 
     def _turn(self, keep: Keep) -> None:
-        """Put the full page away and begin the next."""
+        """Store the full page and begin the next."""
         page, self._open, self._n_open = self._open, np.empty(_PAGE, self._open.dtype), 0
         self._on_page(page)
         self._pages.append(keep(page))
 
     @property
     def newest(self) -> np.ndarray:
-        """The values that are on no full page: a view, valid until the next append."""
+        """The values not yet on a full page: a read-only view, valid until the next append."""
         view = self._open[:self._n_open]
         view.flags.writeable = False
         return view
 
     def page(self, number: int) -> np.ndarray:
-        """Return a full page, shape (65536,), from number 0; it is not to be written to."""
+        """Return a full page, shape (65536,), read-only; the first has number 0."""
         return self._pages[number]()
 
     @property
     def values(self) -> np.ndarray:
-        """The values so far, shape (n,), not to be written to and valid until the next append."""
+        """The values so far, shape (n,), read-only and valid until the next append."""
         if not self._pages:
             return self.newest
         whole = np.empty(len(self), self._open.dtype)
@@ -116,8 +116,8 @@ class Tails:
 
     Notes
     -----
-    16 kB a page of 512 kB. Where a limit lies further inside than the tails reach the whole page
-    is looked at, so a count is always exact.
+    Takes 16 kB per page of 512 kB. If the tails do not reach in to the limit, the whole page is
+    read, so a count is always exact.
 
     """
 
@@ -130,11 +130,11 @@ class Tails:
         self._tails.append(np.concatenate([parted[:_TAIL + 1], parted[-_TAIL - 1:]]))
 
     def count_outside(self, column: Column, center: float, limit: float) -> int:
-        """Return how many values of the pages of the column are more than the limit away."""
+        """Count the values on full pages that are farther than the limit from the centre."""
         n = 0
         for number, tails in enumerate(self._tails):
             outside = np.abs(tails - center) > limit
-            # The innermost of both tails: all values between them are no further away.
+            # All values between the innermost two of the tails are no farther away.
             if outside[_TAIL] or outside[_TAIL + 1]:
                 outside = np.abs(column.page(number) - center) > limit
             n += int(np.count_nonzero(outside))

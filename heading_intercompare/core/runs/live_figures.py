@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Figures of the moment: what a window or a run in progress shows; no verdict."""
+"""Current figures of a window or of a run in progress, without a verdict."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .run_series import RunSeries
 __all__ = ['compute_figures']
 
 
-def _printed_so_far(part: RunSeries | Rolling, limits: Limits, settings: Settings) -> Printed:
+def _apply_gk_so_far(part: RunSeries | Rolling, limits: Limits, settings: Settings) -> Printed:
     moments = part.moments()
     center = 0.0 if settings.variant == 'A' else moments.mean_deg
     return apply_gk(moments.n, moments.mean_deg, moments.variance_deg2,
@@ -32,20 +32,20 @@ def compute_figures(part: RunSeries | Rolling, limits: Limits,
     Parameters
     ----------
     part : RunSeries or Rolling
-        With at least one difference.
+        Must hold at least one difference.
     limits : Limits
     settings : Settings
 
     Notes
     -----
-    The bounds are what they are now, at the full risks: they are no verdict, for who waits for
-    them to fall below a limit takes more than the stated risk. So there is no outcome word among
-    the figures. They are about the mean: what is taken out at the end of a run only, a drift or a
-    start that still settles, is named in `not_yet_removed`.
+    The bounds are the current ones at the full risks. They are no verdict: stopping as soon as
+    they fall below a limit takes more than the stated risk. So no outcome word is among the
+    figures. The figures are about the mean. A drift and the stabilisation period are removed only
+    at the end of a run; until then `not_yet_removed` names them.
 
     """
     moments = part.moments()
-    printed = _printed_so_far(part, limits, settings)
+    printed = _apply_gk_so_far(part, limits, settings)
     evidence = gather_evidence(
         part.cells(), n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
         span_s=part.span_s, mean_deg=moments.mean_deg,
@@ -63,10 +63,10 @@ def compute_figures(part: RunSeries | Rolling, limits: Limits,
             'nu', 'f', 'slow_allowance_deg2', 'lower_bound_deg2', 'upper_bound_deg2',
             'acceptance_limit_deg2', 'rejection_limit_deg2', 'sigma_ts_lower_deg',
             'sigma_ts_upper_deg', 'bias_u_deg')},
-        'not_yet_removed': ' '.join(_not_yet_removed(settings)) or None}
+        'not_yet_removed': ' '.join(_list_not_yet_removed(settings)) or None}
 
 
-def _not_yet_removed(settings: Settings) -> list[str]:
+def _list_not_yet_removed(settings: Settings) -> list[str]:
     return [name for name, is_due in (('drift', settings.drift_order != 0),
                                       ('stabilization', settings.runs.stabilization_s == 'auto'))
             if is_due]

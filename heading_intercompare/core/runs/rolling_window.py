@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The rolling window: exact over panes of a 64th of its length.
+The rolling window, moved in panes of a 64th of its length.
 
-A closed pane is a value; the window adds up what is asked of its panes. What nobody asks for, as
-in an analysis of a recording, is not computed.
-Nothing is ever subtracted, so no rounding builds up however long the watch.
+A closed pane never changes, and the window adds up its panes on request. Figures that nobody
+requests, as when a recording is analysed, are not computed. Nothing is ever subtracted, so
+rounding errors do not build up over a long watch.
 """
 
 from __future__ import annotations
@@ -56,8 +56,7 @@ class Rolling:
 
     Notes
     -----
-    A request costs the sum of at most 65 panes and the closing of the newest one, whatever the
-    length of the window.
+    A request sums at most 65 panes and closes the newest one, whatever the length of the window.
 
     """
 
@@ -69,7 +68,7 @@ class Rolling:
         self._newest_ns = 0
 
     def update(self, differences: Differences) -> None:
-        """Take differences in stamp order; values that are not finite are left out."""
+        """Take differences in stamp order; values that are not finite are skipped."""
         keep = np.isfinite(differences.x_deg)
         if not keep.all():
             differences = differences[keep]
@@ -92,7 +91,7 @@ class Rolling:
             self._panes.append(_Pane.of(self._open_key, self._open))
             self._open = []
 
-    def _all(self) -> list[_Pane]:
+    def _list_panes(self) -> list[_Pane]:
         if len(self._open) > 1:
             self._open = [Differences.concatenate(self._open)]
         newest = [_Pane.of(self._open_key, self._open)] if self._open else []
@@ -100,31 +99,31 @@ class Rolling:
 
     @property
     def start_ns(self) -> int | None:
-        """First stamp in the window, None when it is empty."""
-        panes = self._all()
+        """First stamp in the window; None if it is empty."""
+        panes = self._list_panes()
         return int(panes[0].stamp_ns[0]) if panes else None
 
     def cells(self) -> Cells:
-        """Return the differences in the window, summed up over cells."""
+        """Return the differences in the window, summed over cells."""
         cells = Cells()
-        for pane in self._all():
+        for pane in self._list_panes():
             cells.update(pane.x_deg, pane.stamp_ns)
         return cells
 
     @property
     def span_s(self) -> float:
         """Time from the first to the last difference in the window, seconds."""
-        panes = self._all()
+        panes = self._list_panes()
         return (self._newest_ns - int(panes[0].stamp_ns[0])) / 1e9 if panes else 0.0
 
     def moments(self) -> Moments:
         """Return the moments of the differences in the window."""
-        return sum((p.moments for p in self._all()), Moments())
+        return sum((p.moments for p in self._list_panes()), Moments())
 
     def count_outside(self, center_deg: float, limit_deg: float) -> int:
-        """Return how many differences deviate from the centre by more than the limit."""
+        """Count the differences farther than the limit from the centre."""
         n = 0
-        for pane in self._all():
+        for pane in self._list_panes():
             x = pane.x_sorted_deg
             n += int(np.searchsorted(x, center_deg - limit_deg, side='left'))
             n += len(x) - int(np.searchsorted(x, center_deg + limit_deg, side='right'))

@@ -3,8 +3,8 @@
 """
 Where runs start and end.
 
-Cuts come from a table of runs if there is one, else from start and stop marks, else a run opens
-at the first pair. Within these bounds a silence of the pairs longer than `runs.gap_s` cuts.
+Cuts come from a table of runs if there is one, otherwise from start and stop marks; without these
+a run opens at the first pair. Within these bounds, a silence longer than `runs.gap_s` cuts.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ class Piece:
     key : int
         The same for all pieces of a run, larger for a later run.
     cut_ns : int
-        Where the run was cut: the stamp of its mark, or of its first pair.
+        Stamp of the cut that opened the run: of its mark, or of its first pair.
     lo, hi : int
-        The pairs of the chunk that belong to it: lo <= i < hi.
+        The pairs i of the chunk with lo <= i < hi belong to the piece.
 
     """
 
@@ -49,16 +49,16 @@ class RunCutter:
     Parameters
     ----------
     rule : RunCutting
-        `gap_s` is used.
+        Uses `gap_s`.
     table : sequence of (start_ns, stop_ns), optional
         Runs as half-open intervals, ascending, without overlap. Marks are then ignored.
 
     Notes
     -----
     A mark carries the stamp of the newest pair at the time it was set: a start takes effect
-    behind that pair, a stop includes it. A mark may come early, then it waits; one that comes
-    late takes effect behind the newest pair. The first start mark withdraws the runs that were
-    opened without one.
+    after that pair, a stop includes it. A mark that comes early waits; one that comes late takes
+    effect after the newest pair. The first start mark withdraws the runs that were opened
+    without one.
 
     """
 
@@ -94,14 +94,14 @@ class RunCutter:
         Parameters
         ----------
         kind : {'start', 'stop'}
-            What begins or ends behind the pair of this stamp.
+            Whether a run starts or stops.
         stamp_ns : int
             Stamp of the newest pair when the mark was set.
 
         Returns
         -------
         bool
-            True if runs that were opened without a mark are withdrawn by this one.
+            True if this mark withdraws the runs that were opened without one.
 
         """
         if kind not in ('start', 'stop'):
@@ -120,7 +120,7 @@ class RunCutter:
         return withdraws
 
     def update(self, stamp_ns: np.ndarray) -> list[Piece]:
-        """Return the pieces of runs in a chunk of pairs; pairs outside runs are in none."""
+        """Return the pieces of runs in a chunk; pairs outside runs belong to no piece."""
         pieces = []
         n = len(stamp_ns)
         lo = 0
@@ -134,7 +134,7 @@ class RunCutter:
         return pieces
 
     def _apply(self, stamp_ns: int) -> None:
-        """Let the marks up to a stamp take effect."""
+        """Apply the marks up to a stamp."""
         while self._events and self._events[0][0] <= stamp_ns:
             at_ns, starts = self._events.pop(0)
             self._in_run = False

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a run keeps until its end: the columns that its final figures are computed from."""
+"""The columns that a run keeps until its end, from which its final figures are computed."""
 
 from __future__ import annotations
 
@@ -27,29 +27,30 @@ class RunSeries:
     Parameters
     ----------
     cut_ns : int
-        Where the run was cut.
+        Stamp of the cut that opened the run.
     settings : Settings
-        Stabilisation and plan of looks are used.
+        Uses the stabilisation period and the plan of looks.
     on_look : callable, optional
-        ``on_look(run, look, looks)`` is called when one of so many looks is due, with the run
-        holding just the differences that belong to it.
+        ``on_look(run, look, looks)`` is called when a look is due, with the planned number of
+        looks. The run then holds exactly the differences that belong to the look.
     keep : Keep, optional
-        Where full pages of the columns go; see `Column`.
+        Stores full pages of the columns; see `Column`.
 
     Attributes
     ----------
     cut_ns, start_ns, end_ns : int
-        Where the run was cut, stamps of its first and last pair.
+        Stamp of the cut that opened the run, and stamps of its first and last pairs.
     n_input, n_invalid, n_stabilization : int
-        Pairs given, left out as not finite, left out as of the stabilisation period.
+        Pairs given, left out as not finite, left out as part of the stabilisation period.
     stamp_ns, x_deg, rs_deg, factor : Column
-        Of the analysed pairs; `factor` is what interpolation left of the variance of white noise.
+        Columns of the analysed pairs; `factor` is the factor by which interpolation reduces the
+        variance of white noise.
 
     Notes
     -----
-    Final figures are computed from the columns at the end, so they do not depend on the chunks
-    in which the pairs came. 28 bytes a pair, 121 MB for 12 h at 100 Hz, unless they are kept
-    elsewhere; then memory is that of a page of each column, and of the tails of the others.
+    Final figures are computed from the columns at the end, so they do not depend on how the pairs
+    were cut into chunks. The columns take 28 bytes per pair, 121 MB for 12 h at 100 Hz. With
+    `keep`, only one page per column and the tails of full pages stay in memory.
 
     """
 
@@ -81,7 +82,7 @@ class RunSeries:
         return len(self.x_deg)
 
     def update(self, pairs: Pairs, x: Differences) -> Differences:
-        """Take pairs of this run and their differences; return those that are analysed."""
+        """Take pairs of this run and their differences; return the differences analysed."""
         if not len(pairs):
             return Differences.empty()
         if self.start_ns is None:
@@ -97,14 +98,14 @@ class RunSeries:
             pairs, x = pairs[keep], x[keep]
         if len(x):
             lo = 0
-            for hi, look in self._due(x.stamp_ns):
+            for hi, look in self._find_due(x.stamp_ns):
                 self._append(x[lo:hi], pairs[lo:hi])
                 self._announce(look)
                 lo = hi
             self._append(x[lo:], pairs[lo:])
         return x
 
-    def _due(self, stamp_ns: np.ndarray) -> list[tuple[int, Look]]:
+    def _find_due(self, stamp_ns: np.ndarray) -> list[tuple[int, Look]]:
         if self._looks is None:
             return []
         first = self.stamp_ns.first if len(self.stamp_ns) else stamp_ns[0]
@@ -133,11 +134,11 @@ class RunSeries:
         return self._moments
 
     def cells(self) -> Cells:
-        """Return the analysed differences so far, summed up over cells."""
+        """Return the analysed differences so far, summed over cells."""
         return self._cells
 
     def count_outside(self, center_deg: float, limit_deg: float) -> int:
-        """Return how many analysed differences deviate from the centre by more."""
+        """Count the analysed differences farther than the limit from the centre."""
         return (self._tails.count_outside(self.x_deg, center_deg, limit_deg)
                 + count_outside(self.x_deg.newest, center_deg, limit_deg))
 
@@ -155,27 +156,27 @@ class RunSeries:
 
     @property
     def max_lag_s(self) -> float | None:
-        """Largest lag of the analysed pairs without its sign, seconds."""
+        """Largest absolute lag of the analysed pairs, seconds."""
         return self._lag_max_ns / 1e9 if len(self) else None
 
     @property
     def rs_variance_factor(self) -> float | None:
-        """Mean factor by which interpolation shrank the white noise of the RS."""
+        """Mean factor by which interpolation reduces the white-noise variance of the RS."""
         return self._factor_units / len(self) * UNIT if len(self) else None
 
     @property
     def ts_variance_factor(self) -> float | None:
-        """Mean factor by which interpolation shrank the white noise of the TS."""
+        """Mean factor by which interpolation reduces the white-noise variance of the TS."""
         return self._ts_factor_units / len(self) * UNIT if len(self) else None
 
     @property
     def interpolates_ts(self) -> bool:
-        """Whether it is the TS that was interpolated."""
+        """Whether the TS was interpolated, not the RS."""
         ts, rs = self.ts_variance_factor, self.rs_variance_factor
         return ts is not None and rs is not None and ts < rs
 
     def limits(self, norms: Norms, model: str) -> Limits:
-        """Return the limits of the run so far; without differences those of no interpolation."""
+        """Return the limits of the run so far; without differences, as if not interpolated."""
         ts, rs = self.ts_variance_factor, self.rs_variance_factor
         if ts is None or rs is None:
             return Limits.of(norms, model)

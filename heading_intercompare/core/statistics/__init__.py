@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Statistics of correlated series: what an estimate is worth."""
+"""Statistics of correlated series: how good an estimate is."""
 
 from typing import TYPE_CHECKING
 

@@ -29,15 +29,15 @@ def autocorrelate(x: ArrayLike, max_lag: int) -> np.ndarray:
     Parameters
     ----------
     x : array_like, shape (n,)
-        Samples at equal steps; gaps are not seen.
+        Samples at equal steps; gaps go unnoticed.
     max_lag : int
-        Largest lag, in samples; lags from n on are left out.
+        Largest lag, in samples; lags of n and above are left out.
 
     Returns
     -------
     ndarray, shape (min(max_lag, n - 1) + 1,)
-        r_k = sum (x_i - m)(x_{i+k} - m) / sum (x_i - m)^2, the biased form; r_0 = 1. All zero
-        beyond lag 0 if the samples are equal; empty for n = 0.
+        r_k = sum (x_i - m)(x_{i+k} - m) / sum (x_i - m)^2, the biased form; r_0 = 1. Zero at all
+        other lags if the samples are equal; empty for n = 0.
 
     Raises
     ------
@@ -46,8 +46,8 @@ def autocorrelate(x: ArrayLike, max_lag: int) -> np.ndarray:
 
     Notes
     -----
-    By Fourier transforms of segments not much longer than the lags, so the memory does not grow
-    with n: some 100 MB for a million lags.
+    Transforms segments not much longer than `max_lag`, so the memory does not grow with n: some
+    100 MB for a million lags.
 
     """
     if max_lag < 0:
@@ -57,7 +57,7 @@ def autocorrelate(x: ArrayLike, max_lag: int) -> np.ndarray:
 
 
 def _centre(x: ArrayLike) -> np.ndarray:
-    """Return the samples about their mean; exactly zero if all are equal."""
+    """Return the samples minus their mean; exactly zero if all are equal."""
     x = np.asarray(x, dtype=np.float64).reshape(-1)
     if not x.size:
         return x
@@ -96,8 +96,8 @@ class CorrelationTimes:
     window : int
         Largest lag summed.
     tau_1, tau_2 : float
-        1 + 2 sum r_k and 1 + 2 sum r_k^2, in samples. n / tau_1 samples without correlation
-        would give the same mean, n / tau_2 (normal errors) the same variance.
+        1 + 2 sum r_k and 1 + 2 sum r_k^2, in samples. n / tau_1 uncorrelated samples would give
+        an equally good mean, n / tau_2 (normal errors) an equally good variance.
 
     """
 
@@ -108,14 +108,14 @@ class CorrelationTimes:
 
     @property
     def effective_size(self) -> float:
-        """Independent normal samples that would give an equally good variance, E.23."""
+        """Number of independent normal samples that give an equally good variance, E.23."""
         return self.n / max(self.tau_2, 1.0)
 
 
 def _sum_up_to_window(x: ArrayLike, last: Callable[[int], int],
                       closed: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
                       ) -> CorrelationTimes:
-    """Sum up to the first lag where `closed` holds, at most to lag ``last(n)``."""
+    """Sum up to the first lag where `closed` is true, at most to lag ``last(n)``."""
     e = _centre(x)
     n = e.size
     limit = min(last(n), n - 1)
@@ -136,7 +136,7 @@ def _sum_up_to_window(x: ArrayLike, last: Callable[[int], int],
 
 def estimate_correlation_times(x: ArrayLike) -> CorrelationTimes:
     """
-    Return correlation times with the wide window, as wide as the variance asks for.
+    Return correlation times with the wide window that an estimate of the variance needs.
 
     Parameters
     ----------
@@ -146,13 +146,13 @@ def estimate_correlation_times(x: ArrayLike) -> CorrelationTimes:
     Returns
     -------
     CorrelationTimes
-        Summed up to the first lag W >= 10 max(tau_1, tau_2, 1), at most to n/4. A tau of 1
-        without correlation, and for n < 2.
+        Sums up to the first lag W >= 10 max(tau_1, tau_2, 1), at most to n/4. Both are 1 without
+        correlation, and for n < 2.
 
     References
     ----------
-    Sokal 1997 with a window twice as wide, for a narrow one misses a slow component beneath
-    white noise; E.23 of ``docs/diagnostics.md``.
+    Sokal 1997, with a window twice as wide: a narrow one misses a slow component below white
+    noise. E.23 of ``docs/diagnostics.md``.
 
     """
     return _sum_up_to_window(
@@ -162,7 +162,7 @@ def estimate_correlation_times(x: ArrayLike) -> CorrelationTimes:
 
 def effective_size(x: ArrayLike) -> float:
     """
-    Return how many independent normal samples would give an equally good variance.
+    Return the number of independent normal samples that give an equally good variance.
 
     Parameters
     ----------
@@ -189,9 +189,9 @@ def sokal_times(x: ArrayLike, limit: int = 5000) -> CorrelationTimes:
     Parameters
     ----------
     x : array_like, shape (n,)
-        Samples at equal steps; gaps are not seen.
+        Samples at equal steps; gaps go unnoticed.
     limit : int
-        Largest lag searched; the sum stops there at the latest.
+        Largest lag; the sum stops there at the latest.
 
     References
     ----------
@@ -204,12 +204,12 @@ def sokal_times(x: ArrayLike, limit: int = 5000) -> CorrelationTimes:
 
 def geyer_time(x: ArrayLike) -> float:
     """
-    Return the correlation time summed while neighbouring lags stay positive in pairs.
+    Return the correlation time, summed while pairs of neighbouring lags stay positive.
 
     Parameters
     ----------
     x : array_like, shape (n,)
-        Samples at equal steps; gaps are not seen.
+        Samples at equal steps; gaps go unnoticed.
 
     Returns
     -------
@@ -244,13 +244,13 @@ class AllanDeviation:
     Attributes
     ----------
     m : ndarray of int, shape (k,)
-        Samples averaged.
+        Samples per average.
     tau_s : ndarray, shape (k,)
         Averaging time, seconds.
     deviation : ndarray, shape (k,)
         Root of half the mean squared difference of consecutive averages, in the unit of x.
     terms : ndarray of int, shape (k,)
-        Number of differences averaged.
+        Number of squared differences in that mean.
 
     """
 
@@ -261,7 +261,7 @@ class AllanDeviation:
 
 
 def _square_steps(sums: np.ndarray, lag: int) -> float:
-    """Return the sum of squares of second differences; in pieces that stay in the cache."""
+    """Return the sum of squared second differences, in pieces that stay in the cache."""
     total, count = 0.0, sums.size - 2 * lag
     for lo in range(0, count, _PIECE):
         hi = min(lo + _PIECE, count)
@@ -283,20 +283,20 @@ def compute_allan_deviation(x: ArrayLike, rate_hz: float, tau_s: ArrayLike | Non
     Parameters
     ----------
     x : array_like, shape (n,)
-        Samples at equal steps, finite; gaps are not seen.
+        Samples at equal steps, finite; gaps go unnoticed.
     rate_hz : float
-        Samples a second.
+        Samples per second.
     tau_s : array_like, optional
         Averaging times, seconds, rounded to whole samples; default 1, 2, 4, ... samples.
     m : array_like of int, optional
         Averaging times in samples, instead of `tau_s`.
     overlapping : bool
-        Use every start (less scatter) or only consecutive averages.
+        Start an average at every sample, which scatters less, or take consecutive averages only.
 
     Returns
     -------
     AllanDeviation
-        Only averaging times from 1 to n/2 samples, ascending and without repetition.
+        Only at averaging times from 1 to n/2 samples, ascending, without duplicates.
 
     Raises
     ------

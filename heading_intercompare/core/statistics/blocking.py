@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Means over blocks of 2^l samples: what makes an uncertainty survive correlation in time."""
+"""Means over blocks of 2^l samples, which keep uncertainties valid for correlated samples."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ __all__ = ['block_means', 'block_size', 'sum_covariance', 'student_95']
 
 def block_size(n: int, least: int) -> int:
     """
-    Return the largest power of two of which there are at least so many blocks.
+    Return the largest block size, a power of two, that gives at least `least` blocks.
 
     Parameters
     ----------
     n : int
         Number of samples.
     least : int
-        Fewest blocks; there are fewer than twice as many.
+        Fewest blocks; the result gives fewer than twice this number.
 
     Returns
     -------
     int
-        Samples in a block; 0 if there are fewer samples than blocks wanted.
+        Samples in a block; 0 if there are fewer samples than blocks required.
 
     Examples
     --------
@@ -42,7 +42,7 @@ def block_size(n: int, least: int) -> int:
 
 def block_means(values: ArrayLike, size: int) -> np.ndarray:
     """
-    Return the means of consecutive blocks, the first one at the first sample.
+    Return the means of consecutive blocks, starting at the first sample.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def sum_covariance(terms: ArrayLike) -> tuple[np.ndarray, int]:
     Returns
     -------
     covariance : ndarray, shape () or (k, k)
-        n times the samples in a block times the covariance of the means of 16 to 31 blocks.
+        n times the block size times the covariance of the means of 16 to 31 blocks.
     dof : int
         One less than the number of blocks.
 
@@ -90,7 +90,7 @@ def sum_covariance(terms: ArrayLike) -> tuple[np.ndarray, int]:
 
     Notes
     -----
-    Holds if the correlation is short compared with a block.
+    Valid if the correlation time is short compared with a block.
 
     References
     ----------
@@ -107,5 +107,5 @@ def sum_covariance(terms: ArrayLike) -> tuple[np.ndarray, int]:
 
 
 def student_95(dof: float) -> float:
-    """Return the factor of a standard uncertainty that gives a 95 % interval."""
+    """Return the factor that turns a standard uncertainty into a 95 % interval."""
     return -float(scipy.special.stdtrit(dof, 0.025)) if dof > 0 else math.inf

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Differences summed up over 512 to 1023 cells of equal time, for chunks as they come.
+Moments of differences over 512 to 1023 cells of equal time, updated chunk by chunk.
 
 A cell holds the count, the mean and the second to fourth central moments of its differences. As
-the record grows, cells are joined two by two. What is summed with what depends on the place of a
-difference in the record alone, so the result does not depend on the chunks, to the bit.
+the record grows, neighbouring cells are joined in twos. The order of summation depends only on
+the place of each difference in the record, so the chunks do not change a single bit.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from heading_intercompare.core.records import Reals
 __all__ = ['Cells', 'CellValues', 'LEAST_CELLS']
 
 LEAST_CELLS = 128
-"""Fewest differences, and fewest cells, of which anything is said."""
+"""Fewest differences, and fewest cells, that give a result."""
 
 _MOST_CELLS = 1023
 _HALF = 512
@@ -32,26 +32,26 @@ _N, _MEAN, _M2, _M3, _M4 = range(_ROWS)
 @dataclass(frozen=True, slots=True)
 class CellValues:
     """
-    The record as its cells show it.
+    The figures of a record, computed from its cells.
 
     Attributes
     ----------
     n : int
-        Number of differences, also those of the incomplete last cell.
+        Number of differences, including those of the incomplete last cell.
     mean_deg : float
         Their mean, degrees.
     mean_square_deg2 : float
-        Mean square of the deviations from it, q of S.2; square degrees.
+        Mean square of the deviations from the mean, q of S.2; square degrees.
     kurtosis : float
         Mean fourth power of the deviations over q squared, k4 of S.6; 3 where q is 0.
     rounding_deg : float
-        Deviations smaller than this are rounding, degrees.
+        Deviations smaller than this are rounding errors, degrees.
     b_deg, y_deg2 : ndarray, shape (K,)
-        Sum of the deviations, and of their squares, in each complete cell, times K over the
-        number of differences in all of them: their means if the cells are equally full. An
-        empty cell has 0 and q.
+        Sums of the deviations, and of their squares, in each of the K complete cells, times K
+        over the number of differences in all of them. If the cells are equally full, these are
+        the means. An empty cell has 0 and q.
     occupied : float
-        Share of these cells that hold a difference.
+        Share of the complete cells that hold a difference.
 
     """
 
@@ -66,7 +66,7 @@ class CellValues:
 
 
 def _join(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return the moments of neighbouring cells together; Pebay 2008."""
+    """Return the joint moments of neighbouring cells; Pebay 2008."""
     na, nb = a[_N], b[_N]
     n = na + nb
     d = b[_MEAN] - a[_MEAN]
@@ -81,8 +81,8 @@ def _join(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return result
 
 
-def _coarser(index: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Join the cells two by two; a cell whose partner is empty stays as it is."""
+def _coarsen(index: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Join the cells in twos; a cell whose partner is empty stays as it is."""
     index = index >> 1
     pairs = np.flatnonzero(index[1:] == index[:-1])
     if pairs.size:
@@ -96,15 +96,15 @@ def _coarser(index: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 def _append(index: np.ndarray, rows: np.ndarray, next_index: np.ndarray,
             next_rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return cells and those that follow; the last and the first may be parts of one cell."""
+    """Append cells; the last old one and the first new one may be parts of one cell."""
     shared = index.size and next_index.size and index[-1] == next_index[0]
     index = np.concatenate((index, next_index))
     rows = np.concatenate((rows, next_rows), axis=1)
-    return _coarser(2 * index, rows) if shared else (index, rows)
+    return _coarsen(2 * index, rows) if shared else (index, rows)
 
 
 def _sum_groups(x: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Return the moments of consecutive groups of values, one column a group."""
+    """Return the moments of consecutive groups of values, one column per group."""
     rows = np.empty((_ROWS, starts.size))
     counts = np.diff(starts, append=x.size)
     rows[_N] = counts
@@ -121,21 +121,21 @@ def _sum_groups(x: np.ndarray, starts: np.ndarray) -> np.ndarray:
 
 class Cells:
     """
-    Sums over cells of equal time of a series that grows.
+    Moments of a growing series over cells of equal time.
 
     Attributes
     ----------
     n : int
-        Number of differences taken.
+        Number of differences so far.
 
     Notes
     -----
-    A difference has a place in the record. It is the place of the one before plus 1 if the step
-    of the stamps is within half a usual step of the usual one, so that places count differences
-    as long as the record is regular. After any other step the place follows from the time since
-    the last regular difference: a gap leaves places empty, a burst shares one. The usual step is
-    the median of the first 127; so many differences are held until it is known. A cell is 2^l
-    consecutive places, with the smallest l that gives at most 1023 cells.
+    Each difference has a place in the record. If the step of the stamps is within half a usual
+    step of the usual one, the place is the previous one plus 1: in a regular record, places count
+    differences. After any other step the place follows from the time since the last regular
+    difference, so a gap leaves places empty and a burst shares one. The usual step is the median
+    of the first 127 steps; differences are held back until it is known. A cell is 2^l consecutive
+    places, with the smallest l that gives at most 1023 cells.
 
     References
     ----------
@@ -158,11 +158,12 @@ class Cells:
         self._level = 0
         self._index = np.empty(0, np.int64)
         self._rows = np.empty((_ROWS, 0))
-        # Differences of the cell in progress, as they came: places and values.
+        # Places and values of the differences in the cell in progress, in order of arrival.
         self._open: list[tuple[np.ndarray, np.ndarray]] = []
         self._last_place = -1
-        # Of stamped differences: those held until the usual step is known; then that step, the
-        # first and newest stamp, the stamp of the last regular difference and the places since.
+        # For stamped differences: those held back until the usual step is known; then that step,
+        # the first and newest stamps, the stamp of the last regular difference, and the number
+        # of places since.
         self._held: list[tuple[np.ndarray, np.ndarray]] = []
         self._step_ns: int | None = None
         self._first_ns = self._newest_ns = self._anchor_ns = 0
@@ -170,11 +171,11 @@ class Cells:
 
     @classmethod
     def of(cls, x_deg: ArrayLike, stamp_ns: ArrayLike | None = None) -> 'Cells':
-        """Return the sums of a whole series; see `update`."""
+        """Return the moments of a whole series; see `update`."""
         result = cls()
         x = np.asarray(x_deg, dtype=np.float64).reshape(-1)
         stamps = None if stamp_ns is None else np.asarray(stamp_ns, dtype=np.int64).reshape(-1)
-        # In pieces, which give the same to the bit and leave the memory free.
+        # Pieces give the same result to the bit and need little memory.
         for lo in range(0, x.size, _PIECE):
             hi = lo + _PIECE
             result.update(x[lo:hi], None if stamps is None else stamps[lo:hi])
@@ -182,20 +183,20 @@ class Cells:
 
     def update(self, x_deg: ArrayLike, stamp_ns: ArrayLike | None = None) -> None:
         """
-        Take the next differences.
+        Add the next differences.
 
         Parameters
         ----------
         x_deg : array_like, shape (n,)
-            In the order of their stamps, degrees, finite; n = 0 changes nothing.
+            In stamp order, degrees, finite; n = 0 changes nothing.
         stamp_ns : array_like of int, shape (n,), optional
-            Their stamps, nanoseconds, increasing. Without them the steps are taken for equal;
-            a series has them always or never.
+            Their stamps, nanoseconds, increasing. Without stamps all steps count as equal.
+            Give stamps on every call or on none.
 
         Raises
         ------
         ValueError
-            If a value is not finite; nothing is taken then.
+            If a value is not finite; then nothing is added.
 
         """
         x = np.array(x_deg, dtype=np.float64).reshape(-1)
@@ -226,7 +227,7 @@ class Cells:
         self._take(self._places(stamps, self._step_ns), x)
 
     def _places(self, stamps: np.ndarray, usual: int) -> np.ndarray:
-        """Return the places of stamped differences, from their usual step, nanoseconds."""
+        """Return the places of stamped differences; `usual` is the usual step, nanoseconds."""
         steps = np.diff(stamps, prepend=self._newest_ns)
         regular = (2 * steps >= usual) & (2 * steps <= 3 * usual)
         if regular.all():
@@ -245,7 +246,7 @@ class Cells:
         return places
 
     def _take(self, places: np.ndarray, x: np.ndarray) -> None:
-        """Put differences into cells: of the level that their own place calls for."""
+        """Put differences into cells of the level that their place requires."""
         lo = 0
         while lo < x.size:
             level = _level_at(int(places[lo]))
@@ -258,7 +259,7 @@ class Cells:
         self._last_place = int(places[-1])
 
     def _add(self, places: np.ndarray, x: np.ndarray) -> None:
-        """Add differences of one level; the cell of the last one stays open."""
+        """Add differences of one level; the last cell stays open."""
         last = int(places[-1]) >> self._level
         if self._open and int(self._open[0][0][0]) >> self._level == last:
             self._open.append((places, x))
@@ -268,8 +269,8 @@ class Cells:
         self._close()
         self._open = [(places[first:], x[first:])]
 
-    def _opened(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the cell in progress, and what came with it, as cells."""
+    def _sum_open(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the differences not yet closed, as cells."""
         if not self._open:
             return np.empty(0, np.int64), np.empty((_ROWS, 0))
         places, x = (np.concatenate(c) for c in zip(*self._open))
@@ -280,23 +281,23 @@ class Cells:
         return index[starts], _sum_groups(x, starts)
 
     def _close(self) -> None:
-        self._index, self._rows = _append(self._index, self._rows, *self._opened())
+        self._index, self._rows = _append(self._index, self._rows, *self._sum_open())
         self._open = []
 
     def _raise_to(self, level: int) -> None:
         while self._level < level:
-            self._index, self._rows = _coarser(self._index, self._rows)
+            self._index, self._rows = _coarsen(self._index, self._rows)
             self._level += 1
 
     def __add__(self, other: 'Cells') -> 'Cells':
         """
-        Return the sums of this series followed by another one.
+        Return the moments of this series followed by another one.
 
         Raises
         ------
         ValueError
-            If the cells of the other one would straddle those of this one, or one has stamps
-            and the other has none or another usual step: then feed its differences to `update`.
+            If the cells of the other series would straddle those of this one, if only one of them
+            has stamps, or if their usual steps differ: then pass its differences to `update`.
 
         """
         if not isinstance(other, Cells):
@@ -312,17 +313,17 @@ class Cells:
             offset = self._last_place + max(1, round(gap / self._step_ns))
         size = 1 << other._level
         if offset % size:
-            raise ValueError(f'{offset} places cannot be followed by cells of {size}: the number '
-                             'must be a multiple; update with the differences instead')
+            raise ValueError(f'{offset} places cannot be followed by cells of {size}: must be a '
+                             f'multiple of {size}; update with the differences instead')
         result = self._copy()
         result._close()
-        index, rows = _append(other._index, other._rows, *other._opened())
+        index, rows = _append(other._index, other._rows, *other._sum_open())
         index = index + offset // size
         rows[_MEAN] += other._shift - self._shift
         last = other._last_place + offset
         result._raise_to(max(other._level, _level_at(last)))
         for _ in range(result._level - other._level):
-            index, rows = _coarser(index, rows)
+            index, rows = _coarsen(index, rows)
         result._index, result._rows = _append(result._index, result._rows, index, rows)
         result.n += other.n
         result._largest = max(self._largest, other._largest)
@@ -338,7 +339,7 @@ class Cells:
 
     def values(self) -> CellValues | None:
         """
-        Return the record as its cells show it.
+        Return the figures of the record so far.
 
         Returns
         -------
@@ -348,10 +349,10 @@ class Cells:
         """
         if self.n < LEAST_CELLS or self._last_place + 1 < LEAST_CELLS:
             return None
-        index, rows = _append(self._index, self._rows, *self._opened())
+        index, rows = _append(self._index, self._rows, *self._sum_open())
         level, k = self._level, (self._last_place + 1) >> self._level
         if k > _MOST_CELLS:
-            index, rows = _coarser(index, rows)
+            index, rows = _coarsen(index, rows)
             level, k = level + 1, k >> 1
         whole = _sum_all(index, rows)
         mean, q = float(whole[_MEAN]), float(whole[_M2]) / self.n
@@ -370,13 +371,13 @@ class Cells:
 
 
 def _level_at(place: int) -> int:
-    """Return the level of the cell that a place belongs to when it is the newest."""
+    """Return the cell level that is needed when a place is the newest."""
     return max(0, place.bit_length() - _HALF.bit_length())
 
 
 def _sum_all(index: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Return the moments of all cells together."""
+    """Return the joint moments of all cells."""
     index = index.copy()
     while rows.shape[1] > 1:
-        index, rows = _coarser(index, rows)
+        index, rows = _coarsen(index, rows)
     return rows[:, 0]

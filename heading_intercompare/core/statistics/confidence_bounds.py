@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Confidences that follow from the bounds of a variance, bounds of a rate, and planning."""
+"""Confidence that a variance meets a limit, bounds of a rate, and the record length needed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ['confidence', 'duration_factor', 'LEAST_RISK', 'mean_confidence', 'ra
            'rate_upper']
 
 LEAST_RISK = 1e-6
-"""Confidences are given from this to one minus this."""
+"""Confidences are clipped to the range from this to one minus this."""
 
 _LONGEST = 1e12
 
@@ -30,15 +30,15 @@ def confidence(found: Spread, limit_deg2: float) -> float:
     Parameters
     ----------
     found : Spread
-        Of one run, or of several together.
+        Spread of one run, or of several together.
     limit_deg2 : float
         The limit, square degrees, greater than 0.
 
     Returns
     -------
     float
-        1 - alpha if the upper bound at alpha is the limit, alpha if the lower bound at alpha
-        is, 0.5 between the two bounds at 0.5; from 1e-6 to 1 - 1e-6.
+        1 - alpha if the upper bound at alpha equals the limit; alpha if the lower bound at alpha
+        does; 0.5 between the two bounds at 0.5. From 1e-6 to 1 - 1e-6.
 
     """
     def upper(alpha: float) -> float:
@@ -57,7 +57,7 @@ def confidence(found: Spread, limit_deg2: float) -> float:
 
 
 def _risk_where_zero(f: Callable[[float], float]) -> float:
-    """Return the risk at which a function that rises to f(0.5) >= 0 is zero."""
+    """Return the risk where a rising function with f(0.5) >= 0 crosses zero."""
     low = math.log(LEAST_RISK)
     if f(LEAST_RISK) >= 0.0:
         return LEAST_RISK
@@ -68,16 +68,16 @@ def _risk_where_zero(f: Callable[[float], float]) -> float:
 def mean_confidence(found: Spread, sigma_deg: float, low_deg: float,
                     up_deg: float) -> float:
     """
-    Return the confidence that the TS meets its norm when the RS is known within an interval.
+    Return the confidence that the TS meets its norm, with the RS known within an interval.
 
     Parameters
     ----------
     found : Spread
-        Of one run, or of several together.
+        Spread of one run, or of several together.
     sigma_deg : float
         Norm of the TS, degrees.
     low_deg, up_deg : float
-        Interval of the RS standard deviation, taken as uniform in it; degrees.
+        Interval of the RS standard deviation, degrees; assumed uniform within it.
 
     Returns
     -------
@@ -100,26 +100,26 @@ def mean_confidence(found: Spread, sigma_deg: float, low_deg: float,
 def duration_factor(found: Spread, accept_deg2: float, reject_deg2: float,
                     alpha_consumer: float, alpha_producer: float) -> float:
     """
-    Return how many times as long a record would decide if everything stayed as it is.
+    Return the factor by which the record must grow to decide, other things being equal.
 
     Parameters
     ----------
     found : Spread
     accept_deg2, reject_deg2 : float
-        Acceptance and rejection limit, square degrees.
+        Acceptance and rejection limits, square degrees.
     alpha_consumer, alpha_producer : float
         Risks, up to 0.5.
 
     Returns
     -------
     float
-        1 if the record decides; infinite where no length does: from limit to limit, and where
-        the slow part that shows fills the room below the acceptance limit.
+        1 if the record decides already. Infinite if no length would: between the limits, and
+        where the visible slow part fills the room below the acceptance limit.
 
     Notes
     -----
-    The standard error falls with the root of the length and the degrees of freedom of the slow
-    part grow with it; the allowance for the slow part stays.
+    As the record grows, the standard error falls with the root of its length, and the degrees of
+    freedom of the slow part grow with its length. The allowance for the slow part stays.
 
     References
     ----------
@@ -157,13 +157,13 @@ def rate_lower(k: float, trials: float, alpha: float) -> float:
     Parameters
     ----------
     k, trials : float
-        Events among effective trials, 0 <= k <= trials; need not be integers.
+        Number of events and of effective trials, 0 <= k <= trials; need not be integers.
     alpha : float
         Risk that the rate is below the bound.
 
     References
     ----------
-    Clopper & Pearson 1934 with real arguments; S.14 of ``docs/risk.md``.
+    Clopper & Pearson 1934, extended to real arguments; S.14 of ``docs/risk.md``.
 
     """
     return float(scipy.special.betaincinv(k, trials - k + 1.0, alpha)) if k > 0.0 else 0.0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The drift of the differences: polynomials fitted, their order chosen, and a slope."""
+"""The drift of the differences: polynomial fits, the choice of their order, and the slope."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ __all__ = ['average_blocks', 'bic_of', 'drift_left_deg2', 'fit_slope', 'Order', 
            'remove_polynomial', 'rounding_floor', 'select_order', 'Slope']
 
 _HIGHEST_ORDER = 3
-"""Largest order of a polynomial that may be removed."""
+"""Highest order of a polynomial that may be removed."""
 
-#: Products of so many stay in one thread, as in `deviation`.
+#: Rows per product, few enough that BLAS stays in one thread, as in `deviation`.
 _PIECE = 1 << 13
 _LEAST_BLOCKS = 64
 
@@ -33,17 +33,18 @@ _LEAST_BLOCKS = 64
 @dataclass(frozen=True, slots=True, eq=False)
 class Polynomial:
     """
-    A polynomial in time taken out of differences.
+    A polynomial in time, and the differences without it.
 
     Attributes
     ----------
     order : int
-        Its order; lower than asked for if there are fewer samples than order + 2.
+        Its order; lower than requested if there are fewer than order + 2 samples.
     coefficients_deg : tuple of float
-        Factors of the Legendre polynomials P_0 to P_order of u = (2t - t_1 - t_n)/(t_n - t_1),
-        degrees; that of P_0 is about the mean. Empty for n = 0.
+        Coefficients of the Legendre polynomials P_0 to P_order of
+        u = (2t - t_1 - t_n)/(t_n - t_1), degrees; that of P_0 is close to the mean. Empty for
+        n = 0.
     residual_deg : ndarray, shape (n,)
-        Differences less the polynomial, degrees.
+        Differences minus the polynomial, degrees.
 
     """
 
@@ -60,7 +61,7 @@ def _scaled_time(stamp_ns: np.ndarray) -> np.ndarray:
 
 
 def _least_squares(u: np.ndarray, y: np.ndarray, order: int) -> np.ndarray:
-    """Return Legendre coefficients by normal equations, in pieces so that memory stays flat."""
+    """Return Legendre coefficients by normal equations, summed in pieces to save memory."""
     gram, right = np.zeros((order + 1, order + 1)), np.zeros(order + 1)
     for lo in range(0, u.size, _PIECE):
         basis = legvander(u[lo:lo + _PIECE], order)
@@ -76,7 +77,7 @@ def _evaluate(u: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
 
 def remove_polynomial(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> Polynomial:
     """
-    Take the polynomial of best fit out of differences.
+    Subtract the best-fitting polynomial from differences.
 
     Parameters
     ----------
@@ -90,7 +91,7 @@ def remove_polynomial(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> Poly
     Returns
     -------
     Polynomial
-        Least squares on the stamps as they are.
+        Least squares at the actual stamps.
 
     Raises
     ------
@@ -120,7 +121,7 @@ def remove_polynomial(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> Poly
     u = _scaled_time(stamps)
     coefficients = np.zeros(order + 1)
     for _ in range(2):
-        # The second pass takes back the rounding of the normal equations.
+        # The second pass removes the rounding error of the normal equations.
         correction = _least_squares(u, residual, order)
         residual -= _evaluate(u, correction)
         coefficients += correction
@@ -131,18 +132,18 @@ def remove_polynomial(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> Poly
 @dataclass(frozen=True, slots=True)
 class Order:
     """
-    How high an order the drift of a run calls for.
+    The polynomial order that the drift of a run needs.
 
     Attributes
     ----------
     order : int
-        From 0 to 3: the one of smallest criterion among these.
+        The order from 0 to 3 with the smallest criterion.
     bic : tuple of float or None
-        Schwarz's criterion of orders 0 to 4; None where the fit leaves nothing.
+        Schwarz's criterion of orders 0 to 4; None where the fit leaves no residual.
     blocks : int
-        Number of block means it was found on, 64 to 127.
+        Number of block means used, 64 to 127.
     beyond : bool
-        Whether order 4 would fit better still: then no order up to 3 describes the drift.
+        Whether order 4 would fit even better: then no order up to 3 describes the drift.
 
     """
 
@@ -153,26 +154,26 @@ class Order:
 
 
 def bic_of(rss: float, blocks: int, parameters: int, floor: float) -> float:
-    """Return Schwarz's criterion; minus infinity if the residuals are mere rounding."""
+    """Return Schwarz's criterion; minus infinity if the residuals are only rounding errors."""
     if rss <= floor:
         return -math.inf
     return blocks * math.log(rss / blocks) + parameters * math.log(blocks)
 
 
 def rounding_floor(values: np.ndarray) -> float:
-    """Return the sum of squares that rounding alone would leave of values."""
+    """Return the residual sum of squares that rounding alone would leave."""
     return values.size * (1e-13 * (1.0 + float(np.abs(values).max()))) ** 2
 
 
 def average_blocks(stamp_ns: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return times (s after the first stamp) and values of 64 to 127 block means, their size."""
+    """Return times (s after the first stamp), values and size of 64 to 127 block means."""
     size = block_size(x.size, _LEAST_BLOCKS)
     return block_means((stamp_ns - stamp_ns[0]) / 1e9, size), block_means(x, size), size
 
 
 def select_order(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Order | None:
     """
-    Choose the order of the polynomial that the drift of a run calls for.
+    Choose the polynomial order that the drift of a run needs.
 
     Parameters
     ----------
@@ -188,9 +189,9 @@ def select_order(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Order | None:
 
     Notes
     -----
-    On the means of 64 to 127 blocks, whose residuals are nearly white; on raw correlated
-    samples the criterion overfits. A correlation longer than about a hundredth of the run is
-    still taken for drift.
+    Fits the means of 64 to 127 blocks, whose residuals are nearly white; on raw correlated
+    samples the criterion overfits. It still mistakes a correlation longer than about a hundredth
+    of the run for drift.
 
     References
     ----------
@@ -218,14 +219,14 @@ def select_order(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Order | None:
 @dataclass(frozen=True, slots=True)
 class Detrended:
     """
-    Differences less a polynomial in time.
+    Differences minus a polynomial in time.
 
     Attributes
     ----------
     polynomial : Polynomial
-        With the residuals.
+        The polynomial and the residuals.
     found : Spread or None
-        Spectra of the residuals; None for fewer than 128 differences.
+        Spread of the residuals; None for fewer than 128 differences.
 
     """
 
@@ -234,19 +235,19 @@ class Detrended:
 
     @classmethod
     def of(cls, stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> 'Detrended':
-        """Take a polynomial out of differences, as `remove_polynomial` does."""
+        """Subtract a polynomial from differences, as `remove_polynomial` does."""
         fit = remove_polynomial(stamp_ns, x_deg, order)
         return cls(fit, estimate_spread(Cells.of(fit.residual_deg, stamp_ns), fit.order))
 
 
 def drift_left_deg2(rest: Detrended) -> float | None:
     """
-    Return an upper bound of the variance that a drift makes where it is not taken out.
+    Return an upper bound of the variance that a drift adds if it is not removed.
 
     Parameters
     ----------
     rest : Detrended
-        By the polynomial that describes the drift; a slope at least.
+        Differences minus the polynomial that describes the drift, of order 1 or higher.
 
     Returns
     -------
@@ -255,9 +256,9 @@ def drift_left_deg2(rest: Detrended) -> float | None:
 
     Notes
     -----
-    The part of order k of the polynomial has the variance c_k^2 / (2k + 1), with its Legendre
-    coefficient c_k; where nothing drifts, errors make that as large as the variance v of the
-    mean, S.1. The bound is (r + t sqrt(v))^2 with r^2 the variance of all parts and Student's t.
+    The term of order k has the variance c_k^2 / (2k + 1), where c_k is its Legendre coefficient.
+    Without a drift, the errors alone make that as large as the variance v of the mean, S.1. The
+    bound is (r + t sqrt(v))^2, with the variance r^2 of all terms and Student's t.
 
     References
     ----------
@@ -281,15 +282,15 @@ class Slope:
     Attributes
     ----------
     slope_deg_per_h : float
-        Degrees an hour.
+        Degrees per hour.
     intercept_deg : float
-        At the first stamp.
+        Value at the first stamp.
     u_naive_deg_per_h : float or None
         Standard error as if the residuals were uncorrelated; None for n < 3.
     u_deg_per_h : float or None
-        Standard uncertainty that allows for correlation, by the power of the residuals at the
-        lowest half-periods of the record; for fewer than 128 differences the naive one times the
-        root of the correlation time.
+        Standard uncertainty that allows for correlation, from the power of the residuals at the
+        lowest half-periods of the record. For fewer than 128 differences it is the naive one
+        times the root of the correlation time.
     interval_deg_per_h : pair of float or None
         95 % interval of the slope.
     tau_samples : float
@@ -320,7 +321,7 @@ def fit_slope(stamp_ns: ArrayLike, x_deg: ArrayLike,
     x_deg : array_like, shape (n,)
         Differences, finite, degrees.
     line : Detrended, optional
-        The same less a polynomial of order 1, if known already.
+        The differences minus a polynomial of order 1, if already known.
 
     Returns
     -------
@@ -329,8 +330,8 @@ def fit_slope(stamp_ns: ArrayLike, x_deg: ArrayLike,
 
     References
     ----------
-    Ordinary least squares; with the variance v of the mean by S.1, that of the slope is 12 v
-    over the square of the span. Correlation time with the window of Sokal 1997.
+    Ordinary least squares. The variance of the slope is 12 v over the square of the span, with
+    the variance v of the mean by S.1. Correlation time with the window of Sokal 1997.
 
     """
     stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)

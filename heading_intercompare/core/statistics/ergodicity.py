@@ -13,13 +13,13 @@ import scipy
 __all__ = ['examine_homogeneity', 'Homogeneity', 'RunFigures']
 
 SIGNIFICANT = 0.01
-"""Runs differ if chance alone would make them differ so much less often than this."""
+"""Runs differ if the probability of their differences by chance is below this."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunFigures:
     """
-    What the comparison of runs takes from one run.
+    The figures of one run that are compared with those of other runs.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class RunFigures:
     variance_deg2 : float
         Variance of the differences, square degrees.
     nu : float
-        Its effective degrees of freedom.
+        Effective degrees of freedom of that variance.
 
     """
 
@@ -43,17 +43,18 @@ class RunFigures:
 @dataclass(frozen=True, slots=True)
 class Homogeneity:
     """
-    What the runs say of each other; keys of the JSON.
+    How far the runs agree with each other; keys of the JSON.
 
     Attributes
     ----------
     m : int
         Runs compared: those with figures and with a variance above zero.
     weighted_mean_deg : float or None
-        Mean of the means, weighted by their variances; None for m < 2, as all below.
+        Mean of the means, weighted by the inverse of their variances. This and all that follows
+        is None for m < 2.
     q, q_p : float or None
-        Cochran's statistic of equal means, and the probability of so large a value if they are
-        equal.
+        Cochran's statistic of equal means, and the probability of a value at least this large
+        if the means are equal.
     birge_ratio : float or None
         sqrt(Q/(m - 1)): above 1 the means scatter more than their uncertainties say.
     between_variance_deg2 : float or None
@@ -85,7 +86,7 @@ def examine_homogeneity(runs: Sequence[RunFigures]) -> Homogeneity:
     Parameters
     ----------
     runs : sequence of RunFigures
-        Any number; those whose variance is zero are left out, for they weigh infinitely.
+        Any number. Runs with zero variance are left out: their weight would be infinite.
 
     Returns
     -------

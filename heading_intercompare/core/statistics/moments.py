@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sums over differences: values you add, and the columns that a run keeps until its end."""
+"""Moments of differences that can be added, exact sums, and counts outside a limit."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from numpy.typing import ArrayLike
 __all__ = ['count_outside', 'exact_sum', 'Moments', 'UNIT']
 
 UNIT = 2.0 ** -53
-"""Of the numbers from 1/2 to 1 all are whole multiples of this."""
+"""All floats from 1/2 to 1 are integer multiples of this."""
 
 _HALF = 26
 
 
 def exact_sum(values: ArrayLike) -> int:
     """
-    Return the sum of numbers from 1/2 to 1 in units of `UNIT`, exactly.
+    Return the exact sum of numbers from 1/2 to 1, in units of `UNIT`.
 
-    So a sum does not depend on the chunks in which the numbers come.
+    An exact sum does not depend on how the numbers are cut into chunks.
 
     Examples
     --------
@@ -80,12 +80,12 @@ class Moments:
             return cls()
         mean = float(x.mean())
         e = x - mean
-        # The second term takes back the rounding of the mean.
+        # The second term corrects for the rounding of the mean.
         m2 = float(np.dot(e, e)) - float(e.sum()) ** 2 / x.size
         return cls(int(x.size), mean, max(0.0, m2), float(x.min()), float(x.max()))
 
     def __add__(self, other: 'Moments') -> 'Moments':
-        """Return the moments of both sets of values together."""
+        """Return the joint moments of both sets of values."""
         if not isinstance(other, Moments):
             return NotImplemented
         if self.n == 0 or other.n == 0:
@@ -114,5 +114,5 @@ class Moments:
 
 
 def count_outside(x_deg: np.ndarray, center_deg: float, limit_deg: float) -> int:
-    """Return how many values are more than the limit from the centre, strictly; GK (*), (**)."""
+    """Count the values farther than the limit from the centre, strictly; GK (*), (**)."""
     return int(np.count_nonzero(np.abs(x_deg - center_deg) > limit_deg))

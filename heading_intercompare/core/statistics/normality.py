@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether values are normal, tested for as many of them as are independent in effect."""
+"""Tests whether values are normal, at their effective number of independent values."""
 
 from __future__ import annotations
 
@@ -28,23 +28,25 @@ _STRETCH = 1 << 16
 @dataclass(frozen=True, slots=True)
 class Shape:
     """
-    Skewness and kurtosis of values, and how unlikely they are for normal ones.
+    Skewness and kurtosis of values, and how unlikely they are for normal values.
 
     Attributes
     ----------
     n : int
         Number of values.
     n_effective : float
-        How many independent ones they are worth.
+        Number of independent values they are equivalent to.
     std_deg : float or None
         Standard deviation, degrees; None for n < 2.
     skewness, excess_kurtosis : float or None
-        g_1 and g_2 from moments about the mean; None for n < 8 or equal values, as all below.
-        Uniform values have -1.2, the difference of two equal uniforms -0.6.
+        g_1 and g_2 from moments about the mean. These and all that follow are None for n < 8 or
+        equal values. The excess kurtosis of uniform values is -1.2, that of the difference of
+        two equal uniforms -0.6.
     skewness_z, kurtosis_z : float or None
-        In standard deviations for normal values.
+        The same in units of their standard deviations for normal values.
     jarque_bera, p : float or None
-        Sum of the squares of both, and the probability of so large a sum for normal values.
+        Sum of the squares of both, and the probability of a sum at least this large for normal
+        values.
 
     """
 
@@ -68,8 +70,8 @@ def measure_shape(values: ArrayLike, n_effective: float | None = None) -> Shape:
     values : array_like, shape (n,)
         Finite, degrees.
     n_effective : float, optional
-        How many independent values they are worth; default n. Hundreds of thousands of
-        correlated values are never normal at their full number.
+        Number of independent values they are equivalent to; default n. Hundreds of thousands
+        of correlated values never pass as normal at their full number.
 
     Returns
     -------
@@ -77,8 +79,8 @@ def measure_shape(values: ArrayLike, n_effective: float | None = None) -> Shape:
 
     References
     ----------
-    z_1 = g_1/sqrt(6/nu), z_2 = g_2/sqrt(24/nu), chi-square of two degrees: Jarque & Bera 1987;
-    for correlated values Bai & Ng 2005 (JBES 23, 49). E.6 of ``docs/diagnostics.md``.
+    z_1 = g_1/sqrt(6/nu), z_2 = g_2/sqrt(24/nu), chi-square with two degrees of freedom: Jarque &
+    Bera 1987; for correlated values Bai & Ng 2005 (JBES 23, 49). E.6 of ``docs/diagnostics.md``.
 
     """
     x = np.asarray(values, dtype=np.float64)
@@ -108,14 +110,14 @@ def measure_shape(values: ArrayLike, n_effective: float | None = None) -> Shape:
 @dataclass(frozen=True, slots=True)
 class AndersonDarling:
     """
-    Distance of values from the normal distribution of their mean and standard deviation.
+    Distance of values from the normal distribution with their mean and standard deviation.
 
     Attributes
     ----------
     statistic, adjusted : float
         A^2, and A^2 (1 + 0.75/n + 2.25/n^2).
     p : float
-        Probability of so large a distance for independent normal values.
+        Probability of a distance at least this large for independent normal values.
 
     """
 
@@ -166,7 +168,7 @@ def apply_anderson_darling(values: ArrayLike) -> AndersonDarling | None:
 
 
 def thin(values: ArrayLike) -> tuple[np.ndarray, int]:
-    """Return every k-th value, and k: the correlation time of Sokal, rounded up."""
+    """Return every k-th value, and k: Sokal's correlation time, rounded up."""
     x = np.asarray(values, dtype=np.float64)
     step = max(1, math.ceil(sokal_times(x).tau_1))
     return x[::step], step
@@ -184,8 +186,8 @@ def symmetric_difference(heading_deg: ArrayLike) -> np.ndarray:
     Returns
     -------
     ndarray, shape (max(n - 2, 0),)
-        Each reading less the one after the next, wrapped. White noise of standard deviation s
-        gives s sqrt(2); a slow heading nearly cancels.
+        Each reading minus the one after the next, wrapped. White noise of standard deviation s
+        gives s sqrt(2); slow changes of the heading nearly cancel.
 
     References
     ----------
@@ -198,14 +200,14 @@ def symmetric_difference(heading_deg: ArrayLike) -> np.ndarray:
 
 def moving_average_residual(heading_deg: ArrayLike, width: int) -> np.ndarray:
     """
-    Return a heading less its centred moving average.
+    Return a heading minus its centred moving average.
 
     Parameters
     ----------
     heading_deg : array_like, shape (n,)
-        Headings in stamp order, degrees; unwrapped before they are averaged.
+        Headings in stamp order, degrees; they are unwrapped before averaging.
     width : int
-        Readings averaged, odd, at least 3.
+        Readings per average, odd, at least 3.
 
     Returns
     -------
@@ -242,23 +244,24 @@ class Normality:
     Attributes
     ----------
     difference : Shape
-        Of the differences, at their effective size.
+        Shape of the differences, at their effective size.
     thinned_step, thinned_n : int
-        Every so many-th difference makes these nearly independent ones.
+        Taking every `thinned_step`-th difference leaves `thinned_n`, nearly independent.
     anderson_darling, anderson_darling_p : float or None
-        Of the thinned differences, adjusted; None for fewer than 8 or equal ones.
+        Adjusted statistic of the thinned differences and its probability; None for fewer than 8
+        or equal ones.
     ts_first_difference, rs_first_difference : Shape
-        Of the symmetric first differences of the headings of each sensor.
+        Shape of the symmetric first differences of each sensor's headings.
     ts_moving_average, rs_moving_average : Shape
-        Of the headings less their centred moving average.
+        Shape of the headings minus their centred moving average.
     moving_average_width : int
-        Readings averaged.
+        Readings per average.
     ts_step_deg, rs_step_deg : float or None
-        Resolution of the headings as paired; an interpolated RS shows none.
+        Resolution of the paired headings; an interpolated RS shows none.
     ts_repeated_share, rs_repeated_share : float or None
-        Share of readings equal to the one before.
+        Share of readings equal to the previous one.
     rounding_variance_deg2 : float
-        What the resolutions found add to the variance of the differences; not subtracted.
+        Variance that these resolutions add to the differences; not subtracted.
 
     """
 
@@ -292,7 +295,7 @@ def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
     n_effective : float
         Effective size of the differences.
     width : int
-        Readings of a moving average, odd, at least 3.
+        Readings per moving average, odd, at least 3.
 
     Returns
     -------
@@ -300,17 +303,18 @@ def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
 
     Notes
     -----
-    Of more than a million headings, 16 stretches spread over the run are used, of 65536 each.
+    Of more than a million headings, only 16 stretches of 65536 each, spread over the run, are
+    used.
 
     References
     ----------
     GK asks for normality of the differences, of symmetric first differences, and of headings
-    less a moving average; effective sizes instead of n: Bai & Ng 2005.
+    minus a moving average. Effective sizes instead of n: Bai & Ng 2005.
 
     """
     few, step = thin(x_deg)
     distance = apply_anderson_darling(few)
-    sensors = [_sensor(np.asarray(h, dtype=np.float64), width) for h in (ts_deg, rs_deg)]
+    sensors = [_examine_sensor(np.asarray(h, dtype=np.float64), width) for h in (ts_deg, rs_deg)]
     (ts_first, ts_average, ts_step), (rs_first, rs_average, rs_step) = sensors
     return Normality(
         measure_shape(x_deg, n_effective), step, few.size,
@@ -320,7 +324,7 @@ def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
         ts_step.variance_deg2 + rs_step.variance_deg2)
 
 
-def _sensor(heading_deg: np.ndarray, width: int) -> tuple[Shape, Shape, Resolution]:
+def _examine_sensor(heading_deg: np.ndarray, width: int) -> tuple[Shape, Shape, Resolution]:
     starts = range(0, 1) if heading_deg.size <= _MOST else np.linspace(
         0, heading_deg.size - _STRETCH, _MOST // _STRETCH).astype(int)
     stretch = heading_deg.size if len(starts) == 1 else _STRETCH

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The step in which a sensor reports its heading, and what rounding to it adds to the variance."""
+"""The step in which a sensor reports its heading, and the variance that rounding to it adds."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from heading_intercompare.core.angles import wrap180
 __all__ = ['find_resolution', 'LOOKED_AT', 'Resolution']
 
 LOOKED_AT = 100_000
-"""So many headings, from the first on, tell the step of a sensor."""
+"""Only the first headings of a record, up to this number, are examined for a step."""
 _LEAST_STEP_DEG = 1e-7
 _LEAST_STEPS = 20
 _SHARE = 0.99
@@ -28,12 +28,12 @@ class Resolution:
     Attributes
     ----------
     n : int
-        Readings looked at, the first 100000 at most.
+        Readings examined: the first 100000 at most.
     step_deg : float or None
-        All changes of the heading are multiples of it; None if there is no such step, or too
+        Step of which the heading changes are multiples; None if there is no such step, or too
         few changes to tell.
     repeated_share : float or None
-        Share of readings equal to the one before; None for n < 2.
+        Share of readings equal to the previous one; None for n < 2.
 
     """
 
@@ -54,8 +54,8 @@ def find_resolution(heading_deg: ArrayLike) -> Resolution:
     Parameters
     ----------
     heading_deg : array_like, shape (n,)
-        Headings in stamp order, finite, degrees; also of steps that are no decimal fraction,
-        as of 0.0001 rad.
+        Headings in stamp order, finite, degrees. The step need not be a decimal fraction: it may
+        be 0.0001 rad.
 
     Returns
     -------
@@ -63,9 +63,9 @@ def find_resolution(heading_deg: ArrayLike) -> Resolution:
 
     Notes
     -----
-    The smallest change is the candidate; it is kept if 99 % of all changes are multiples of it
-    to a twentieth. Rounding adds step^2/12 to the variance, as long as the standard deviation
-    is at least half a step (Sheppard); it is reported, never subtracted.
+    The smallest change is the candidate. It is kept if 99 % of all changes are multiples of it
+    to within a twentieth of a step. Rounding adds step^2/12 to the variance if the standard
+    deviation is at least half a step (Sheppard). That is reported, never subtracted.
 
     Examples
     --------
@@ -87,8 +87,8 @@ def _common_step(changes: np.ndarray) -> float | None:
     if changes.size < _LEAST_STEPS:
         return None
     step = float(changes.min())
-    # Multiples found with the candidate refine it, the small ones first: an error of the
-    # candidate grows with the multiple.
+    # Refine the candidate with its multiples, small ones first: its error grows with the
+    # multiple.
     for most in (4.0, 64.0, np.inf):
         some = changes[changes <= most * step]
         multiple = np.rint(some / step)

@@ -17,22 +17,22 @@ __all__ = ['apply_kpss', 'Arrangements', 'count_arrangements', 'examine_stationa
            'Stationarity']
 
 LEAST_SAMPLES = 64
-"""Fewest samples of which stationarity is tested: 16 blocks of four."""
+"""Fewest samples for a test of stationarity: 16 blocks of four."""
 
 
 @dataclass(frozen=True, slots=True)
 class Arrangements:
     """
-    Reverse arrangements of a few values: a trend has too few or too many.
+    Reverse arrangements of a few values: a trend gives too few or too many.
 
     Attributes
     ----------
     count : float
-        Pairs of which the earlier value is the larger; equal ones count half.
+        Pairs whose earlier value is the larger one; equal ones count half.
     z : float
-        Count about its expectation, in standard deviations; positive if the values fall.
+        Count minus its expectation, in standard deviations; positive if the values fall.
     p : float
-        Probability of so large a deviation, either way, if there is no trend.
+        Two-sided probability of a deviation at least this large without a trend.
 
     """
 
@@ -48,12 +48,12 @@ def count_arrangements(values: ArrayLike) -> Arrangements | None:
     Parameters
     ----------
     values : array_like, shape (k,)
-        Tens of values in the order of time; time and memory grow with the square.
+        Tens of values in time order; run time and memory grow with the square of k.
 
     Returns
     -------
     Arrangements or None
-        None for fewer than 10 values, for which the count is not normal.
+        None for fewer than 10 values, whose count is not normally distributed.
 
     References
     ----------
@@ -84,12 +84,12 @@ class Kpss:
     Attributes
     ----------
     statistic : float
-        Mean square of the cumulated deviations over n times the long-run variance; 0.463 is
-        exceeded by 5 % of stationary series.
+        Mean square of the cumulative deviations, divided by n times the long-run variance; 5 %
+        of stationary series exceed 0.463.
     lags : int
-        Of the Bartlett kernel.
+        Lags of the Bartlett kernel.
     p : float
-        Probability of so large a statistic if the series is stationary, for n to infinity.
+        Asymptotic probability of a statistic at least this large for a stationary series.
 
     """
 
@@ -105,7 +105,7 @@ def apply_kpss(values: ArrayLike) -> Kpss | None:
     Parameters
     ----------
     values : array_like, shape (n,)
-        In the order of time; here block means.
+        In time order; here block means.
 
     Returns
     -------
@@ -114,8 +114,8 @@ def apply_kpss(values: ArrayLike) -> Kpss | None:
 
     Notes
     -----
-    Lags: the whole part of 12 (n/100)^(1/4). The limit distribution is that of the Cramer-von
-    Mises statistic, the integral of a squared Brownian bridge.
+    The number of lags is the integer part of 12 (n/100)^(1/4). The limiting distribution is that
+    of the Cramer-von Mises statistic, the integral of a squared Brownian bridge.
 
     References
     ----------
@@ -142,7 +142,7 @@ def _bridge_tail(value: float) -> float:
     """
     Return the probability that the integral of a squared Brownian bridge exceeds a value.
 
-    The series of Anderson & Darling 1952 (Ann. Math. Stat. 23, 193).
+    By the series of Anderson & Darling 1952 (Ann. Math. Stat. 23, 193).
     """
     if value <= 0.0:
         return 1.0
@@ -160,24 +160,24 @@ def _bridge_tail(value: float) -> float:
 @dataclass(frozen=True, slots=True)
 class Stationarity:
     """
-    What the blocks of a run say about the constancy of its moments; keys of the JSON.
+    Whether the moments of a run are constant, judged from its blocks; keys of the JSON.
 
     Attributes
     ----------
     blocks : int
-        Blocks compared for a trend, 16 to 31; 0 if there are fewer than 64 samples, and all
-        that follows is None then.
+        Blocks compared for a trend, 16 to 31; 0 for fewer than 64 samples, and then all other
+        attributes are None.
     block_s : float or None
-        Their length, seconds.
+        Block length, seconds.
     mean_z, mean_p : float or None
         Reverse arrangements of the block means.
     square_z, square_p : float or None
-        Of the block means of the squared deviation.
+        Reverse arrangements of the block means of the squared deviation.
     kpss, kpss_p : float or None
-        Statistic for a constant level on 64 to 127 block means, and its probability; None also
-        if these are all equal.
+        KPSS statistic of 64 to 127 block means, and its probability; None also if these are
+        all equal.
     kpss_lags : int or None
-        Of its kernel.
+        Lags of its kernel.
 
     """
 
@@ -193,7 +193,7 @@ class Stationarity:
 
     @property
     def least_p(self) -> float | None:
-        """Smallest of the three probabilities times three (Bonferroni); None if untested."""
+        """Smallest probability times the number of tests (Bonferroni); None if untested."""
         values = [p for p in (self.mean_p, self.square_p, self.kpss_p) if p is not None]
         return min(1.0, len(values) * min(values)) if values else None
 
@@ -215,8 +215,8 @@ def examine_stationarity(x_deg: ArrayLike, step_s: float) -> Stationarity:
 
     Notes
     -----
-    The blocks must be long compared with the correlation of the errors; where the record is too
-    short for that (`assumptions.resolved`), a slow error and a change of the mean look alike.
+    The blocks must be long compared with the correlation time of the errors. If the record is too
+    short for that (`assumptions.resolved`), a slow error looks like a change of the mean.
 
     References
     ----------

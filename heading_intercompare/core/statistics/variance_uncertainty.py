@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-How well the variance of correlated differences is known: the spectrum of their squares.
+How well the variance of correlated differences is known, from the spectrum of their squares.
 
-The squares of the deviations are a signal. Its power at the lowest frequencies of the record says
-how far their mean, the variance, may be off; the frequency at which that power falls off says how
-many independent fluctuations of the errors the record holds.
+The squares of the deviations are a signal whose mean is the variance. Its power at the lowest
+frequencies of the record says how far that mean may be off. The frequency at which the power falls
+off says how many independent fluctuations of the errors the record holds.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ __all__ = ['between_runs', 'estimate_spread', 'excess', 'lower_bound', 'MEAN_DOF
            'Spread', 'upper_bound']
 
 MEAN_DOF = 8
-"""Degrees of freedom of the variance of the mean: as many low frequencies are averaged. S.1."""
+"""Degrees of freedom of the variance of the mean: the number of low frequencies averaged. S.1."""
 
 _STUDENT_DOF = 12
 _BANDS = (6, 12, 24)
@@ -49,9 +49,10 @@ class Spread:
     Attributes
     ----------
     n, order : int
-        Number of differences; order of the polynomial allowed for (0: the mean).
+        Number of differences; order of the polynomial removed (0: the mean).
     d_deg2 : float
-        Variance D with what mean and polynomial have swallowed, square degrees. S.2.
+        Variance D, with the part that mean and polynomial absorbed added back; square degrees.
+        S.2.
     mean_variance_deg2 : float
         Variance v of the mean, square degrees. S.1.
     s_deg2 : float
@@ -61,12 +62,12 @@ class Spread:
     f : float
         Degrees of freedom of the slow part, at most `nu`. S.6.
     corner_j : float
-        Half-periods in the record at the frequency where the power of the squares falls off;
-        infinite if it does not. S.5.
+        Frequency where the power of the squares falls off, in half-periods per record; infinite
+        if it does not. S.5.
     low_deg2, middle_deg2 : float
         Mean variance of the four lowest half-periods, and of the 13th to 28th. S.8.
     student_dof : int
-        Degrees of freedom of `s_deg2`: 12 a run.
+        Degrees of freedom of `s_deg2`: 12 per run.
 
     """
 
@@ -96,12 +97,12 @@ class Spread:
 
     @property
     def slow_variance_deg2(self) -> float:
-        """Variance V_s of the slow part that shows, square degrees. S.8."""
+        """Variance V_s of the visible slow part, square degrees. S.8."""
         return _LOW_MODES * max(0.0, self.low_deg2 - self.middle_deg2)
 
     @property
     def slow_allowance_deg2(self) -> float:
-        """What the upper bound allows for it: G, square degrees. S.9."""
+        """Allowance G of the upper bound for the slow part, square degrees. S.9."""
         slow = self.slow_variance_deg2
         if slow == 0.0:
             return 0.0
@@ -115,10 +116,10 @@ def estimate_spread(cells: Cells | CellValues, order: int = 0) -> Spread | None:
     Parameters
     ----------
     cells : Cells or CellValues
-        Of the differences, or of their residuals about a polynomial.
+        Cells of the differences, or of their residuals about a polynomial.
     order : int
-        Order of that polynomial; 0 for none, for the mean is taken out here. Where the order
-        was chosen by the data, the highest that might have been.
+        Order of that polynomial; 0 for none, because the mean is removed here. If the data chose
+        the order, the highest order that could have been chosen.
 
     Returns
     -------
@@ -152,7 +153,7 @@ def estimate_spread(cells: Cells | CellValues, order: int = 0) -> Spread | None:
     if not d > 0.0:
         free = float(n - lost)
         return Spread(n, order, 0.0, v, 0.0, free, free, math.inf, low, middle)
-    # Relative to D, for the squares of small variances are 0.
+    # Relative to D, because the squares of small variances underflow to 0.
     relative = (1.0 + _FEW / n) * max(
         w / k / d / d + 6.0 * (lost * v / d) ** 2 / record.occupied, 2.0 / n)
     s, nu = d * math.sqrt(relative), 2.0 / relative
@@ -163,13 +164,13 @@ def estimate_spread(cells: Cells | CellValues, order: int = 0) -> Spread | None:
 
 
 def _power(values: np.ndarray, floor: float = 0.0) -> np.ndarray:
-    """Return the power at 1, 2, ... half-periods; means below the floor times K are rounding."""
+    """Return the power at 1, 2, ... half-periods; below the floor times K it is rounding: 0."""
     power = scipy.fft.dct(values, type=2, norm='ortho')[1:] ** 2
     return np.where(power < floor * values.size, 0.0, power)
 
 
 def _corner(c: np.ndarray) -> tuple[float, float]:
-    """Return the corner of the spectrum of the squares, and 0.45 J / h; least of the windows."""
+    """Return J, the corner of the spectrum of the squares, and 0.45 J / h: least over windows."""
     plateau = float(c[:_PLATEAU].mean())
     corner = least = math.inf
     for w in {*(w for w in _WINDOWS if w <= c.size), c.size}:
@@ -184,7 +185,7 @@ def _corner(c: np.ndarray) -> tuple[float, float]:
 
 def excess(f: float, alpha: float, student_dof: int = _STUDENT_DOF) -> float:
     """
-    Return by how many standard errors the upper bound lies above the variance.
+    Return the distance of the upper bound from the variance, in standard errors.
 
     Parameters
     ----------
@@ -198,11 +199,12 @@ def excess(f: float, alpha: float, student_dof: int = _STUDENT_DOF) -> float:
     Returns
     -------
     float
-        From Student's quantile (f infinite) upwards; infinite if the data bound nothing.
+        At least Student's quantile, which it equals for infinite f; infinite if the data set no
+        bound.
 
     References
     ----------
-    S.7 of ``docs/risk.md``; Graybill & Wang 1980 for one component that is poorly known.
+    S.7 of ``docs/risk.md``; Graybill & Wang 1980 for one poorly known component.
 
     Examples
     --------
@@ -230,7 +232,7 @@ def upper_bound(found: Spread, alpha: float) -> float:
     Returns
     -------
     float
-        Square degrees; infinite if the data bound nothing, 0 if all residuals are 0.
+        Square degrees; infinite if the data set no bound, 0 if all residuals are 0.
 
     References
     ----------
@@ -251,12 +253,12 @@ def lower_bound(found: Spread, alpha: float) -> float:
 
 def pool(runs: Sequence[Spread]) -> Spread:
     """
-    Return the variance that runs share, and how well they know it together.
+    Return the common variance of several runs, and how well they know it together.
 
     Parameters
     ----------
     runs : sequence of Spread
-        Of one or more runs, independent of each other.
+        One or more runs, independent of each other.
 
     References
     ----------
@@ -285,21 +287,21 @@ def pool(runs: Sequence[Spread]) -> Spread:
 
 def between_runs(runs: Sequence[Spread], means_deg: Sequence[float], alpha: float) -> float:
     """
-    Return the upper bound of the variance that takes the slow part from the means of the runs.
+    Return an upper bound of the variance, with the slow part taken from the means of the runs.
 
     Parameters
     ----------
     runs : sequence of Spread
-        Of m runs, at least 2, that lie many correlation times of the slow part apart.
+        At least 2 runs, many correlation times of the slow part apart.
     means_deg : sequence of float
-        Their mean differences, degrees; of one constant mean.
+        Their mean differences, degrees, assumed to share one expected value.
     alpha : float
         Risk that the variance exceeds the bound; up to 0.5.
 
     Returns
     -------
     float
-        Square degrees. What two runs say of their means is worth nothing, of five or more much.
+        Square degrees. The scatter of two means says next to nothing, that of five or more much.
 
     References
     ----------

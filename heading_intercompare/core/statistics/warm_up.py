@@ -19,7 +19,7 @@ _GRID = 400
 _LEAST_SAMPLES = 64
 
 CLEAR = 10.0
-"""By how much Schwarz's criterion must prefer the exponential to a constant."""
+"""Margin of Schwarz's criterion by which the exponential must beat a constant."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,13 +34,13 @@ class WarmUp:
     tau_s : float
         Time constant, seconds; from a hundredth of the run to the run.
     tolerance_deg : float
-        What may be left of the amplitude when the TS has settled.
+        The TS has settled when the exponential has fallen to this, degrees.
     settle_s : float
-        When that is reached, seconds after the first stamp; 0 if the amplitude is within the
-        tolerance. Meaningless unless `preferred`.
+        Time at which that happens, seconds after the first stamp; 0 if the amplitude is within
+        the tolerance. Meaningless unless `preferred`.
     preferred : bool
-        Whether the exponential describes the run: clearly better than a constant, and better
-        than any polynomial up to order 3.
+        Whether the exponential fits the run clearly better than a constant, and better than any
+        polynomial up to order 3.
     span_s : float
         Length of the run, seconds.
 
@@ -56,7 +56,7 @@ class WarmUp:
 
     @property
     def stabilization_s(self) -> float:
-        """How much of the start to leave out; all of the run if it never settles."""
+        """Time to discard at the start, seconds; the whole run if it never settles."""
         return min(self.settle_s, self.span_s) if self.preferred else 0.0
 
 
@@ -71,8 +71,8 @@ def fit_warm_up(stamp_ns: ArrayLike, x_deg: ArrayLike, tolerance_deg: float) -> 
     x_deg : array_like, shape (n,)
         Differences, finite, degrees.
     tolerance_deg : float
-        What may be left of the amplitude, degrees, greater than 0; a tenth of sigma_max is
-        usual.
+        Value to which the exponential must fall, degrees, greater than 0; a tenth of sigma_max
+        is usual.
 
     Returns
     -------
@@ -86,9 +86,9 @@ def fit_warm_up(stamp_ns: ArrayLike, x_deg: ArrayLike, tolerance_deg: float) -> 
 
     Notes
     -----
-    Variable projection (Golub & Pereyra 1973): for each time constant the level and amplitude
-    follow from linear least squares on 64 to 127 block means; the amplitude is then corrected
-    for the averaging within a block.
+    Variable projection (Golub & Pereyra 1973): for each time constant, linear least squares on 64
+    to 127 block means gives the level and the amplitude. The amplitude is then corrected for the
+    averaging within a block.
 
     References
     ----------
@@ -145,7 +145,7 @@ def _is_preferred(stamps: np.ndarray, x: np.ndarray, rss: float, blocks: int) ->
 
 def mser5(stamp_ns: ArrayLike, x_deg: ArrayLike) -> float | None:
     """
-    Return where the start of a run stops to disturb its mean.
+    Return the time after which the start of a run no longer disturbs its mean.
 
     Parameters
     ----------
@@ -161,9 +161,9 @@ def mser5(stamp_ns: ArrayLike, x_deg: ArrayLike) -> float | None:
 
     Notes
     -----
-    Means of 5 samples; as many are left out as make the variance of the mean of the rest
-    smallest, the fewest if several do. It knows nothing of exponentials or norms, and a long
-    correlation misleads it: a check of `fit_warm_up`, not a substitute.
+    Works on means of 5 samples. It cuts off the number of means that minimises the variance of
+    the mean of the rest; on a tie, the smaller number. It knows nothing about exponentials or
+    norms, and a long correlation misleads it: it checks `fit_warm_up` and does not replace it.
 
     References
     ----------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Time: the skew between the sensors, drifting clocks, interpolation."""
+"""Time: the skew between the sensors, drifting clocks, and interpolation."""
 
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'realignment': ('realign',),
     'skew_instrument': ('common_tracks',),
     'skew_scan': ('Scan', 'scan_skew'),
-    'skew_search': ('coarser',),
+    'skew_search': ('coarsen',),
     'stamp_steps': ('measure_stamp_steps', 'StampSteps'),
     'time_skew': ('estimate_skew', 'Skew'),
 })
@@ -34,6 +34,6 @@ if TYPE_CHECKING:
     from .realignment import realign as realign
     from .skew_instrument import common_tracks as common_tracks
     from .skew_scan import Scan as Scan, scan_skew as scan_skew
-    from .skew_search import coarser as coarser
+    from .skew_search import coarsen as coarsen
     from .stamp_steps import measure_stamp_steps as measure_stamp_steps, StampSteps as StampSteps
     from .time_skew import estimate_skew as estimate_skew, Skew as Skew

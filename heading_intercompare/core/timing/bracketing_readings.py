@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The readings behind a heading that was interpolated between them, from its pairs alone."""
+"""The readings from which a heading was interpolated, recovered from its pairs alone."""
 
 from __future__ import annotations
 
@@ -27,15 +27,16 @@ _REGULAR = 0.3
 @dataclass(frozen=True, slots=True, eq=False)
 class Brackets:
     """
-    Straight pieces of an interpolated heading, of three pairs or more each.
+    Straight pieces of an interpolated heading, of at least three pairs each.
 
     Attributes
     ----------
     first, last : ndarray of int64, shape (b,)
-        Pairs between which the heading is a straight line, in order.
+        Index of the first and of the last pair of each straight piece, in order.
     node_s, node_deg : ndarray, shape (b - 1,)
         Where the lines of neighbouring pieces meet: the reading between them. Seconds after the
-        first stamp, unwrapped degrees; nan if they are more than one reading apart or in line.
+        first stamp, unwrapped degrees; nan if the pieces are more than one reading apart, or in
+        line.
 
     """
 
@@ -46,7 +47,7 @@ class Brackets:
 
 
 def _slopes(stamp_ns: np.ndarray, heading: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the slopes from pair to pair, deg/s, and where three pairs are not in line."""
+    """Return the slopes from pair to pair, deg/s, and whether three pairs are not in line."""
     slope = np.diff(heading) / np.maximum(np.diff(stamp_ns) / 1e9, 1e-9)
     kink = np.abs(np.diff(slope)) > _SLOPE * (1.0 + np.abs(slope[1:]))
     return slope, kink
@@ -88,7 +89,7 @@ def find_brackets(stamp_ns: ArrayLike, heading_deg: ArrayLike) -> Brackets:
     t = (stamps - stamps[0]) / 1e9
     a, b = slope[first[:-1]], slope[first[1:]]
     with np.errstate(divide='ignore', invalid='ignore'):
-        # The line of each piece through its last, of the next through its first pair.
+        # The line of each piece through its last pair meets that of the next through its first.
         lead = (heading[first[1:]] - heading[last[:-1]]
                 - b * (t[first[1:]] - t[last[:-1]])) / (a - b)
         node = t[last[:-1]] + lead
@@ -100,7 +101,7 @@ def find_brackets(stamp_ns: ArrayLike, heading_deg: ArrayLike) -> Brackets:
 
 def readings_per_pair(stamp_ns: ArrayLike, heading_deg: ArrayLike) -> int:
     """
-    Return of how many pairs one holds a new reading of a sensor.
+    Return the number of pairs per new reading of a sensor.
 
     Parameters
     ----------
@@ -112,8 +113,8 @@ def readings_per_pair(stamp_ns: ArrayLike, heading_deg: ArrayLike) -> int:
     Returns
     -------
     int
-        1 for a sensor as fast as the pairs. Slower ones are known by values that are repeated,
-        or that lie in a line between readings; the first 100000 pairs are looked at.
+        1 for a sensor as fast as the pairs. Slower sensors show by repeated values, or by values
+        in a line between readings. Only the first 100000 pairs are examined.
 
     Examples
     --------
@@ -125,38 +126,39 @@ def readings_per_pair(stamp_ns: ArrayLike, heading_deg: ArrayLike) -> int:
     heading = unwrap_deg(np.asarray(heading_deg)[:_LOOKED_AT])
     if stamps.size < 3:
         return 1
-    repeated = _usual(np.flatnonzero(np.abs(np.diff(heading)) > _EQUAL_DEG))
+    repeated = _usual_distance(np.flatnonzero(np.abs(np.diff(heading)) > _EQUAL_DEG))
     slope, kink = _slopes(stamps, heading)
     moving = (np.abs(slope) > _SLOPE)[1:]
     if not moving.any() or float(np.mean(kink[moving])) > 1.0 - _LEAST_SHARE:
         return repeated
-    # A reading between two pairs makes two kinks in a row, one that meets a pair makes one.
+    # A reading between two pairs makes two kinks in a row, one at a pair makes one.
     kinks = np.flatnonzero(kink)
     begins = np.flatnonzero(np.diff(kinks, prepend=-2) > 1)
     if np.count_nonzero(np.diff(begins, append=kinks.size) > 2) > _SHORT * begins.size:
         return repeated
-    return max(repeated, _usual(kinks[begins]))
+    return max(repeated, _usual_distance(kinks[begins]))
 
 
 def pairs_per_reading(factor: ArrayLike) -> float:
     """
-    Return how many pairs there may be for one reading of an interpolated sensor.
+    Return the largest possible number of pairs per reading of an interpolated sensor.
 
     Parameters
     ----------
     factor : array_like, shape (n,)
-        What interpolation left of the variance of white noise, (1-w)^2 + w^2.
+        Factor by which interpolation reduces the variance of white noise, (1-w)^2 + w^2.
 
     Returns
     -------
     float
-        From 1 to 2; 1 if the factors do not tell.
+        From 1 to 2; 1 if the factors do not show it.
 
     Notes
     -----
-    cos(2 pi w) follows from the factor. Of even stamps it is a sine whose frequency is the number
-    of readings a pair, folded: 0.6 cannot be told from 0.4 or 1.4. The slowest sensor with two
-    pairs a reading or fewer is returned; three in a line show a slower one, `readings_per_pair`.
+    cos(2 pi w) follows from the factor. With even stamps it is a sine whose frequency is the
+    number of readings per pair, folded: 0.6 cannot be told from 0.4 or 1.4. The result is for the
+    slowest sensor with at most two pairs per reading. A slower one shows by three pairs in a
+    line, see `readings_per_pair`.
 
     Examples
     --------
@@ -180,11 +182,11 @@ def pairs_per_reading(factor: ArrayLike) -> float:
     return 1.0 / (1.0 - min(0.5, folded))
 
 
-def _usual(where: np.ndarray) -> int:
-    """Return the usual distance of events that a slow sensor makes; 1 if it is none."""
+def _usual_distance(where: np.ndarray) -> int:
+    """Return the usual distance of the events of a slow sensor; 1 if the sensor is not slow."""
     if where.size < 2:
         return 1
-    # Rounding repeats values, too, or puts them in a line, but it ends at any time.
+    # Rounding also repeats values or puts them in a line, but at irregular distances.
     apart = np.diff(where)
     least = float(np.quantile(apart, _SHORT, method='lower'))
     usual = float(apart[apart < 1.5 * least].mean())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the clocks of the two sensors drift apart: the time skew of parts of a run."""
+"""Whether the clocks of the two sensors drift apart, from the time skew of parts of a run."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class SkewOfPart:
     skew_s, u_s : float
         Skew and its standard uncertainty, seconds; positive if the TS data are older.
     rate_std_deg_s : float
-        Standard deviation of the common rate of turn, degrees a second.
+        Standard deviation of the common rate of turn, degrees per second.
 
     """
 
@@ -59,14 +59,14 @@ class SkewOfPart:
 @dataclass(frozen=True, slots=True)
 class ClockStep:
     """
-    A change of the skew at once.
+    A sudden change of the skew.
 
     Attributes
     ----------
     time_s : float
-        When, seconds after the first stamp.
+        Time of the step, seconds after the first stamp.
     before_s, after_s : float
-        Skew before and after, seconds.
+        Skew before and after the step, seconds.
 
     """
 
@@ -83,22 +83,22 @@ class ClockDrift:
     Attributes
     ----------
     kind : {'steady', 'drifting', 'stepped', 'not_testable'}
-        'drifting': the slope is not zero, at a risk of 0.05 %. 'stepped': the skew changes at
-        once, between parts in which it stays. 'not_testable': fewer than six parts in which the
-        ship turned enough.
+        'drifting': the slope is not zero, at a risk of 0.05 %. 'stepped': the skew changes
+        suddenly between parts in which it is constant. 'not_testable': the ship turned enough in
+        fewer than six parts.
     parts : tuple of SkewOfPart
-        Those in which it did, in order of time.
+        The parts in which the ship turned enough, in time order.
     skew_s : float or None
-        Of the line, in the middle of the run, seconds.
+        Skew of the line in the middle of the run, seconds.
     slope_s_per_h, u_s_per_h : float or None
         Slope and its standard uncertainty, which allows for scatter about the line.
     interval_s_per_h : pair of float or None
         95 % interval of the slope.
     variance_deg2 : float or None
-        What the slope adds to the variance of the differences, beside a constant skew, square
+        Variance that the slope adds to the differences, beyond that of a constant skew, square
         degrees: slope^2 Var(time) Var(rate).
     steps : tuple of ClockStep
-        In order of time.
+        The steps in time order.
 
     """
 
@@ -112,7 +112,7 @@ class ClockDrift:
     steps: tuple[ClockStep, ...] = ()
 
     def late_s(self, t_s: Reals) -> Reals:
-        """Return by how much the TS is late at times after the first stamp, seconds."""
+        """Return the lateness of the TS at times after the first stamp, seconds."""
         if self.skew_s is not None and self.slope_s_per_h is not None and not self.steps:
             along_s: Reals = t_s - 0.5 * (t_s[0] + t_s[-1])
             return self.skew_s + self.slope_s_per_h / 3600.0 * along_s
@@ -135,12 +135,12 @@ def estimate_clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLik
     x_deg, rs_deg : array_like, shape (n,)
         Differences and RS headings, finite, degrees.
     range_s : float
-        A skew so near to `near_s` is preferred in the first part, and one so near to the line
-        through the parts before in each other; seconds.
+        Preferred range of the skew, seconds: in the first part about `near_s`, in each other part
+        about the line through the previous parts.
     max_gap_s : float
-        Spans that hold a longer silence are left out, seconds.
+        Spans with a longer silence are left out, seconds.
     near_s : float
-        The skew of the whole run, if it has one, seconds.
+        The skew of the whole run, if known, seconds.
 
     Returns
     -------
@@ -148,16 +148,17 @@ def estimate_clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLik
 
     Notes
     -----
-    The instrumental estimate of E.8 in 6 to 16 parts of a minute or more, on averages over up
-    to 0.25 s, of at most 4096 of them in the middle of a part. The first part starts from
-    `near_s`, each other from the line through the parts before, so a skew that grows beyond half
-    a period of the swell is followed; a skew elsewhere, up to 60 s, is taken where it scatters
-    clearly less.
-    Where two parts or more stay at one skew, and two or more at another that differs by more than
-    0.1 s and 6 standard uncertainties, and levels fit four times better than the line, the clock
-    stepped; when, says the least sum of squares between them. The line is weighted by the
-    uncertainties, none taken for less than 5 ms, since interpolation moves the estimate by as
-    much.
+    Applies the instrumental estimate of E.8 to 6 to 16 parts of a minute or more, on averages
+    over up to 0.25 s, at most 4096 of them in the middle of a part. The first part starts from
+    `near_s`, each other part from the line through the previous ones. So a skew that grows beyond
+    half a period of the swell is followed. A skew outside the range, up to 60 s, is accepted if
+    the differences scatter clearly less there.
+
+    The clock stepped if two or more parts share one skew, two or more share another that differs
+    by more than 0.1 s and 6 standard uncertainties, and levels fit four times better than the
+    line. The time of the step minimises the sum of squares between the two levels. The line is
+    weighted by the uncertainties, each at least 5 ms, because interpolation moves the estimate by
+    that much.
 
     References
     ----------
@@ -200,7 +201,7 @@ def _cut(track: Track, lo: int, hi: int) -> Track:
 
 
 def _extrapolate(found: list[SkewOfPart], at_s: float, near_s: float) -> float:
-    """Return the skew that the line through the last parts gives at a time."""
+    """Return the skew at a time, by the line through the last parts."""
     if not found:
         return near_s
     if len(found) == 1:
@@ -213,7 +214,7 @@ def _extrapolate(found: list[SkewOfPart], at_s: float, near_s: float) -> float:
 
 def _skew_of(ts: Track, rs: Track, expected_s: float, range_s: float,
              max_gap_s: float) -> SkewOfPart | None:
-    """Return the skew of a part; None if the ship did not turn enough or nothing settles."""
+    """Return the skew of a part; None if the ship turned too little or nothing converges."""
     instrument = Instrument(ts, rs, HALF_SPAN_S, max_gap_s)
     place = find_skew(instrument, expected_s, range_s)
     if place is None or place[1].u_s > _CLEAR * range_s:
@@ -223,22 +224,22 @@ def _skew_of(ts: Track, rs: Track, expected_s: float, range_s: float,
 
 
 def _steps(found: list[SkewOfPart], ts: Track, rs: Track) -> tuple[ClockStep, ...]:
-    """Return where the skew changes at once; none where it does not, or a line does as well."""
+    """Return the sudden changes of the skew; none if a line describes it as well."""
     precise = _MUCH * float(np.median([one.u_s for one in found]))
     groups: list[list[SkewOfPart]] = []
     for one in found:
         if one.u_s > max(precise, _FLOOR_S):
             continue
-        if groups and not _apart(groups[-1][-1], one):
+        if groups and not _differ(groups[-1][-1], one):
             groups[-1].append(one)
         else:
             groups.append([one])
-    # A part in which the step lies shows neither skew, or an uncertain one.
+    # A part that contains the step shows neither skew, or an uncertain one.
     levels: list[list[SkewOfPart]] = []
     for group in groups:
         if len(group) < _LEAST_OF_LEVEL:
             continue
-        if levels and not _apart(levels[-1][-1], group[0]):
+        if levels and not _differ(levels[-1][-1], group[0]):
             levels[-1] += group
         else:
             levels.append(group)
@@ -260,7 +261,7 @@ def _steps(found: list[SkewOfPart], ts: Track, rs: Track) -> tuple[ClockStep, ..
 
 def _is_better(level: list[SkewOfPart], skew_s: float, other_s: float, ts: Track,
                rs: Track) -> bool:
-    """Tell whether the parts of a level scatter clearly less at their own skew than at another."""
+    """Tell whether a level scatters clearly less at its own skew than at another."""
     half = 0.5 * _LEAST_PART_S
     inside = (ts.t_s >= level[0].time_s - half) & (ts.t_s <= level[-1].time_s + half)
     t = ts.t_s[inside]
@@ -268,14 +269,14 @@ def _is_better(level: list[SkewOfPart], skew_s: float, other_s: float, ts: Track
     return own < _BETTER * other
 
 
-def _apart(one: SkewOfPart, other: SkewOfPart) -> bool:
-    """Tell whether the skew of two parts surely differs, by more than a tenth of a second."""
+def _differ(one: SkewOfPart, other: SkewOfPart) -> bool:
+    """Tell whether the skews of two parts surely differ, by more than a tenth of a second."""
     return abs(one.skew_s - other.skew_s) > max(_LEAST_STEP_S,
                                                 _SURE * math.hypot(one.u_s, other.u_s))
 
 
 def _misfit(parts: list[SkewOfPart], order: int) -> float:
-    """Return the weighted square sum of skews about their mean or line."""
+    """Return the weighted sum of squares of skews about their mean or line."""
     t = np.array([one.time_s for one in parts])
     d = np.array([one.skew_s for one in parts])
     root = 1.0 / np.maximum([one.u_s for one in parts], _FLOOR_S)
@@ -284,7 +285,7 @@ def _misfit(parts: list[SkewOfPart], order: int) -> float:
 
 
 def _step(before: list[SkewOfPart], after: list[SkewOfPart], ts: Track, rs: Track) -> ClockStep:
-    """Return a step with the time at which both levels together leave the least squares."""
+    """Return a step, at the time that minimises the sum of squares of both levels."""
     levels = [float(np.median([one.skew_s for one in side])) for side in (before, after)]
     lo, hi = before[-1].time_s, after[0].time_s
     t = ts.t_s[(ts.t_s >= lo) & (ts.t_s <= hi)]
@@ -298,14 +299,14 @@ def _step(before: list[SkewOfPart], after: list[SkewOfPart], ts: Track, rs: Trac
 
 
 def _squares(t_s: Reals, skew_s: float, ts: Track, rs: Track) -> Reals:
-    """Return the squared differences about their median with the RS read so much earlier."""
+    """Return the squared differences about their median, with the RS read `skew_s` earlier."""
     x = ts.at(t_s) - rs.at(t_s - skew_s)
     squares: Reals = (x - np.median(ts.at(ts.t_s) - rs.at(ts.t_s - skew_s))) ** 2
     return squares
 
 
 def _line(found: list[SkewOfPart], middle_s: float) -> ClockDrift:
-    """Return the weighted line through the skews; its level is in the middle of the run."""
+    """Return the weighted line through the skews; its level is that in the middle of the run."""
     t = np.array([one.time_s for one in found]) / 3600.0
     d = np.array([one.skew_s for one in found])
     u = np.array([one.u_s for one in found])

@@ -23,7 +23,7 @@ class Track:
     Parameters
     ----------
     headings : Headings
-        Readings that are not finite, or whose stamp does not increase, are left out.
+        Readings that are not finite, or whose stamp does not increase, are skipped.
     origin_ns : int
         Stamp of time zero, nanoseconds.
 
@@ -47,15 +47,15 @@ class Track:
         return len(self.t_s)
 
     def at(self, t_s: Reals) -> Reals:
-        """Return headings interpolated to times within those of the readings, unwrapped."""
+        """Return unwrapped headings, interpolated to times within those of the readings."""
         return np.interp(t_s, self.t_s, self.heading_deg)
 
     def rate(self, t_s: Reals, half_span_s: float) -> Reals:
-        """Return the mean rate from `half_span_s` before to as much after, degrees a second."""
+        """Return the mean rate from `half_span_s` before to `half_span_s` after, deg/s."""
         return (self.at(t_s + half_span_s) - self.at(t_s - half_span_s)) / (2.0 * half_span_s)
 
     def covers(self, from_s: Reals, to_s: Reals, max_gap_s: float = math.inf) -> np.ndarray:
-        """Tell where all of a span of time lies between readings at most a gap apart."""
+        """Tell which spans of time lie wholly between readings at most `max_gap_s` apart."""
         if not len(self):
             return np.zeros(from_s.shape, bool)
         # Half a nanosecond, the unit of stamps, absorbs the rounding of seconds.
@@ -63,7 +63,7 @@ class Track:
         good: np.ndarray = (from_s >= self.t_s[0]) & (to_s <= self.t_s[-1])
         gaps = np.flatnonzero(np.diff(self.t_s) > max_gap_s)
         if gaps.size:
-            # Gaps that end by a time, less those that begin before another: none in between.
+            # Equal counts of gaps ended before the span and begun by its end: none within.
             ended = np.searchsorted(self.t_s[gaps + 1], from_s, side='right')
             begun = np.searchsorted(self.t_s[gaps], to_s, side='left')
             good &= ended == begun

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What interpolating linearly between readings that are too far apart adds to the variance."""
+"""The variance that linear interpolation between readings far apart adds to the differences."""
 
 from __future__ import annotations
 
@@ -30,27 +30,26 @@ _MODEL = 1.2
 @dataclass(frozen=True, slots=True)
 class InterpolationError:
     """
-    The error of linear interpolation that is in the differences.
+    The error of linear interpolation in the differences.
 
     Attributes
     ----------
     kind : {'none', 'estimated', 'not_testable'}
-        'none': every reading is taken as it is. 'not_testable': too few pairs,
-        or an interval that is not known.
+        'none': no reading is interpolated. 'not_testable': too few pairs, or the interval
+        between readings is unknown.
     method : str
-        'brackets' where the other sensor is seen three times or more between two readings,
-        'differences' where it is not, empty otherwise.
+        'brackets' if the other sensor has three or more readings between two readings,
+        'differences' if it has fewer; empty unless estimated.
     variance_deg2, upper_deg2 : float or None
-        What interpolation adds to the variance of the difference, and an upper 95 % bound,
-        square degrees.
+        Variance that interpolation adds to the difference, and its upper 95 % bound, square
+        degrees.
     interval_s : float or None
         Time from reading to reading, seconds.
     angle_rad : float or None
-        Phase that the motion, as far as its curvature goes, runs through from reading to
-        reading.
+        Phase advance of the motion from reading to reading, as weighted by its curvature.
     folded : bool
-        Whether that is above 2 rad, less than 3.1 readings a period: the readings hardly show
-        the motion, and the figures are too small.
+        Whether that phase exceeds 2 rad, less than 3.1 readings per period: then the readings
+        hardly show the motion, and the figures are too small.
 
     """
 
@@ -77,10 +76,10 @@ def estimate_interpolation_error(stamp_ns: ArrayLike, interpolated_deg: ArrayLik
     interpolated_deg, other_deg : array_like, shape (n,)
         Headings of the sensor that was interpolated, and of the other, finite, degrees.
     factor : array_like, shape (n,)
-        (1-w)^2 + w^2 of the interpolation; 1 where the reading is taken as it is.
+        (1-w)^2 + w^2 of the interpolation; 1 where the reading is not interpolated.
     interval_s : float, optional
-        Usual time from one reading of the interpolated sensor to the next, seconds; default
-        what its values tell, which takes three pairs or more between two readings.
+        Usual time from one reading of the interpolated sensor to the next, seconds. By default
+        found from its values, which needs three or more pairs between two readings.
 
     Returns
     -------
@@ -88,14 +87,18 @@ def estimate_interpolation_error(stamp_ns: ArrayLike, interpolated_deg: ArrayLik
 
     Notes
     -----
-    All figures are means of products of both sensors, so that their noise cancels. 'brackets':
-    the parabola a that the other sensor draws over the line between two readings, and the
-    second differences u, v of both there, give mean(a u)^2 / mean(u v) for the square of the
-    parabola, which holds for a motion of one frequency whatever it is. 'differences': second and
-    third differences of both from pair to pair give curvature and frequency, and these the error
-    of a sine; a fifth is added to its upper bound for motion that is none. A skew between the
-    sensors makes the figures smaller, by the cosine of its phase. Of more than 2^19 pairs those
-    in the middle of the run are taken.
+    All figures are means of products of both sensors, so that their noise cancels.
+
+    'brackets': a is the parabola of the other sensor above the line between two readings; u and v
+    are the second differences of both sensors there. Then mean(a u)^2 / mean(u v) is the mean
+    square of the parabola, for motion of any single frequency.
+
+    'differences': the second and third differences of both sensors from pair to pair give the
+    curvature and the frequency of a sine, and so its error. The upper bound adds a fifth, because
+    real motion is no sine.
+
+    A skew between the sensors reduces the figures by the cosine of its phase. Of more than 2^19
+    pairs, those in the middle of the run are used.
 
     References
     ----------
@@ -120,26 +123,26 @@ def estimate_interpolation_error(stamp_ns: ArrayLike, interpolated_deg: ArrayLik
     if interval_s is not None:
         each = max(1, round(interval_s / step))
     if each >= _EACH:
-        found = _by_brackets(stamps, own, other, interval_s or each * step)
+        found = _estimate_by_brackets(stamps, own, other, interval_s or each * step)
         if found is not None:
             return found
     if interval_s is None and each < _EACH:
         return InterpolationError('not_testable')
-    return _by_differences(stamps, own, other, w, each, interval_s or each * step)
+    return _estimate_by_differences(stamps, own, other, w, each, interval_s or each * step)
 
 
 def _part(n: int) -> slice:
-    """Return the middle part of a run too long to look at whole."""
+    """Return the middle part of a run; all of it if it is not too long."""
     first = max(0, (n - _MOST) // 2)
     return slice(first, min(n, first + _MOST))
 
 
-def _by_brackets(stamps: np.ndarray, own: np.ndarray, other: np.ndarray,
-                 interval_s: float) -> InterpolationError | None:
-    """Return the error by the parabolas of the other sensor; None if brackets are too few."""
+def _estimate_by_brackets(stamps: np.ndarray, own: np.ndarray, other: np.ndarray,
+                          interval_s: float) -> InterpolationError | None:
+    """Estimate the error by the parabolas of the other sensor; None for too few brackets."""
     pieces = find_brackets(stamps, own)
     t = (stamps - stamps[0]) / 1e9
-    # Unresolved nodes, as of a steady heading, leave gaps; neighbours lie an interval apart.
+    # Unresolved nodes, as with a constant heading, leave gaps; neighbours lie an interval apart.
     node, value = (v[np.isfinite(pieces.node_s)] for v in (pieces.node_s, pieces.node_deg))
     if node.size < _LEAST:
         return None
@@ -164,7 +167,7 @@ def _by_brackets(stamps: np.ndarray, own: np.ndarray, other: np.ndarray,
 
     def variance(means: np.ndarray) -> float:
         found, curved = means.tolist()
-        # Parabola and second difference have opposite signs, of half the size if slow.
+        # The parabola opposes the second difference; in slow motion it has half its size.
         return shape * found * found / curved if curved > 0.0 and found < 0.0 else 0.0
 
     estimate, upper = _jackknife(columns, variance)
@@ -176,9 +179,9 @@ def _by_brackets(stamps: np.ndarray, own: np.ndarray, other: np.ndarray,
                               interval_s, angle, angle > _FOLDED)
 
 
-def _by_differences(stamps: np.ndarray, own: np.ndarray, other: np.ndarray, w: np.ndarray,
-                    each: int, interval_s: float) -> InterpolationError:
-    """Return the error of a sine that has the second and third differences of both sensors."""
+def _estimate_by_differences(stamps: np.ndarray, own: np.ndarray, other: np.ndarray,
+                             w: np.ndarray, each: int, interval_s: float) -> InterpolationError:
+    """Estimate the error as that of a sine with these second and third differences."""
     step = each * float(np.median(np.diff(stamps))) / 1e9
     t = (stamps[::each] - stamps[0]) / 1e9
     own, other = own[::each], other[::each]
@@ -192,26 +195,26 @@ def _by_differences(stamps: np.ndarray, own: np.ndarray, other: np.ndarray, w: n
     w = np.quantile(w, _LEVELS)
 
     def variance(means: np.ndarray) -> float:
-        return _of_sine(float(means[0]), _angle(*means.tolist()), step, interval_s, w)
+        return _sine_error(float(means[0]), _angle(*means.tolist()), step, interval_s, w)
 
     estimate, upper = _jackknife(columns, variance)
     upper = max(upper, _MODEL * estimate,
-                _of_sine(_upper_mean(columns[:, 0]), 0.0, step, interval_s, w))
+                _sine_error(_upper_mean(columns[:, 0]), 0.0, step, interval_s, w))
     angle = _angle(*columns.mean(axis=0).tolist()) * interval_s / step
     return InterpolationError('estimated', 'differences', estimate, upper, interval_s, angle,
                               angle > _FOLDED)
 
 
 def _angle(second: float, third: float) -> float:
-    """Return the phase from sample to sample of a sine of these mean squares of differences."""
+    """Return the phase step of a sine with these mean squared second and third differences."""
     if not (second > 0.0 and third > 0.0):
         return 0.0
     return math.acos(max(-1.0, 1.0 - 0.5 * third / second))
 
 
-def _of_sine(second: float, angle: float, step_s: float, interval_s: float,
-             w: np.ndarray) -> float:
-    """Return the mean square error of a sine, interpolated at these weights."""
+def _sine_error(second: float, angle: float, step_s: float, interval_s: float,
+                w: np.ndarray) -> float:
+    """Return the mean square error of a sine that is interpolated with these weights."""
     if second <= 0.0:
         return 0.0
     angle = max(angle, _LEAST_ANGLE)
@@ -230,7 +233,7 @@ def _upper_mean(values: np.ndarray) -> float:
 
 
 def _jackknife(columns: np.ndarray, of: Callable[[np.ndarray], float]) -> tuple[float, float]:
-    """Return a function of the means of columns, and an upper 95 % bound."""
+    """Return a function of the column means, and its upper 95 % bound."""
     means = block_means(columns, block_size(columns.shape[0], 16))
     k = means.shape[0]
     estimate = of(columns.mean(axis=0))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The pairs of a run with the RS read earlier: what the differences are without a skew."""
+"""The differences of a run with its time skew removed, by reading the RS earlier."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _FEW_STEPS = 5.0
 def realign(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
             late_s: float | np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """
-    Return the differences as if the TS were not late.
+    Return the differences that the pairs would have if the TS were not late.
 
     Parameters
     ----------
@@ -25,16 +25,15 @@ def realign(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
     x_deg, rs_deg : ndarray, shape (n,)
         Differences and RS headings, finite, degrees.
     late_s : float or ndarray, shape (n,)
-        How much earlier the RS is read, seconds; it may change with time.
+        Lateness of the TS, seconds: the RS is read this much earlier. May change with time.
 
     Returns
     -------
     stamp_ns, x_deg : ndarray, shape (m,)
-        Of the pairs for which the RS was read there, m <= n: not those whose earlier time lies
-        before the first pair, behind the last, or between two that are more than five typical
-        steps apart, where no reading is.
+        Stamps and differences, m <= n. Left out are pairs whose earlier time lies before the
+        first pair, after the last, or between two pairs more than five typical steps apart.
     factor : float
-        What interpolating leaves of the variance of white RS errors; 1 for m = 0.
+        Factor by which interpolation reduces the variance of white RS errors; 1 for m = 0.
 
     """
     if not stamp_ns.size:

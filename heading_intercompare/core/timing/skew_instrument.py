@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The instrumental estimate of the time skew at one shift of the RS."""
+"""The instrumental-variable estimate of the time skew at one shift of the RS."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ _BLOCK_S = 0.1
 """Longest block that pairs are averaged over, seconds."""
 
 HALF_SPAN_S = 0.5
-"""Rates are taken from so long before a pair to so long after it, seconds."""
+"""Rates span this time before a pair and the same time after it, seconds."""
 
 LEAST_STRENGTH = 10.0
-"""Least F of the common turning of both sensors; below, the instrument is weak."""
+"""Least F of the common turning of both sensors; below that the instrument is weak."""
 
 
 def common_tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray,
@@ -44,7 +44,7 @@ def common_tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray,
     Returns
     -------
     ts, rs : Track
-        Their time zero is the first stamp.
+        Time zero is the first stamp.
 
     """
     step = float(np.median(np.diff(stamps[:100_001]))) / 1e9
@@ -52,13 +52,13 @@ def common_tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray,
     if size > block_size(x.size, 64):
         size = 1
 
-    def averaged(values: np.ndarray) -> np.ndarray:
+    def average(values: np.ndarray) -> np.ndarray:
         return block_means(values, size) if size > 1 else values
 
     ts, rs = Track(Headings.empty()), Track(Headings.empty())
-    ts.heading_deg, rs.heading_deg = averaged(unwrap_deg(x)), averaged(unwrap_deg(rs_deg))
+    ts.heading_deg, rs.heading_deg = average(unwrap_deg(x)), average(unwrap_deg(rs_deg))
     ts.heading_deg += rs.heading_deg
-    ts.t_s = rs.t_s = averaged((stamps - int(stamps[0])) / 1e9)
+    ts.t_s = rs.t_s = average((stamps - int(stamps[0])) / 1e9)
     return ts, rs
 
 
@@ -70,16 +70,16 @@ class Fit:
     Attributes
     ----------
     t_s, x, rate : ndarray, shape (n,)
-        Times used, seconds; differences with the RS shifted, degrees; its rates, degrees a
+        Times used, seconds; differences with the RS shifted, degrees; its rates, degrees per
         second.
     step_s, u_s : float
-        Skew that is left, and its standard uncertainty, seconds.
+        Remaining skew, and its standard uncertainty, seconds.
     dof : int
         Degrees of freedom of the uncertainty.
     strength : float
         F of the common rate.
     rate_std_deg_s : float
-        Standard deviation of the common rate, degrees a second.
+        Standard deviation of the common rate, degrees per second.
 
     """
 
@@ -95,18 +95,18 @@ class Fit:
 
 class Instrument:
     """
-    Estimates what skew is left once the RS is shifted by some seconds.
+    Estimate the skew that remains after a shift of the RS.
 
     Parameters
     ----------
     ts, rs : Track
         Both sensors on common times; the RS may reach further.
     half_span_s : float
-        Rates are taken from so long before a pair to so long after it, seconds.
+        Rates span this time before a pair and the same time after it, seconds.
     max_gap_s : float
-        Spans that hold a longer silence are left out, seconds.
+        Spans with a longer silence are left out, seconds.
     most : int, optional
-        Times that are looked at, spread evenly over those of the TS; default all.
+        Largest number of times used, spread evenly over those of the TS; default all.
 
     """
 

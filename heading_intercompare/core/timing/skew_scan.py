@@ -32,26 +32,26 @@ class Scan:
     n : int
         TS readings compared, the same at every skew.
     range_s, step_s : float
-        Largest skew tried, either way, and the step of the grid.
+        Largest skew tried, in either direction, and the step of the grid.
     skew_s : float
-        L*: where the parabola through the least variance and its neighbours is lowest.
+        L*: minimum of the parabola through the least variance and its neighbours.
     u_s : float or None
         Its standard uncertainty, which allows for correlation; None for fewer than 64 readings
         or if the RS does not turn.
     bias_s : float or None
-        By how much interpolating a noisy RS can have moved it, at most.
+        Largest shift of the minimum that interpolating a noisy RS can have caused.
     at_edge : bool
-        Whether the least variance is at an end of the range: then it is `skew_s`, and no skew
-        was found.
+        Whether the least variance is at an end of the range: then `skew_s` is that end, and no
+        skew was found.
     well_determined : bool
         Whether the ship turned enough: not at an edge, and `u_s` and `bias_s` together at most
         a tenth of the range.
     std_deg, mean_deg : float
-        Of the differences at `skew_s`.
+        Standard deviation and mean of the differences at `skew_s`.
     std_zero_deg, mean_zero_deg : float
-        Of the same differences without skew.
+        The same at zero skew.
     curve_s, curve_std_deg : tuple of float
-        Some of the grid, to be drawn: at most 101 points.
+        Grid points for a plot, at most 101.
 
     """
 
@@ -72,7 +72,7 @@ class Scan:
 
 
 class _Differences:
-    """TS less shifted RS over the fixed set of TS readings."""
+    """TS minus shifted RS over a fixed set of TS readings."""
 
     def __init__(self, ts: Track, rs: Track, range_s: float, max_gap_s: float) -> None:
         inside = rs.covers(ts.t_s - range_s, ts.t_s + range_s, max_gap_s)
@@ -88,7 +88,7 @@ class _Differences:
         return x
 
     def variance(self, skew_s: float, every: int = 1) -> float:
-        """Return the sample variance at a skew; two readings at least."""
+        """Return the sample variance at a skew; needs at least two readings."""
         x = self.at(skew_s, every)
         x -= x.mean()
         return float(x @ x) / (x.size - 1)
@@ -102,14 +102,14 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
     Parameters
     ----------
     ts, rs : Headings
-        All readings of the TS and of the RS; those that are not finite, or whose stamp does not
-        increase, are left out.
+        All readings of the TS and of the RS. Those that are not finite, or whose stamp does not
+        increase, are skipped.
     range_s : float
-        Largest skew tried, either way, seconds; rounded to steps.
+        Largest skew tried, in either direction, seconds; rounded to steps.
     step_s : float
         Step of the grid, seconds.
     max_gap_s : float
-        TS readings with a longer silence of the RS within the range are left out, seconds.
+        TS readings with a longer silence of the RS within the range are skipped, seconds.
 
     Returns
     -------
@@ -123,14 +123,15 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
 
     Notes
     -----
-    x_i(L) = TS(t_i) - RS(t_i - L), wrapped, the unwrapped RS interpolated linearly; the set of
-    i is the one that is inside the RS at both ends of the range. L_0 is the grid point of least
-    variance v, ``L* = L_0 - step (v_+ - v_-) / (2 (v_+ - 2 v_0 + v_-))``. Of more than 20000
-    readings, L_0 is sought on every so many-th one, then moved to the nearest minimum of all.
+    x_i(L) = TS(t_i) - RS(t_i - L), wrapped, with the unwrapped RS interpolated linearly. Only
+    readings i inside the RS record at both ends of the range are used. L_0 is the grid point of
+    least variance v, and ``L* = L_0 - step (v_+ - v_-) / (2 (v_+ - 2 v_0 + v_-))``. With more than
+    20000 readings, L_0 is first searched on an even subset of at most that number, then moved to
+    the nearest minimum over all.
 
-    Interpolating halfway between two RS readings averages their noise, which draws the minimum
-    away from the readings if TS and RS keep step. `bias_s` bounds that: half the RS interval
-    times the share of noise in the variance of the RS rate.
+    Interpolating halfway between two RS readings averages their noise. If TS and RS report in
+    step, this draws the minimum away from the readings. `bias_s` bounds that: half the RS
+    interval times the share of noise in the variance of the RS rate.
 
     References
     ----------
@@ -152,7 +153,7 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
     grid = np.arange(-last, last + 1)
     searched = np.array([difference.variance(k * step_s, every) for k in grid.tolist()])
     best = _descend(difference, step_s, last, int(grid[np.argmin(searched)]))
-    skew_s = _lowest(difference, best, last, step_s)
+    skew_s = _find_lowest(difference, best, last, step_s)
     x = difference.at(skew_s)
     zero = difference.at(0.0)
     u_s, bias_s = _uncertainty(difference, skew_s, step_s, x)
@@ -168,7 +169,7 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
 
 
 def _descend(difference: _Differences, step_s: float, last: int, start: int) -> int:
-    """Return the nearest grid point from which the variance of all readings rises."""
+    """Return the nearest grid point with a local minimum of the variance of all readings."""
     best, least = start, difference.variance(start * step_s)
     for direction in (1, -1):
         while abs(best + direction) <= last:
@@ -179,8 +180,8 @@ def _descend(difference: _Differences, step_s: float, last: int, start: int) -> 
     return best
 
 
-def _lowest(difference: _Differences, best: int, last: int, step_s: float) -> float:
-    """Return where the parabola through a grid point and its neighbours is lowest."""
+def _find_lowest(difference: _Differences, best: int, last: int, step_s: float) -> float:
+    """Return the minimum of the parabola through a grid point and its neighbours."""
     if abs(best) == last:
         return best * step_s
     minus, here, plus = (difference.variance(k * step_s) for k in (best - 1, best, best + 1))
@@ -190,7 +191,7 @@ def _lowest(difference: _Differences, best: int, last: int, step_s: float) -> fl
 
 def _uncertainty(difference: _Differences, skew_s: float, step_s: float,
                  x: np.ndarray) -> tuple[float | None, float | None]:
-    """Return the standard uncertainty, and how far interpolation may have moved the minimum."""
+    """Return the standard uncertainty, and the largest shift by interpolation."""
     if x.size < 64:
         return None, None
     t, ts_deg = difference.t_s, difference.ts_deg
@@ -201,7 +202,7 @@ def _uncertainty(difference: _Differences, skew_s: float, step_s: float,
     power = float(rate @ rate)
     if power <= 0.0:
         return None, None
-    # The neighbours of a TS reading give its rate free of the noise of the reading itself.
+    # The neighbours of a TS reading give its rate without the noise of the reading itself.
     ts_rate = np.gradient(ts_deg, difference.t_s)
     common = rate * (ts_rate - ts_rate.mean())
     covariance, _ = sum_covariance(common)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where to look for a time skew: the rates of turn correlated, and the least scatter."""
+"""The search for a time skew, by the correlation of the rates of turn and the least scatter."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from heading_intercompare.core.statistics.blocking import block_means, block_siz
 from .heading_track import Track
 from .skew_instrument import Fit, Instrument, LEAST_STRENGTH
 
-__all__ = ['coarser', 'compute_correlogram', 'Correlogram', 'find_skew', 'has_turned',
+__all__ = ['coarsen', 'compute_correlogram', 'Correlogram', 'find_skew', 'has_turned',
            'scatter_deg']
 
 _REACH_S = 60.0
-"""Largest skew looked for at all, either way, seconds."""
+"""Largest skew ever searched for, in either direction, seconds."""
 
 _GRID_S = 0.25
 _HALF_SPAN_STEPS = 2
@@ -41,8 +41,8 @@ _BLOCK_S = 64.0
 _MOVED = 0.3
 
 
-def coarser(track: Track, block_s: float) -> Track:
-    """Return a track averaged over blocks of at most some seconds; the same if it is as coarse."""
+def coarsen(track: Track, block_s: float) -> Track:
+    """Average a track over blocks of at most `block_s`; return it unchanged if it is as coarse."""
     if len(track) < 2:
         return track
     step = float(np.median(np.diff(track.t_s)))
@@ -58,12 +58,12 @@ def coarser(track: Track, block_s: float) -> Track:
 @dataclass(frozen=True, slots=True)
 class Correlogram:
     """
-    The correlation of the rates of turn of both sensors with the RS shifted.
+    The correlation of the rates of turn of both sensors, with the RS shifted.
 
     Attributes
     ----------
     lag_s : ndarray, shape (k,)
-        How much later the TS shows what the RS does, in increasing order, seconds.
+        Delay of the TS against the RS, in increasing order, seconds.
     value : ndarray, shape (k,)
         Correlation; 0 where there are no rates.
 
@@ -73,7 +73,7 @@ class Correlogram:
     value: np.ndarray
 
     def starts(self, near_s: float, low_s: float, high_s: float) -> list[float]:
-        """Return the lags of the highest peaks in a range, the nearest first."""
+        """Return the lags of the highest peaks within a range, nearest to `near_s` first."""
         v = self.value
         tops = 1 + np.flatnonzero((v[1:-1] > 0.0) & (v[1:-1] >= v[:-2]) & (v[1:-1] > v[2:]))
         before, top, after = v[tops - 1], v[tops], v[tops + 1]
@@ -86,7 +86,7 @@ class Correlogram:
 
 
 def _rates(track: Track, t_s: np.ndarray, max_gap_s: float) -> np.ndarray:
-    """Return the rates at even times about their mean; 0 where there are none."""
+    """Return the rates at even times minus their mean; 0 where there are no rates."""
     half = _HALF_SPAN_STEPS * _GRID_S
     good = track.covers(t_s - half, t_s + half, max_gap_s)
     heading = track.at(np.concatenate((t_s[:1] - half, t_s[:1] - _GRID_S, t_s,
@@ -103,11 +103,11 @@ def compute_correlogram(ts: Track, rs: Track, reach_s: float = _REACH_S,
     Parameters
     ----------
     ts, rs : Track
-        Both sensors on common times; the RS may reach further. Two readings at least.
+        Both sensors on common times, at least two readings; the RS may extend further.
     reach_s : float
-        Largest skew, either way, seconds.
+        Largest skew, in either direction, seconds.
     max_gap_s : float
-        Rates over a longer silence count for nothing, seconds.
+        Rates across a longer silence count as 0, seconds.
 
     Returns
     -------
@@ -116,9 +116,9 @@ def compute_correlogram(ts: Track, rs: Track, reach_s: float = _REACH_S,
 
     Notes
     -----
-    By the fast Fourier transform, over segments of 4096 s, of which 64 are taken evenly if there
-    are more. All of a TS segment meets the RS at every skew, so no skew is favoured but at the
-    ends of the run.
+    Uses the fast Fourier transform over segments of 4096 s; if there are more than 64, over 64 of
+    them, evenly spaced. A TS segment overlaps the RS completely at every skew, so no skew is
+    favoured except at the ends of the run.
 
     """
     m = math.ceil(reach_s / _GRID_S)
@@ -145,9 +145,9 @@ def compute_correlogram(ts: Track, rs: Track, reach_s: float = _REACH_S,
 
 
 def has_turned(rs: Track, max_gap_s: float = 3.0) -> bool:
-    """Tell whether the rates of a sensor show motion: whether they agree with later ones."""
+    """Tell whether the rates of a sensor show motion, that is, correlate with later ones."""
     step = float(np.median(np.diff(rs.t_s)))
-    # Rates that share a reading, or one interpolated, agree by their noise.
+    # Rates that share a reading, even an interpolated one, correlate by its noise.
     shared_s = 2.0 * (_HALF_SPAN_STEPS * _GRID_S + step)
     found = compute_correlogram(rs, rs, shared_s + 20.0, max_gap_s)
     return float(np.abs(found.value[found.lag_s > shared_s]).max()) > _MOVED
@@ -162,25 +162,26 @@ def find_skew(instrument: Instrument, near_s: float, range_s: float,
     ----------
     instrument : Instrument
     near_s : float
-        Where a skew is expected, seconds.
+        Expected skew, seconds.
     range_s : float
-        A skew so near to that is preferred, seconds.
+        Skews within this distance of the expected one are preferred, seconds.
     curve : Correlogram, optional
-        Where else to start; default that of the tracks of the instrument.
+        Gives further starting points; default that of the tracks of the instrument.
 
     Returns
     -------
     skew_s : float
     fit : Fit
-        There. None if the ship did not turn enough, or nothing settles.
+        The fit at that skew. The result is None if the ship did not turn enough, or nothing
+        converges.
 
     Notes
     -----
-    In a swell the estimate settles from within a quarter of a period, and a period away too. It
-    starts at the skew expected and at the peaks of the correlogram, of many at the four where the
-    differences scatter least; of what settles within the range the one is taken that scatters
-    least about means of 64 s, and an earlier one unless the scatter falls by 2 %. What settles
-    beyond the range must scatter by 30 % less.
+    In a swell the estimate converges from within a quarter of a period, but also a period away.
+    So the search starts at the expected skew and at the peaks of the correlogram; of more than
+    four starts, at the four where the differences scatter least. Of the results within the
+    range, the one with the least scatter about means of 64 s wins; it replaces an earlier one
+    only if the scatter falls by 2 %. A result beyond the range must scatter 30 % less.
 
     References
     ----------
@@ -190,17 +191,17 @@ def find_skew(instrument: Instrument, near_s: float, range_s: float,
     if curve is None:
         curve = compute_correlogram(instrument.ts, instrument.rs, max_gap_s=instrument.max_gap_s)
     low, high = near_s - range_s, near_s + range_s
-    best = _least(instrument, [near_s, *curve.starts(near_s, low, high)], low, high)
+    best = _find_least(instrument, [near_s, *curve.starts(near_s, low, high)], low, high)
     if best is None:
         ends = [near_s - _AT_END * range_s, near_s + _AT_END * range_s]
-        best = _least(instrument, ends, low, high)
+        best = _find_least(instrument, ends, low, high)
     reach = float(curve.lag_s[-1])
     known = [near_s, *curve.starts(near_s, low, high)] if best is None else [best.skew_s]
     glance = _Glance(instrument)
     least = min(glance(d) for d in known)
     far = [lag for lag in curve.starts(near_s, -reach, reach)
            if glance(lag) < _WORTH_TRYING * least]
-    other = _least(instrument, far, -reach, reach)
+    other = _find_least(instrument, far, -reach, reach)
     if other is not None and not low <= other.skew_s <= high and (
             glance(other.skew_s) < _FAR_LESS * least):
         best = other
@@ -208,7 +209,7 @@ def find_skew(instrument: Instrument, near_s: float, range_s: float,
 
 
 class _Glance:
-    """The scatter at a skew by a few times; a slow RS is read by splines, alike at any skew."""
+    """The scatter at a skew, from a few times; splines treat a slow RS alike at every skew."""
 
     def __init__(self, instrument: Instrument) -> None:
         ts, rs = instrument.ts, instrument.rs
@@ -219,7 +220,7 @@ class _Glance:
         self.rs_at = scipy.interpolate.CubicSpline(rs.t_s, rs.heading_deg) if slow else rs.at
 
     def __call__(self, skew_s: float) -> float:
-        """Return the scatter, degrees; infinite where the RS has ended."""
+        """Return the scatter, degrees; infinite outside the RS record."""
         inside = (self.t_s - skew_s >= self.from_s) & (self.t_s - skew_s <= self.to_s)
         t = self.t_s[inside]
         if not t.size:
@@ -233,9 +234,9 @@ class _Place(NamedTuple):
     scatter_deg: float
 
 
-def _least(instrument: Instrument, starts: Sequence[float], low_s: float,
-           high_s: float) -> _Place | None:
-    """Return the place of least scatter from some starts; an earlier one if they are alike."""
+def _find_least(instrument: Instrument, starts: Sequence[float], low_s: float,
+                high_s: float) -> _Place | None:
+    """Return the place of least scatter reached from some starts; the earliest of equals."""
     best: _Place | None = None
     settled: list[float] = []
     if len(starts) > _MOST_STARTS:
@@ -259,7 +260,7 @@ def _least(instrument: Instrument, starts: Sequence[float], low_s: float,
 
 def _settle(instrument: Instrument, start_s: float, low_s: float,
             high_s: float) -> tuple[float, Fit] | None:
-    """Return the skew at which nothing is left, from a start; None if there is none between."""
+    """Iterate from a start until no skew remains; None if that leaves the range or fails."""
     d = start_s
     for _ in range(_STEPS):
         found = instrument(d) if low_s <= d <= high_s else None

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The steps of stamps: the usual one, silences, and which share of the readings is lost."""
+"""The steps of stamps: the usual step, silences, and the share of lost readings."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _PAUSE = 10.0
 @dataclass(frozen=True, slots=True)
 class StampSteps:
     """
-    How the stamps of one stream follow each other.
+    The steps between the stamps of one stream.
 
     Attributes
     ----------
@@ -38,15 +38,16 @@ class StampSteps:
     typical_s : float or None
         Median step, seconds; None for n < 2.
     nominal_s : float or None
-        Step on the multiples of which the stamps lie, seconds: that of the sensor, however many
-        of its readings are missing. None for n < 2, and where the steps have no common measure.
+        Step whose multiples the stamps follow, seconds: the step of the sensor, even if many of
+        its readings are missing. None for n < 2, and if the steps have no common measure.
     lost_share : float or None
-        Share of the readings that are missing between the first and the last, as far as the
-        stamps show it; None for n < 2.
+        Share of the readings missing between the first and the last, as far as the stamps show
+        it; None for n < 2.
     backward, equal, silences : int
-        Steps back, steps of zero, and steps much longer than usual.
+        Number of steps back, of steps of zero, and of steps much longer than usual.
     longest_back_s, longest_s : float or None
-        Longest step back without its sign (None if there is none), and longest step.
+        Absolute length of the longest step back (None if there is none), and longest step,
+        seconds.
 
     """
 
@@ -62,7 +63,7 @@ class StampSteps:
 
 
 def _nominal_ns(steps: np.ndarray) -> float | None:
-    """Return the step on the multiples of which the stamps lie, nanoseconds."""
+    """Return the step whose multiples the stamps follow, nanoseconds; None if there is none."""
     some = steps[:_LOOKED_AT]
     pauses = np.sort(some)
     bridged = np.cumsum(pauses)
@@ -70,7 +71,7 @@ def _nominal_ns(steps: np.ndarray) -> float | None:
     tried = {*np.quantile(some, _QUANTILES).tolist(), *by_time.tolist()}
     if some.size > 1:
         tried.add(float(np.median(some[1:] + some[:-1])))
-    # The longest first: what comes twice within a step is no step of its own.
+    # The longest first: a step that another one holds twice is not the step of the sensor.
     for first in sorted(tried, reverse=True):
         step = first
         for _ in range(_ROUNDS):
@@ -94,13 +95,13 @@ def _nominal_ns(steps: np.ndarray) -> float | None:
 
 
 def _multiples(steps: np.ndarray, step: float) -> np.ndarray:
-    """Return how many times a step fits into others; 0 for readings that belong together."""
+    """Return how often a step fits into each of `steps`; 0 for readings that belong together."""
     times = steps / step
     return np.where(times > _TOGETHER, np.maximum(1.0, np.rint(times)), 0.0)
 
 
 def _coherence(stamps: np.ndarray, step: float) -> float:
-    """Return the mean length of the mean phase of a few stamps: 1 for exact multiples."""
+    """Return the mean length of the phase vector of a few stamps: 1 for exact multiples."""
     wide = min(_PHASES, stamps.size)
     rows = stamps.size // wide
     phase = stamps[:rows * wide].reshape(rows, wide) / step
@@ -108,8 +109,8 @@ def _coherence(stamps: np.ndarray, step: float) -> float:
     return float(np.abs(np.exp(2j * np.pi * phase).mean(axis=1)).mean())
 
 
-def _lost(steps: np.ndarray, nominal: float | None, silence_steps: float) -> float:
-    """Return the share of the readings that the steps leave out."""
+def _lost_share(steps: np.ndarray, nominal: float | None, silence_steps: float) -> float:
+    """Return the share of the readings that the steps skip."""
     if nominal is None:
         usual = _usual_ns(steps)
         silent = steps[steps > silence_steps * usual]
@@ -119,7 +120,7 @@ def _lost(steps: np.ndarray, nominal: float | None, silence_steps: float) -> flo
         times = _multiples(steps[lo:lo + _LOOKED_AT], nominal)
         ends = np.flatnonzero(times)
         if ends.size:
-            # A reading before its time leaves a place behind it that is not empty.
+            # After an early reading the next step is long, but no reading is missing.
             together = np.diff(ends, prepend=-1)
             left = times[ends] - np.maximum(1.0, together / np.median(together))
             missing += float(np.maximum(0.0, left).sum())
@@ -128,7 +129,7 @@ def _lost(steps: np.ndarray, nominal: float | None, silence_steps: float) -> flo
 
 
 def _usual_ns(steps: np.ndarray) -> float:
-    """Return the step that half of the time is bridged by, without pauses if it is one."""
+    """Return the typical step; without the pauses, if it is itself a pause."""
     usual = typical_step_ns(np.append(0, np.cumsum(steps))) or 0
     longest = max(_LONGEST_NS, _PAUSE * float(np.median(steps)))
     if usual > longest:
@@ -138,14 +139,14 @@ def _usual_ns(steps: np.ndarray) -> float:
 
 def measure_stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> StampSteps:
     """
-    Look at the steps from stamp to stamp.
+    Measure the steps from stamp to stamp.
 
     Parameters
     ----------
     stamp_ns : array_like of int, shape (n,)
-        Stamps in the order in which they came, nanoseconds.
+        Stamps in order of arrival, nanoseconds.
     silence_steps : float
-        A longer step than so many typical ones is a silence.
+        A step longer than this multiple of the typical one is a silence.
 
     Returns
     -------
@@ -153,15 +154,18 @@ def measure_stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> Sta
 
     Notes
     -----
-    The stamps lie on the multiples of a step c, wherever these start, if the mean phase
-    exp(2 pi i t / c) of eight in a row has a mean length of 0.45 or more (jitter with a standard
-    deviation of a fifth of the step leaves 0.55, stamps at random 0.31), and if a third of the
-    time or more passes in steps of up to six c: events and bursts lie on the grid of their
-    stamps, too. Pauses of more than five seconds are left out of that time.
-    Readings less than 0.4 c apart belong together, and the longest such c counts. Missing is then
-    what the steps skip. Stamps without such a step lose what lies in silences, steps of more
-    than `silence_steps` times the usual one: the one that half of the time is bridged by, without
-    those pauses if it is one itself.
+    The stamps follow the multiples of a step c, wherever these start, on two conditions:
+
+    * the mean of exp(2 pi i t / c) over eight stamps in a row has a mean length of at least 0.45
+      (jitter with a standard deviation of a fifth of the step gives 0.55, random stamps 0.31);
+    * at least a third of the time passes in steps of up to six c, pauses of more than five
+      seconds not counted. Without this, events and bursts would pass too: their stamps also lie
+      on a grid.
+
+    Readings less than 0.4 c apart belong together, and the longest such c counts. The lost
+    readings are then those that the steps skip. Without such a c, the lost readings are those
+    that would fill the silences, steps of more than `silence_steps` times the usual one. The
+    usual step is `typical_step_ns`, taken without the pauses if it is itself a pause.
 
     Examples
     --------
@@ -181,7 +185,7 @@ def measure_stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> Sta
     return StampSteps(
         n=steps.size + 1, typical_s=typical / 1e9,
         nominal_s=None if nominal is None else nominal / 1e9,
-        lost_share=_lost(onward, nominal, silence_steps) if onward.size else 0.0,
+        lost_share=_lost_share(onward, nominal, silence_steps) if onward.size else 0.0,
         backward=int(np.count_nonzero(steps < 0)),
         equal=int(np.count_nonzero(steps == 0)),
         silences=int(np.count_nonzero(long)) if typical > 0.0 else 0,

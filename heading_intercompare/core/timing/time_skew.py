@@ -3,9 +3,9 @@
 """
 The time skew between the sensors, from the pairs of a run.
 
-A TS whose stamps are late by d reports the heading of d seconds ago; in a turn of rate w the
-difference is then off by -d w. A positive skew means that the TS data are older than their
-stamps say, compared with those of the RS.
+A TS whose stamps are late by d reports the heading of d seconds ago. In a turn at rate w this
+shifts the difference by -d w. A positive skew means that, compared with the RS, the TS data are
+older than their stamps say.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from heading_intercompare.core.statistics.blocking import student_95
 
 from .heading_track import Track
 from .skew_instrument import common_tracks, Fit, HALF_SPAN_S, Instrument, LEAST_STRENGTH
-from .skew_search import coarser, find_skew, has_turned
+from .skew_search import coarsen, find_skew, has_turned
 
 __all__ = ['estimate_skew', 'regress_skew', 'Regression', 'Skew']
 
@@ -42,17 +42,17 @@ class Regression:
     n : int
         Samples used.
     skew_s : float
-        Minus the slope; too near zero by the noise of the rate.
+        Minus the slope; the noise of the rate biases it towards zero.
     u_naive_s : float
         Standard error as if the residuals were uncorrelated.
     intercept_deg : float
-        Difference without turning.
+        Difference at zero rate.
     correlation : float
-        Between difference and rate.
+        Correlation of difference and rate.
     residual_std_deg : float
         Root of RSS/(n - 1).
     rate_std_deg_s, rate_max_deg_s : float
-        Of the RS rate; the largest without its sign.
+        Standard deviation and largest absolute value of the RS rate.
 
     """
 
@@ -78,9 +78,9 @@ def regress_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs: Headings,
     x_deg : array_like, shape (n,)
         Differences, degrees.
     rs : Headings
-        Readings of the RS; only pairs within them by the half span are used.
+        Readings of the RS. Only pairs at least `half_span_s` inside them are used.
     half_span_s : float
-        The rate is taken from so long before a pair to so long after it, seconds.
+        The rate spans this time before a pair and the same time after it, seconds.
 
     Returns
     -------
@@ -126,16 +126,16 @@ class Skew:
     Attributes
     ----------
     n : int
-        Pairs, or short averages of pairs, that the estimate rests on; 0 if there are fewer than
-        64, and all figures are None then.
+        Pairs, or short averages of pairs, used for the estimate; 0 if there are fewer than 64,
+        and then all figures are None.
     kind : {'found', 'unclear', 'beyond', 'no_fit', 'not_turned', 'too_few'}
-        'found': well determined. 'unclear': found, but not so well. 'beyond': the differences
-        scatter least at a skew beyond the range. 'no_fit': the ship moved, but no skew fits.
-        'not_turned': the ship did not turn enough. 'too_few': too few pairs.
+        'found': well determined. 'unclear': found, but poorly determined. 'beyond': the
+        differences scatter least at a skew beyond the range. 'no_fit': the ship moved, but no
+        skew fits. 'not_turned': the ship did not turn enough. 'too_few': too few pairs.
     rs_rate_std_deg_s : float or None
-        Standard deviation of the rate of turn as the RS shows it, with its noise.
+        Standard deviation of the rate of turn of the RS, including its noise.
     rate_std_deg_s : float or None
-        Of the rate common to both sensors, free of their noise.
+        Standard deviation of the rate common to both sensors, free of their noise.
     strength : float or None
         F of that common rate; below 10 the ship did not turn enough.
     ols_s, ols_u_s : float or None
@@ -143,8 +143,8 @@ class Skew:
     iv_s : float or None
         One step of the instrumental estimate, E.8.
     skew_s, u_s : float or None
-        The instrumental estimate repeated on pairs shifted by it until nothing is left, and its
-        standard uncertainty, which allows for correlation. None if it does not settle within
+        The instrumental estimate, repeated on shifted pairs until no skew remains, and its
+        standard uncertainty, which allows for correlation. None if it does not converge within
         the range.
     interval_s : pair of float or None
         95 % interval.
@@ -153,10 +153,10 @@ class Skew:
     significant : bool or None
         Whether the interval excludes zero; meaningless unless well determined.
     std_deg, std_aligned_deg, mean_aligned_deg : float or None
-        Standard deviation of the differences as paired, of the same differences with the skew
-        removed, and the mean of these.
+        Standard deviation of the differences as paired, that of the same differences with the
+        skew removed, and the mean of the latter.
     beyond_s : float or None
-        About the skew beyond the range, up to 60 s; None unless `kind` is 'beyond'.
+        Approximate skew beyond the range, up to 60 s; None unless `kind` is 'beyond'.
 
     """
 
@@ -180,11 +180,11 @@ class Skew:
 
     @property
     def about_s(self) -> float:
-        """The skew, be it within the range or beyond; 0 if none is known, seconds."""
+        """The skew, within the range or beyond it; 0 if unknown, seconds."""
         return (self.skew_s if self.well_determined else self.beyond_s) or 0.0
 
     def why_not(self, range_s: float) -> str:
-        """Say why the skew is not well determined, within a range in seconds."""
+        """Say why the skew is not well determined within a range, seconds."""
         if self.kind == 'beyond':
             return (f'the differences scatter least with a skew of about {self.beyond_s:.1f} s, '
                     f'beyond alignment.skew_range_s = {range_s:g} s')
@@ -194,14 +194,14 @@ class Skew:
         if self.kind == 'unclear':
             return (f'the skew, {self.skew_s:.3f} s, is not well determined (standard uncertainty '
                     f'{self.u_s:.3f} s)')
-        return 'the ship did not turn enough to see a skew of the clocks'
+        return 'the ship did not turn enough to show a skew of the clocks'
 
     def largest_variance_deg2(self, range_s: float) -> float | None:
         """
         Return the largest variance that a skew may add to the differences, d^2 Var(rate).
 
-        With d the far end of the interval; or the range, where the skew is not well determined.
-        None if nothing is known of the rates.
+        Here d is the far end of the interval, or the range if the skew is not well determined.
+        The result is None if the rates are unknown.
         """
         interval_s, rate_deg_s = self.interval_s, self.rate_std_deg_s
         if self.well_determined and interval_s is not None and rate_deg_s is not None:
@@ -224,11 +224,11 @@ def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     x_deg, rs_deg : array_like, shape (n,)
         Differences and RS headings, finite, degrees.
     range_s : float
-        Largest skew looked for, either way, seconds.
+        Largest skew to search for, in either direction, seconds.
     half_span_s : float
-        Rates are taken from so long before a pair to so long after it, seconds.
+        Rates span this time before a pair and the same time after it, seconds.
     max_gap_s : float
-        Spans that hold a longer silence are left out, seconds.
+        Spans with a longer silence are left out, seconds.
 
     Returns
     -------
@@ -236,12 +236,12 @@ def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
 
     Notes
     -----
-    Rates of the RS are noisy, which draws ordinary least squares to zero; the rate of the TS
-    serves as an instrument, for its noise over a span symmetric about the pair is correlated
-    neither with the noise of the pair nor with the RS. Where it settles is sought first, on
-    averages over 0.25 s of which up to 8192 are looked at, from several starts. Interpolating a
-    shifted RS changes its noise, but not this estimate. Pairs more frequent than 10 a second are
-    averaged over up to 0.1 s first, both sensors alike, which moves neither.
+    The noise of the RS rates biases ordinary least squares towards zero. The rate of the TS
+    serves as an instrument: over a span symmetric about the pair, its noise is correlated neither
+    with the noise of the pair nor with the RS. A search from several starts, on up to 8192
+    averages over 0.25 s, first finds where the estimate converges. Interpolating a shifted RS
+    changes its noise, but not this estimate. Pairs more frequent than 10 per second are first
+    averaged over up to 0.1 s, both sensors alike, which shifts neither.
 
     References
     ----------
@@ -263,7 +263,7 @@ def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
                   ols.u_naive_s if ols else None,
                   found.step_s if found.strength > 0.0 else None, well_determined=False,
                   std_deg=float(found.x.std(ddof=1)))
-    coarse = coarser(ts, _SEARCH_BLOCK_S), coarser(rs, _SEARCH_BLOCK_S)
+    coarse = coarsen(ts, _SEARCH_BLOCK_S), coarsen(rs, _SEARCH_BLOCK_S)
     place = find_skew(Instrument(*coarse, half_span_s, max_gap_s, _SEARCHED), 0.0, range_s)
     if place is not None and abs(place[0]) > range_s:
         return replace(result, kind='beyond', beyond_s=place[0])
@@ -279,7 +279,7 @@ def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
 
 
 def _settle(fit: Instrument, found: Fit, d: float, range_s: float) -> tuple[float, Fit] | None:
-    """Return the skew at which nothing is left, from the fit at one; None without any."""
+    """Iterate from a fit at skew `d` until no skew remains; None if that fails."""
     if not found.strength >= LEAST_STRENGTH:
         return None
     for _ in range(_STEPS):

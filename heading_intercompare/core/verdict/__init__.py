@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A run judged at its end, and the verdict on all runs."""
+"""The judgement of a run at its end, and the verdict on all runs."""
 
 from typing import TYPE_CHECKING
 

@@ -17,18 +17,18 @@ _REL = 1e-12
 
 def find_differences(a: Verdict, b: Verdict) -> Iterator[str]:
     """
-    Yield where two verdicts differ, but for where their data came from.
+    Yield the differences of two verdicts, except those of their sources.
 
     Yields
     ------
     str
-        ``runs[0].n: 3 and 4``, by the names of the JSON.
+        One difference with the names of the JSON: ``runs[0].n: 3 and 4``.
 
     """
-    yield from _compare(_without_sources(a), _without_sources(b), '')
+    yield from _compare(_drop_sources(a), _drop_sources(b), '')
 
 
-def _without_sources(verdict: Verdict) -> dict[str, Any]:
+def _drop_sources(verdict: Verdict) -> dict[str, Any]:
     runs = tuple(replace(run, source='') for run in verdict.runs)
     return replace(verdict, inputs=(), runs=runs).to_dict()
 

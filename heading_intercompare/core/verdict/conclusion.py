@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The outcome of a run: what variance, counts, norms, findings and looks say together."""
+"""The outcome of a run, from variance, counts, norms, findings and looks together."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Sequence
 from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
 from heading_intercompare.core.decision.gk import Printed
 from heading_intercompare.core.decision.guarded import Guarded, REASONS
-from heading_intercompare.core.decision.sequential import LookVerdict, rejecting
+from heading_intercompare.core.decision.sequential import find_rejection, LookVerdict
 from heading_intercompare.core.outcome import Outcome
 
 from .validity import DOUBTFUL, Finding, gravest, VOID, VOID_REASONS, worst_effect
@@ -22,19 +22,19 @@ ALL_REASONS = {
     'count_lower_bound_above_allowed': 'too many extreme differences, at the stated risk',
     'total_error_not_within_norm': 'the total error is not shown to be within its norm',
     'outliers_decide': 'a few outlying readings decide; without them the outcome would differ',
-    'rejected_at_a_look': 'a look at the run in progress rejected, and that stays',
+    'rejected_at_a_look': 'a look at the run in progress rejected, and a rejection stands',
     **VOID_REASONS,
 }
-"""Why the outcome of a run is what it is: code and words."""
+"""Reasons for the outcome of a run: code and words."""
 
 
-#: Void for reasons that do not come and go: how the sensors are set up.
+#: Void for a permanent reason: the set-up of the sensors.
 _ALWAYS_VOID = {f'void.{condition}' for condition in (
     'same_source', 'convention', 'mean_difference', 'clocks', 'interpolation')}
 
 
 def conclude(guarded: Guarded, printed: Printed) -> tuple[Outcome, str]:
-    """Return the outcome that variance, counts and total error give a run, and its reason."""
+    """Return the outcome from variance, counts and total error, and its reason."""
     if guarded.outcome is Outcome.NON_COMPLIANT:
         return guarded.outcome, guarded.reason
     if guarded.count_outcome is Outcome.NON_COMPLIANT:
@@ -48,10 +48,10 @@ def conclude(guarded: Guarded, printed: Printed) -> tuple[Outcome, str]:
 def with_findings(outcome: Outcome, reason: str,
                   findings: Sequence[Finding]) -> tuple[Outcome, str]:
     """
-    Return outcome and reason as the findings leave them.
+    Return outcome and reason after the findings.
 
-    A void comparison says nothing of the TS, whatever its variance. Where outliers decide, an
-    outcome that is open says so.
+    A void comparison says nothing about the TS, whatever its variance. If outliers decide, the
+    reason of an indeterminate outcome says so.
     """
     for finding in findings:
         if finding.effect == VOID:
@@ -65,23 +65,23 @@ def with_findings(outcome: Outcome, reason: str,
 def with_looks(outcome: Outcome, reason: str,
                looks: Sequence[LookVerdict]) -> tuple[Outcome, str]:
     """
-    Return outcome and reason at the end of a run that was looked at.
+    Return outcome and reason at the end of a run with looks.
 
-    The worse of what any look decided and what the end says: a rejection at a look stays, an
-    acceptance does not outlast data that speak against it. But what makes the whole comparison
-    void made it void at the look, too, though it did not show yet.
+    The worse of the looks and the end counts: a rejection at a look stands, an acceptance does
+    not outlast later data against it. But a permanent reason that makes the comparison void also
+    made it void at the look, even if it did not show yet.
     """
     if reason in _ALWAYS_VOID:
         return outcome, reason
-    if outcome is not Outcome.NON_COMPLIANT and rejecting(looks) is not None:
+    if outcome is not Outcome.NON_COMPLIANT and find_rejection(looks) is not None:
         return Outcome.NON_COMPLIANT, 'rejected_at_a_look'
     return outcome, reason
 
 
 def effect_with_looks(findings: Sequence[Finding], reason: str,
                       looks: Sequence[LookVerdict]) -> str:
-    """Return the gravest effect, that at the look included which decided."""
-    at_end, decided = worst_effect(findings), rejecting(looks)
+    """Return the most serious effect, including that at the look that decided."""
+    at_end, decided = worst_effect(findings), find_rejection(looks)
     if reason != 'rejected_at_a_look' or decided is None:
         return at_end
     return gravest((at_end, decided.validity_effect))
@@ -89,7 +89,7 @@ def effect_with_looks(findings: Sequence[Finding], reason: str,
 
 def campaign_words(reason: str, runs: Sequence[tuple[int, Outcome, str]]) -> str:
     """
-    Return the reason of a campaign in words, and that of the first run it comes from.
+    Return the reason of a campaign in words, with that of the first run that caused it.
 
     Parameters
     ----------

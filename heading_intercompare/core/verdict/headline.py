@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The one line that people read of a verdict: outcome, doubts, and what it covers."""
+"""The headline of a verdict, the one line that people read: outcome, doubts and coverage."""
 
 from __future__ import annotations
 
 from typing import Sequence
 
 from heading_intercompare.core.decision.coverage import Coverage, span_words
-from heading_intercompare.core.decision.sequential import LookVerdict, rejecting
+from heading_intercompare.core.decision.sequential import find_rejection, LookVerdict
 from heading_intercompare.core.outcome import Outcome
 
 from .validity import DOUBTFUL, Finding, VOID
@@ -16,21 +16,21 @@ __all__ = ['add_looks', 'compose_headline', 'OUTCOME_WORDS']
 
 OUTCOME_WORDS = {'compliant': 'COMPLIANT', 'indeterminate': 'INDETERMINATE',
                  'non_compliant': 'NON-COMPLIANT'}
-"""By outcome."""
+"""Words for each outcome."""
 
 
 def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Coverage | None,
                      why: str = '') -> str:
     """
-    Return outcome, findings that bind it, and what a certificate covers or why there is none.
+    Compose the headline: outcome, findings that affect it, and the coverage or the reason.
 
     Parameters
     ----------
     outcome : Outcome
     findings : sequence of Finding
-        Of a run, or of all runs with the run in their words.
+        Findings of a run, or of all runs with the run named in their words.
     coverage : Coverage or None
-        None where there is no run.
+        None if there is no run.
     why : str
         The reason of the outcome, in words.
 
@@ -48,7 +48,7 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
     if outcome is Outcome.COMPLIANT and coverage is not None and not doubts:
         return f'{text} {coverage.words}'
     if void:
-        # One cause has many symptoms; the conditions stand in the order of causes.
+        # One cause has many symptoms; the conditions are ordered by cause.
         text += f', VOID: {void[0]}'
     elif doubts:
         text += f', DOUBTFUL: {"; ".join(doubts)}'
@@ -62,18 +62,18 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
 def add_looks(at_end: str, outcome: Outcome, reason: str,
               looks: Sequence[LookVerdict]) -> str:
     """
-    Return the headline of a run that was looked at.
+    Return the headline of a run with looks.
 
     Parameters
     ----------
     at_end : str
-        What the end of the run says by itself, `compose_headline`.
+        The headline at the end of the run without looks, from `compose_headline`.
     outcome, reason
-        Of the run, looks included.
+        Outcome and reason of the run, looks included.
     looks : sequence of LookVerdict
 
     """
-    look = rejecting(looks)
+    look = find_rejection(looks)
     if reason == 'rejected_at_a_look' and look is not None:
         said = look.headline.removeprefix(OUTCOME_WORDS['non_compliant'])
         return (f'{OUTCOME_WORDS["non_compliant"]} at look {look.look} of {look.looks}, after '

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""One run judged at its end: figures, criteria as printed, guarded decision, diagnostics."""
+"""Judges a run at its end: figures, criteria as printed, guarded decision, diagnostics."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ __all__ = ['compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResu
 
 @dataclass(frozen=True, slots=True)
 class RunResult:
-    """A judged run, and what is needed to decide on it again among several runs."""
+    """A judged run, with everything needed to decide again on it among several runs."""
 
     verdict: RunVerdict
     evidence: Evidence
@@ -64,16 +64,16 @@ class RunResult:
     def with_pairing(self, share: LedgerSegment, inside: LedgerSegment,
                      warnings: Sequence[str] = ()) -> 'RunResult':
         """
-        Return the result with its share of the pairing ledger, and what that leaves of it.
+        Return the result with its share of the pairing ledger, and with the losses judged.
 
         Parameters
         ----------
         share : LedgerSegment
-            Of the whole ledger, for every reading belongs to a run.
+            Share of the whole ledger, in which every reading belongs to a run.
         inside : LedgerSegment
-            Of that, what lies between the first and the last pair of the run.
+            The part of it between the first and the last pair of the run.
         warnings : sequence of str
-            To be added.
+            Warnings to add.
 
         """
         old = self.verdict.pairing
@@ -85,17 +85,17 @@ class RunResult:
             verdict, self.alone, (*(f for f in verdict.validity if f.condition != 'losses'),
                                   find_losses(verdict, share, inside, self.settings))))
 
-    def among(self, run: int, runs: Homogeneity) -> 'RunResult':
-        """Return the result with its number among the runs, and what they say of each other."""
+    def place_among(self, run: int, runs: Homogeneity) -> 'RunResult':
+        """Return the result with its number among the runs, and with (g) judged from all runs."""
         checked = with_runs(self.verdict.assumptions, runs)
         return replace(self, verdict=replace(self.verdict, run=run, assumptions=checked))
 
     def outcome_among(self, m: int, settings: Settings) -> Outcome:
         """
-        Return the outcome when m runs share the producer's risk.
+        Return the outcome if m runs share the producer's risk.
 
-        A run that is rejected on its own may be open among others, but never complies: it may
-        have been rejected at a look.
+        A run that is rejected on its own may be indeterminate among others, but it never
+        complies: a look may have rejected it.
         """
         if m == 1 or self.verdict.outcome is not Outcome.NON_COMPLIANT:
             return self.verdict.outcome
@@ -107,7 +107,7 @@ class RunResult:
 
 def _conclude(verdict: RunVerdict, alone: tuple[Outcome, str],
               findings: Sequence[Finding]) -> RunVerdict:
-    """Return a verdict as findings and looks leave it."""
+    """Return a verdict with outcome and headline after findings and looks."""
     at_end = with_findings(*alone, findings)
     outcome, reason = with_looks(*at_end, verdict.looks)
     line = compose_headline(at_end[0], findings, verdict.coverage, ALL_REASONS[at_end[1]])
@@ -117,14 +117,14 @@ def _conclude(verdict: RunVerdict, alone: tuple[Outcome, str],
 
 
 class _Decision:
-    """The rule of one run, applied to its differences and to variations of them."""
+    """The decision rule of one run, for its differences and for variations of them."""
 
     def __init__(self, limits: Limits, settings: Settings, risk: Risk) -> None:
         self._limits, self._settings, self._risk = limits, settings, risk
 
     def __call__(self, data: PreparedRun, cells: Cells,
                  drift_left_deg2: float) -> tuple[Evidence, Guarded, Printed]:
-        """Return what the differences say, the guarded decision, and GK as printed."""
+        """Return the evidence, the guarded decision, and GK as printed."""
         settings = self._settings
         printed = _apply_gk(data, self._limits, settings)
         auto = settings.drift_order == 'auto'
@@ -138,7 +138,7 @@ class _Decision:
 
     def outcome(self, stamp_ns: Integers, x_deg: Reals,
                 rs_factor: float = 1.0) -> Outcome:
-        """Return the outcome of other differences, the noise of the RS shrunk once more."""
+        """Return the outcome of other differences, with the RS noise reduced by `rs_factor`."""
         if rs_factor != 1.0:
             other = _Decision(self._limits.with_rs_factor(rs_factor), self._settings, self._risk)
             return other.outcome(stamp_ns, x_deg)
@@ -156,17 +156,17 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     Parameters
     ----------
     run : RunSeries
-        With at least one pair; any number of analysed differences, also none.
+        Must hold at least one pair; may hold no analysed differences.
     settings : Settings
-        With the norms.
+        Must hold the norms.
     number : int
-        Of the run, from 1.
+        Number of the run, from 1.
     source : str
         Name of the input.
     risk : Risk, optional
-        Share of the risks that this judgement may take; default that of the end of a run.
+        Share of the risks for this judgement; default that of the end of a run.
     looks : sequence of LookVerdict
-        What looks said before.
+        Results of the looks so far.
 
     Returns
     -------
@@ -179,8 +179,8 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
 
     Notes
     -----
-    With a plan of looks the end of the run is the last look and takes its share, so that all
-    looks together keep to the risks. A look judges just as the end does.
+    With a plan of looks, the end of the run is the last look and takes its share of the risks,
+    so that all looks together keep the stated risks. A look judges just as the end does.
 
     References
     ----------
@@ -188,7 +188,7 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
 
     """
     if run.start_ns is None or run.end_ns is None:
-        raise ValueError('run: has no pair, must have one at least')
+        raise ValueError('run: has no pair, must have at least one')
     risk = risk_at_the_end(settings) if risk is None else risk
     limits = run.limits(settings.norms, settings.model)
     data = prepare_run(run, limits, settings)
@@ -196,7 +196,7 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     n = moments.n
     drift, rest = describe_drift(data.stamp_ns, data.x_deg, SETTLED_SHARE * limits.sigma_max_deg)
     left = drift.left_deg2 if data.residual_deg is None and drift.left_deg2 is not None else 0.0
-    # Live figures come from the same sums, so they are the same to the bit.
+    # Live figures use the same sums, so they are the same to the bit.
     as_it_came = data.residual_deg is None and not data.n_left_out
     cells = run.cells() if as_it_came else Cells.of(data.series_deg, data.stamp_ns)
     decision = _Decision(limits, settings, risk)
@@ -249,17 +249,17 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings) -> LookV
     Parameters
     ----------
     run : RunSeries
-        Holding the differences up to the look.
+        Must hold the differences up to the look.
     look : Look
-        With its share of the risks.
+        Holds its share of the risks.
     looks : int
-        How many the plan has.
+        Number of looks in the plan.
     settings : Settings
 
     Notes
     -----
-    Only the ledger is not known yet: gaps between the pairs count at a look, readings rejected
-    or without partner at the end.
+    Only the ledger is not known yet: a look counts gaps between the pairs, but readings rejected
+    or without partner count only at the end.
 
     """
     found = judge_run(run, settings, 0, '', risk=look.risk).verdict
@@ -280,18 +280,19 @@ def _warnings(data: PreparedRun, limits: Limits, guarded: Guarded,
         yield (f'sigma_max = {limits.sigma_max_deg:.6g} deg follows from the norm '
                f'{settings.norms.preset}')
     if data.order:
-        yield f'drift_removed: a polynomial of order {data.order} is taken out of the differences'
+        yield (f'drift_removed: a polynomial of order {data.order} is subtracted from the '
+               'differences')
     reference_deg2 = (limits.m_low * limits.sigma_ref_max_deg) ** 2
     if data.variance_deg2 is not None and data.variance_deg2 < reference_deg2:
         yield ('difference_variance_below_reference_variance: the norm of the RS is too large, '
                'or its errors and those of the TS are correlated')
     if settings.variant == 'A' and guarded.bias_significant:
-        yield ('variant_A_mean_not_zero: the mean difference is not zero, but variant A takes '
-               'it for zero')
+        yield ('variant_A_mean_not_zero: the mean difference is not zero, but variant A assumes '
+               'that it is')
 
 
 def compare_runs(results: Sequence[RunResult]) -> Homogeneity:
-    """Return what the runs say of each other."""
+    """Compare the means and the variances of the runs with each other."""
     return examine_homogeneity([
         RunFigures(r.verdict.mean_deg, r.evidence.spread.mean_variance_deg2,
                    r.evidence.spread.d_deg2, r.evidence.spread.nu)
@@ -302,13 +303,13 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
                       settings: Settings, incomplete: bool = False,
                       ) -> tuple[Outcome, Coverage | None, Campaign]:
     """
-    Return what the runs say together: outcome, what it covers, and the figures.
+    Return the outcome of the runs together, its coverage, and the figures.
 
     Notes
     -----
-    A void run says nothing, so it is not among those that share a variance, and without it
-    the campaign is open, unless the others reject. Nor does it comply if it is `incomplete`: if
-    an input could not be judged.
+    A void run says nothing, so it is left out of the common variance. With a void run the
+    campaign is indeterminate, unless the others reject. It does not comply either if an input
+    could not be judged (`incomplete`).
 
     """
     risk = risk_at_the_end(settings)
@@ -338,7 +339,7 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
 
 
 def _repeats(runs: Sequence[RunVerdict]) -> bool:
-    """Tell whether two runs are of one record."""
+    """Tell whether two runs come from the same record."""
     seen = {(run.start_ns, run.end_ns, run.n, run.mean_deg, run.variance_deg2) for run in runs}
     return len(seen) < len(runs)
 

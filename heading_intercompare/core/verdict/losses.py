@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which share of the readings a run could not use: lost, rejected, or without partner."""
+"""The share of readings that a run could not use: lost, rejected, or without partner."""
 
 from __future__ import annotations
 
@@ -18,18 +18,17 @@ __all__ = ['find_losses', 'judge_losses']
 def find_losses(run: RunVerdict, share: LedgerSegment | None, inside: LedgerSegment | None,
                 settings: Settings) -> Finding:
     """
-    Judge what a run could not use.
+    Judge the readings that a run could not use.
 
     Parameters
     ----------
     run : RunVerdict
-        Of which the number and the stamps of the differences are used.
+        Uses the steps of the stamps, and which sensor was interpolated.
     share, inside : LedgerSegment or None
-        What became of the readings of the run, and of those between its first and its last pair;
-        None while that is not known, as at a look: then the gaps between the pairs alone are
-        judged.
+        Ledger of the readings of the run, and of those between its first and last pair. None as
+        long as unknown, as at a look: then only the gaps between the pairs are judged.
     settings : Settings
-        `detectors.lost_doubtful` and `detectors.lost_void`.
+        Uses `detectors.lost_doubtful` and `detectors.lost_void`.
 
     """
     shares = list(_lost_shares(run))
@@ -39,7 +38,7 @@ def find_losses(run: RunVerdict, share: LedgerSegment | None, inside: LedgerSegm
 
 
 def _lost_shares(run: RunVerdict) -> Iterator[tuple[str, float]]:
-    """Yield the share of the pairs that gaps between them leave out, if it can be told."""
+    """Yield the share of pairs missing in the gaps between pairs, if known."""
     lost = run.correlation.stamps.lost_share
     if lost is not None:
         yield 'lost', lost
@@ -47,23 +46,23 @@ def _lost_shares(run: RunVerdict) -> Iterator[tuple[str, float]]:
 
 def _ledger_shares(run: RunVerdict, share: LedgerSegment, inside: LedgerSegment,
                    settings: Settings) -> Iterator[tuple[str, float]]:
-    """Yield what the ledger says is lost, in words, and its share of the readings."""
+    """Yield each kind of loss in the ledger, in words, and its share of the readings."""
     counts = inside.counts
     received = {stream: inside.received(stream) for stream in ('ts', 'rs')}
     for stream, n in received.items():
-        # After a stamp of the future no reading makes a pair any more: the run ends there, but
-        # not for want of readings.
-        late = LedgerKey.rejected(stream, 'stamp_not_increasing')
-        behind = share.counts.get(late, 0) - counts.get(late, 0)
-        if n + behind:
+        # After a stamp from the future no later reading is paired. The run ends there, although
+        # readings keep coming.
+        late = LedgerKey.of_rejected(stream, 'stamp_not_increasing')
+        after = share.counts.get(late, 0) - counts.get(late, 0)
+        if n + after:
             rejected = sum(inside.rejected(stream).values())
-            yield f'of the {stream.upper()} rejected', (rejected + behind) / (n + behind)
+            yield f'of the {stream.upper()} rejected', (rejected + after) / (n + after)
     unpaired = {stream: counts.get(key, 0) / received[stream]
                 for stream, key in (('ts', LedgerKey.TS_UNPAIRED), ('rs', LedgerKey.RS_UNUSED))
                 if received[stream]}
     if unpaired:
-        # Of a sensor that is interpolated, most readings may lie between two stamps of the other.
-        interpolated = run.pairing.interpolated(settings.pairing.method)
+        # Most readings of an interpolated sensor may lie between two stamps of the other.
+        interpolated = run.pairing.find_interpolated(settings.pairing.method)
         kept = [part for stream, part in unpaired.items() if stream != interpolated]
         yield 'without partner', min(kept or unpaired.values())
 
@@ -75,13 +74,13 @@ def judge_losses(shares: Sequence[tuple[str, float]], settings: Settings) -> Fin
     Parameters
     ----------
     shares : sequence of (str, float)
-        What is lost, in words, and its share of the readings inside the run.
+        Each kind of loss in words, and its share of the readings inside the run.
     settings : Settings
-        `detectors.lost_doubtful` and `detectors.lost_void`.
+        Uses `detectors.lost_doubtful` and `detectors.lost_void`.
 
     """
     if not shares:
-        return Finding('losses', NOT_TESTABLE, '', 'there are too few pairs to see what is lost')
+        return Finding('losses', NOT_TESTABLE, '', 'there are too few pairs to show losses')
     what, share = max(shares, key=lambda row: row[1])
     evidence = ', '.join(f'{name} {100.0 * part:.2g} %' for name, part in shares)
     words = f'{100.0 * share:.0f} % {what}'

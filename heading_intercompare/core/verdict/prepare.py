@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The differences of a run as its verdict takes them: settled, and with the drift taken out."""
+"""The differences of a run as used by its verdict, without stabilisation period and drift."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ from heading_intercompare.core.statistics.warm_up import fit_warm_up
 __all__ = ['HIGHEST_ORDER_REMOVED', 'prepare_run', 'PreparedRun']
 
 HIGHEST_ORDER_REMOVED = 3
-"""Of the polynomials that `drift_order` may take out."""
+"""Highest order of the polynomials that `drift_order` may remove."""
 
 
 @dataclass(frozen=True, slots=True)
 class PreparedRun:
     """
-    What of a run is analysed.
+    The analysed part of a run.
 
     Attributes
     ----------
     stamp_ns, x_deg, rs_deg : ndarray, shape (n,)
-        Stamps, differences and RS headings behind the stabilisation period.
+        Stamps, differences and RS headings after the stabilisation period.
     residual_deg : ndarray, shape (n,), or None
-        Differences about the polynomial that is removed, degrees; None if it is the mean alone.
+        Differences minus the polynomial removed, degrees; None if only the mean is removed.
     order : int
-        Of that polynomial; 0 for the mean.
+        Order of that polynomial; 0 for the mean.
     coefficients_deg : tuple of float
-        Its Legendre coefficients from order 0, degrees; empty if the mean alone is removed.
+        Its Legendre coefficients from order 0, degrees; empty if only the mean is removed.
     n_left_out : int
         Differences at the start that an automatic stabilisation period leaves out.
     moments : Moments
-        Of `x_deg`.
+        Moments of `x_deg`.
     variance_deg2 : float or None
         GK (4): sum of squared residuals / (n - 1 - order); None for n < 2 + order.
 
@@ -58,7 +58,7 @@ class PreparedRun:
     variance_deg2: float | None
 
     def deviations(self, variant: str) -> Reals:
-        """Return what the counts are taken of: ``|x|`` in variant A, else about mean or drift."""
+        """Return the values to count: ``|x|`` in variant A, otherwise the absolute residuals."""
         about = self.x_deg
         if variant != 'A':
             about = self.x_deg - self.moments.mean_deg if self.residual_deg is None \
@@ -69,7 +69,7 @@ class PreparedRun:
     @classmethod
     def of(cls, stamp_ns: Integers, x_deg: Reals, rs_deg: Reals,
            settings: Settings, n_left_out: int = 0) -> 'PreparedRun':
-        """Return settled differences with the drift taken out as the settings ask."""
+        """Build from settled differences; the settings decide which drift to remove."""
         order = settings.drift_order
         if isinstance(order, str):
             chosen = select_order(stamp_ns, x_deg)
@@ -88,7 +88,7 @@ class PreparedRun:
 
     @property
     def series_deg(self) -> Reals:
-        """What the variance is taken of: the residuals, or the differences; degrees."""
+        """The series that gives the variance: the residuals, or the differences; degrees."""
         return self.x_deg if self.residual_deg is None else self.residual_deg
 
     @property
@@ -100,16 +100,16 @@ class PreparedRun:
 
 def prepare_run(run: RunSeries, limits: Limits, settings: Settings) -> PreparedRun:
     """
-    Take a stabilisation period and a drift out of a run as the settings ask.
+    Remove the stabilisation period and the drift of a run, as the settings say.
 
     Parameters
     ----------
     run : RunSeries
         A run at its end.
     limits : Limits
-        `sigma_max_deg` says what counts as settled.
+        `sigma_max_deg` determines when a run has settled.
     settings : Settings
-        `runs.stabilization_s` and `drift_order`; both may be 'auto'.
+        Uses `runs.stabilization_s` and `drift_order`; both may be 'auto'.
 
     References
     ----------

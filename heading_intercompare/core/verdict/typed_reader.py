@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Plain mappings and lists, as JSON has them, back to dataclasses: their annotations say how."""
+"""Turns plain mappings and lists, as in JSON, back into dataclasses, guided by annotations."""
 
 from __future__ import annotations
 
@@ -12,50 +12,50 @@ import math
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints, Literal, TypeGuard, Union
 
-__all__ = ['is_left_out', 'left_out', 'read_plain', 'VerdictError']
+__all__ = ['is_left_out', 'leave_out_none', 'read_plain', 'VerdictError']
 
 _WORDS = {bool: 'true or false', float: 'a number', int: 'an integer', str: 'text',
           NoneType: 'null'}
 _LEFT_OUT = 'left_out'
 _LONGEST = 60
-#: What is no less has no place among the floats.
+#: Integers from here on do not fit into a float.
 _MOST = 2 ** 1023
 
 _hints_of = cache(get_type_hints)
 
 
 class VerdictError(ValueError):
-    """A mapping is no verdict: where, what stands there, and what must."""
+    """A mapping is not a verdict; the message gives place, value and what is allowed."""
 
 
-def left_out() -> Any:
-    """Declare a field of a dataclass whose key is left out where its value is None."""
+def leave_out_none() -> Any:
+    """Declare a field of a dataclass whose key is left out if its value is None."""
     return field(default=None, metadata={_LEFT_OUT: True})
 
 
 def is_left_out(declared: Any, value: Any) -> bool:
-    """Tell whether the key of a field is left out, `declared` as `dataclasses.fields` has it."""
+    """Tell whether the key of a field, from `dataclasses.fields`, is left out."""
     return value is None and declared.metadata.get(_LEFT_OUT, False)
 
 
 def read_plain(kind: Any, value: Any, where: str = '') -> Any:
     """
-    Return a value of a type, from what `make_plain` makes of one.
+    Return a value of a type from its plain form; reverses `make_plain`.
 
     Parameters
     ----------
     kind : type or annotation
         A dataclass, an enumeration, a plain type, or a union, tuple, sequence or mapping of such.
     value : object
-        As JSON has it. Keys that the dataclass has not are passed over.
+        The plain form, as in JSON. Keys unknown to the dataclass are ignored.
     where : str
-        What the value is called, ``runs[0].guarded``.
+        Name of the value, such as ``runs[0].guarded``.
 
     Returns
     -------
     object
-        A number that was not finite, and so became null, is nan where None is not allowed. Lists
-        become tuples. Integers stay integers where any number may stand.
+        A null becomes nan where None is not allowed, because numbers that were not finite became
+        null. Lists become tuples. Integers stay integers where any number is allowed.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def read_plain(kind: Any, value: Any, where: str = '') -> Any:
         return math.nan
     if _is_of(kind, value):
         return kind(value) if _is_enumeration(kind) else value
-    raise _wrong(where, value, _name(kind))
+    raise _make_error(where, value, _name(kind))
 
 
 def _is_enumeration(kind: Any) -> TypeGuard[type[Enum]]:
@@ -90,7 +90,7 @@ def _is_enumeration(kind: Any) -> TypeGuard[type[Enum]]:
 
 
 def _is_of(kind: Any, value: Any) -> bool:
-    """Tell whether a value may stand where a plain type, enumeration or choice is declared."""
+    """Tell whether a value fits a plain type, enumeration or choice."""
     if kind is Any:
         return True
     if get_origin(kind) is Literal:
@@ -106,7 +106,7 @@ def _is_of(kind: Any, value: Any) -> bool:
 
 def _read_dataclass(kind: type, value: Any, where: str) -> Any:
     if not isinstance(value, Mapping):
-        raise _wrong(where, value, 'an object')
+        raise _make_error(where, value, 'an object')
     given = {}
     for declared in fields(kind):
         name = f'{where}.{declared.name}'.lstrip('.')
@@ -127,20 +127,20 @@ def _read_union(parts: tuple[Any, ...], value: Any, where: str) -> Any:
     for part in plain:
         if _is_of(part, value):
             return read_plain(part, value, where)
-    raise _wrong(where, value, ' or '.join(map(_name, parts)))
+    raise _make_error(where, value, ' or '.join(map(_name, parts)))
 
 
 def _read_several(origin: type, parts: tuple[Any, ...], value: Any, where: str) -> Any:
     if issubclass(origin, Mapping):
         if not isinstance(value, Mapping):
-            raise _wrong(where, value, 'an object')
+            raise _make_error(where, value, 'an object')
         return {key: read_plain(parts[1], thing, f'{where}.{key}'.lstrip('.'))
                 for key, thing in value.items()}
     if not isinstance(value, Sequence) or isinstance(value, str):
-        raise _wrong(where, value, 'a list')
+        raise _make_error(where, value, 'a list')
     if origin is tuple and parts[-1] is not Ellipsis:
         if len(parts) != len(value):
-            raise _wrong(where, value, f'a list of {len(parts)}')
+            raise _make_error(where, value, f'a list of {len(parts)}')
     else:
         parts = (parts[0],) * len(value)
     return tuple(read_plain(part, thing, f'{where}[{at}]')
@@ -148,7 +148,7 @@ def _read_several(origin: type, parts: tuple[Any, ...], value: Any, where: str) 
 
 
 def _name(kind: Any) -> str:
-    """Return what may stand where a plain type, enumeration or choice is declared."""
+    """Return the allowed values of a plain type, enumeration or choice, in words."""
     if _is_enumeration(kind):
         return ' or '.join(repr(member.value) for member in kind)
     if get_origin(kind) is Literal:
@@ -156,7 +156,7 @@ def _name(kind: Any) -> str:
     return _WORDS.get(kind, str(kind))
 
 
-def _wrong(where: str, value: Any, allowed: str) -> VerdictError:
+def _make_error(where: str, value: Any, allowed: str) -> VerdictError:
     shown = repr(value)
     shown = shown if len(shown) <= _LONGEST else f'{shown[:_LONGEST]}...'
     return VerdictError(f'{where} = {shown}: must be {allowed}' if where else

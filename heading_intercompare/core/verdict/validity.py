@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The conditions under which a comparison of two sensors means anything, and what binds a verdict.
+The conditions under which a comparison of two sensors is valid, and their effect on a verdict.
 
 Each condition is judged in one place, here: from evidence to an effect and its words. A condition
-binds by what it could change, not by how significant it is: in twelve hours everything is.
+counts by what it could change, not by its significance: in twelve hours everything is significant.
 """
 
 from __future__ import annotations
@@ -33,54 +33,58 @@ HOLDS, NOT_TESTABLE, DOUBTFUL, VOID = 'holds', 'not_testable', 'doubtful', 'void
 VOID_REASONS = {
     'void.same_source': 'void: TS and RS show the same noise or glitches, so both may come '
                         'from one sensor',
-    'void.convention': 'void: one sensor does not report its heading by the convention of the '
-                       'other, or the wrap tears the differences apart',
-    'void.mean_difference': 'void: the mean difference is too large for sensors of one axis, and '
-                            'no installation angle stated explains it',
+    'void.convention': 'void: the sensors report headings by different conventions, or the wrap '
+                       'splits the differences',
+    'void.mean_difference': 'void: the mean difference is too large for sensors mounted parallel, '
+                            'and the stated installation angle does not explain it',
     'void.frozen': 'void: a sensor repeats its value while the other shows that the ship turns',
-    'void.clocks': 'void: the clocks of the sensors drift apart or step, and that decides',
-    'void.interpolation': 'void: the slower sensor is too slow for the motion, and that decides',
+    'void.clocks': 'void: the clocks of the sensors drift apart or step, and that decides the '
+                   'outcome',
+    'void.interpolation': 'void: the slower sensor is too slow for the motion, and that decides '
+                          'the outcome',
     'void.losses': 'void: too many readings of the run are lost, rejected or without partner',
 }
-"""Why a run is void: code and words."""
+"""Reasons why a run is void: code and words."""
 
 CONDITIONS = ('same_source', 'convention', 'mean_difference', 'frozen', 'standstill', 'outliers',
               'clocks', 'interpolation', 'losses')
-"""All conditions, in the order in which a void run is named after them."""
+"""All conditions; the first one that makes a run void names the reason."""
 
 _RANK = {HOLDS: 0, NOT_TESTABLE: 0, DOUBTFUL: 1, VOID: 2}
 
 _NO_NOISE = {
     'too_short': 'the run is too short to compare the noise of TS and RS',
     'too_slow': 'readings more than a second apart do not show noise above the motion',
-    'no_rs_noise': 'the RS shows no noise of its own in which a common source could be seen',
+    'no_rs_noise': 'the RS shows no noise of its own that could reveal a common source',
 }
 
 LARGE_SIGMAS = 3.0
-"""A mean difference above so many norms of the standard deviation is doubtful."""
+"""A mean difference above this multiple of sigma_max is doubtful."""
 
 _YAWED_DEG = 5.0
 
 COVERED_SIGMAS = 3.0
-"""A stated installation angle covers what is within so many of its standard uncertainties."""
+"""A stated installation angle explains a mean difference within this many of its standard
+uncertainties."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
     """
-    What the data say of one condition; keys of the JSON.
+    The finding on one condition; keys of the JSON.
 
     Attributes
     ----------
     condition : str
-        Of `CONDITIONS`.
+        One of `CONDITIONS`.
     effect : {'holds', 'doubtful', 'void', 'not_testable'}
-        'doubtful': the outcome stands, and the headline says why it is doubted. 'void': the run
-        says nothing of the TS. 'not_testable': these data cannot show whether it holds.
+        'doubtful': the outcome stands, and the headline says why it is doubtful. 'void': the run
+        says nothing about the TS. 'not_testable': these data cannot show whether the condition
+        holds.
     words : str
-        The finding in a few words, as a headline has room for.
+        The finding in a few words, for a headline.
     evidence : str
-        A sentence with the figures.
+        The figures, in a sentence.
 
     """
 
@@ -91,7 +95,7 @@ class Finding:
 
 
 def worst_effect(findings: Iterable[Finding]) -> str:
-    """Return the gravest effect: 'holds', 'doubtful' or 'void'."""
+    """Return the most serious effect of findings: 'holds', 'doubtful' or 'void'."""
     return gravest(f.effect for f in findings)
 
 
@@ -101,7 +105,7 @@ def is_doubtful(outcome: Outcome, effect: str | None) -> bool:
 
 
 def gravest(effects: Iterable[str]) -> str:
-    """Return the gravest of effects: 'holds', 'doubtful' or 'void'."""
+    """Return the most serious of effects: 'holds', 'doubtful' or 'void'."""
     worst = max((_RANK[effect] for effect in effects), default=0)
     return (HOLDS, DOUBTFUL, VOID)[worst]
 
@@ -109,7 +113,7 @@ def gravest(effects: Iterable[str]) -> str:
 @dataclass(frozen=True, slots=True)
 class Examined:
     """
-    What the conditions are judged by.
+    The data by which the conditions are judged.
 
     Attributes
     ----------
@@ -118,10 +122,11 @@ class Examined:
     limits : Limits
     settings : Settings
     outcome : Outcome
-        Of the run as it is.
-    decided : callable
-        ``decided(stamp_ns, x_deg, rs_factor=1.0)``: the outcome of other differences under the
-        same rule, where interpolation has left that share of the variance of the RS noise.
+        Outcome of the run as it is.
+    decide : callable
+        ``decide(stamp_ns, x_deg, rs_factor=1.0)`` returns the outcome of other differences under
+        the same rule. `rs_factor` is the factor by which interpolation reduced the variance of
+        the RS noise.
     d_hat_deg2, lower_bound_deg2, upper_bound_deg2 : float or None
         The variance and its bounds.
 
@@ -132,20 +137,20 @@ class Examined:
     limits: Limits
     settings: Settings
     outcome: Outcome
-    decided: Callable[..., Outcome]
+    decide: Callable[..., Outcome]
     d_hat_deg2: float | None
     lower_bound_deg2: float | None
     upper_bound_deg2: float | None
 
 
 def examine(examined: Examined) -> tuple[Finding, ...]:
-    """Return what the data of a run say of each condition, but for `losses`."""
+    """Return the findings of a run on all conditions except `losses`."""
     return tuple(judge(examined) for judge in (
-        _same_source, _convention, _mean_difference, _frozen, _standstill, _outliers, _clocks,
-        _interpolation))
+        _judge_same_source, _judge_convention, _judge_mean_difference, _judge_frozen,
+        _judge_standstill, _judge_outliers, _judge_clocks, _judge_interpolation))
 
 
-def _same_source(e: Examined) -> Finding:
+def _judge_same_source(e: Examined) -> Finding:
     source = e.found.signs.source
     noise, glitches = source.noise, source.glitches
     name, words = 'same_source', 'TS and RS look like one sensor'
@@ -155,57 +160,58 @@ def _same_source(e: Examined) -> Finding:
                        'Hz, above the motion of the ship, the TS follows the noise of the RS: '
                        f'coherence {noise.coherence:.2f}')
     if glitches.kind == 'common' and glitches.chance is not None:
-        return Finding(name, VOID, words, f'{followed}, {glitches.delay_s:.3g} s later: by chance '
-                       f'with a probability below {max(glitches.chance, 1e-99):.1g}')
+        return Finding(name, VOID, words, f'{followed}, {glitches.delay_s:.3g} s later; chance '
+                       f'would do this with a probability below {max(glitches.chance, 1e-99):.1g}')
     least = e.limits.m_low * e.limits.sigma_ref_max_deg
     if e.upper_bound_deg2 is not None and 0.0 < e.upper_bound_deg2 < least ** 2:
         return Finding(name, VOID, 'TS and RS differ by less than the RS alone should',
                        f'the difference scatters by at most {math.sqrt(e.upper_bound_deg2):.3g} '
-                       f'deg, the RS alone by {least:.3g} deg at least, as its norm is stated')
+                       f'deg, but by its norm the RS alone by at least {least:.3g} deg')
     if noise.kind == 'independent':
         return Finding(name, HOLDS, '', f'the noise of the RS, {noise.rs_noise_deg:.2g} deg, is '
                        f'not found in the TS: coherence {noise.coherence:.2f}')
     if glitches.kind == 'independent':
         return Finding(name, HOLDS, '', followed)
     if source.kind == 'suspected':
-        # Without noise two perfect sensors do that, too; real ones never.
+        # Two perfect sensors without noise do that too; real ones never do.
         effect = DOUBTFUL if noise.reason == 'no_rs_noise' else VOID
         return Finding(name, effect, 'one sensor twice, or two without error', 'the TS repeats '
                        f'the RS, reading by reading, and {_NO_NOISE[noise.reason]}')
     return Finding(name, NOT_TESTABLE, '', _NO_NOISE[noise.reason])
 
 
-def _convention(e: Examined) -> Finding:
+def _judge_convention(e: Examined) -> Finding:
     found = e.found.signs.convention
     if found.kind == 'not_testable':
         return Finding('convention', NOT_TESTABLE, '', 'there are no differences')
     if found.kind == 'offset':
         return Finding('convention', VOID, f'TS - RS is near {found.angle_deg:.0f} deg',
-                       f'TS - RS is {found.angle_deg:.2f} deg: is one of them a yaw (ENU) taken '
-                       'for a heading, or mounted backwards?')
+                       f'TS - RS is {found.angle_deg:.2f} deg: does one of them report yaw (ENU) '
+                       'as heading, or is one mounted backwards?')
     if found.kind == 'mirrored':
-        return Finding('convention', VOID, 'TS turns against RS', 'TS turns against RS, their sum '
-                       f'stays at {found.angle_deg:.1f} deg: one of them counts '
-                       f'counter-clockwise{_unless_late(found.turned_deg)}')
+        return Finding('convention', VOID, 'TS turns against RS', 'TS turns against RS, and their '
+                       f'sum stays at {found.angle_deg:.1f} deg: one of them counts '
+                       f'counter-clockwise{_add_late(found.turned_deg)}')
     mean = e.found.signs.mean
-    if mean.torn(e.settings.wrap_center_deg):
+    if mean.is_torn(e.settings.wrap_center_deg):
         return Finding('convention', VOID, 'the differences lie on the seam of wrap_center_deg',
-                       'the differences are reduced to 180 deg either way of '
-                       f'{e.settings.wrap_center_deg:g} deg, which tears them apart: they lie '
+                       'the differences are wrapped to within 180 deg of '
+                       f'{e.settings.wrap_center_deg:g} deg, which splits them: they lie '
                        f'about {mean.mean_deg:.2f} deg, {100.0 * mean.seam_share:.3g} % of them a '
                        'whole turn away from the others')
     if found.direction == 'not_testable':
-        return Finding('convention', NOT_TESTABLE, '', 'the ship did not move enough, or only in '
-                       'a swell in which a skew looks alike, to tell whether both count clockwise')
+        return Finding('convention', NOT_TESTABLE, '', 'the ship did not move enough to show '
+                       'whether both count clockwise, or only in a swell, in which a skew looks '
+                       'the same')
     return Finding('convention', HOLDS, '', 'TS turns with RS, by the same axes')
 
 
-def _unless_late(turned_deg: float) -> str:
-    """Return what else it may be where the ship only yawed."""
+def _add_late(turned_deg: float) -> str:
+    """Return the other explanation that remains if the ship only yawed."""
     return ', or is late by half a period of the yaw' if turned_deg < _YAWED_DEG else ''
 
 
-def _mean_difference(e: Examined) -> Finding:
+def _judge_mean_difference(e: Examined) -> Finding:
     found, settings = e.found.signs.mean, e.settings
     name = 'mean_difference'
     if found.mean_deg is None:
@@ -214,16 +220,16 @@ def _mean_difference(e: Examined) -> Finding:
     most = settings.detectors.mean_max_deg
     u_offset = settings.installation_offset_u_deg
     if abs(found.mean_deg) > max(most, COVERED_SIGMAS * u_offset):
-        return Finding(name, VOID, words, f'{words}, above {most:g} deg, and the installation '
-                       f'angle stated, {settings.installation_offset_deg:g} deg with a standard '
-                       f'uncertainty of {u_offset:g} deg, does not explain it')
+        return Finding(name, VOID, words, f'{words}, above {most:g} deg, and the stated '
+                       f'installation angle, {settings.installation_offset_deg:g} deg with a '
+                       f'standard uncertainty of {u_offset:g} deg, does not explain it')
     if found.surely_exceeds(LARGE_SIGMAS * e.limits.sigma_max_deg):
         return Finding(name, DOUBTFUL, words, f'{words}, significantly above {LARGE_SIGMAS:g} '
                        f'sigma_max = {LARGE_SIGMAS * e.limits.sigma_max_deg:.3g} deg')
     return Finding(name, HOLDS, '', words)
 
 
-def _frozen(e: Examined) -> Finding:
+def _judge_frozen(e: Examined) -> Finding:
     signs = e.found.signs
     if signs.ts_frozen.kind == 'not_testable':
         return Finding('frozen', NOT_TESTABLE, '', 'there are too few readings')
@@ -251,19 +257,19 @@ def _frozen(e: Examined) -> Finding:
                    'while the other sensor turned' if longest else 'no value was repeated')
 
 
-def _standstill(e: Examined) -> Finding:
+def _judge_standstill(e: Examined) -> Finding:
     found = e.found.signs.standstill
     if found.kind == 'not_testable':
         return Finding('standstill', NOT_TESTABLE, '', 'there are too few readings')
     ranges = (f'the headings range over {found.ts_range_deg:.3g} deg (TS) and '
               f'{found.rs_range_deg:.3g} deg (RS)')
     if found.kind == 'still':
-        return Finding('standstill', DOUBTFUL, 'motion too small to tell', f'{ranges}: whether '
-                       'the sensors work cannot be seen')
+        return Finding('standstill', DOUBTFUL, 'motion too small to tell', f'{ranges}: too '
+                       'little to show whether the sensors work')
     return Finding('standstill', HOLDS, '', ranges)
 
 
-def _outliers(e: Examined) -> Finding:
+def _judge_outliers(e: Examined) -> Finding:
     found = e.found.signs.outliers
     if found.kind == 'not_testable':
         return Finding('outliers', NOT_TESTABLE, '', 'there are too few differences')
@@ -271,30 +277,30 @@ def _outliers(e: Examined) -> Finding:
         return Finding('outliers', HOLDS, '', 'no isolated difference stands out')
     largest = ', '.join(f'{o.size_deg:+.3g} deg at {o.stamp_ns}' for o in found.largest[:3])
     count = f'{found.count} isolated outlier{"s" if found.count != 1 else ""}'
-    evidence = f'{count} make {100.0 * found.share:.3g} % of the variance: {largest}'
-    without = e.decided(np.delete(e.data.stamp_ns, found.index),
-                        np.delete(e.data.x_deg, found.index))
+    evidence = f'{count}, {100.0 * found.share:.3g} % of the variance: {largest}'
+    without = e.decide(np.delete(e.data.stamp_ns, found.index),
+                       np.delete(e.data.x_deg, found.index))
     if without is e.outcome:
-        return Finding('outliers', HOLDS, '', f'{evidence}; the outcome is the same without')
+        return Finding('outliers', HOLDS, '', f'{evidence}; the outcome is the same without them')
     return Finding('outliers', DOUBTFUL, f'{count} decide{"s" if found.count == 1 else ""}',
-                   f'{evidence}; without the outcome is {without}')
+                   f'{evidence}; without them the outcome is {without}')
 
 
-def _clocks(e: Examined) -> Finding:
+def _judge_clocks(e: Examined) -> Finding:
     if e.settings.alignment.skew == 'off':
         return Finding('clocks', NOT_TESTABLE, '', 'the skew is not estimated (alignment.skew '
                        'off)')
     estimate, clock = e.found.skew.estimate, e.found.signs.clock
     if clock.kind in ('drifting', 'stepped'):
-        words, evidence = _unsteady(clock, e.data)
+        words, evidence = _describe_unsteady(clock, e.data)
         t = (e.data.stamp_ns - e.data.stamp_ns[0]) / 1e9
-        steady = _without(e, clock.late_s(t))
+        steady = _decide_without(e, clock.late_s(t))
         if steady is not e.outcome:
             return Finding('clocks', VOID, words,
-                           f'{evidence}; with that taken out the outcome is {steady}')
-        return Finding('clocks', HOLDS, '', f'{evidence}; the outcome is the same without')
+                           f'{evidence}; with this removed the outcome is {steady}')
+        return Finding('clocks', HOLDS, '', f'{evidence}; the outcome is the same without this')
     if estimate.kind == 'beyond' and estimate.beyond_s is not None:
-        return _beyond(e, estimate.beyond_s)
+        return _judge_beyond(e, estimate.beyond_s)
     if not estimate.well_determined or estimate.skew_s is None:
         return Finding('clocks', NOT_TESTABLE, '', estimate.why_not(
             e.settings.alignment.skew_range_s))
@@ -305,8 +311,8 @@ def _clocks(e: Examined) -> Finding:
     return _weigh_skew(e, estimate.skew_s, words, figures)
 
 
-def _unsteady(clock: ClockDrift, data: PreparedRun) -> tuple[str, str]:
-    """Return in few words and with the figures how the skew changes."""
+def _describe_unsteady(clock: ClockDrift, data: PreparedRun) -> tuple[str, str]:
+    """Describe the change of the skew, in a few words and with the figures."""
     if clock.kind == 'drifting' and clock.interval_s_per_h is not None:
         words = f'the clocks drift apart by {clock.slope_s_per_h:.2g} s/h'
         return words, (f'{words} (95 % interval {clock.interval_s_per_h[0]:.2g} to '
@@ -316,11 +322,11 @@ def _unsteady(clock: ClockDrift, data: PreparedRun) -> tuple[str, str]:
     size, at_ns = max(sizes, key=lambda one: abs(one[0]))
     each = ', '.join(f'by {size:.2f} s at {at}' for size, at in sizes)
     return (f'the skew changes by {size:.2g} s at {at_ns}',
-            f'the skew changes at once {each}; it is {clock.steps[0].before_s:.2f} s before')
+            f'the skew steps {each}; before that it is {clock.steps[0].before_s:.2f} s')
 
 
-def _beyond(e: Examined, skew_s: float) -> Finding:
-    """Judge a skew beyond the range, where the differences scatter least."""
+def _judge_beyond(e: Examined, skew_s: float) -> Finding:
+    """Judge a skew beyond the range, at which the differences scatter least."""
     range_s = e.settings.alignment.skew_range_s
     words = (f'the TS may be {"late" if skew_s > 0.0 else "early"} by about {abs(skew_s):.1f} s, '
              'beyond alignment.skew_range_s')
@@ -330,44 +336,44 @@ def _beyond(e: Examined, skew_s: float) -> Finding:
 
 
 def _weigh_skew(e: Examined, skew_s: float, words: str, evidence: str) -> Finding:
-    """Judge a constant skew by what it could change; the words end with the other outcome."""
-    aligned = _without(e, skew_s)
+    """Judge a constant skew by what it could change; `words` lead to the other outcome."""
+    aligned = _decide_without(e, skew_s)
     if aligned is e.outcome:
         return Finding('clocks', HOLDS, '', f'{evidence}; the outcome is the same without it')
     return Finding('clocks', DOUBTFUL, f'{words} {aligned}',
-                   f'{evidence}; with it taken out the outcome is {aligned}')
+                   f'{evidence}; with it removed the outcome is {aligned}')
 
 
-def _without(e: Examined, late_s: float | Reals) -> Outcome:
+def _decide_without(e: Examined, late_s: float | Reals) -> Outcome:
     """
-    Return the outcome with the RS read so much earlier; that of the run if it complies.
+    Return the outcome with the RS read `late_s` earlier, which removes a skew.
 
-    A skew only adds to the variance: what complies with it complies without.
+    A compliant run stays compliant: a skew only adds to the variance.
     """
     if e.outcome is Outcome.COMPLIANT:
         return e.outcome
-    return e.decided(*realign(e.data.stamp_ns, e.data.x_deg, e.data.rs_deg, late_s))
+    return e.decide(*realign(e.data.stamp_ns, e.data.x_deg, e.data.rs_deg, late_s))
 
 
-def _interpolation(e: Examined) -> Finding:
+def _judge_interpolation(e: Examined) -> Finding:
     found, name = e.found.signs.interpolation, 'interpolation'
     if found.kind == 'none':
-        return Finding(name, HOLDS, '', 'every reading is taken as it is')
+        return Finding(name, HOLDS, '', 'no reading is interpolated')
     if found.kind == 'not_testable' or found.upper_deg2 is None:
-        return Finding(name, NOT_TESTABLE, '', 'these pairs do not tell what '
+        return Finding(name, NOT_TESTABLE, '', 'these pairs do not show how much '
                        'interpolation adds')
-    evidence = (f'interpolation adds {found.variance_deg2:.2g} deg2 to the variance, '
-                f'{found.upper_deg2:.2g} deg2 at most')
+    evidence = (f'interpolation adds {found.variance_deg2:.2g} deg2 to the variance, at most '
+                f'{found.upper_deg2:.2g} deg2')
     if found.folded:
         evidence += '; the motion is so fast that the readings hardly show it'
     if _would_decide(e, found.upper_deg2, found.folded):
         return Finding(name, VOID, 'the slower sensor is too slow for the motion',
-                       f'{evidence}: without that the outcome might differ')
-    return Finding(name, HOLDS, '', f'{evidence}; the outcome is the same without')
+                       f'{evidence}: without this the outcome might differ')
+    return Finding(name, HOLDS, '', f'{evidence}; the outcome is the same without this')
 
 
 def _would_decide(e: Examined, added_deg2: float, folded: bool) -> bool:
-    """Tell whether an outcome might differ without a variance that interpolation adds."""
+    """Tell whether the outcome might differ without the variance that interpolation adds."""
     if e.lower_bound_deg2 is None or e.upper_bound_deg2 is None or not e.d_hat_deg2 \
             or e.outcome is Outcome.COMPLIANT:
         return False

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The conclusion: findings of each run, the worst of runs, and the mapping that becomes JSON."""
+"""The verdict as a document: findings of each run, the campaign, and the mapping for JSON."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from heading_intercompare.core.version import RULE_VERSION, VERSION
 
 from .conclusion import campaign_words
 from .headline import compose_headline
-from .typed_reader import is_left_out, left_out, read_plain, VerdictError
+from .typed_reader import is_left_out, leave_out_none, read_plain, VerdictError
 from .validity import Finding, gravest
 
 if TYPE_CHECKING:
@@ -46,22 +46,22 @@ SCHEMA_VERSION = '2.1'
 """
 Major and minor version of the mapping.
 
-The minor is raised when keys are added, which readers pass over; the major when a key goes away or
-means something else.
+The minor version increases when keys are added, which readers ignore; the major version when a key
+disappears or changes its meaning.
 """
 _MAJOR = int(SCHEMA_VERSION.partition('.')[0])
 SCHEMA = f'{_SCHEMA}{_MAJOR}'
-"""Kind of the document, and the major version alone."""
+"""Kind of the document, and its major version only."""
 _VERSION = re.compile(r'([1-9][0-9]{0,8})\.([0-9]{1,9})', re.ASCII)
-_ANEW = 'judge the recordings anew, with `analyze` or `rejudge`'
+_AGAIN = 'judge the recordings again, with `analyze` or `rejudge`'
 
 
 def make_plain(value: Any) -> Any:
     """
-    Return a value as JSON can hold it.
+    Return a value in a form that JSON can hold.
 
-    Dataclasses become dictionaries in the order of their fields, outcomes their word, tuples
-    lists; a number that is not finite becomes None. `read_plain` goes the other way.
+    Dataclasses become dictionaries in the order of their fields, outcomes become words, tuples
+    become lists, and a number that is not finite becomes None. `read_plain` reverses this.
     """
     if is_dataclass(value) and not isinstance(value, type):
         return {f.name: make_plain(getattr(value, f.name)) for f in fields(value)
@@ -82,7 +82,7 @@ def make_plain(value: Any) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class RejectedReadings:
-    """How many readings of each sensor were rejected before pairing, by reason."""
+    """Counts of the readings of each sensor rejected before pairing, by reason."""
 
     ts: Mapping[str, int]
     rs: Mapping[str, int]
@@ -106,8 +106,8 @@ class PairingFigures:
     rs_variance_factor: float | None
     ts_variance_factor: float | None
 
-    def interpolated(self, method: str) -> str | None:
-        """Return the sensor, 'ts' or 'rs', that a method interpolated; None for none, or both."""
+    def find_interpolated(self, method: str) -> str | None:
+        """Return the sensor, 'ts' or 'rs', that a method interpolated; None for none or both."""
         found = {'interpolate': 'rs', 'interpolate_ts': 'ts'}.get(method)
         if method == 'auto' and self.rs_variance_factor != self.ts_variance_factor:
             alone = 1.0 in (self.rs_variance_factor, self.ts_variance_factor)
@@ -118,7 +118,7 @@ class PairingFigures:
     def of(cls, share: LedgerSegment, mean_lag_s: float | None, max_lag_s: float | None,
            rs_variance_factor: float | None,
            ts_variance_factor: float | None) -> 'PairingFigures':
-        """Return the figures; readings still pending count as not yet received."""
+        """Build the figures; pending readings count as not yet received."""
         counts = share.counts
         return cls(ts_received=share.received('ts') - counts.get(LedgerKey.TS_PENDING, 0),
                    rs_received=share.received('rs') - counts.get(LedgerKey.RS_PENDING, 0),
@@ -138,8 +138,8 @@ class RunVerdict:
     """
     All findings of one run; the fields are the keys of the JSON, in its order.
 
-    Attributes are documented with the JSON in ``docs/verdict_json.md``; angles in degrees,
-    variances in square degrees, stamps in nanoseconds, None where there is no figure.
+    Attributes are documented with the JSON in ``docs/verdict_json.md``. Angles are in degrees,
+    variances in square degrees, stamps in nanoseconds; a missing figure is None.
     """
 
     run: int
@@ -188,10 +188,10 @@ class RunVerdict:
 @dataclass(frozen=True, slots=True)
 class Campaign:
     """
-    What the runs say together; keys of the JSON, None where no run has the figure.
+    The result of all runs together; keys of the JSON, None if no run has the figure.
 
-    The rule that decides and its reason; the worst of m runs, GK variant C; how many runs there
-    are of each outcome; the variance that all share.
+    The rule that decides and its reason; the worst of m runs, GK variant C; the number of runs
+    with each outcome; the common variance.
     """
 
     rule: str
@@ -212,27 +212,27 @@ class Campaign:
     @classmethod
     def of(cls, runs: Sequence[RunVerdict], homogeneity: Homogeneity, rule: str, reason: str,
            sensor: Together | None) -> 'Campaign':
-        """Return what the runs say together."""
-        def over(pick: Callable[[list[float]], float],
+        """Build the result of all runs together."""
+        def apply(pick: Callable[[list[float]], float],
                  values: Iterable[float | None]) -> float | None:
             present = [v for v in values if v is not None]
             return pick(present) if present else None
 
         variances = [(r.variance_deg2, r.run) for r in runs if r.variance_deg2 is not None]
-        # Of equal ones that of the first run.
+        # On a tie the first run.
         largest = max(variances, key=lambda one: one[0], default=None)
         counted = [r for r in runs if r.n]
         return cls(
             rule=rule, reason=reason, m=len(runs),
             worst_variance_deg2=largest[0] if largest else None,
             worst_variance_run=largest[1] if largest else None,
-            worst_plus_rate=over(max, [r.count_criterion.n_plus / r.n for r in counted]),
-            worst_plus_plus_rate=over(max, [r.count_criterion.n_plus_plus / r.n
-                                            for r in counted]),
-            a_low_deg=over(min, [r.mean_deg for r in runs]),
-            a_up_deg=over(max, [r.mean_deg for r in runs]),
-            low_worst_deg=over(min, [r.total_error.low_deg for r in runs]),
-            up_worst_deg=over(max, [r.total_error.up_deg for r in runs]),
+            worst_plus_rate=apply(max, [r.count_criterion.n_plus / r.n for r in counted]),
+            worst_plus_plus_rate=apply(max, [r.count_criterion.n_plus_plus / r.n
+                                             for r in counted]),
+            a_low_deg=apply(min, [r.mean_deg for r in runs]),
+            a_up_deg=apply(max, [r.mean_deg for r in runs]),
+            low_worst_deg=apply(min, [r.total_error.low_deg for r in runs]),
+            up_worst_deg=apply(max, [r.total_error.up_deg for r in runs]),
             homogeneity=homogeneity,
             runs_by_outcome={o.value: sum(r.outcome is o for r in runs) for o in Outcome},
             sensor=sensor)
@@ -240,7 +240,7 @@ class Campaign:
 
 @dataclass(frozen=True, slots=True)
 class OperatorNote:
-    """What the operator noted, and when."""
+    """A note of the operator, with its time."""
 
     stamp_ns: int
     text: str
@@ -249,24 +249,24 @@ class OperatorNote:
 @dataclass(frozen=True, slots=True)
 class Input:
     """
-    Where readings came from, and what was wrong with them.
+    The source of readings, and its problems.
 
     Attributes
     ----------
     path : str
-        As it was given.
+        Path as given.
     sha256 : str or None
-        Of its data; None if it could not be read.
+        Hash of its data; None if it could not be read.
     ts_topic, rs_topic : str or None
-        None for a csv of pairs.
+        Topics read; None for a csv of pairs.
     notes : tuple of OperatorNote, or None
-        In the order of their times.
+        Notes of the operator, in time order.
     error : str or None
         Why it could not be read.
     no_run : str or None
-        Why no run came of it, and what became of the readings.
+        Why it gave no run, and the fate of its readings.
     same_as : str or None
-        Path of an earlier input that has the same data.
+        Path of an earlier input with the same data.
 
     """
 
@@ -274,14 +274,14 @@ class Input:
     sha256: str | None = None
     ts_topic: str | None = None
     rs_topic: str | None = None
-    notes: tuple[OperatorNote, ...] | None = left_out()
-    error: str | None = left_out()
-    no_run: str | None = left_out()
-    same_as: str | None = left_out()
+    notes: tuple[OperatorNote, ...] | None = leave_out_none()
+    error: str | None = leave_out_none()
+    no_run: str | None = leave_out_none()
+    same_as: str | None = leave_out_none()
 
     @property
     def why_no_run(self) -> str | None:
-        """Why none of the runs is of this input; None if some are."""
+        """Why this input has no run; None if it has one."""
         if self.same_as is not None:
             return f'it has the data of {self.same_as}'
         return self.error or self.no_run
@@ -289,7 +289,7 @@ class Input:
 
 @dataclass(frozen=True, slots=True)
 class Software:
-    """What judged."""
+    """The software that judged."""
 
     name: str = 'heading_intercompare'
     version: str = VERSION
@@ -298,29 +298,29 @@ class Software:
 @dataclass(frozen=True, slots=True)
 class Verdict:
     """
-    What the runs together say of the TS.
+    The verdict of all runs on the TS.
 
     Attributes
     ----------
     outcome : Outcome
         The guarded decision by `campaign.rule`.
     headline : str
-        The same in one line, with what binds it and what it covers.
+        The outcome in one line, with the findings that affect it and its coverage.
     validity_effect : {'holds', 'doubtful', 'void'}
-        The gravest effect of a finding in any run.
+        The most serious effect of a finding in any run.
     paper_outcome : Outcome
         GK as printed, worst of runs.
     settings : Settings
     inputs : sequence of Input
-        None of readings that were given live or by a program.
+        Empty for readings given live or by a program.
     campaign : Campaign
     runs : sequence of RunVerdict
     software : Software
-        What judged.
+        The software that judged.
     rule_version : int or None
-        Version of the decision rule, see `RULE_VERSION`; None in verdicts of before it had one.
+        Version of the decision rule, see `RULE_VERSION`; None in verdicts older than that.
     settings_sha256 : str
-        Of the settings, see the function `settings_sha256`.
+        Hash of the settings, see the function `settings_sha256`.
 
     """
 
@@ -344,7 +344,7 @@ class Verdict:
     def of(cls, runs: Sequence[RunVerdict], outcome: Outcome, campaign: Campaign,
            coverage: Coverage | None, settings: Settings,
            inputs: Sequence[Input]) -> 'Verdict':
-        """Return the verdict on runs and on what they say together."""
+        """Build the verdict from runs and from their result together."""
         if len(runs) == 1 and runs[0].outcome is outcome and campaign.rule == 'every_run':
             line = runs[0].headline
         else:
@@ -362,7 +362,7 @@ class Verdict:
         return verdict_text(self)
 
     def __repr__(self) -> str:
-        """Return how many runs there are, and the headline."""
+        """Return the number of runs and the headline."""
         runs = '1 run' if len(self.runs) == 1 else f'{len(self.runs)} runs'
         return f'<Verdict on {runs}: {self.headline}>'
 
@@ -378,13 +378,13 @@ class Verdict:
 
     def to_frame(self) -> 'pandas.DataFrame':
         """
-        Return the figures of the runs, a row each.
+        Return the figures of the runs, one row per run.
 
         Returns
         -------
         pandas.DataFrame
-            Indexed by the number of the run; a column each for figures and words, by the dotted
-            names of the JSON (``guarded.nu``). Lists are left out.
+            Indexed by the number of the run. Each figure or word has a column, named as in the
+            JSON with dots (``guarded.nu``). Lists are left out.
 
         Raises
         ------
@@ -416,20 +416,20 @@ class Verdict:
     @classmethod
     def from_dict(cls, mapping: Mapping[str, Any]) -> 'Verdict':
         """
-        Return the verdict of a mapping of `to_dict`, or of the JSON made of it.
+        Return the verdict from a mapping of `to_dict`, or from its JSON.
 
         Raises
         ------
         VerdictError
-            If it is of another major version, a key is missing, a value is not of its type, or the
-            settings are not those of their hash: one line that names the key. Keys that are not
-            known are passed over, but no setting is.
+            If the major version differs, a key is missing, a value is not of its type, or the
+            settings do not match their hash: one line that names the key. Unknown keys are
+            ignored, unknown settings are not.
 
         Notes
         -----
-        `to_dict` of what is returned is the mapping again. A number that was not finite is nan.
-        Version 2.0 had neither `schema_version` nor `rule_version` nor `settings_sha256`: its
-        rule is None, which is unknown, and the hash follows from the settings.
+        `to_dict` of the result is the mapping again. A number that was not finite is nan. Version
+        2.0 had neither `schema_version` nor `rule_version` nor `settings_sha256`: its rule version
+        is None, which means unknown, and the hash follows from the settings.
 
         """
         if not isinstance(mapping, Mapping):
@@ -437,26 +437,26 @@ class Verdict:
         _check_schema(mapping)
         of_2_0 = 'schema_version' not in mapping
         try:
-            # A verdict by other settings than its own would be no verdict.
+            # All settings must be present: a default could differ from the value that was used.
             if isinstance(given := mapping.get('settings'), Mapping):
                 mapping = {**mapping, 'settings': _read_settings(given)}
             verdict: Verdict = read_plain(
                 cls, {'rule_version': None, **mapping} if of_2_0 else mapping)
         except VerdictError as error:
             if of_2_0:
-                raise VerdictError(f'{error}; if an earlier version wrote it, {_ANEW}') from error
+                raise VerdictError(f'{error}; if an earlier version wrote it, {_AGAIN}') from error
             raise
         if 'settings_sha256' not in mapping and not of_2_0:
             raise VerdictError('settings_sha256 is missing')
         if (found := mapping.get('settings_sha256', verdict.settings_sha256)
                 ) != verdict.settings_sha256:
             raise VerdictError(f'settings_sha256 = {found!r:.70}: the settings have '
-                               f'{verdict.settings_sha256!r}, they are not those it was made with')
+                               f'{verdict.settings_sha256!r}, so they were changed afterwards')
         return verdict
 
 
 def _check_schema(mapping: Mapping[str, Any]) -> None:
-    """Refuse what is of another kind or another major version."""
+    """Raise VerdictError for another kind of document or another major version."""
     schema, version = mapping.get('schema'), mapping.get('schema_version', f'{_MAJOR}.0')
     found = _VERSION.fullmatch(version) if isinstance(version, str) else None
     if found is None:
@@ -469,15 +469,15 @@ def _check_schema(mapping: Mapping[str, Any]) -> None:
         raise VerdictError(f'schema = {schema!r}: must be {SCHEMA!r}')
     if int(major) > _MAJOR:
         raise VerdictError(f'{name} = {told!r}: must be {SCHEMA!r}; a newer version of '
-                           'heading_intercompare wrote it: read it with that one, or install it')
+                           'heading_intercompare wrote it: install that version to read it')
     if int(major) < _MAJOR:
         raise VerdictError(f'{name} = {told!r}: must be {SCHEMA!r}; an earlier version of '
                            'heading_intercompare wrote it, which judged by another rule: '
-                           f'{_ANEW}')
+                           f'{_AGAIN}')
 
 
 def _read_settings(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return all settings, nested as the classes are."""
+    """Return all settings as plain values, nested like the classes."""
     for name in Settings().to_mapping():
         if name not in given:
             raise VerdictError(f'settings.{name} is missing')

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The figures of the runs of a verdict as a data frame of pandas, which need not be there."""
+"""The figures of the runs of a verdict as a data frame of pandas, which is optional."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ __all__ = ['frame_of_runs']
 
 
 def frame_of_runs(verdict: Verdict) -> 'pandas.DataFrame':
-    """Return a row a run; see `Verdict.to_frame`."""
+    """Return a data frame with a row per run; see `Verdict.to_frame`."""
     try:
         import pandas
     except ModuleNotFoundError as error:
-        raise ValueError(f'to_frame needs pandas (no module {error.name}): install it, or take '
+        raise ValueError(f'to_frame needs pandas (no module {error.name}): install it, or use '
                          'the attributes of the runs') from error
     rows = [dict(_figures(make_plain(run))) for run in verdict.runs]
     frame = pandas.DataFrame(rows)

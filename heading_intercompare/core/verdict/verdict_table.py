@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A verdict as people read it: a table with a row a figure and a column a run, text or HTML."""
+"""A verdict as a table for people, with a row per figure and a column per run; text or HTML."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _range(low: float | None, high: float | None, digits: int = 4) -> str:
     return f'{_number(low, digits)} .. {_number(high, digits)}'
 
 
-def _rejected(run: RunVerdict) -> str:
+def _describe_rejected(run: RunVerdict) -> str:
     rejected = run.pairing.rejected
     parts = [f'{n} {sensor} {reason}' for sensor, reasons in (('TS', rejected.ts),
                                                               ('RS', rejected.rs))
@@ -57,7 +57,7 @@ _ROWS: tuple[tuple[str, Callable[[RunVerdict], str]], ...] = (
     ('RS received', lambda r: _number(r.pairing.rs_received)),
     ('  paired or interpolated between', lambda r: _number(r.pairing.rs_used)),
     ('  not used', lambda r: _number(r.pairing.rs_unused)),
-    ('rejected', _rejected),
+    ('rejected', _describe_rejected),
     ('analysed n', lambda r: _number(r.n)),
     ('effective size nu', lambda r: _number(r.guarded.nu, 1)),
     ('mean difference [deg]', lambda r: _number(r.mean_deg)),
@@ -78,7 +78,7 @@ _ROWS: tuple[tuple[str, Callable[[RunVerdict], str]], ...] = (
 
 
 def _describe_norms(verdict: Verdict) -> str:
-    """Return norms, model and risks in one line."""
+    """Describe norms, model and risks in one line."""
     settings, norms = verdict.settings, verdict.settings.norms
     sigma = f'by {norms.preset}' if norms.preset is not None else f'{norms.sigma_max_deg:g} deg'
     return (f'norms: sigma_max {sigma}, sigma_ref_max {norms.sigma_ref_max_deg:g} deg, '
@@ -88,7 +88,7 @@ def _describe_norms(verdict: Verdict) -> str:
 
 
 def _tables(verdict: Verdict) -> Iterator[list[tuple[str, ...]]]:
-    """Yield the rows of some runs each; the first of them is the head."""
+    """Yield one table per group of runs, as rows; the first row is the head."""
     for first in range(0, len(verdict.runs), _COLUMNS):
         runs = verdict.runs[first:first + _COLUMNS]
         yield [('', *(f'run {r.run}' for r in runs)),
@@ -96,7 +96,7 @@ def _tables(verdict: Verdict) -> Iterator[list[tuple[str, ...]]]:
 
 
 def _reasons(verdict: Verdict) -> Iterator[tuple[str, list[str]]]:
-    """Yield why the outcome is what it is, together and by run, and what else was found."""
+    """Yield the reasons of the outcome, together and per run, each with further findings."""
     several = len(verdict.inputs) > 1
     if len(verdict.runs) > 1:
         reason = verdict.campaign.reason
@@ -134,7 +134,7 @@ def _align(rows: Sequence[tuple[str, ...]]) -> list[str]:
 
 
 def summary_text(verdict: Verdict) -> str:
-    """Return a verdict in a line, and another for each run, without a final newline."""
+    """Return a verdict as one line, plus one per run, without a final newline."""
     lines = [verdict.headline]
     for run in verdict.runs:
         lines.append(
@@ -147,7 +147,7 @@ def summary_text(verdict: Verdict) -> str:
 
 
 def verdict_html(verdict: Verdict) -> str:
-    """Return the same as a piece of HTML, as notebooks show it; the protocol is in `report`."""
+    """Return the table as a piece of HTML for notebooks; the protocol is in `report`."""
     whole = Element('div')
     SubElement(SubElement(whole, 'p'), 'strong').text = verdict.headline
     SubElement(whole, 'p').text = f'GK as printed: {OUTCOME_WORDS[verdict.paper_outcome]}'
@@ -166,5 +166,5 @@ def verdict_html(verdict: Verdict) -> str:
             more = SubElement(item, 'ul')
             for text in found:
                 SubElement(more, 'li').text = text
-    # Names of files may hold bytes that are no text.
+    # File names may hold bytes that are not text.
     return tostring(whole, 'unicode', method='html').encode('utf-8', 'replace').decode()

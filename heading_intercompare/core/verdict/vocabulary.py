@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The words for outcomes, reasons and states, wherever people read them."""
+"""The words for outcomes, reasons and states that people read."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .headline import OUTCOME_WORDS
 __all__ = ['CAMPAIGN_WORDS', 'CONDITION_WORDS', 'EFFECT_WORDS', 'NO_RUN', 'OUTCOME_WORDS',
            'REASON_WORDS', 'STATE_WORDS']
 
-NO_RUN = 'No run: no pair was made, or none in a run long enough.'
+NO_RUN = 'No run: there are no pairs, or none in a run of sufficient length.'
 
 CAMPAIGN_WORDS = CAMPAIGN_REASONS
 
@@ -20,10 +20,10 @@ REASON_WORDS = ALL_REASONS
 
 CONDITION_WORDS = {
     'same_source': 'TS and RS are two sensors',
-    'convention': 'both report the heading by one convention',
-    'mean_difference': 'the mean difference is that of sensors of one axis',
+    'convention': 'both sensors use the same heading convention',
+    'mean_difference': 'the mean difference is small enough for sensors mounted parallel',
     'frozen': 'no sensor repeats its value while the ship turns',
-    'standstill': 'the ship moves enough to see that the sensors work',
+    'standstill': 'the ship moves enough to show that the sensors work',
     'outliers': 'no single reading decides',
     'clocks': 'the clocks of the sensors agree',
     'interpolation': 'the slower sensor is fast enough for the motion',

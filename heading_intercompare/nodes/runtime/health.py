@@ -115,14 +115,14 @@ class Health:
         elif not first:
             logger.info(text)
 
-    def _mismatch(self, topic: str, event: Any) -> None:
+    def _note_mismatch(self, topic: str, event: Any) -> None:
         policy = qos_policy_name_from_kind(event.last_policy_kind)
         self.note(topic, ERROR, f'QoS mismatch on {topic}: {policy}; no message gets through')
 
     def of_subscription(self, topic: str) -> SubscriptionEventCallbacks:
         """Return callbacks that report a QoS mismatch of a subscription."""
-        return SubscriptionEventCallbacks(incompatible_qos=lambda e: self._mismatch(topic, e))
+        return SubscriptionEventCallbacks(incompatible_qos=lambda e: self._note_mismatch(topic, e))
 
     def of_publisher(self, topic: str) -> PublisherEventCallbacks:
         """Return callbacks that report a QoS mismatch of a publisher."""
-        return PublisherEventCallbacks(incompatible_qos=lambda e: self._mismatch(topic, e))
+        return PublisherEventCallbacks(incompatible_qos=lambda e: self._note_mismatch(topic, e))

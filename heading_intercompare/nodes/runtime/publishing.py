@@ -54,7 +54,7 @@ class Audience:
             late = missing and time.monotonic() > self._began_s + _PATIENCE_S
             self._health.note('audience', WARN if late else OK,
                               f'waiting for {self._wanted} subscriptions of {missing[0]}'
-                              if missing else 'heard')
+                              if missing else 'all subscriptions are there')
         return self._there
 
 

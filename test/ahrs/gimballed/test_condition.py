@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What an AHRS says of its modes and built-in tests, from power-on to a fault and back."""
+"""The status of an AHRS, its modes and built-in tests, from power-on to a fault and back."""
 
 from __future__ import annotations
 

@@ -146,7 +146,7 @@ def test_a12_cold_start_goes_through_the_modes_in_order(make_ahrs, run_for):
 
 
 def test_fine_levelling_calibrates_what_was_wrong(make_ahrs, run_for):
-    """Course gyro 0.05 deg/h, accelerometers 80 and -60 ug, all found alongside."""
+    """Course gyro 0.05 deg/h, accelerometers 80 and -60 ug, all found at berth."""
     ahrs = make_ahrs(initial_state='warm', azimuth_deg=40.0,
                      fixed='drift_z 0.05; bias_x 80; bias_y -60; drift_x 0.02; drift_y -0.03')
     run_for(ahrs, 2600.0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The Earth as the simulated instruments feel it."""
+"""The Earth as the simulated instruments sense it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def test_earth_turns_once_in_a_sidereal_day():
 
 
 def test_units_by_hand():
-    """1 deg/h is an arc second a second; 1 deg/sqrt(h) is 1 deg / 60 in rad/sqrt(s)."""
+    """1 deg/h is an arc second per second; 1 deg/sqrt(h) is 1 deg / 60 in rad/sqrt(s)."""
     assert RAD_PER_DEG_H == pytest.approx(4.848e-6, rel=1e-4)
     assert RAD_PER_DEG_SQRT_H == pytest.approx(2.909e-4, rel=1e-4)
 

@@ -21,7 +21,7 @@ def ns(*moment):
 
 @pytest.fixture
 def written(tmp_path):
-    """Return a function that writes chunks of pairs and returns the rows behind the header."""
+    """Return a function that writes chunks of pairs and returns the rows after the header."""
     def write(*chunks, span_s=120.0):
         path = tmp_path / 'ensembles.csv'
         with EnsemblesCsvWriter(path, span_s, gap_s=60.0, std_limit_deg=0.2) as file:
@@ -41,7 +41,7 @@ def test_a_row_by_hand(written):
 
 
 def test_days_go_on_over_the_new_year(written):
-    """31 December 2016, 24:00, is day 366 of that leap year, as those of a cruise are counted."""
+    """31 December 2016, 24:00, is day 366 of that leap year, in the count of a cruise."""
     rows = written(Pairs.of([ns(2016, 12, 31, 23, 59), ns(2017, 1, 1)], [1.0] * 2, [1.0] * 2,),
                    Pairs.of([ns(2017, 1, 1, 6)], [1.0], [1.0]))
     assert [row[0] for row in rows] == ['366.0000000', '366.2500000']
@@ -57,7 +57,7 @@ def test_a_heading_that_is_rounded_stays_below_360(written):
     ([0.0, 0.0, float('nan')], '0')])
 def test_an_ensemble_is_bad_if_it_scatters_more_than_the_limit_or_has_no_two_pairs(
         written, ts_deg, flag):
-    """The standard deviation of 0 and x is x / √2: 0.198 and 0.205 about the limit of 0.2."""
+    """The standard deviation of 0 and x is x / √2: 0.198 and 0.205; the limit is 0.2."""
     stamps = [S * (i + 1) for i in range(len(ts_deg))]
     (row,) = written(Pairs.of(stamps, ts_deg, [0.0] * len(ts_deg)))
     assert row[-1] == flag

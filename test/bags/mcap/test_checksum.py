@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The fast checksum is that of MCAP, and does without its library."""
+"""The fast checksum equals that of MCAP, and isal is optional."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DATA = np.random.default_rng(5).integers(0, 256, 100_003, dtype=np.uint8).tobyte
 
 @pytest.fixture
 def without_isal(monkeypatch):
-    """Give the module as it is where isal is not installed."""
+    """Return the module as it loads without isal."""
     monkeypatch.setitem(sys.modules, 'isal', None)
     monkeypatch.setitem(sys.modules, 'isal.isal_zlib', None)
     yield importlib.reload(checksum)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Chunks one behind the other in memory used again: nothing of one block is left in the next."""
+"""Consecutive chunks in reused memory: nothing of one block is left in the next."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def messages(first: int, count: int, size: int = 40) -> bytes:
 
 def chunk(data: bytes, compression: str = '', *, size: int | None = None, crc: int | None = None,
           packed: bytes | None = None, inner: int | None = None) -> bytes:
-    """Return the content of a chunk record; what it says of itself may be wrong."""
+    """Return the content of a chunk record; its head may be wrong."""
     packed = PACK[compression](data) if packed is None else packed
     return CHUNK_HEAD.pack(3, 7, len(data) if size is None else size,
                            zlib.crc32(data) if crc is None else crc, len(compression)) + (

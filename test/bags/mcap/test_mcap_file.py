@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""One file: nothing it lost goes unnoticed, and nothing it claims is believed too much."""
+"""One file: every loss is noticed, and no excessive claim is believed."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def records(data: bytes) -> list[tuple[int, int, int]]:
 
 
 def without_a_chunk(data: bytes) -> bytes:
-    """Return a file without its second chunk and the indexes behind that."""
+    """Return a file without its second chunk and the indexes after that."""
     begins = [begin for opcode, begin, _ in records(data) if opcode == 6]
     return data[:begins[1]] + data[begins[2]:]
 
@@ -97,7 +97,7 @@ def test_what_follows_the_end_is_named(tmp_path, behind):
 
 
 def test_data_behind_what_looks_like_the_end_of_the_data_is_named(tmp_path):
-    """A message index becomes the end of the data if one bit of its type turns over."""
+    """A message index becomes the end of the data if one bit of its type flips."""
     path = write(tmp_path / 'a.mcap', indexed(DEFINED, *ten(0)), indexed(*ten(10)))
     data = bytearray(path.read_bytes())
     (_, begin, end), *_ = [each for each in records(data + MAGIC) if each[0] == 7]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Headings gathered into minutes: all of them, in their order, whatever the log times."""
+"""Headings grouped by minute: all of them, in order, whatever the log times."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def found(log_time_ns, place=None) -> Found:
 
 
 def numbers(minutes) -> list[list[list[int]]]:
-    """Return by minute and topic which headings there are."""
+    """Return the numbers of the headings by minute and topic."""
     return [[headings.stamp_ns.tolist() for headings in minute] for minute in minutes]
 
 
@@ -41,7 +41,7 @@ def test_a_block_is_divided_at_minutes_from_its_first_log_time(rng, rising):
     log = np.sort(log) if rising else log
     place = rng.integers(0, 2, 500)
     topics = [np.flatnonzero(place == topic) for topic in (0, 1)]
-    # What comes behind a later log time counts as of that, or it would lose its place.
+    # A reading after a later log time takes that time; otherwise it would lose its place.
     minutes = [(np.maximum.accumulate(log[mine]) - 7 * S) // MINUTE for mine in topics]
     expected = [[mine[of == minute].tolist() for mine, of in zip(topics, minutes)]
                 for minute in np.unique(np.concatenate(minutes))]

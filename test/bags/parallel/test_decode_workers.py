@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bags decoded by several processes: the same to the bit, whatever becomes of a helper."""
+"""Bags decoded by several processes: the same to the bit, whatever happens to a helper."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ BOTH = {'/ts/heading': 'enu', '/rs/heading': 'ned'}
 
 @pytest.fixture(autouse=True)
 def small_stretches(monkeypatch):
-    """Take small bags for large ones, whatever threads other tests have left behind."""
+    """Treat small bags as large ones, whatever threads other tests have left running."""
     monkeypatch.setattr(decode_workers, '_FEWEST', 6)
     monkeypatch.setattr('heading_intercompare.bags.mcap.mcap_file._BLOCK_BYTES', 8000)
     monkeypatch.setattr(decode_workers, 'active_count', lambda: 1)
@@ -49,7 +49,7 @@ def here(monkeypatch):
 
 
 def minutes(path, count: int) -> tuple[list, str | None]:
-    """Return all headings as they come, and the error at the end."""
+    """Return all headings in order of arrival, and the error at the end."""
     found = []
     try:
         for minute in BagReader(path).headings(BOTH, count):

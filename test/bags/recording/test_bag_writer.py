@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bags we write: what others make of them, what is on the disk, what a full disk leaves."""
+"""Bags we write: how other libraries read them, what is on the disk, what a full disk leaves."""
 
 from __future__ import annotations
 
@@ -321,7 +321,7 @@ def test_a_bag_is_closed_when_its_writer_fails(tmp_path):
 
 
 class SmallDisk:
-    """A file on a disk that takes `room` bytes, in bites of at most 100."""
+    """A file on a disk that takes `room` bytes, in pieces of at most 100."""
 
     def __init__(self, path, room: int) -> None:
         self.file = open(path, 'wb', buffering=0)

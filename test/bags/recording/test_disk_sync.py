@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is brought to the disk, and when."""
+"""What is synced to the disk, and when."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from heading_intercompare.bags.settings import BagSettings
 
 @pytest.fixture
 def synced(monkeypatch):
-    """Return a list that fills with the files brought to the disk, by their inodes."""
+    """Return a list that fills with the synced files, by inode."""
     found = []
     fsync = os.fsync
 
@@ -36,7 +36,7 @@ def test_a_file_is_synced_once_an_interval(tmp_path, synced, interval_s, count):
     with open(tmp_path / 'file', 'w') as file:
         for half in range(8):
             syncing.begin_if_due(file.fileno(), half / 2)
-            # Whatever is asked for next comes behind it.
+            # The worker does one task at a time: when this one is done, so is the sync.
             syncing._worker.submit(int).result(10.0)
     syncing.close()
     assert synced == [inode(tmp_path / 'file')] * count

@@ -70,7 +70,7 @@ def disk(monkeypatch):
 
 
 class Trial:
-    """A recording of numbered messages, ten a second, on a clock of its own."""
+    """A recording of numbered messages, ten per second, on its own clock."""
 
     def __init__(self, path: Path, disk: Disk, **settings) -> None:
         self.bag = Recording(path, BagSettings(chunk_bytes=2000, **settings),
@@ -435,7 +435,7 @@ def test_killed_at_any_moment_at_most_a_second_is_lost(tmp_path, after_s):
 
 
 def test_a_disk_that_takes_long_to_sync_holds_up_nobody(tmp_path, disk, monkeypatch):
-    """Nor do topics that come, files that are begun, faults that are over."""
+    """Nor do new topics, new files and faults that are over hold anybody up."""
     trial = Trial(tmp_path / 'bag', disk, split_duration_s=40e-9, fsync_interval_s=0.0)
     waited, over = [], threading.Event()
     fsync = os.fsync

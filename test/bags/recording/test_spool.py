@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A run in progress costs no memory, and is judged as if it had been there."""
+"""A run in progress takes no memory, and is judged as if it were in memory."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Damaged bags recovered: what is kept, what is said to be lost, who reads the result."""
+"""The recovery of damaged bags: what is kept, what is reported lost, which readers accept it."""
 
 from __future__ import annotations
 
@@ -203,6 +203,24 @@ def test_all_files_of_a_bag_are_read_and_a_missing_one_is_named(write_bag, tmp_p
     assert not total.messages_known
 
 
+@pytest.mark.parametrize('content, note', [
+    (b'', 'rosbag2_bagfile_information is missing'), (bytes(3000), 'line 1: not YAML: '),
+    (b'rosbag2_bagfile_information:\n  relative_file_paths: [a_0.mcap, \xff', 'line 2: not UTF-8'),
+    (b'rosbag2_bagfile_information: &a\n  x: *a\n', 'line 1: anchors and aliases'),
+    (b'[' * 10**6, 'line 1: nested deeper'), (b'#' * (2**24 + 1), 'longer than 16777216 bytes')])
+def test_damaged_metadata_keep_no_file_from_being_recovered(write_bag, tmp_path, content, note):
+    path = write_bag('bag', chunk_bytes=20_000)
+    shutil.copy(write_bag('more') / 'more_0.mcap', path / 'bag_1.mcap')
+    (path / 'metadata.yaml').unlink()
+    plain = recover(path, tmp_path / 'plain')
+    (path / 'metadata.yaml').write_bytes(content)
+    total = recover(path, tmp_path / 'new')
+    assert (total.counts, total.messages_known) == (plain.counts, plain.messages_known)
+    assert (total.files, plain.notes) == (2, [])
+    assert len(total.notes) == 1 and total.notes[0].startswith('metadata.yaml: ' + note)
+    assert BagReader(tmp_path / 'new').incomplete is None
+
+
 @pytest.mark.parametrize('content', [b'', bytes(3000), b'not a bag\n' * 30,
                                      b'\x89MCAP0\r\n', b'\x89MCAP0\r\n' + bytes(3000)])
 def test_where_nothing_is_readable_no_bag_is_written(tmp_path, content):
@@ -227,7 +245,7 @@ def test_an_existing_bag_is_not_overwritten(write_bag, tmp_path):
 def test_a_bag_is_not_written_into_the_one_that_is_recovered(write_bag, tmp_path):
     path = write_bag()
     for target in (path / 'new.mcap', path / 'a' / 'b', tmp_path / 'x' / '..' / path.name / 'c'):
-        with pytest.raises(BagError, match='lies in the bag that is recovered; write it beside'):
+        with pytest.raises(BagError, match='lies inside the bag to recover; write it next to'):
             recover(path, target)
     assert sorted(p.name for p in path.iterdir()) == ['metadata.yaml', 'trial_0.mcap']
     recover(path / 'trial_0.mcap', path / 'of_the_file')
@@ -305,7 +323,7 @@ TWO = schema(1), channel(1, '/a'), channel(2, '/b')
 
 
 def ten(numbers: tuple[int, ...] = (1, 2), begin: int = 1000, step: int = 10) -> list[bytes]:
-    """Return ten messages of channels by turns."""
+    """Return ten messages of alternating channels."""
     return [message(numbers[i % len(numbers)], begin + step * i, text(str(begin + i)), sequence=i)
             for i in range(10)]
 
@@ -321,7 +339,7 @@ def as_sent(topics: tuple[str, ...] = ('/a', '/b'), begin: int = 1000, step: int
 
 
 def recovered(path: Path, settings: BagSettings | None = None) -> list:
-    """Return the messages of a bag that is recovered; it is looked at with other eyes too."""
+    """Recover a bag and return its messages; check the result with `mcap` too."""
     target = path.with_suffix('.new')
     total = recover(path, target, settings)
     assert_exact(target)
@@ -338,7 +356,7 @@ def recovered(path: Path, settings: BagSettings | None = None) -> list:
 
 
 def file_of(path: Path) -> bytes:
-    """Return the only file of what was recovered of another."""
+    """Return the only file of a recovered bag."""
     return next(path.with_suffix('.new').glob('*.mcap')).read_bytes()
 
 
@@ -487,7 +505,7 @@ def test_messages_of_channels_that_are_not_defined_are_counted(tmp_path, strange
 
 
 def test_of_a_chunk_with_wrong_records_the_first_are_kept_and_the_others_counted(tmp_path):
-    """Without a checksum; how many messages it had is known from the indexes behind it."""
+    """It has no checksum; the indexes after it tell how many messages it had."""
     records = b''.join(ten())
     at = entries_of(records)[1][3][1]
     wrong = records[:at + 8] + b'\x7f' + records[at + 9:]
@@ -500,7 +518,7 @@ def test_of_a_chunk_with_wrong_records_the_first_are_kept_and_the_others_counted
 
 
 def test_records_do_not_reach_from_one_chunk_into_the_next(tmp_path):
-    """Joined they would be in order; each for itself they are not."""
+    """Joined they would be valid; each on its own they are not."""
     records = b''.join(ten(begin=2000))
     at = entries_of(records)[1][2][1] + 20
     path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()),
@@ -764,7 +782,7 @@ def test_a_chunk_whose_opcode_is_wrong_is_known_by_its_checksum(tmp_path, bit, c
 
 
 def test_a_torn_chunk_does_not_swallow_those_behind_it(tmp_path):
-    """It claims to reach behind the end of the file; what is read of it ends at the next."""
+    """It claims to reach past the end of the file; reading it ends at the next."""
     long = indexed(*(message(1, 2000 + i, text('x' * 200)) for i in range(60)), compression='')
     path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), long[:5000],
                  indexed(*ten(begin=5000), compression=''))

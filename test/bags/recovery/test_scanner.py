@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sound records of files cut, flipped and filled with zeros at every byte."""
+"""Intact records of files that are cut, flipped and zero-filled at every byte."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PER_CHUNK = 8
 
 
 class Bytes(BytesIO):
-    """What the writer of chunks needs of a file."""
+    """The part of a file that the writer of chunks needs."""
 
     def fileno(self) -> int:
         raise OSError

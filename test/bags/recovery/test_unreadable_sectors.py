@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Files of which a disk cannot read all."""
+"""Files that a disk cannot read completely."""
 
 from __future__ import annotations
 

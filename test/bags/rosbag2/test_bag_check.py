@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A bag read through: every kind of damage is seen, and gaps in the numbers are counted."""
+"""The check of a whole bag: every kind of damage is found, and gaps in the numbers are counted."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def test_a_gap_is_counted_across_files(tmp_path):
 
 
 def test_every_byte_that_turns_over_is_seen_or_does_no_harm(write_bag, rng):
-    """Each of many single damages is a fault, or what is read is the same as before."""
+    """Each of many single damages is a fault, or the bag reads the same as before."""
     path = write_bag(chunk_bytes=20_000)
     file, = path.glob('*.mcap')
     sound = file.read_bytes()
@@ -78,7 +78,7 @@ def test_every_byte_that_turns_over_is_seen_or_does_no_harm(write_bag, rng):
 
 
 def damaged(write_bag, find):
-    """Return the faults of a bag in which a byte near some others is turned over."""
+    """Return the faults of a bag after flipping a byte near some others."""
     path = write_bag(chunk_bytes=20_000)
     with BagWriter(path.with_name('other')) as bag:
         bag.attachment('log.txt', 'text/plain', b'a service log, 2026')
@@ -119,7 +119,7 @@ def test_files_that_are_missing_cut_or_empty_are_named(three_files):
 
 
 def foreign(**options):
-    """Return an MCAP file of another writer."""
+    """Return an MCAP file written by another library."""
     file = BytesIO()
     writer = Writer(file, chunk_size=500, compression=CompressionType.NONE, **options)
     writer.start('ros2', 'other')

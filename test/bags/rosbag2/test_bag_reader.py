@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bags read: by whomever they were written, whole, cut or damaged."""
+"""Reading of bags: of any writer, complete, cut or damaged."""
 
 from __future__ import annotations
 
@@ -285,7 +285,7 @@ def test_rubbish_behind_a_cut_is_left_out(tmp_path, tail):
 
 
 def test_no_flipped_byte_goes_unnoticed_or_ends_in_a_traceback(tmp_path, rng):
-    """Every byte of the data section is under a checksum, or its change breaks the format."""
+    """Every byte of the data section has a checksum, or changing it breaks the format."""
     sent = list(BagReader(mcap_file(tmp_path / 'a.mcap', remarks(60))).messages())
     whole = (tmp_path / 'a.mcap').read_bytes()
     path = tmp_path / 'b.mcap'
@@ -383,12 +383,26 @@ def test_files_of_a_directory_are_read_in_natural_order(tmp_path):
 
 def test_a_missing_or_empty_file_makes_the_bag_incomplete(tmp_path):
     folder = split_bag(tmp_path, 3)
-    (folder / 'metadata.yaml').write_text('x:\n  relative_file_paths:\n' + ''.join(
-        f'    - split_{i}.mcap\n' for i in range(5)))
+    (folder / 'metadata.yaml').write_text(
+        'rosbag2_bagfile_information:\n  relative_file_paths:\n' + ''.join(
+            f'    - split_{i}.mcap\n' for i in range(5)))
     (folder / 'split_3.mcap').touch()
     reader = BagReader(folder)
     assert reader.incomplete == 'split_4.mcap is missing; split_3.mcap is empty (0 bytes)'
     assert reader.topics['/a'].count == 3
+
+
+@pytest.mark.parametrize('read', [BagReader, check_bag])
+@pytest.mark.parametrize('text', ['', 'rosbag2_bagfile_information:\n  relative_file_paths: [a'])
+def test_damaged_metadata_are_refused_and_name_the_way_out(tmp_path, read, text):
+    folder = split_bag(tmp_path, 2)
+    (folder / 'metadata.yaml').write_text(text)
+    with pytest.raises(BagError, match=r'metadata\.yaml: .*`recover` reads the bag without it'):
+        read(folder)
+    # A file of the bag is read by itself, and all of them once the metadata are gone.
+    assert BagReader(folder / 'split_0.mcap').topics['/a'].count == 1
+    (folder / 'metadata.yaml').unlink()
+    assert BagReader(folder).topics['/a'].count == 2
 
 
 @pytest.mark.parametrize('content, problem', [

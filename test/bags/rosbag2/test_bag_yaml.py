@@ -4,8 +4,12 @@
 
 from __future__ import annotations
 
+from textwrap import indent
+from time import process_time
+
 import pytest
 
+from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.rosbag2.bag_yaml import (
     bag_metadata,
     list_parts,
@@ -69,11 +73,27 @@ def test_qos_is_read_from_words_and_numbers():
     assert Qos.of_yaml('- history: 3\n  depth: 0\n  reliability: 1\n  durability: 2\n') == Qos(
         'unknown', 0, 'reliable', 'volatile')
     assert Qos.of_yaml('') == Qos()
+    assert Qos.of_yaml(QOS_OF_ROSBAG2) == Qos(depth=7)
+    assert Qos.of_yaml('[{depth: 3, "reliability": \'best_effort\'}]') == Qos(
+        depth=3, reliability='best_effort')
+    assert Qos.of_yaml('- history: newer_word\n  durability: 9\n') == Qos(
+        'newer_word', durability='9')
 
 
-@pytest.mark.parametrize('depth', ['²', '9' * 5000, '-', 'many'])
+@pytest.mark.parametrize('depth', ['²', '9' * 10, '-1', 'many', '~', 'true', '1.5', '[1]', '"7"'])
 def test_a_depth_that_cannot_be_is_left_out(depth):
     assert Qos.of_yaml(f'- history: keep_all\n  depth: {depth}\n') == Qos('keep_all')
+
+
+@pytest.mark.parametrize('text', [
+    'history: keep_all', '- keep_all', '[]', '- [history, keep_all]',
+    '- history: keep_all\n  x: [',
+    '- history: keep_all\n  history: keep_all', '- history: keep_all\n  x: &a 1',
+    '- history: keep_all\n  depth: ' + '9' * 5000, '- history: [keep_all]', '- history: true',
+    '- history: keep all', '- history: \ud800', '- history: keep_all\n  x: \x00',
+    '- history: keep_all\n#' + 'x' * 2**18, '[' * 10**6])
+def test_profiles_that_are_damaged_are_the_default(text):
+    assert Qos.of_yaml(text) == Qos()
 
 
 def test_an_empty_bag_is_described_as_rosbag2_does():
@@ -98,42 +118,109 @@ def test_any_text_comes_back(name):
     assert loaded['topics_with_message_count'][0]['message_count'] == 3
 
 
+def listing(tmp_path, listed, name='rosbag2_bagfile_information'):
+    """Return a metadata.yaml in which a list of files stands."""
+    path = tmp_path / 'metadata.yaml'
+    path.write_bytes(f'{name}:\n  relative_file_paths: {listed}'.encode(
+        errors='surrogatepass'))
+    return path
+
+
 def test_files_listed_are_found_in_any_style(tmp_path):
     path = tmp_path / 'metadata.yaml'
     assert list_parts(path) == []
     path.write_text(metadata_file([PartInfo('a "b" 1.mcap')], {}))
     assert list_parts(path) == ['a "b" 1.mcap']
-    path.write_text("x:\n  relative_file_paths:\n  - folder/one_0.mcap\n  - 'two_1.mcap'\n"
-                    '  files:\n    - path: three\n')
+    listing(tmp_path, "\n  - folder/one_0.mcap\n  - 'two_1.mcap'\n  files:\n    - path: three\n")
     assert list_parts(path) == ['one_0.mcap', 'two_1.mcap']
 
 
 @pytest.mark.parametrize('listed, expected', [
     ('[a_0.mcap, "b 1.mcap",\n    \'c, "2".mcap\' ]\n  b: [d]',
      ['a_0.mcap', 'b 1.mcap', 'c, "2".mcap']),
-    ('[]\n', []), ('[a_0.mcap, b', ['a_0.mcap']), ('', []), ('\n', []), ('~\n', []),
-    ("\n    - 'it''s.mcap'\n    - 2014\n    - b [1].mcap\n", ["it's.mcap", '2014', 'b [1].mcap'])])
+    ('[]\n', []), ('', []), ('\n', []), ('~\n', []),
+    ("\n    - 'it''s.mcap'\n    - \"2014\"\n    - b [1].mcap\n",
+     ["it's.mcap", '2014', 'b [1].mcap']),
+    ('["\\x41\\u00e4.mcap"]', ['Aä.mcap'])])
 def test_files_are_listed_in_brackets_or_by_lines(tmp_path, listed, expected):
-    path = tmp_path / 'metadata.yaml'
-    path.write_text(f'x:\n  relative_file_paths: {listed}')
-    assert list_parts(path) == expected
+    assert list_parts(listing(tmp_path, listed)) == expected
 
 
-@pytest.mark.parametrize('entry', ['[' * 200_000, '9' * 5000, 'a' * 5000, '"\\ud800"',
-                                   '"a\\u0000b"', '/', '"', "'"])
+@pytest.mark.parametrize('entry', ['a' * 5000, '"a\\u0000b"', '/', '..', '""'])
 def test_what_cannot_be_a_file_is_not_listed(tmp_path, entry):
-    path = tmp_path / 'metadata.yaml'
     for listed in (f'\n    - {entry}\n    - a_0.mcap\n', f'[{entry}, a_0.mcap]'):
-        path.write_text(f'x:\n  relative_file_paths:{listed}')
-        assert list_parts(path)[-1:] == ['a_0.mcap']
+        assert list_parts(listing(tmp_path, listed)) == ['a_0.mcap']
 
 
-def test_of_a_large_file_only_the_beginning_is_read(tmp_path):
+#: What is no metadata of rosbag2: text, line, problem.
+DAMAGED = [
+    ('[a_0.mcap, b', 2, 'not YAML: '), ('\n    - "', 3, 'not YAML: '),
+    ('[' * 200_000, 2, 'nested'), ('[a]\n  x: \0', 3, 'not YAML: '),
+    ('["\\ud800"]', 2, 'not YAML: '), ('[a]\n  x: 1\n  x: 2', 4, "'x' is given twice"),
+    ('[a]\n  x: &a 1\n  y: *a', 3, 'anchors'), ('[a]\n  x: !!binary aa', 3, 'tags are not taken'),
+    ('[a]\n---\nb: 1', 3, 'second document'), ('[a]\n  x: \ud800', 3, 'not UTF-8'),
+    ('9' * 5000, 2, 'a number of too many digits'),
+    ('a_0.mcap', None, 'relative_file_paths must be a list of names'),
+    ('[[a]]', None, 'must be a list of names'), ('[7]', None, 'must be a list of names'),
+    ('[~]', None, 'must be a list of names'), ('{a: b}', None, 'must be a list of names')]
+
+
+@pytest.mark.parametrize('listed, line, problem', DAMAGED)
+def test_damaged_metadata_are_refused_with_line_and_remedy(tmp_path, listed, line, problem):
+    path = listing(tmp_path, listed)
+    with pytest.raises(BagError) as refused:
+        list_parts(path)
+    said = str(refused.value)
+    assert said.startswith(f'{path}: ' + ('' if line is None else f'line {line}: '))
+    assert problem in said and '\n' not in said
+    assert said.endswith('; `recover` reads the bag without it, and so does everything else once '
+                         'it is removed')
+
+
+@pytest.mark.parametrize('text', ['', '[]', 'x: 1', 'rosbag2_bagfile_information: ~', '\0' * 512,
+                                  'rosbag2_bagfile_information: [a]', '3'])
+def test_what_is_no_metadata_of_rosbag2_is_refused(tmp_path, text):
     path = tmp_path / 'metadata.yaml'
-    path.write_text('  relative_file_paths:\n    - a_0.mcap\n')
+    path.write_text(text)
+    with pytest.raises(BagError, match='rosbag2_bagfile_information is missing|not YAML'):
+        list_parts(path)
+
+
+def test_a_large_file_is_refused_and_not_read_to_its_end(tmp_path):
+    path = listing(tmp_path, '[a_0.mcap]\n')
     with path.open('r+b') as file:
         file.truncate(3 * 2**30)
-    assert list_parts(path) == ['a_0.mcap']
+    with pytest.raises(BagError, match='longer than 16777216 bytes'):
+        list_parts(path)
+
+
+def test_the_bound_is_one_of_bytes_not_of_letters(tmp_path):
+    with pytest.raises(BagError, match='longer than 16777216 bytes'):
+        list_parts(listing(tmp_path, f'[a_0.mcap]\n#{"ä" * 2**23}'))
+
+
+def test_metadata_of_any_version_are_read(tmp_path):
+    """Up to version 8 profiles are a text with numbers, from version 9 on a list with words."""
+    old = ('  topics_with_message_count:\n    - topic_metadata:\n        name: /a\n'
+           '        type: std_msgs/msg/String\n        serialization_format: cdr\n'
+           '        offered_qos_profiles: "- history: 3\\n  depth: 0\\n  reliability: 1"\n'
+           '      message_count: 5\n')
+    for version in range(1, 10):
+        path = listing(tmp_path, f'\n    - a_0.mcap\n  version: {version}\n{old}')
+        assert list_parts(path) == ['a_0.mcap']
+    path.write_text(f'rosbag2_bagfile_information:\n{indent(EMPTY_BAG_OF_ROSBAG2, "  ")}\n')
+    assert list_parts(path) == ['bag_0.mcap']
+
+
+def test_reading_takes_a_time_that_grows_with_the_length(tmp_path):
+    """Twice the names take about twice the time; were it the square, 16 times for 4 times."""
+    times = []
+    for count in (50_000, 200_000):
+        path = listing(tmp_path, '\n' + ''.join(f'    - b_{n}.mcap\n' for n in range(count)))
+        began = process_time()
+        assert len(list_parts(path)) == count
+        times.append(process_time() - began)
+    assert times[1] < 10.0 * times[0]
 
 
 def test_counts_and_spans_of_several_files_are_joined():

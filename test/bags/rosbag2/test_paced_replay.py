@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages at the times at which they were logged, on a clock that the tests set."""
+"""Messages replayed at their log times, on a clock that the tests set."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ T0 = 1_700_000_000 * S
 
 
 class Clock:
-    """A steady clock that stands until it is set."""
+    """A steady clock that stands still until it is set."""
 
     def __init__(self) -> None:
         self.ns = 77 * S
@@ -31,7 +31,7 @@ class Clock:
 
 
 def bag_of(path, log_ns):
-    """Write a bag with a message for every log time, in turns of the topics /a and /b."""
+    """Write a bag with a message for every log time, alternating between /a and /b."""
     with BagWriter(path) as bag:
         for topic in '/a', '/b':
             bag.add_topic(topic, 'std_msgs/msg/String')
@@ -68,7 +68,7 @@ def taken(replay):
 
 
 def due_ns(log_ns, rate):
-    """Return in how many nanoseconds of the clock a log time is due, by exact arithmetic."""
+    """Return when a log time is due, in clock nanoseconds, by exact arithmetic."""
     # Log time is rounded to nanoseconds, halves to even; at most one of the clock is unsure.
     return math.ceil(Fraction(2 * (log_ns - T0) - 1, 2) / Fraction(rate))
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a bag says of its origin, and the operator's notes in it."""
+"""What a bag says about its origin, and the operator's notes in it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ NOW = 1_700_000_000 * S
 
 
 def noted(*given):
-    """Return the notes that texts become, and the records they are written as."""
+    """Return the notes in texts, and the records they are written as."""
     records = {}
     notes = Notes(records.__setitem__)
     return [note for text in given for note in notes.add(text, NOW)], records

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages that are missing, of one publisher and of several."""
+"""Missing messages of one publisher and of several."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 
 
 def counted(*chunks):
-    """Return what numbers say that come in chunks."""
+    """Return the result for numbers that arrive in chunks."""
     found = Numbering()
     for chunk in chunks:
         found.take(np.array(chunk, np.uint32))

@@ -161,7 +161,7 @@ def test_scenarios_of_the_package_go_by_their_name():
     ('duration_s: -5', [], 'trial.yaml: duration_s = -5.0: must be'),
     ('durations: 5', [], "trial.yaml: unknown setting 'durations'; did you mean 'duration_s'"),
     ('a: [', [], 'trial.yaml, line 1: not YAML'),
-    ('- 5', [], 'trial.yaml: not a scenario'),
+    ('- 5', [], 'trial.yaml: is not a scenario'),
     ("start_utc: '2039-01-01'\nduration_s: 5", [], 'January 2038'),
     ('seed: 1', ['--set', 'rs_topic=/ts/heading'], 'must differ'),
     ('seed: 1', ['--set', 'ts_topic=truth/heading'], 'must differ')])

@@ -8,9 +8,11 @@ import fcntl
 from itertools import count
 import os
 import pty
+import re
 import struct
 import sys
 import termios
+import threading
 from types import SimpleNamespace
 
 import pytest
@@ -36,8 +38,15 @@ class Terminal:
 
 
 @pytest.fixture
-def terminal(monkeypatch):
-    """Return a terminal, in a time that passes quickly."""
+def terminal(monkeypatch, request):
+    """Return a terminal, in a time that passes quickly; without rich unless it is asked for."""
+    if getattr(request, 'param', 'plain') == 'rich':
+        pytest.importorskip('rich')
+        for name in ('NO_COLOR', 'FORCE_COLOR', 'COLORTERM', 'COLUMNS'):
+            monkeypatch.delenv(name, raising=False)
+        monkeypatch.setenv('TERM', 'xterm-256color')
+    else:
+        monkeypatch.setitem(sys.modules, 'rich.console', None)
     made = Terminal()
     monkeypatch.setattr(progress, 'time', SimpleNamespace(monotonic=count().__next__))
     yield made
@@ -63,3 +72,74 @@ def test_a_terminal_that_does_not_tell_its_width_has_the_usual(terminal, monkeyp
     terminal.widen(0)
     progress.Progress('trial').show('x' * 200)
     assert terminal.seen() == 'trial: '.ljust(79, 'x') + '\r'
+
+
+rich_terminal = pytest.mark.parametrize('terminal', ['rich'], indirect=True)
+
+
+def lines(text):
+    """Return what was written over each other, without colours."""
+    return [line for line in re.sub('\x1b\\[[0-9;]*m', '', text).split('\r') if line]
+
+
+@rich_terminal
+def test_with_rich_the_line_stays_one_and_fits_any_width(terminal, monkeypatch):
+    monkeypatch.setattr(sys, 'stderr', terminal.stderr)
+    with progress.Progress('trial') as line:
+        for columns in (120, 40, 9, 60):
+            terminal.widen(columns)
+            for text in ('x' * 200, '43% copied', 'y'):
+                line.show(text)
+                (shown,) = lines(terminal.seen())
+                assert len(shown) == columns - 1 and '\n' not in shown
+    assert lines(terminal.seen()) == [' ' * 59]
+
+
+@rich_terminal
+def test_with_rich_time_and_a_bar_are_shown_where_the_amount_is_known(terminal, monkeypatch):
+    """The clock is asked at the start, and by `show` three times."""
+    monkeypatch.setattr(sys, 'stderr', terminal.stderr)
+    terminal.widen(100)
+    with progress.Progress('trial') as line:
+        line.show('25% looked at')
+        (shown,) = lines(terminal.seen())
+        assert 'trial: 25% looked at 0:03' in shown and shown.count('\u2501') == 23
+        assert shown.index('\u257a') - shown.index('\u2501') == 6
+        assert shown.rstrip().endswith('0:09 left')
+        line.show('1,200 of 2,400 s simulated')
+        (shown,) = lines(terminal.seen())
+        assert '0:06' in shown and shown.rstrip().endswith('0:06 left')
+        # A second part of the work begins anew.
+        line.show('0% copied')
+        (shown,) = lines(terminal.seen())
+        assert 'left' not in shown
+        line.show('50% copied')
+        (shown,) = lines(terminal.seen())
+        assert '0:12' in shown and shown.rstrip().endswith('0:03 left')
+        line.show('17 pairs')
+        (shown,) = lines(terminal.seen())
+        assert shown.rstrip().endswith('trial: 17 pairs 0:15')
+
+
+@rich_terminal
+def test_with_rich_foreign_words_are_no_markup_and_draw_no_thread(terminal, monkeypatch):
+    monkeypatch.setattr(sys, 'stderr', terminal.stderr)
+    before = threading.active_count()
+    with progress.Progress('[red]bag[/]\x1b[2J') as line:
+        line.show('[/] \n done')
+        assert '[red]bag[/]\ufffd[2J: [/] \ufffd done' in lines(terminal.seen())[0]
+        assert threading.active_count() == before
+
+
+@rich_terminal
+def test_the_quiet_and_the_redirected_show_nothing(terminal, monkeypatch, tmp_path):
+    monkeypatch.setattr(sys, 'stderr', terminal.stderr)
+    with progress.Progress('trial', quiet=True) as line:
+        line.show('x')
+    with open(tmp_path / 'log', 'w') as log:
+        monkeypatch.setattr(sys, 'stderr', log)
+        with progress.Progress('trial') as line:
+            line.show('x')
+    assert (tmp_path / 'log').read_text() == ''
+    with pytest.raises(BlockingIOError):
+        terminal.seen()

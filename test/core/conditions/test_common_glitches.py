@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Glitches: a copy follows those of the RS, a sensor of its own has its own or none."""
+"""Glitches: a copy follows those of the RS, a separate sensor has its own or none."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_a_sensor_with_no_glitches_or_its_own_is_independent(rng):
 
 
 def test_chance_by_hand():
-    """No other jump: 1 / (2401 - 11 + ... ) of each, all six, the least of six, 111 delays."""
+    """Without other jumps: 1 / (2401 - 11 + ...) each, all six followed, 6 x 111 choices."""
     rs = glitched(np.round(swell(T_S), 9))
     sign = found(rs, rs)
     places = 2 * 1200 + 1
@@ -87,7 +87,7 @@ def test_what_a_ship_can_do_is_no_glitch():
 
 
 def test_a_hiccup_of_the_clock_in_a_turn_is_no_glitch():
-    """Both were read late at the same times: the stamps say so."""
+    """Both were read late at the same times, as the stamps show."""
     stamps, at_s = STAMPS.copy(), T_S.copy()
     stamps[PLACES] += 5 * 10 ** 7
     at_s[PLACES] += 2.0

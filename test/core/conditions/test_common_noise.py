@@ -72,7 +72,7 @@ def test_copies_of_every_kind_are_found(rs, rng):
 @pytest.mark.parametrize('sigma', [0.0, 0.02, 0.2])
 @pytest.mark.parametrize('step', [0.0, 0.01, 0.1])
 def test_sensors_of_their_own_are_independent(sigma, step, rs, rng):
-    """Even one that follows the motion without any error."""
+    """Even a TS that follows the motion without any error."""
     ts = rs[0] + sigma * rng.standard_normal(N)
     ts = np.round(ts / step) * step if step else ts
     found = judged(ts, rs[1], rs_step_deg=0.01)
@@ -104,7 +104,7 @@ def test_without_noise_of_the_rs_it_is_not_testable(noise, rng):
 @pytest.mark.parametrize('ts_hz, rs_hz', [(5.0, 1.0), (10.0, 5.0), (1.0, 5.0), (7.0, 5.0)])
 @pytest.mark.parametrize('method', ['auto', 'interpolate'])
 def test_any_rates_may_meet(method, ts_hz, rs_hz, rng):
-    """A faster TS meets an interpolated RS; its copies, sent at its own rate, are known."""
+    """The RS is interpolated for a faster TS; copies sent at its own rate are found."""
     t_rs = np.arange(0.0, 2400.0, 1.0 / rs_hz)
     rs = np.round(swell(t_rs) + 0.05 * rng.standard_normal(t_rs.size), 2)
     t = np.arange(1.03, 2398.0, 1.0 / ts_hz)
@@ -150,7 +150,7 @@ def test_copies_of_a_real_sensor_are_found(name, logs):
 
 
 def test_rounding_a_smooth_copy_does_not_make_it_a_slow_sensor(rng):
-    """Ten a second through 4 s: 0.05 deg of noise leave steps that repeat most values."""
+    """10 Hz through a filter of 4 s: 0.05 deg of noise leaves steps that repeat most values."""
     t = np.arange(12_000) / 10.0
     rs = np.round(swell(t) + 0.05 * rng.standard_normal(t.size), 2)
     phi = np.exp(-0.1 / 4.0)

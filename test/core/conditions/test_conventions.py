@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Conventions and the mean difference: each mistake made and found, and the seam of the wrap."""
+"""Conventions and the mean difference: every mistake is found, and the seam of the wrap."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_other_angles_may_be_installation_offsets(offset, rng):
 
 
 def test_a_yaw_taken_for_a_heading_is_mirrored(rng):
-    """An ENU yaw read as NED is 90 degrees less the heading."""
+    """An ENU yaw read as NED is 90 degrees minus the heading."""
     rs, ts = turning(3000, rng)
     half = np.radians(90.0 - ts) / 2.0
     zero = np.zeros(ts.size)
@@ -171,13 +171,13 @@ def test_the_share_beyond_the_seam_by_hand():
     """179 three times and -179 once, about 180: one of four is a whole turn away."""
     found = estimate_mean_difference([179.0, 179.0, -179.0, 179.0])
     assert found.seam_share == 0.25
-    assert found.torn(0.0) and not found.torn(180.0)
-    assert estimate_mean_difference([1.0, 359.0]).torn(180.0)
+    assert found.is_torn(0.0) and not found.is_torn(180.0)
+    assert estimate_mean_difference([1.0, 359.0]).is_torn(180.0)
     assert estimate_mean_difference([270.0, 271.0, 269.0]).seam_share == 0.0
-    assert not estimate_mean_difference([]).torn(0.0)
+    assert not estimate_mean_difference([]).is_torn(0.0)
 
 
 def test_wild_readings_are_not_the_seam(rng):
-    """A sensor near zero of which one reading in fifty is anything."""
+    """A sensor near zero, with one random reading in fifty."""
     x = np.where(rng.random(5000) < 0.02, rng.uniform(-180.0, 180.0, 5000), 0.0)
-    assert not estimate_mean_difference(x).torn(0.0)
+    assert not estimate_mean_difference(x).is_torn(0.0)

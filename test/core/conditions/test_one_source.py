@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Signs of one source together: what shows it, what speaks against it, what tells nothing."""
+"""Signs of one source together: for it, against it, and inconclusive."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_glitches_alone_show_one_source(true):
 
 
 def test_steps_and_interpolation_follow_from_the_pairs(true, rng):
-    """Rounding to 0.1 deg at the same stamps is no noise of the RS, whatever is handed over."""
+    """Rounding to 0.1 deg at the same stamps is no noise of the RS, whatever steps are passed."""
     rs = true + 0.05 * rng.standard_normal(N)
     assert signs(rs, rs, factor=np.ones(N)).kind == 'common'
     assert signs(rs, rs, factor=np.full(N, 0.625), interpolates_ts=True) == signs(rs, rs)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Outliers: planted ones are named, and what only looks like one is not."""
+"""Outliers: planted ones are named, and values that only look like outliers are not."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def test_a_slow_excursion_is_none(rng):
 
 
 def test_a_spike_on_constant_differences():
-    """The median distance is zero: any change is far out, but for three steps."""
+    """The median distance is zero, so any change of more than three steps is far out."""
     x = np.full(500, 0.3)
     x[[100, 300]] = -39.7, 0.4
     assert find_outliers(stamps(500), x).index.tolist() == [100, 300]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Frozen, dead and moored sensors, and those that only look so."""
+"""Frozen, dead and moored sensors, and sensors that only look so."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_too_few_readings_are_not_frozen(n):
 @pytest.mark.parametrize('name', ['gyr1-s330', 's330-gyr1', 'seap-s330', 'gyr1-seap',
                                   'lgyr-lsep', 'lsep-lgyr', 'adcp-gyr1', 'gyr1-adcp'])
 def test_no_real_sensor_is_frozen_dead_or_still(name, real):
-    """Even if the other may not move at all: the sensors judge themselves by their steps."""
+    """Even if no motion of the other is allowed: the steps of both still count."""
     pairs, _ = real(name)
     for one, other in ((pairs.ts_deg, pairs.rs_deg), (pairs.rs_deg, pairs.ts_deg)):
         found = find_frozen(pairs.stamp_ns, one, other, moved_deg=0.0)
@@ -157,7 +157,7 @@ def test_whole_degrees_may_stand_for_an_hour(rng):
 
 
 def test_a_constant_sensor_is_frozen_in_a_run_of_minutes_under_way(rng):
-    """Nothing else in the run tells the errors: the norm of the other sensor bounds them."""
+    """Nothing else in the run shows the errors: the norm of the other sensor bounds them."""
     t = np.arange(6000) / 10.0
     rs = ship(t, rng) + 0.02 * rng.standard_normal(t.size)
     constant = np.full(t.size, 123.4)
@@ -177,7 +177,7 @@ def test_a_constant_sensor_of_a_ship_that_yaws_is_frozen(run_s, yaw_deg, rng):
 
 @pytest.mark.parametrize('run_s', [1200, 3500])
 def test_a_constant_sensor_alongside_is_told_from_one_that_works(run_s, rng):
-    """The noise of the RS is no motion: within two steps of the TS nothing is shown."""
+    """The noise of the RS is no motion: a range within two steps of the TS shows nothing."""
     t = np.arange(1, run_s * 10 + 1) / 10.0
     rs = 90.1 + 0.02 * np.sin(t / 50.0) + 0.05 * rng.standard_normal(t.size)
     stamps = stamps_of(t)
@@ -189,7 +189,7 @@ def test_a_constant_sensor_alongside_is_told_from_one_that_works(run_s, rng):
 
 @pytest.mark.parametrize('share', [0.1, 0.33, 0.45, 0.6, 0.85])
 def test_a_sensor_that_stops_for_a_large_part_of_a_run_is_frozen(share, rng):
-    """No window as long is left: shorter ones tell."""
+    """No window of that length is left: shorter ones decide."""
     t = np.arange(1, 36_001) / 10.0
     yaw = 45.3 + 0.3 * np.sin(2.0 * np.pi * t / 8.0)
     ts = np.round(yaw + 0.1 * rng.standard_normal(t.size), 3)
@@ -202,7 +202,7 @@ def test_a_sensor_that_stops_for_a_large_part_of_a_run_is_frozen(share, rng):
 
 
 def test_a_slow_turn_shows_a_long_stop(rng):
-    """Thirty degrees in 10 min: hardly a step in the short windows that are left."""
+    """Thirty degrees in 10 min: hardly a step in the short windows that remain."""
     t = np.arange(1, 12_001) / 10.0
     rs = 45.3 + 30.0 * np.clip((t - 300.0) / 600.0, 0.0, 1.0) + 0.05 * rng.standard_normal(t.size)
     ts = np.round(rs + 0.05 * rng.standard_normal(t.size))

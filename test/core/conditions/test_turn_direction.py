@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which way the TS turns: by hand, in the yaw of a steady course, at any skew, of noise."""
+"""The direction of turn: by hand, in the yaw on a steady course, at any skew, with noise."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def found_of(t_s, ts_deg, rs_deg):
 
 
 def test_the_direction_by_hand():
-    """RS turns by 1 deg/s, TS by as much the other way: TS + RS changes by nothing."""
+    """RS turns by 1 deg/s, TS by the same the other way: TS + RS does not change."""
     t = 0.25 * np.arange(40)
     assert found_of(t, -t, t) == ('against', 9.75, 0.0)
     assert found_of(t, t, t) == ('with', 9.75, None)

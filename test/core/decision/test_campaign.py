@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Several runs together: each row of both rules by name, and what the rules are worth."""
+"""Several runs together: each row of both rules by name, and the risks of the rules."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ T0 = 1_400_000_000 * S
 
 
 def run(x, n_plus=0, span_s=None, mean=None):
-    """Return what a run of these differences says."""
+    """Return the evidence of a run of these differences."""
     return gather_evidence(Cells.of(x), n_plus=n_plus, n_plus_plus=n_plus,
                            span_s=float(len(x)) if span_s is None else span_s,
                            mean_deg=float(np.mean(x)) if mean is None else mean)
@@ -107,7 +107,7 @@ def test_the_lengths_of_the_runs_add_up(rng):
 
 
 def test_the_means_of_five_runs_stand_in_for_length(rng):
-    """In variant B they show whatever is slower than a run, but not what is stated to be asked."""
+    """In variant B they cover errors slower than a run, but not a stated minimum duration."""
     runs, slow = white(rng, 5), Risk(slowest_error_s=500.1)
     assert concluded(runs, slow)[0] is GOOD
     assert concluded(runs[:4], slow) == (OPEN, 'insufficient_duration')
@@ -124,7 +124,7 @@ def test_means_count_of_runs_further_apart_than_the_slowest_error(risk, apart_s,
 
 
 def test_five_short_pieces_of_one_record_certify_nothing(rng):
-    """65 s cut in five: the errors of 10 min that all share are not seen, whatever the rule."""
+    """65 s cut in five: no rule sees the errors of 10 min that all parts share."""
     assert concluded([run(0.1 * rng.standard_normal(130), span_s=13.0) for _ in range(5)]) == \
         (OPEN, 'insufficient_duration')
 
@@ -303,7 +303,7 @@ def test_a_total_error_of_one_run_keeps_the_sensor_open(rng):
 
 @pytest.mark.parametrize('rule', ['every_run', 'sensor'])
 def test_a_void_run_leaves_the_campaign_open_unless_the_others_reject(rule, rng):
-    """A TS 90 degrees off is no measurement, and takes no part in the shared variance."""
+    """A TS 90 degrees off is no measurement, and does not enter the common variance."""
     ts, rs = inputs(rng, [0.2] * 3)
     ts[1] = Headings.of(ts[1].stamp_ns, (ts[1].heading_deg + 90.0) % 360.0)
     found = analyze(ts, rs, settings(campaign__rule=rule))

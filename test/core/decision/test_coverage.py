@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a verdict covers: least durations by hand, and their words."""
+"""The coverage of a verdict: least durations by hand, and their words."""
 
 from __future__ import annotations
 

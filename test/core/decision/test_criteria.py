@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""GK (5), (6), (7): worked by hand, at the edges, and against the limits they come from."""
+"""GK (5), (6), (7): worked by hand, at the edges, and against their limits."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ count_outcome outcome reason
 
 
 ANY = Risk(min_duration_s=0.0)
-"""Risks where a run may be as short as it likes."""
+"""Risks that allow runs of any length."""
 
 
 def limits_of(sigma=1.0, ref=0.5, m_low=0.9, m_up=1.0, p=0.997, factor=1.0):
@@ -59,7 +59,7 @@ def limits_of(sigma=1.0, ref=0.5, m_low=0.9, m_up=1.0, p=0.997, factor=1.0):
 
 
 def judged(x, limits=None, risk=None, span_s=None, **given):
-    """Return the decision on differences, counts made about their mean."""
+    """Return the decision on differences, with counts about their mean."""
     x = np.asarray(x, dtype=np.float64)
     limits, risk = limits or limits_of(), risk or ANY
     deviation = np.abs(x - x.mean()) if x.size else x
@@ -116,7 +116,7 @@ def test_lower_bound_above_the_rejection_limit_does_not_comply(rng):
 
 
 def test_a_run_is_as_long_as_its_slowest_error_asks():
-    """Twenty times 100 s; 600 s where nothing is stated. How much longer is said."""
+    """Twenty times 100 s; 600 s if nothing is stated. The result says how much longer."""
     x = scaled(np.random.default_rng(1).standard_normal(20_000), 1.0)
     for risk, least_s in ((Risk(), 600.0), (Risk(slowest_error_s=100.0), 2000.0),
                           (Risk(slowest_error_s=1.0, min_duration_s=50.0), 50.0)):
@@ -216,7 +216,7 @@ def test_figures_follow_from_the_spread(rng):
 
 
 def test_variance_and_counts_share_the_producers_risk():
-    """0.1 of it for the counts unless set, and together never more than it."""
+    """By default 0.1 of it is for the counts; the two parts together never exceed it."""
     assert (variance_risk(Risk()), count_risk(Risk())) == pytest.approx((0.045, 0.005))
     for share in (0.001, 0.3, 0.999):
         risk = Risk(alpha_producer=0.08, count_share=share)
@@ -257,7 +257,7 @@ def test_known_reference_leaves_one_point_of_conformance(rng):
 # --- counts ---
 
 def evidence(n_plus, n_plus_plus, rng, n=200_000):
-    """Return white errors with these counts."""
+    """Return evidence of white errors with these counts."""
     return gather_evidence(Cells.of(scaled(rng.standard_normal(n), 1.0)), n_plus=n_plus,
                            n_plus_plus=n_plus_plus, span_s=1e5, mean_deg=0.0)
 

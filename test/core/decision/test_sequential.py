@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Doubling looks: when they fall due, what risk each has, independence of chunks."""
+"""Doubling looks: their times and risks, and independence of chunks."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from heading_intercompare.core.settings import Norms, Risk, SettingsError
 from heading_intercompare.core.statistics.cells import Cells
 
 ANY = Risk(min_duration_s=0.0)
-"""Risks where a run may be as short as it likes."""
+"""Risks that allow runs of any length."""
 
 
 def test_seven_looks_at_ten_hours_by_hand():
@@ -29,7 +29,7 @@ def test_seven_looks_at_ten_hours_by_hand():
 
 
 def test_no_look_comes_before_the_least_duration_of_a_run():
-    """600 s unless stated: of seven looks at ten hours the first falls away, its share too."""
+    """600 s by default: of seven looks at ten hours the first is dropped, with its share."""
     plan = Looks(36_000.0, 7, Risk()).plan
     assert [look.span_ns / 1e9 for look in plan] == [1125.0 * 2 ** k for k in range(6)]
     assert [look.risk.alpha_consumer for look in plan] == pytest.approx([0.005] * 5 + [0.025])
@@ -51,7 +51,7 @@ def test_the_shares_add_up_to_the_risk(looks):
 
 def test_each_look_is_taken_once_and_at_its_time():
     looks = Looks(80.0, 4, ANY)
-    taken = [[look.index for look in looks.due(span)]
+    taken = [[look.index for look in looks.take_due(span)]
              for span in (0.0, 9.999999999, 10.0, 10.0, 45.0, 79.0, 80.0, 500.0)]
     assert taken == [[], [], [0], [], [1, 2], [], [3], []]
     assert looks.taken == 4
@@ -97,7 +97,7 @@ def test_looking_often_keeps_the_risk_of_white_errors(rng):
     accepted = 0
     for _ in range(400):
         x = rng.standard_normal(3200)
-        for look in Looks(3200.0, 5, ANY).due(3200.0):
+        for look in Looks(3200.0, 5, ANY).take_due(3200.0):
             n = look.span_ns // 10 ** 9
             evidence = gather_evidence(Cells.of(x[:n]), n_plus=0, n_plus_plus=0, span_s=float(n),
                                        mean_deg=0.0)
@@ -108,7 +108,7 @@ def test_looking_often_keeps_the_risk_of_white_errors(rng):
 
 
 def said(*outcomes):
-    """Return looks that said this, one after the other."""
+    """Return looks with these results, in order."""
     return [LookVerdict(k + 1, 7, 100.0 * (k + 1), outcome, 'data_limited')
             for k, outcome in enumerate(outcomes)]
 

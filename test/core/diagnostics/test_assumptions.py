@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The assumptions (a) to (j): each state by its figures, and what cannot be tested."""
+"""The assumptions (a) to (j): each state by its figures, and the states not testable."""
 
 from __future__ import annotations
 

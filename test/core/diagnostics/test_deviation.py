@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Deviation coefficients: against numpy's least squares, with known truth, and refused."""
+"""Deviation coefficients: against numpy's least squares, with known truth, and withheld."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def test_the_bound_is_near_the_truth_and_seldom_above(yaw, rng):
 
 
 def test_a_skew_is_taken_off_the_bound(yaw, rng):
-    """Without that the skew passes for noise of the RS, of which there is 0.01 deg."""
+    """Otherwise the skew would look like noise of the RS, which is only 0.01 deg."""
     t = np.arange(36_000) / 10.0
     rs = yaw(t) + 0.01 * rng.standard_normal(t.size)
     ts = yaw(t - 0.5) + 0.01 * rng.standard_normal(t.size)

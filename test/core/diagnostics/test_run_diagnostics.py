@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""All diagnostics of a run: faults made and found, any n, the page of keys, the memory."""
+"""All diagnostics of a run: faults are found, any n, the page of keys, the memory."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which sensor is interpolated: by the stamps alone, and in time for the yaw of a ship."""
+"""The choice of the sensor to interpolate: by the stamps alone, and right for a ship's yaw."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def is_on_rs(pairs, rs):
 
 
 def test_the_typical_step_by_hand():
-    """Of 1, 1, 4 half of the time, 3 of 6, lies in 4; of 1, 1, 2 half of it in 1, 1."""
+    """In 1, 1, 4 half of the time, 3 of 6, falls into 4; in 1, 1, 2 it falls into 1, 1."""
     assert typical_step_ns(np.array([0, 1, 2, 6])) == 4
     assert typical_step_ns(np.array([0, 1, 2, 4])) == 1
     assert typical_step_ns(np.array([5])) is None and typical_step_ns(np.empty(0, int)) is None
@@ -97,7 +97,7 @@ def test_a_silence_as_long_as_allowed_is_none():
 
 
 def test_a_sensor_that_comes_late_is_waited_for():
-    """The TS comes 100 s before the RS: the first minute is that of both."""
+    """The TS starts 100 s before the RS: the first minute counts from when both report."""
     ts = level((1.0, 0.0, 100.0), (10.0, 100.0, 100.0))
     rs = level((1.0, 100.004, 100.0))
     pairs, ledger = pair(ts, rs)

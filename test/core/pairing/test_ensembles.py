@@ -34,7 +34,7 @@ def some_pairs(rng, count=3000):
 
 
 def by_loop(pairs, span_s, gap_s):
-    """Return the rows of the ensembles, one pair after the other."""
+    """Return the rows of the ensembles, pair by pair."""
     groups, anchor_ns, before_ns, number = [], None, None, None
     for row in zip(pairs.stamp_ns.tolist(), pairs.ts_deg.tolist(), pairs.rs_deg.tolist()):
         if before_ns is None or row[0] - before_ns > gap_s * 1e9:

@@ -290,11 +290,11 @@ def test_a_silence_of_the_pairs_divides_the_ledger():
     assert second.counts == {'paired': 2, 'ts_paired': 2, 'rs_used': 2}
     # What lies between two runs belongs to the one before, but not to what it lost.
     assert ledger.shares([S, 100 * S])[0].counts['ts_unpaired'] == 1
-    assert ledger.between(S, 2 * S).counts == first.counts
+    assert ledger.count_between(S, 2 * S).counts == first.counts
 
 
 def test_what_is_lost_within_a_run_is_told_from_what_came_before_and_after():
-    """RS from 10 to 40 s, silent from 20 to 30 s: 9 TS readings in a bracket that is too long."""
+    """RS from 10 to 40 s, silent from 20 to 30 s: 9 TS readings fall into too long a bracket."""
     ts = headings(*((k * S, 1.0) for k in range(1, 61)))
     rs = headings(*((k * S, 1.0) for k in range(10, 41) if not 20 < k < 30))
     for size in (1, 7, 60):
@@ -302,7 +302,7 @@ def test_what_is_lost_within_a_run_is_told_from_what_came_before_and_after():
         for lo in range(0, 60, size):
             pairer.update(ts[lo:lo + size], rs[lo:lo + size])
         pairer.flush()
-        inside = pairer.ledger.between(10 * S, 40 * S).counts
+        inside = pairer.ledger.count_between(10 * S, 40 * S).counts
         assert (inside['ts_unpaired'], inside['ts_paired']) == (9, 22)
         assert pairer.ledger.total.counts['ts_unpaired'] == 60 - 22
 
@@ -329,7 +329,7 @@ def test_an_empty_stream_gives_no_pairs():
 
 
 def test_the_keys_of_the_ledger_are_their_words():
-    """As topics and bags have them; each reading has one sensor, and one reason at most."""
+    """The keys as in topics and bags; each has one sensor, and at most one reason."""
     assert [str(key) for key in LedgerKey] == [key.value for key in LedgerKey]
     assert json.dumps({LedgerKey.TS_USED: 1}) == '{"ts_used": 1}'
     assert {LedgerKey.PAIRED: 3}['paired'] == 3

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Columns in pages, in memory or elsewhere, hold what was appended; counts of them are exact."""
+"""Columns in pages, in memory or elsewhere, hold the values appended; counts are exact."""
 
 from __future__ import annotations
 

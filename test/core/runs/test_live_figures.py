@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Figures of the moment: equal to those of the end, and no verdict."""
+"""Live figures: equal to the final ones, and without a verdict."""
 
 from __future__ import annotations
 

@@ -26,12 +26,12 @@ def correlated(n, rng, tau=20.0, offset=170.0):
 
 
 def stamps_of(steps):
-    """Return stamps with these steps, in usual steps of 0.1 s, from the second one on."""
+    """Return stamps with these steps, in units of the usual step of 0.1 s."""
     return T0 + np.cumsum(np.append(0, np.rint(np.asarray(steps) * STEP_NS).astype(np.int64)))
 
 
 def places_by_definition(stamps):
-    """Return the places of stamped differences, one after the other."""
+    """Return the places of stamped differences, one by one."""
     steps = [int(b) - int(a) for a, b in zip(stamps, stamps[1:])]
     usual = sorted(steps[:127])[63]
     places, anchor, at_anchor = [0], int(stamps[0]), 0
@@ -79,7 +79,7 @@ def assert_agrees(found, expected, rel=1e-11):
 
 
 def assert_same(a, b):
-    """Compare what two cells say, to the bit."""
+    """Compare two sets of cell values, to the bit."""
     a, b = a.values(), b.values()
     if a is None or b is None:
         assert a is b

@@ -90,7 +90,7 @@ def test_mean_confidence_agrees_with_a_dense_sum():
 # --- planning: S.15 ---
 
 def longer(found, r):
-    """Return the spread of a record r times as long in which all stayed as it is."""
+    """Return the spread of a record r times as long, other things being equal."""
     return Spread(1000, 0, found.d_deg2, 0.01, found.s_deg2 / math.sqrt(r), found.nu * r,
                   found.f * r, 8.0, found.low_deg2, found.middle_deg2)
 

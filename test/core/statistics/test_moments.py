@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Moments by hand and by property; the column that grows; the rolling window."""
+"""Moments by hand and by property; the growing column; the rolling window."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def test_the_memory_of_the_window_is_bounded(rng):
 
 
 def test_an_exact_sum_does_not_depend_on_the_chunks(rng):
-    """Numbers from 1/2 to 1; fractions.Fraction adds them exactly, too."""
+    """Numbers from 1/2 to 1; fractions.Fraction also adds them exactly."""
     w = rng.random(2000)
     values = (1.0 - w) ** 2 + w ** 2
     whole = exact_sum(values)

@@ -82,7 +82,7 @@ def test_kpss_agrees_with_its_definition(rng):
 
 
 def test_a_step_is_no_constant_level(rng):
-    """The kernel takes much of a step for long memory: without noise p is still 0.011."""
+    """The kernel mistakes most of a step for long memory: even without noise p is 0.011."""
     z = rng.standard_normal(100) + 3.0 * (np.arange(100) >= 50)
     assert apply_kpss(z).p < 0.05
 

@@ -54,7 +54,7 @@ def made(d=1.0, s=0.2, f=50.0, n=1000, v=0.01, low=0.01, middle=0.01, dof=12):
 
 
 def by_the_page(values, order, alpha):
-    """Return the figures of S.1 to S.11 as they are written down, with plain loops."""
+    """Return the figures of S.1 to S.11 as written, with plain loops."""
     k, n, q = len(values.b_deg), values.n, values.mean_square_deg2
 
     def spectrum(series):
@@ -296,7 +296,7 @@ def test_no_figure_is_ever_nan(x, order):
 
 
 def test_a_single_outlier_bounds_nothing():
-    """One of 200 differences is all there is: the bound is infinite, not small."""
+    """A single difference of 200 carries everything: the bound is infinite, not small."""
     assert upper_bound(estimate_spread(Cells.of(np.append(np.zeros(199), 1e6))), 0.05) == math.inf
 
 

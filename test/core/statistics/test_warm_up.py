@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The end of warm-up: by hand, against scipy's own fit, and on what only looks like one."""
+"""The end of warm-up: by hand, against scipy's own fit, and on data that only look like one."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Clocks that drift apart are found, and a constant skew is not taken for a drift."""
+"""Clocks that drift apart are found, and a constant skew is not mistaken for a drift."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def judged(rng, slope_s_per_h, skew_s=0.0, *, span=7200.0, ts_hz=5.0, rs_hz=5.0,
     (1.0, 0.0, 5.0), (1.0, 0.0, 1.0), (-1.0, 1.2, 5.0), (5.0, 0.0, 1.0), (5.0, -1.0, 5.0),
     (-5.0, 0.5, 5.0)])
 def test_a_drift_is_found_with_its_slope(slope, skew, rs_hz, rng):
-    """Of 5 s an hour the skew passes a whole period of the swell in two hours."""
+    """At 5 s per hour the skew passes a whole period of the swell in two hours."""
     found, _ = judged(rng, slope, skew, rs_hz=rs_hz)
     assert found.kind == 'drifting'
     assert found.slope_s_per_h == pytest.approx(slope, abs=0.02 + 6.0 * found.u_s_per_h)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Differences without a skew: by hand, at the ends of a run, over a gap, of nothing."""
+"""Differences without a skew: by hand, at the ends of a run, across a gap, without pairs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ S = 1_000_000_000
 
 
 def test_differences_without_a_skew_by_hand():
-    """RS 0, 2, 4, 8; TS 1.5 s late shows 0 at 1.5 s, 2 at 2.5 s: of four pairs two are left."""
+    """RS 0, 2, 4, 8; TS 1.5 s late shows 0 at 1.5 s, 2 at 2.5 s: two of four pairs remain."""
     stamps = np.arange(4) * S
     rs = np.array([0.0, 2.0, 4.0, 8.0])
     ts = np.array([-3.0, -1.0, 1.0, 3.0])
@@ -26,7 +26,7 @@ def test_differences_without_a_skew_by_hand():
 
 @pytest.mark.parametrize('late_s', [0.7, -0.7])
 def test_no_heading_is_made_up_at_the_ends_or_over_a_gap(late_s, rng):
-    """A gap of 100 s in which the ship turns: only what was read is left, and nothing is off."""
+    """A gap of 100 s in which the ship turns: only real readings remain, without error."""
     t = np.concatenate((np.arange(0.0, 60.0, 0.1), np.arange(160.0, 220.0, 0.1)))
 
     def heading(at_s):

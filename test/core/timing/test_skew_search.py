@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where a skew is looked for: the correlogram by a plain loop, of nothing, of noise."""
+"""The search for a skew: the correlogram by a plain loop, without motion, with noise."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.core.timing.heading_track import Track
 from heading_intercompare.core.timing.skew_instrument import Instrument
 from heading_intercompare.core.timing.skew_search import (
-    coarser,
+    coarsen,
     compute_correlogram,
     find_skew,
     has_turned,
@@ -73,9 +73,9 @@ def test_sensors_that_stand_still_have_no_skew(rng):
 
 def test_a_coarser_track_by_hand():
     t = 0.1 * np.arange(128)
-    found = coarser(track(t, t), 0.25)
+    found = coarsen(track(t, t), 0.25)
     assert len(found) == 64
     assert found.t_s[:2] == pytest.approx([0.05, 0.25])
-    assert coarser(found, 0.25) is found
+    assert coarsen(found, 0.25) is found
     empty = track([], [])
-    assert coarser(empty, 0.25) is empty
+    assert coarsen(empty, 0.25) is empty

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Steps of stamps by hand; what is lost is found, whatever the jitter."""
+"""Steps of stamps by hand; losses are found, whatever the jitter."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def test_steps_of_stamps_by_hand():
 
 
 def test_clock_steps_of_a_replayed_log_are_seen(shared_data):
-    """The lines of nbp1700_replay: one step of -0.93 s and one jump of an hour, at least."""
+    """The lines of nbp1700_replay: one step of -0.93 s and a jump of at least an hour."""
     path = next((shared_data / 'nbp1700_replay').glob('*gyr1*'))
     found = measure_stamp_steps(read_log(path)[0].stamp_ns)
     assert found.backward >= 1

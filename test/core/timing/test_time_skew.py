@@ -155,7 +155,7 @@ def test_turning_all_headings_or_mounting_the_ts_askew_changes_nothing(yaw, rng)
 
 
 def test_frequent_pairs_are_averaged_to_the_same_skew(yaw, rng):
-    """A hundred a second in averages of eight."""
+    """100 Hz in averages of eight."""
     n, t = 60_000, seconds(60_000, 100.0)
     rs = yaw(t) + 0.05 * rng.standard_normal(n)
     found = estimate_skew(stamps(n, 100.0), yaw(t - 0.25) + 0.1 * rng.standard_normal(n) - rs, rs)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Verdicts compared: counts and words exactly, figures to the last digits, sources not at all."""
+"""Comparison of verdicts: counts and words exactly, figures closely, sources not at all."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""How variance, counts, norms, findings and looks make one outcome."""
+"""The outcome from variance, counts, norms, findings and looks."""
 
 from __future__ import annotations
 

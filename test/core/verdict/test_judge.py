@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""One run judged: edges of what belongs to it, and what the campaign makes of it."""
+"""The judgement of one run: its edges, and its place in a campaign."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ def test_the_runs_by_outcome_are_counted(pairs, rng):
 
 
 def test_a_run_rejected_at_a_look_complies_among_no_others(pairs):
-    """Its end would comply; on its own it stays rejected, among others it leaves them open."""
+    """Its end would comply. Alone it stays rejected; among others it makes them indeterminate."""
     settings = Settings.from_mapping(NORMS)
     found = Compliance(settings)
     found.update(pairs)

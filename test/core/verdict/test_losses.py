@@ -28,7 +28,7 @@ def test_losses_of_a_single_pair_cannot_be_told():
 @pytest.mark.parametrize('kept, expected', [
     (0.95, 'compliant'), (0.3, 'indeterminate')])
 def test_a_look_judges_the_gaps_between_the_pairs(rng, kept, expected):
-    """Of an hour, the share kept of the first 15 min; all the rest is there."""
+    """Of an hour, only a share of the first 15 min is kept, and all of the rest."""
     stamps = np.arange(1, 36_001) * STEP_NS
     stamps = stamps[(stamps > 900 * 10 ** 9) | (rng.random(stamps.size) < kept)]
     t = stamps / 1e9
@@ -49,7 +49,7 @@ def test_a_look_judges_the_gaps_between_the_pairs(rng, kept, expected):
 @pytest.mark.parametrize('at, who, effect', [
     (7000, 'ts', 'void'), (7000, 'rs', 'void'), (35_900, 'ts', 'holds')])
 def test_a_stamp_of_the_future_locks_the_stream_and_that_counts(rng, at, who, effect):
-    """Of 36 000 readings the one of tomorrow makes all behind it stamped too early."""
+    """One of 36 000 readings, stamped tomorrow, makes the stamps of all later ones too early."""
     stamps = np.arange(1, 36_001) * STEP_NS
     ship = 90.0 + 40.0 * np.sin(stamps / 1e11)
     late = stamps.copy()
@@ -66,7 +66,7 @@ def test_a_stamp_of_the_future_locks_the_stream_and_that_counts(rng, at, who, ef
 
 
 def test_readings_rejected_between_runs_are_not_lost_from_a_run(rng):
-    """Alongside, behind the stop mark, a TS that calls itself invalid for an hour."""
+    """At berth, after the stop mark, a TS that flags itself as invalid for an hour."""
     stamps = np.arange(1, 50_001) * STEP_NS
     ship = 90.0 + 40.0 * np.sin(stamps / 1e11)
     ts = ship + 0.1 * rng.standard_normal(stamps.size)

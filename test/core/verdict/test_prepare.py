@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What of a run is analysed: GK (4) with and without a drift taken out."""
+"""The analysed part of a run: GK (4) with and without a drift removed."""
 
 from __future__ import annotations
 

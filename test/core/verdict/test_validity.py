@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What binds a verdict: the situations that used to be certified, each with outcome and words."""
+"""Findings that affect a verdict: situations once certified, each with outcome and words."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def test_one_sensor_twice_is_no_comparison(pair):
 
 
 def same_source(verdict):
-    """Return what the run says of one source."""
+    """Return the finding of the run on one source."""
     return next(f for f in verdict.runs[0].validity if f.condition == 'same_source')
 
 
@@ -107,7 +107,7 @@ def test_a_sensor_that_follows_no_glitch_of_the_rs_is_another(ship):
 
 
 def test_equal_digits_without_noise_are_doubted_not_void(ship):
-    """Two sensors without error send them, and so does one sensor twice."""
+    """Two sensors without error send such headings, and so does one sensor twice."""
     both = np.round(ship, 2)
     verdict = judged(both, both)
     assert effects(verdict) == {'same_source': DOUBTFUL}
@@ -116,7 +116,7 @@ def test_equal_digits_without_noise_are_doubted_not_void(ship):
 
 
 def test_a_coarse_sensor_is_not_taken_for_a_copy(ship, rng):
-    """Its differences are those of rounding, but the noise of the RS is not in it."""
+    """Its differences are only rounding, but it does not hold the noise of the RS."""
     verdict = judged(np.round(ship, 1), ship + 0.01 * rng.standard_normal(N))
     assert same_source(verdict).effect == HOLDS
     assert 'is not found in the TS' in same_source(verdict).evidence
@@ -140,7 +140,7 @@ def test_a_sensor_that_counts_the_other_way_is_void(pair):
 
 @pytest.mark.parametrize('yaw_deg', [0.1, 0.5])
 def test_a_mirrored_sensor_on_a_steady_course_is_void(yaw_deg, rng):
-    """Near 45 deg, where 90 - heading is near the heading: was rejected, or certified."""
+    """Near 45 deg, where 90 - heading is near the heading; once rejected, or certified."""
     yaw = yaw_deg * np.sin(2.0 * np.pi * T_S / 8.0)
     noise = rng.standard_normal((2, N))
     verdict = judged(45.0 - yaw + 0.1 * noise[0], 45.0 + yaw + 0.05 * noise[1])
@@ -163,7 +163,7 @@ def test_thirty_degrees_off_without_a_word_is_void_and_with_one_is_not(pair):
     (0.1, 0.0, VOID), (30.0, 0.0, VOID), (0.0, 0.1, VOID), (60.0, 0.1, HOLDS),
     (0.0, 19.9, VOID), (0.0, 20.1, DOUBTFUL), (-300.0, 0.0, HOLDS)])
 def test_an_installation_angle_excuses_only_what_it_explains(pair, stated, u_deg, effect):
-    """Mounted at 60 deg: what 3 standard uncertainties of the stated angle leave of it is void."""
+    """Mounted at 60 deg: void unless 3 standard uncertainties of the stated angle cover it."""
     ts, rs = pair
     verdict = judged(ts + 60.0, rs, installation_offset_deg=stated,
                      installation_offset_u_deg=u_deg)
@@ -212,7 +212,7 @@ def test_a_dead_sensor_alongside_is_void(rng):
 
 
 def test_a_value_that_never_changes_gets_no_certificate_without_doubt(ship, rng):
-    """Alongside it is doubtful, as the RS shows little but noise; under way it is void."""
+    """At berth it is doubtful, because the RS shows little but noise; under way it is void."""
     rs = 90.1 + 0.05 * rng.standard_normal(N)
     verdict = judged(np.full(N, 90.1), rs)
     assert effects(verdict) == {'frozen': DOUBTFUL}
@@ -245,7 +245,7 @@ def test_one_bad_reading_is_named_and_not_called_a_slow_error(pair):
     assert run.reason == 'outliers_decide'
     evidence = next(f.evidence for f in run.validity if f.condition == 'outliers')
     assert str(STAMPS[5000]) in evidence and '+40 deg' in evidence
-    assert 'without the outcome is compliant' in evidence
+    assert 'without them the outcome is compliant' in evidence
 
 
 def test_an_outlier_that_decides_nothing_does_not_bind(pair):
@@ -363,7 +363,7 @@ def test_a_campaign_with_a_doubtful_run_is_doubtful(pair):
 # --- looks ---
 
 def test_a_good_start_does_not_certify_a_bad_sensor(ship, rng):
-    """0.3 of the norm for 5 min, 3 times the norm for 55 min, plan 3600 s: was COMPLIANT."""
+    """0.3 of the norm for 5 min, 3 times the norm for 55 min, plan 3600 s; once COMPLIANT."""
     t = np.arange(1, 36_001) * 0.1
     heading = 90.0 + 40.0 * np.sin(2.0 * np.pi * t / 600.0)
     sigma = np.where(t <= 300.0, 0.06, 0.6)
@@ -501,7 +501,7 @@ def late_pair(rng, late_s, yaw_period_s=8.0):
 @pytest.mark.parametrize('late_s, yaw_period_s', [(1.3, 6.0), (-1.7, 6.0), (1.9, 8.0),
                                                   (1.9, 15.0)])
 def test_no_skew_within_the_range_rejects_a_sound_sensor(late_s, yaw_period_s, rng):
-    """From a fifth of the yaw period on these were rejected without a doubt."""
+    """From a fifth of the yaw period on, these were once rejected without a doubt."""
     ts, rs = late_pair(rng, late_s, yaw_period_s)
     verdict = judged(ts, rs)
     assert effects(verdict) == {'clocks': DOUBTFUL}

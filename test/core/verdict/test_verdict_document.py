@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Verdicts to mappings and back: nothing changes, and what is no verdict is named in a line."""
+"""Verdicts to mappings and back: nothing changes, and anything else gives one clear line."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_unknown_keys_are_passed_over():
 
 
 def keys(block: Any, path: tuple = ()) -> Iterator[tuple]:
-    """Yield the way to every key of a nested block, the first element of lists for all."""
+    """Yield the path to every key of a nested block; of a list, only its first element."""
     if isinstance(block, dict):
         for key, thing in block.items():
             yield (*path, key)
@@ -127,7 +127,7 @@ def reached(mapping: dict, path: tuple) -> Any:
 
 
 def name_of(path: tuple) -> str:
-    """Return a way as errors name it."""
+    """Return a path as errors name it."""
     return ''.join(f'[{key}]' if isinstance(key, int) else f'.{key}' for key in path).lstrip('.')
 
 
@@ -147,7 +147,7 @@ def test_whatever_key_is_missing_is_named():
 
 
 def of_2_0(mapping: dict) -> dict:
-    """Return a mapping as it was before it named its version, the rule and the hash."""
+    """Return a mapping as it was before it held version, rule and hash."""
     added = ('schema_version', 'rule_version', 'settings_sha256')
     return {key: thing for key, thing in mapping.items() if key not in added}
 
@@ -163,7 +163,7 @@ def test_a_verdict_of_2_0_that_lacks_a_key_says_how_it_is_made_anew():
     mapping = of_2_0(judged().to_dict())
     del mapping['runs'][0]['looks']
     with pytest.raises(VerdictError, match=r'^runs\[0\].looks is missing; if an earlier version '
-                       'wrote it, judge the recordings anew, with `analyze` or `rejudge`$'):
+                       'wrote it, judge the recordings again, with `analyze` or `rejudge`$'):
         Verdict.from_dict(mapping)
 
 
@@ -190,7 +190,7 @@ def test_the_hash_of_the_settings_is_found_as_the_page_says(tmp_path):
 def test_settings_changed_by_another_hand_are_seen():
     mapping = judged().to_dict()
     mapping['settings']['norms.sigma_max_deg'] = 0.4
-    with pytest.raises(VerdictError, match='they are not those it was made with'):
+    with pytest.raises(VerdictError, match='so they were changed afterwards'):
         Verdict.from_dict(mapping)
 
 
@@ -201,7 +201,7 @@ def test_a_later_minor_version_is_read_and_a_later_major_one_is_not():
     for newer in ({'schema_version': '3.0'}, {'schema': 'heading_intercompare/verdict/3'},
                   {'schema': 'heading_intercompare/verdict/3', 'schema_version': '3.1'}):
         with pytest.raises(VerdictError, match="/[23]'; a newer version of heading_intercompare "
-                           'wrote it: read it with that one, or install it$'):
+                           'wrote it: install that version to read it$'):
             Verdict.from_dict({**mapping, **newer})
 
 
@@ -225,7 +225,7 @@ def test_whatever_value_is_of_a_wrong_type_is_named():
     ({}, "schema = None: must be 'heading_intercompare/verdict/2'"),
     ({'schema': 'heading_intercompare/verdict/1'},
      "schema = 'heading_intercompare/verdict/1': must be .*/2'; an earlier version .*: judge "
-     'the recordings anew, with `analyze` or `rejudge`$'),
+     'the recordings again, with `analyze` or `rejudge`$'),
     ({'schema': 'heading_intercompare/verdict/0'}, "verdict/0': must be '[a-z_/]*/2'$"),
     ({'schema_version': 2}, "schema_version = 2: must be text such as '2.1'"),
     ({'schema_version': '2'}, "schema_version = '2': must be text"),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The face of a verdict: a table as text, for notebooks, and as a data frame."""
+"""The appearance of a verdict: a table as text, for notebooks, and as a data frame."""
 
 from __future__ import annotations
 
@@ -69,7 +69,8 @@ def test_what_is_absent_is_a_dash_and_what_is_rejected_has_its_reason():
 
 def test_without_runs_the_reason_stands_there():
     empty = judged(0)
-    assert str(empty).endswith('No run: no pair was made, or none in a run long enough.')
+    assert str(empty).endswith(
+        'No run: there are no pairs, or none in a run of sufficient length.')
     given = replace(empty, inputs=[Input('a.mcap', error='is cut')])
     assert str(given).endswith('not judged: a.mcap: is cut')
 
@@ -113,7 +114,7 @@ def test_a_hostile_name_is_shown_in_a_notebook_and_not_obeyed():
 
 
 class Frame:
-    """What `to_frame` needs of pandas."""
+    """The part of pandas that `to_frame` needs."""
 
     def __init__(self, rows) -> None:
         self.rows, self.index = rows, None

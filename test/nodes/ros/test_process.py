@@ -120,7 +120,7 @@ def test_a_terminal_that_is_closed_is_ignored_where_it_was_before():
 
 
 def test_a_recorder_whose_terminal_is_closed_closes_its_bag(tmp_path):
-    """What it says can then be written nowhere."""
+    """Nothing can then be written to the terminal."""
     bag, (mine, its) = tmp_path / 'bag', os.openpty()
     with subprocess.Popen([sys.executable, '-m', 'heading_intercompare', 'record', '-o', str(bag)],
                           stdin=its, stdout=its, stderr=its, start_new_session=True) as process:

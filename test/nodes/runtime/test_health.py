@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a node says of itself on /diagnostics."""
+"""What a node says about itself on /diagnostics."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages taken in batches, losses counted, publishers watched."""
+"""Messages are taken in batches, losses counted, publishers watched."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def seconds(messages, type_name=IMU):
 
 
 def state(heard, words):
-    """Return the last level and message that contain words, None without."""
+    """Return the last level and message that contain words; None if there is none."""
     found = [(s.level[0], s.message) for m in heard for s in m.status if words in s.message]
     return found[-1] if found else None
 

@@ -14,12 +14,13 @@ from typing import Mapping
 
 from heading_intercompare.app.inputs import analyze_input
 from heading_intercompare.app.scenarios import read_scenario
+from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.pipeline import join
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.core.verdict.verdict_document import Verdict
-from heading_intercompare.report import SeriesSketch, write
+from heading_intercompare.report import check_form, SeriesSketch, write
 
 __all__ = ['add_arguments', 'run']
 
@@ -54,34 +55,43 @@ def run(arguments: argparse.Namespace) -> int:
     out = Path(arguments.out)
     _clear(out)
     bag = str(out / 'bag')
-    say = print if not arguments.quiet else lambda *_: None
+    tell = print if not arguments.quiet else lambda *_: None
 
-    say(f'1. live: simulator -> synchronizer -> compliance -> recorder, '
-        f'{scenario.duration_s:g} s at {arguments.speed:g} times the speed')
+    tell(f'1. live: simulator -> synchronizer -> compliance -> recorder, '
+         f'{scenario.duration_s:g} s at {arguments.speed:g} times the speed')
     with Progress('live', arguments.quiet) as progress:
         live = intercompare(
             [Source(SensorSimulator, 'sensor_simulator',
                     {**scenario.to_mapping(), 'speed': arguments.speed, 'stamps': 'scenario'})],
             _SETTINGS, output=bag, report_dir=str(out / 'live'), private=True,
             progress=lambda n: progress.show(f'{n:,} pairs'))
-    say(f'2. replayed: {bag} -> synchronizer -> compliance')
+    tell(f'2. replayed: {bag} -> synchronizer -> compliance')
     with Progress('replayed', arguments.quiet) as progress:
         replayed = intercompare(
             [Source(Replayer, 'replayer', {'bag': bag, 'rate': 1.0})],
             _SETTINGS, report_dir=str(out / 'replayed'), private=True,
             progress=lambda n: progress.show(f'{n:,} pairs'))
-    say(f'3. offline: analyze {bag}\n')
+    tell(f'3. offline: analyze {bag}\n')
     settings = Settings.from_mapping(_SETTINGS)
     with Progress(bag, arguments.quiet) as progress:
         sketch = SeriesSketch(bag)
         results, _, described = analyze_input(
             bag, settings, None, [partial(sketch.update, settings=settings)], progress.show)
     offline = join(results, settings, [described])
-    for name in ('offline.json', 'report.html'):
-        write(offline, out / name, [sketch])
-    print(offline)
-    print(f'\nprotocol: {out / "report.html"}')
+    write(offline, out / 'offline.json')
+    say(str(offline), VERDICT_MARKS)
+    print(f'\nprotocol: {_write_protocol(offline, out / "report.html", sketch)}')
     return _compare({'live': live, 'replayed': replayed}, offline)
+
+
+def _write_protocol(verdict: Verdict, path: Path, sketch: SeriesSketch) -> str:
+    """Write the protocol and return its path; where it cannot be drawn, why it is left out."""
+    try:
+        check_form(path)
+    except ValueError as error:
+        return f'left out: {error}'
+    write(verdict, path, [sketch])
+    return str(path)
 
 
 def _compare(others: Mapping[str, Verdict], offline: Verdict) -> int:

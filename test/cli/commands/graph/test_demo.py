@@ -4,14 +4,19 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 
 from heading_intercompare.cli import main
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
-from heading_intercompare.report import html
 from heading_intercompare.report.json import parse, read
 
 pytest.importorskip('rclpy')
+pytest.importorskip('jinja2')
+pytest.importorskip('matplotlib')
+
+from heading_intercompare.report import html  # noqa: E402
 
 NORMS = 'norms: {sigma_max_deg: 0.2, sigma_ref_max_deg: 0.1, m_low: 0.9}'
 
@@ -30,6 +35,20 @@ def test_live_replayed_and_offline_agree_on_simulated_sensors(tmp_path, capfd):
     assert main(['report', str(report), '-o', str(page)]) == 0
     assert capfd.readouterr().out == f'{read(report)}\n'
     assert page.read_text('utf-8') == html.render(read(report))
+
+
+@pytest.mark.slow
+def test_the_demo_without_the_libraries_of_the_protocol_leaves_it_out(tmp_path, capfd,
+                                                                      monkeypatch):
+    monkeypatch.delitem(sys.modules, 'heading_intercompare.report.html')
+    monkeypatch.delattr('heading_intercompare.report.html')
+    monkeypatch.setitem(sys.modules, 'jinja2', None)
+    out = tmp_path / 'out'
+    assert main(['demo', '--out', str(out), '--duration', '120', '--speed', '60']) == 0
+    said = [line for line in capfd.readouterr().out.splitlines() if line.startswith('protocol: ')]
+    assert len(said) == 1 and said[0].startswith('protocol: left out: ')
+    assert "pip install 'heading_intercompare[report]'" in said[0]
+    assert (out / 'offline.json').is_file() and not (out / 'report.html').exists()
 
 
 @pytest.mark.parametrize('speed', ['inf', '-1', '50'])

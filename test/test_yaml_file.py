@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from heading_intercompare.app.yaml_file import load_yaml, parse_yaml, YamlError
 from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.yaml_file import load_yaml, parse_yaml, YamlError
 
 yaml = pytest.importorskip('yaml')
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[1]
 
 
 @pytest.mark.parametrize('text, value', [
@@ -45,13 +45,15 @@ def test_what_is_no_number_is_none():
     ('? [a]\n: 1', 1, 'a name must be a word'), ('- x\n...\n---\n- y', 3, 'second document'),
     ('a: ' + '9' * 5000, 1, 'a number of too many digits'), ('a: [', 1, 'not YAML'),
     ('a: "', 1, 'not YAML'), ('\t- a', 1, 'not YAML'), ('a: b: c', 1, 'not YAML'),
-    ('x\x00', None, 'not YAML'), ('#' * 2**20 + 'x', None, 'longer than 1048576 bytes')])
+    ('x\x00', 1, 'not YAML'),
+    ('x: ä\n# ö\ny: \x07', 3, 'not YAML'), ('\ud800', None, 'not YAML'),
+    ('#' * 2**20 + 'x', None, 'longer than 1048576 bytes')])
 def test_what_is_not_taken_is_refused_with_its_line(text, line, problem):
     with pytest.raises(YamlError, match=problem) as refused:
         load_yaml(text)
     assert line is None or refused.value.line == line
     with pytest.raises(SettingsError) as refused:
-        parse_yaml(text.encode(), 'my.yaml')
+        parse_yaml(text.encode(errors='surrogatepass'), 'my.yaml')
     assert str(refused.value).startswith('my.yaml') and '\n' not in str(refused.value)
 
 
@@ -61,7 +63,7 @@ def test_bytes_that_are_no_text_are_refused():
 
 
 def test_nesting_costs_no_more_than_its_length():
-    """As deep as the file may be long; Python would end with a RecursionError."""
+    """As deep as the size limit allows; Python would end with a RecursionError."""
     with pytest.raises(YamlError, match='nested deeper'):
         load_yaml('[' * (2**20 - 1))
 
@@ -74,5 +76,5 @@ def test_files_of_the_package_mean_to_others_what_they_mean_here(path):
 def test_the_parser_in_python_gives_the_same(monkeypatch):
     text = 'a: [1e9, on, {b: "x"}]\nc: 0o17'
     expected = load_yaml(text)
-    monkeypatch.setattr('heading_intercompare.app.yaml_file._Loader', yaml.SafeLoader)
+    monkeypatch.setattr('heading_intercompare.yaml_file._Loader', yaml.SafeLoader)
     assert load_yaml(text) == expected == {'a': [1e9, 'on', {'b': 'x'}], 'c': 15}

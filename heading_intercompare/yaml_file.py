@@ -132,9 +132,15 @@ class _Builder:
         return values
 
 
-def load_yaml(text: str) -> Any:
+def load_yaml(text: str, most_bytes: int = _MOST_BYTES) -> Any:
     """
     Return what YAML text holds.
+
+    Parameters
+    ----------
+    text : str
+    most_bytes : int
+        A longer text is refused.
 
     Raises
     ------
@@ -147,15 +153,24 @@ def load_yaml(text: str) -> Any:
     [1000000000.0, 0.0025, '1e', 7, 16, 'on', True]
 
     """
-    if len(text) > _MOST_BYTES:
-        raise YamlError(f'longer than {_MOST_BYTES} bytes')
+    if len(text) > most_bytes:
+        raise YamlError(f'longer than {most_bytes} bytes')
     try:
         return _Builder(yaml.parse(text, Loader=_Loader)).document()
+    except UnicodeEncodeError as error:
+        raise YamlError('not YAML: not text') from error
     except yaml.YAMLError as error:
-        mark, lines = getattr(error, 'problem_mark', None), text.rstrip('\n').count('\n') + 1
-        # What is missing at the end is missed behind the last line.
         raise YamlError(f'not YAML: {getattr(error, "problem", None) or "not text"}',
-                        min(mark.line + 1, lines) if mark else None) from error
+                        _find_line(text, error)) from error
+
+
+def _find_line(text: str, error: yaml.YAMLError) -> int | None:
+    """Return the line of an error, counted from 1."""
+    mark, place = getattr(error, 'problem_mark', None), getattr(error, 'position', None)
+    if mark is not None:
+        # What is missing at the end is missed behind the last line.
+        return int(min(mark.line, text.rstrip('\n').count('\n'))) + 1
+    return None if place is None else text.encode(errors='replace').count(b'\n', 0, place) + 1
 
 
 def parse_yaml(data: bytes, path: str | Path) -> Any:

@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where nothing is installed but what the package requires, each command works or refuses."""
+
+from __future__ import annotations
+
+from functools import reduce
+import json
+from operator import xor
+import os
+import subprocess
+import sys
+
+import pytest
+
+from heading_intercompare.cli.program import COMMANDS
+
+pytestmark = pytest.mark.process
+
+#: The modules that the extras bring, and some of those that they bring with them.
+EXTRAS = ('jinja2', 'markupsafe', 'matplotlib', 'rich', 'argcomplete', 'serial', 'isal',
+          'distributed', 'dask', 'threadpoolctl', 'pandas')
+ROS = ('rclpy', 'sensor_msgs', 'std_msgs', 'geometry_msgs', 'nav_msgs', 'std_srvs',
+       'diagnostic_msgs', 'rosgraph_msgs', 'rcl_interfaces', 'builtin_interfaces')
+
+#: A program that finds them nowhere, as if they were not installed.
+PROGRAM = f"""
+import sys
+from importlib.machinery import PathFinder
+
+class Without(PathFinder):
+    @classmethod
+    def find_spec(cls, name, path=None, target=None):
+        absent = name.partition('.')[0] in sys.argv[1].split(',')
+        return None if absent else PathFinder.find_spec(name, path, target)
+
+sys.meta_path[:] = [Without if finder is PathFinder else finder for finder in sys.meta_path]
+sys.path[:0] = {sys.path!r}
+from heading_intercompare.cli import main
+sys.exit(main(sys.argv[2:]))
+"""
+
+NORMS = ('--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1')
+RUNS_NODES = {'demo', 'live', 'record', 'note', 'replay'}
+
+
+@pytest.fixture(scope='module')
+def place(tmp_path_factory):
+    """Return a folder with a bag, a csv of pairs, its verdict, a parameter file and logs."""
+    folder = tmp_path_factory.mktemp('place')
+    rows = [f'{1_400_000_000 + i},{100.0 + 0.1 * (i % 3)},100.0' for i in range(400)]
+    (folder / 'pairs.csv').write_text('\n'.join(['stamp_s,ts_deg,rs_deg', *rows]) + '\n')
+    for role in ('ts', 'rs'):
+        (folder / f'{role}.log').write_text(''.join(
+            f'2014-08-01T00:00:{i:02d}.000Z ${text}*{reduce(xor, text.encode()):02X}\r\n'
+            for i, text in enumerate(f'HEHDT,100.{i},T' for i in range(8))))
+    (folder / 'scenario.yaml').write_text('duration_s: 20.0\n')
+    (folder / 'live.yaml').write_text(
+        '/**: {ros__parameters: {norms: {sigma_max_deg: 0.2, sigma_ref_max_deg: 0.1}}}\n'
+        'ts_driver: {ros__parameters: {source: "serial:/dev/null"}}\n'
+        'rs_driver: {ros__parameters: {source: "serial:/dev/null"}}\n')
+    assert done(folder, 'simulate', '--scenario', 'scenario.yaml', '-o', 'bag').returncode == 0
+    assert done(folder, 'analyze', 'pairs.csv', *NORMS, '--json', 'v.json').returncode == 0
+    return folder
+
+
+def done(folder, *arguments, absent=(*EXTRAS, *ROS)):
+    """Run a command without some modules."""
+    environment = {name: value for name, value in os.environ.items()
+                   if name not in ('PYTHONPATH', 'CI')}
+    return subprocess.run([sys.executable, '-c', PROGRAM, ','.join(absent), *arguments],
+                          cwd=folder, text=True, timeout=300, env=environment,
+                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE)
+
+
+WORKS = {
+    'analyze': (('pairs.csv', *NORMS, '--report', 'again.json'), 'VERDICT: '),
+    'rejudge': (('bag', *NORMS), 'of 1: '),
+    'import-nmea': (('--ts', 'ts.log', '--rs', 'rs.log', '-o', 'imported'), 'bag: imported'),
+    'simulate': (('--scenario', 'scenario.yaml', '-o', 'simulated'), 'bag: simulated'),
+    'report': (('v.json', '-o', 'same.json'), 'VERDICT: '),
+    'norms': ((), 'imo_msc116: '),
+    'info': (('bag', '--check'), 'every checksum is right'),
+    'recover': (('bag', '-o', 'recovered'), 'lost: nothing'),
+}
+REFUSED = {
+    'analyze': [(('pairs.csv', *NORMS, '--report', 'x.html'), 'x.html: the protocol needs Jinja2'),
+                (('pairs.csv', *NORMS, '--dask', 'tcp://127.0.0.1:1'),
+                 'install heading_intercompare[dask]')],
+    'report': [(('pairs.csv', *NORMS, '-o', 'x.html'), 'x.html: the protocol needs Jinja2'),
+               (('v.json', '-o', 'x.html'), 'x.html: the protocol needs Jinja2')],
+    'demo': [((), 'needs ROS 2 (no module ')],
+    'live': [(('--config', 'live.yaml', '--quiet'), 'needs ROS 2 (no module ')],
+    'record': [(('-o', 'b'), 'needs ROS 2 (no module ')],
+    'note': [(('turn',), 'needs ROS 2 (no module ')],
+    'replay': [(('bag',), 'needs ROS 2 (no module ')],
+}
+
+
+def test_every_command_is_tried():
+    assert {*WORKS} == {*COMMANDS} - RUNS_NODES
+    assert RUNS_NODES <= {*REFUSED}
+
+
+@pytest.mark.parametrize('command', WORKS)
+def test_a_command_works_without_extras_as_plain_text(command, place):
+    arguments, words = WORKS[command]
+    ended = done(place, command, *arguments)
+    assert (ended.returncode, ended.stderr.count('Traceback')) == (0, 0), ended.stderr
+    assert words in ended.stdout and '\x1b' not in ended.stdout + ended.stderr
+
+
+@pytest.mark.parametrize('command, arguments, words', [
+    (command, *case) for command, cases in REFUSED.items() for case in cases])
+def test_a_command_that_needs_an_extra_says_which_in_one_line(command, arguments, words, place):
+    ended = done(place, command, *arguments)
+    assert ended.returncode == 2
+    assert ended.stdout == '' and ended.stderr.count('\n') == 1
+    assert words in ended.stderr
+    assert not (place / 'x.html').exists()
+
+
+def test_the_protocol_is_refused_before_any_work_with_what_to_do(place):
+    """The input is not even looked at."""
+    said = done(place, 'analyze', 'nowhere.csv', *NORMS, '--report', 'folder.d/x.html').stderr
+    assert said == (
+        'heading-intercompare: error: folder.d/x.html: the protocol needs Jinja2 and matplotlib: '
+        "pip install 'heading_intercompare[report]' (or apt: python3-jinja2 python3-matplotlib); "
+        "folder.d/x.json needs neither [No module named 'jinja2']\n")
+
+
+def test_a_serial_line_says_what_it_needs(place):
+    pytest.importorskip('rclpy')
+    ended = done(place, 'live', '--config', 'live.yaml', '--quiet', '-o', 'live', absent=EXTRAS)
+    assert ended.returncode == 2 and ended.stdout == ''
+    assert ended.stderr.splitlines()[-1] == (
+        'heading-intercompare: error: serial:/dev/null needs pyserial: install python3-serial or '
+        'pip install pyserial')
+    assert 'Traceback' not in ended.stderr
+
+
+def test_the_verdict_is_the_same_with_and_without_extras(place):
+    ours = done(place, 'analyze', 'pairs.csv', *NORMS, '--json', '-').stdout
+    theirs = subprocess.run([sys.executable, '-m', 'heading_intercompare', 'analyze', 'pairs.csv',
+                             *NORMS, '--json', '-'], cwd=place, text=True, check=True,
+                            stdout=subprocess.PIPE, timeout=300, env={
+                                **os.environ, 'PYTHONPATH': os.pathsep.join(sys.path)}).stdout
+    assert json.loads(ours) == json.loads(theirs)
