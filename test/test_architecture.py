@@ -92,6 +92,7 @@ TESTS_OF_SEVERAL = {
     'messages/test_against_rclpy',
     'nodes/test_graph_processes', 'nodes/test_launch', 'nodes/test_real_logs_over_udp',
     'nodes/test_recorder_process', 'nodes/test_soak',
+    'report/test_in_browser',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_equations',
     'test_examples', 'test_packaging', 'test_settings', 'test_site',
 }
