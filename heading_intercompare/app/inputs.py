@@ -18,7 +18,7 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
-from heading_intercompare.core.pairing.pending_readings import is_rising
+from heading_intercompare.core.pairing.stamp_jumps import Decided, JumpFilter
 from heading_intercompare.core.pipeline import Compliance, Intercomparison
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
@@ -102,29 +102,38 @@ def _analyze_csv(path: str, name: str, settings: Settings,
                  start_digest: Callable[[], None]) -> tuple[list[RunResult], list[str], Ledger]:
     compliance = Compliance(settings, source=name, table=runs)
     ledger = Ledger()
-    n, newest_ns = 0, None
+    jumps = JumpFilter('ts', settings.pairing.jump_s, Pairs.empty())
+    n = 0
+
+    def judge(decided: Decided[Pairs]) -> None:
+        _book_rows(decided, ledger)
+        compliance.update(decided.accepted)
+        for take in takers:
+            take(decided.accepted)
     for pairs in read_pairs_csv(path):
         n += len(pairs)
         ledger.receive('ts', pairs.stamp_ns)
         ledger.receive('rs', pairs.stamp_ns)
-        rises = is_rising(pairs.stamp_ns, newest_ns)
-        for stream in ('ts', 'rs'):
-            ledger.add(LedgerKey.of_rejected(stream, 'stamp_not_increasing'),
-                       pairs.stamp_ns[~rises])
-        pairs = pairs[rises]
-        for key in (LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED):
-            ledger.add(key, pairs.stamp_ns)
-        if len(pairs):
-            newest_ns = int(pairs.stamp_ns[-1])
-        compliance.update(pairs)
-        for take in takers:
-            take(pairs)
+        judge(jumps.take(pairs))
         progress(f'{n:,} pairs')
     start_digest()
+    judge(jumps.end())
+    # A row has one stamp for both sensors.
+    ledger.set_backs = {stream: [replace(one, stream=stream) for one in jumps.set_backs]
+                        for stream in ('ts', 'rs')}
     compliance.finish()
     for cut_ns in compliance.cuts:
         ledger.cut(cut_ns)
     return compliance.results(ledger), [], ledger
+
+
+def _book_rows(decided: Decided[Pairs], ledger: Ledger) -> None:
+    """Enter the rows of a csv, which are pairs already."""
+    for reason, stamps in (('stamp_not_increasing', decided.late_ns), ('jump', decided.jumped_ns)):
+        for stream in ('ts', 'rs'):
+            ledger.add(LedgerKey.of_rejected(stream, reason), stamps)
+    for key in (LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED):
+        ledger.add(key, decided.accepted.stamp_ns)
 
 
 def _analyze_bag(reader: BagReader, name: str, settings: Settings,

@@ -77,7 +77,8 @@ def _judge_again(ts: Headings, rs: Headings, result: RunResult, settings: Settin
         return _note_alignment(result, found,
                                'not_aligned: with the skew removed the run no longer pairs as one '
                                'run; it is judged with its stamps unchanged')
-    return _note_alignment(now[0], found, f'aligned: {skew_s:.3f} s are subtracted from the TS '
+    again = now[0] if now[0].set_backs else now[0].with_set_backs(result.set_backs)
+    return _note_alignment(again, found, f'aligned: {skew_s:.3f} s are subtracted from the TS '
                            f'stamps; without this the outcome was {result.verdict.outcome}')
 
 

@@ -12,6 +12,7 @@ from heading_intercompare.core.decision.sequential import find_standing, Look, L
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pairing.pairer import Pairer
+from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.runs.growing_columns import Keep
 from heading_intercompare.core.runs.live_figures import compute_figures
 from heading_intercompare.core.runs.rolling_window import Rolling
@@ -187,16 +188,19 @@ class Compliance:
             shares = [LedgerSegment(cut_ns, dict.fromkeys(keys, r.verdict.n_input))
                       for r, cut_ns in self._finished]
             inside = shares
+            set_backs: list[tuple[SetBack, ...]] = [()] * len(results)
         else:
             # The run in progress also has a share, though it is not among the results yet.
             in_progress = [] if self._run is None else [self._run.cut_ns]
             shares = ledger.shares([*self.cuts, *in_progress])
+            set_backs = ledger.share_set_backs([*self.cuts, *in_progress])
             inside = [ledger.count_between(cut_ns, r.verdict.end_ns)
                       for r, cut_ns in self._finished]
         short = (f'{self._n_short} pieces shorter than runs.min_duration_s were left out',) \
             if self._n_short else ()
-        return [r.with_pairing(share, within, short if at == 0 else ())
-                for at, (r, share, within) in enumerate(zip(results, shares, inside))]
+        return [r.with_pairing(share, within, short if at == 0 else ()).with_set_backs(steps)
+                for at, (r, share, within, steps) in enumerate(
+                    zip(results, shares, inside, set_backs))]
 
     def verdict(self, ledger: Ledger | None = None,
                 inputs: Iterable[Input] = ()) -> Verdict:

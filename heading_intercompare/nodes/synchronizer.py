@@ -13,6 +13,7 @@ from geometry_msgs.msg import TwistStamped
 from rclpy.node import Node
 
 from heading_intercompare.core.pairing.pairer import Pairer
+from heading_intercompare.core.pairing.pairing_watch import PairingWatch
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import pair_messages, read_headings
@@ -53,6 +54,7 @@ class Synchronizer(Node):
         settings, taking, self._own = declare(self, Settings, Taking, SynchronizerNode)
         self.ended = False
         self._pairer = Pairer(settings)
+        self._watch = PairingWatch(settings.pairing)
         self._health = Health(self)
         self._pairs = self.create_publisher(TwistStamped, 'pairs', qos.PAIRS,
                                             event_callbacks=self._health.of_publisher('pairs'))
@@ -105,11 +107,14 @@ class Synchronizer(Node):
         return headings
 
     def _beat(self) -> None:
-        self._ledger.publish(encode_ledger(self._pairer.ledger, final=self.ended))
-        counts = self._pairer.ledger.total.counts
-        rejected = sum(n for key, n in counts.items() if 'rejected' in key)
-        self._health.note('pairing', WARN if rejected else OK,
-                          f'{rejected} readings rejected' if rejected else 'pairing', **counts)
+        ledger = self._pairer.ledger
+        self._ledger.publish(encode_ledger(ledger, final=self.ended))
+        state = self._watch.look(ledger, *self._pairer.heard_ns, time.monotonic())
+        troubles = [state.trouble, *ledger.troubles]
+        self._health.note('pairing', WARN if any(troubles) else OK,
+                          '; '.join(filter(None, troubles)) or 'pairing',
+                          paired_share=state.paired_share, offset_s=state.offset_s,
+                          **ledger.total.counts)
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
         for kind, stamp_ns in marks:

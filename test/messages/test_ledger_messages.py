@@ -7,6 +7,7 @@ from __future__ import annotations
 import pytest
 
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment, REASONS
+from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.ledger_messages import decode_ledger, encode_ledger
 from heading_intercompare.messages.status_messages import (
@@ -37,6 +38,25 @@ def test_a_ledger_arrives_as_it_was(first, others, newest_ns, final):
     assert back.segments == segments
     assert (back.newest_ns, said_final) == (newest_ns, final)
     assert back.paired == ledger.paired
+
+
+def test_clocks_that_were_set_back_arrive_with_their_ledger():
+    steps = [SetBack('ts', 5, 3600), SetBack('ts', 9, 1), SetBack('rs', 7, 2)]
+    ledger = Ledger.from_segments([LedgerSegment(None), LedgerSegment(6), LedgerSegment(8)], 9,
+                                  steps)
+    back, _ = decode_ledger(encode_ledger(ledger))
+    assert back.set_backs == ledger.set_backs
+    assert back.segments == ledger.segments
+    assert back.share_set_backs([1, 6, 8]) == [(steps[0],), (steps[2],), (steps[1],)]
+    assert back.share_set_backs([6, 100]) == [tuple(steps), ()]
+
+
+@pytest.mark.parametrize('values, why', [
+    ({'stream': 'x', 'stamp_ns': 1, 'size_ns': 1}, "stream = 'x' must be 'ts' or 'rs'"),
+    ({'stream': 'ts', 'size_ns': 1}, "stamp_ns = '' must be an integer")])
+def test_a_set_back_that_cannot_be_read_is_refused(values, why):
+    with pytest.raises(MessageError, match=f'ledger: {why}'):
+        decode_ledger(encode_statuses(1, [Status('clock set back 0', OK, '', values)]))
 
 
 def test_a_ledger_of_nothing_arrives_as_it_was():

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import QuaternionStamped, TwistStamped
 import numpy as np
 import pytest
@@ -111,10 +111,10 @@ def test_a_burst_of_pairs_does_not_overrun_who_takes_them(ros, rng):
 
 def test_a_reading_without_a_partner_is_given_up_after_the_wait(ros, rng):
     _, sensors, _, ledgers = graph(ros, pairing__max_wait_s=0.2)
-    send(sensors[0], stream(rng, 10.0, 1.0))
-    # The last two of ten are less than 0.2 s older than what came last.
+    send(sensors[0], stream(rng, 10.0, 2.0))
+    # The last two of twenty are less than 0.2 s older than what came last.
     ros.spin_until(lambda: ledgers and ledger_from(ledgers[-1])[0].total.counts.get(
-        'ts_unpaired') == 8)
+        'ts_unpaired') == 18)
 
 
 def test_the_ledger_comes_every_second_and_its_last_one_is_final(ros, rng):
@@ -172,10 +172,12 @@ def test_the_convention_of_an_input_is_honoured(ros):
     ros.ours(Synchronizer, ts_topic='compass', ts_convention='ned',
              pairing__method='interpolate')
     ros.spin_until(lambda: all(p.get_subscription_count() == 1 for p in (ts, rs)))
-    north_ned = QuaternionStamped()
-    north_ned.header.stamp.sec = 100
-    ts.publish(north_ned)
-    send(rs, Headings.of([100 * 10 ** 9], [1.0]))
+    # The first second of a stream is held.
+    for second in (100, 101, 102):
+        north_ned = QuaternionStamped()
+        north_ned.header.stamp.sec = second
+        ts.publish(north_ned)
+        send(rs, Headings.of([second * 10 ** 9], [1.0]))
     ros.spin_until(lambda: pairs)
     assert pairs_from(pairs).ts_deg[0] == pytest.approx(0.0)
     assert pairs_from(pairs).rs_deg[0] == pytest.approx(1.0)
@@ -184,6 +186,104 @@ def test_the_convention_of_an_input_is_honoured(ros):
 def test_a_wrong_setting_ends_the_node_before_it_begins(ros):
     with pytest.raises(SettingsError, match='unknown parameter'):
         ros.ours(Synchronizer, tolerance_s=0.1)
+
+
+def pairing_states(ros):
+    """Return a function that gives level, words and figures of the part `pairing`, newest last."""
+    heard = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    return lambda: [(s.level, s.message, {v.key: v.value for v in s.values}) for m in heard
+                    for s in m.status if s.name == 'synchronizer: pairing']
+
+
+@pytest.mark.parametrize('who', [0, 1])
+@pytest.mark.parametrize('rows', [[122], [0], [200, 201]])
+def test_a_stamp_an_hour_ahead_costs_only_its_reading(ros, rng, who, rows):
+    """Of 400 readings 399 are used, and the pairs are those of the recording."""
+    node, sensors, pairs, ledgers = graph(ros, pairing__method='interpolate')
+    both = [stream(rng, 10.0, 40.0), stream(rng, 10.0, 40.0)]
+    stamps = both[who].stamp_ns.copy()
+    stamps[rows] += 3600 * 10 ** 9
+    both[who] = Headings.of(stamps, both[who].heading_deg)
+    for lo in range(0, 400, 20):
+        for sensor, headings in zip(sensors, both):
+            send(sensor, headings[lo:lo + 20])
+        ros.spin_until(lambda lo=lo: node._pairer.ledger.total.received('rs') == lo + 20
+                       == node._pairer.ledger.total.received('ts'))
+    ledger = finish(ros, node, sensors, ledgers)
+    expected, pure = pair(*map(arrived, both), Settings.from_mapping(
+        {'pairing.method': 'interpolate'}))
+    ros.spin_until(lambda: len(pairs) >= len(expected))
+    assert pairs_from(pairs) == expected
+    assert ledger.segments == pure.segments
+    rejected = ledger.total.rejected(('ts', 'rs')[who])
+    assert rejected == {'jump': len(rows)} and len(expected) >= 400 - len(rows)
+
+
+def test_a_ts_clock_an_hour_off_is_told_in_words(ros, rng):
+    states = pairing_states(ros)
+    _, sensors, _, _ = graph(ros, pairing__max_wait_s=0.2)
+    hour_ns = 3600 * 10 ** 9
+    both = stream(rng, 10.0, 60.0, hour_ns), stream(rng, 10.0, 60.0)
+    sent = [0]
+
+    def told():
+        if sent[0] < 600 and ros.executor.spin_once(0.02) is None:
+            for sensor, headings in zip(sensors, both):
+                send(sensor, headings[sent[0]:sent[0] + 2])
+            sent[0] += 2
+        return any(words.startswith(
+            'the stamps of TS and RS lie 3600.0 s apart: nothing can be paired')
+            for _, words, _ in states())
+    ros.spin_until(told)
+    level, _, figures = states()[-1]
+    assert level == DiagnosticStatus.WARN
+    assert float(figures['paired_share']) == 0.0
+    assert float(figures['offset_s']) == pytest.approx(3600.0, abs=1.0)
+
+
+def test_a_sound_pairing_shows_its_share_and_offset(ros, rng):
+    states = pairing_states(ros)
+    _, sensors, _, _ = graph(ros, pairing__method='interpolate')
+    for sensor in sensors:
+        send(sensor, stream(rng, 10.0, 20.0))
+    ros.spin_until(lambda: any('paired_share' in f for _, _, f in states()))
+    level, words, figures = next(state for state in states() if 'paired_share' in state[2])
+    assert (level, words) == (DiagnosticStatus.OK, 'pairing')
+    assert float(figures['offset_s']) == 0.0
+
+
+def test_readings_held_for_a_jump_are_pending_and_do_not_let_others_expire(ros, rng):
+    """After a silence of 2 h the TS is held for a second of stamps; the RS waits for it."""
+    node, sensors, pairs, ledgers = graph(ros, pairing__method='interpolate',
+                                          pairing__max_wait_s=1.0)
+    before = stream(rng, 10.0, 5.0)
+    after = stream(rng, 10.0, 5.0, 7200 * 10 ** 9)
+    for sensor in sensors:
+        send(sensor, before)
+        send(sensor, after[:8])
+    ros.spin_until(lambda: ledgers and ledger_from(ledgers[-1])[0].total.counts.get(
+        'ts_pending', 0) >= 8)
+    for sensor in sensors:
+        send(sensor, after[8:])
+    ros.spin_until(lambda: len(pairs) == 100)
+    ledger = finish(ros, node, sensors, ledgers)
+    assert ledger.total.counts == {'paired': 100, 'ts_paired': 100, 'rs_used': 100}
+
+
+def test_a_clock_set_back_is_told_in_words_and_in_the_ledger(ros, rng):
+    states = pairing_states(ros)
+    node, sensors, _, ledgers = graph(ros, pairing__method='interpolate')
+    for sensor in sensors:
+        send(sensor, stream(rng, 10.0, 20.0))
+        send(sensor, stream(rng, 10.0, 20.0, -3580 * 10 ** 9))
+    words = ('the clock of the TS was set back by 3600.0 s at 2023-11-14 22:13:39.900 UTC; the '
+             'clock of the RS was set back by 3600.0 s at 2023-11-14 22:13:39.900 UTC; 400 '
+             'readings rejected')
+    ros.spin_until(lambda: any(said == words for _, said, _ in states()))
+    ledger = finish(ros, node, sensors, ledgers)
+    assert [(one.stream, one.size_ns) for steps in ledger.set_backs.values()
+            for one in steps] == [('ts', 3600 * 10 ** 9), ('rs', 3600 * 10 ** 9)]
+    assert ledger.total.rejected('ts') == {'jump': 200}
 
 
 def big_endian(message):

@@ -12,7 +12,8 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'ensembles': ('Ensembles', 'Ensembling'),
     'ledger': ('Ledger', 'LedgerKey', 'LedgerSegment', 'REASONS'),
     'pairer': ('pair', 'Pairer'),
-    'pending_readings': ('is_rising',),
+    'pairing_watch': ('PairingState', 'PairingWatch'),
+    'stamp_jumps': ('is_rising', 'JumpFilter', 'SetBack'),
 })
 
 if TYPE_CHECKING:
@@ -27,4 +28,5 @@ if TYPE_CHECKING:
         REASONS as REASONS,
     )
     from .pairer import pair as pair, Pairer as Pairer
-    from .pending_readings import is_rising as is_rising
+    from .pairing_watch import PairingState as PairingState, PairingWatch as PairingWatch
+    from .stamp_jumps import is_rising as is_rising, JumpFilter as JumpFilter, SetBack as SetBack

@@ -12,14 +12,16 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Iterable, Mapping
+from typing import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .stamp_jumps import SetBack
+
 __all__ = ['Ledger', 'LedgerKey', 'LedgerSegment', 'REASONS']
 
-REASONS = ('invalid', 'out_of_range', 'no_stamp', 'stamp_not_increasing')
+REASONS = ('invalid', 'out_of_range', 'no_stamp', 'stamp_not_increasing', 'jump')
 """Reasons to reject a reading before pairing."""
 
 
@@ -41,6 +43,7 @@ class LedgerKey(str, Enum):
     TS_OUT_OF_RANGE = 'ts_rejected.out_of_range'
     TS_NO_STAMP = 'ts_rejected.no_stamp'
     TS_STAMP_NOT_INCREASING = 'ts_rejected.stamp_not_increasing'
+    TS_JUMP = 'ts_rejected.jump'
     RS_USED = 'rs_used'
     RS_UNUSED = 'rs_unused'
     RS_PENDING = 'rs_pending'
@@ -48,6 +51,7 @@ class LedgerKey(str, Enum):
     RS_OUT_OF_RANGE = 'rs_rejected.out_of_range'
     RS_NO_STAMP = 'rs_rejected.no_stamp'
     RS_STAMP_NOT_INCREASING = 'rs_rejected.stamp_not_increasing'
+    RS_JUMP = 'rs_rejected.jump'
 
     def __str__(self) -> str:
         return self.value
@@ -123,6 +127,14 @@ class Ledger:
 
     `add` counts, `cut` opens a segment, and `settle` gives the stamp up to which no more readings
     will come. Up to there the ledger can forget single stamps, so its memory does not grow.
+
+    Attributes
+    ----------
+    newest_ns : int or None
+        Newest stamp received.
+    set_backs : dict of str to sequence of SetBack
+        For each sensor, the times at which its clock was set back.
+
     """
 
     def __init__(self) -> None:
@@ -131,6 +143,7 @@ class Ledger:
         self._recent: dict[LedgerKey, list[np.ndarray]] = {}
         self._received: Counter[str] = Counter()
         self._pending: Counter[LedgerKey] = Counter()
+        self.set_backs: dict[str, Sequence[SetBack]] = {}
         self.newest_ns: int | None = None
 
     def receive(self, stream: str, stamp_ns: np.ndarray) -> None:
@@ -189,9 +202,12 @@ class Ledger:
 
     @classmethod
     def from_segments(cls, segments: Iterable[LedgerSegment],
-                      newest_ns: int | None = None) -> 'Ledger':
+                      newest_ns: int | None = None,
+                      set_backs: Iterable[SetBack] = ()) -> 'Ledger':
         """Return a ledger that holds these segments, taken from the `segments` of another."""
         ledger = cls()
+        for one in set_backs:
+            ledger.set_backs[one.stream] = (*ledger.set_backs.get(one.stream, ()), one)
         segments = list(segments)
         if segments:
             ledger._starts = np.array([s.start_ns for s in segments[1:]], np.int64)
@@ -208,6 +224,14 @@ class Ledger:
         for segment in self.segments:
             total.update(segment.counts)
         return LedgerSegment(None, dict(sorted(total.items())))
+
+    @property
+    def troubles(self) -> list[str]:
+        """In words: the last time that each clock was set back, and the readings rejected."""
+        said = [str(steps[-1]) for steps in self.set_backs.values() if steps]
+        total = self.total
+        rejected = sum(sum(total.rejected(stream).values()) for stream in ('ts', 'rs'))
+        return [*said, f'{rejected} readings rejected'] if rejected else said
 
     @property
     def paired(self) -> int:
@@ -251,3 +275,13 @@ class Ledger:
                 at = max(0, int(np.searchsorted(starts, segment.start_ns, side='right')) - 1)
             shares[at].update(segment.counts)
         return [LedgerSegment(int(s), dict(c)) for s, c in zip(starts.tolist(), shares)]
+
+    def share_set_backs(self, start_ns: ArrayLike) -> list[tuple[SetBack, ...]]:
+        """Divide the set backs of the clocks among runs in the way of `shares`."""
+        starts = np.asarray(start_ns, dtype=np.int64)
+        shares: list[list[SetBack]] = [[] for _ in range(max(1, len(starts)))]
+        for stream in ('ts', 'rs'):
+            for one in self.set_backs.get(stream, ()):
+                at = int(np.searchsorted(starts, one.stamp_ns, side='right')) - 1
+                shares[max(0, at)].append(one)
+        return [tuple(share) for share in shares]

@@ -17,7 +17,8 @@ from heading_intercompare.core.settings import Settings
 
 from .direction import Direction
 from .ledger import Ledger, LedgerKey
-from .pending_readings import BRACKET, NEVER, PAIRED, Stream
+from .pending_readings import BRACKET, PAIRED, Stream
+from .stamp_jumps import NEVER
 
 __all__ = ['pair', 'Pairer']
 
@@ -48,7 +49,9 @@ class Pairer:
     ``nearest``: pairs a TS and an RS reading if each is the nearest to the other (ties go to the
     earlier one) and they are at most `pairing.tolerance_s` apart.
 
-    A reading whose stamp does not increase within its stream is rejected; the first is kept.
+    A reading whose stamp does not increase within its stream is rejected; the first is kept. One
+    whose stamp jumps waits until later stamps decide (`stamp_jumps.JumpFilter`), and counts as
+    pending.
 
     """
 
@@ -61,8 +64,8 @@ class Pairer:
         self._max_wait_s = rule.max_wait_s
         self._max_wait_ns = round(rule.max_wait_s * 1e9)
         self._run_gap_ns = round(settings.runs.gap_s * 1e9)
-        self._ts = Stream('ts', round(settings.alignment.skew_s * 1e9), self.ledger)
-        self._rs = Stream('rs', 0, self.ledger)
+        self._ts = Stream('ts', round(settings.alignment.skew_s * 1e9), rule.jump_s, self.ledger)
+        self._rs = Stream('rs', 0, rule.jump_s, self.ledger)
         self._direction = Direction(rule, self._run_gap_ns) if rule.method == 'auto' else None
         self._at, self._of = self._ts, self._rs
         if rule.method == 'interpolate_ts':
@@ -94,17 +97,22 @@ class Pairer:
         came_s = np.nan if now_s is None else now_s
         for stream, headings in ((self._ts, ts), (self._rs, rs)):
             if headings is not None and len(headings):
-                stamp_ns = stream.take(headings, came_s)
-                if self._direction and len(stamp_ns):
-                    self._direction.note(stream.name, stamp_ns)
+                self._note(stream, stream.take(headings, came_s))
         pairs = self._pair(end=False)
         if now_s is not None:
             self._expire(now_s - self._max_wait_s)
         self._forget()
         return pairs
 
+    @property
+    def heard_ns(self) -> tuple[int | None, int | None]:
+        """Stamps of the last readings of the TS and of the RS; None before the first."""
+        return self._ts.heard_ns, self._rs.heard_ns
+
     def flush(self) -> Pairs:
         """End both streams: decide all waiting readings and return the last pairs."""
+        for stream in (self._ts, self._rs):
+            self._note(stream, stream.end())
         pairs = self._pair(end=True)
         for stream in (self._ts, self._rs):
             stream.release(len(stream))
@@ -112,6 +120,10 @@ class Pairer:
             self.ledger.cut(self._last_pair_ns + 1)
         self._forget()
         return pairs
+
+    def _note(self, stream: Stream, stamp_ns: np.ndarray) -> None:
+        if self._direction and len(stamp_ns):
+            self._direction.note(stream.name, stamp_ns)
 
     def _pair(self, end: bool) -> Pairs:
         """Return the pairs that are decided, stretch by stretch."""
@@ -220,9 +232,10 @@ class Pairer:
         for stream, other in ((self._ts, self._rs), (self._rs, self._ts)):
             late = (stream.came_s < before_s) & (stream.stamp_ns <= before_ns)
             if self._method != 'nearest' or stream is self._rs:
-                # Readings up to the newest one of the other sensor wait only for a choice, and so
-                # does the reading that closes the last bracket.
-                come = int(np.searchsorted(stream.stamp_ns, other.last_ns, side='right'))
+                # Readings up to the newest one of the other sensor wait only for a choice or for
+                # a held stamp, and so does the reading that closes the last bracket.
+                reach_ns = other.reach_ns(before_s)
+                come = int(np.searchsorted(stream.stamp_ns, reach_ns, side='right'))
                 late[:come + 1 if is_open and come else come] = False
             given_up = np.flatnonzero(late)
             if given_up.size:
@@ -242,8 +255,8 @@ class Pairer:
             if limit_ns is not None:
                 oldest = min(oldest, limit_ns)
             of.release(max(0, int(np.searchsorted(of.stamp_ns, oldest, side='right')) - 1))
-        self.ledger.set_pending('ts', len(self._ts))
-        self.ledger.set_pending('rs', len(self._rs))
+        for stream in (self._ts, self._rs):
+            self.ledger.set_pending(stream.name, stream.pending)
         if self._last_settled_ns != NEVER:
             # Readings dropped after the last pair belong to no run: cut before folding them.
             if (self._last_pair_ns is not None

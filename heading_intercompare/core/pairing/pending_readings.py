@@ -10,11 +10,9 @@ from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings
 
 from .ledger import Ledger, LedgerKey
+from .stamp_jumps import Decided, JumpFilter, NEVER
 
-__all__ = ['BRACKET', 'is_rising', 'NEVER', 'PAIRED', 'Stream']
-
-NEVER = np.iinfo(np.int64).min
-"""A stamp before all others."""
+__all__ = ['BRACKET', 'PAIRED', 'Stream']
 
 BRACKET, PAIRED = 1, 2
 """How a reading was used: 0 is not at all; use in a pair outranks use in a bracket."""
@@ -23,35 +21,14 @@ _KEYS = {'ts': (LedgerKey.TS_UNPAIRED, LedgerKey.TS_USED, LedgerKey.TS_PAIRED),
          'rs': (LedgerKey.RS_UNUSED, LedgerKey.RS_USED, LedgerKey.RS_USED)}
 
 
-def is_rising(stamp_ns: np.ndarray, newest_ns: int | None = None) -> np.ndarray:
-    """
-    Tell which stamps are greater than all earlier ones; the others must be rejected.
-
-    Parameters
-    ----------
-    stamp_ns : ndarray of int64, shape (n,)
-        Stamps in order of arrival, nanoseconds.
-    newest_ns : int, optional
-        Largest stamp accepted so far.
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-
-    Examples
-    --------
-    >>> is_rising(np.array([3, 3, 2, 4]), 1).tolist()
-    [True, False, False, True]
-
-    """
-    before = np.concatenate(([NEVER if newest_ns is None else newest_ns], stamp_ns[:-1]))
-    return stamp_ns > np.maximum.accumulate(before)[:len(stamp_ns)]
-
-
 class Stream:
-    """The accepted readings of one sensor that may still be needed, with arrival times."""
+    """
+    The accepted readings of one sensor that may still be needed, with arrival times.
 
-    def __init__(self, name: str, shift_ns: int, ledger: Ledger) -> None:
+    Readings whose stamps jump are held until later stamps decide, see `JumpFilter`.
+    """
+
+    def __init__(self, name: str, shift_ns: int, jump_s: float, ledger: Ledger) -> None:
         self.name = name
         self.shift_ns = shift_ns
         self.ledger = ledger
@@ -62,6 +39,9 @@ class Stream:
         self.role = np.empty(0, np.uint8)
         self.broken = np.empty(0, bool)
         self._lost = False
+        self._jumps = JumpFilter(name, jump_s, Headings.empty())
+        self._heard_s = -np.inf
+        self.heard_ns: int | None = None
 
     def __len__(self) -> int:
         return len(self.stamp_ns)
@@ -71,16 +51,24 @@ class Stream:
         stamp: np.ndarray = headings.stamp_ns
         heading = headings.heading_deg
         self.ledger.receive(self.name, stamp)
+        self.heard_ns = int(stamp[-1]) - self.shift_ns
         good = self._reject('no_stamp', stamp > 0, stamp)
         good = self._reject('invalid', np.isfinite(heading), stamp, good)
         good = self._reject('out_of_range', (heading >= 0.0) & (heading <= 360.0), stamp, good)
-        stamp, heading = stamp[good] - self.shift_ns, heading[good]
-        if stamp.size:
-            rises = is_rising(stamp, self.last_ns)
-            if not rises.all():
-                self.ledger.add(LedgerKey.of_rejected(self.name, 'stamp_not_increasing'),
-                                stamp[~rises])
-                stamp, heading = stamp[rises], heading[rises]
+        self._heard_s = now_s
+        return self._accept(self._jumps.take(
+            Headings(stamp[good] - self.shift_ns, heading[good])), now_s)
+
+    def end(self) -> np.ndarray:
+        """Decide the held readings at the end of the stream; return the stamps of those kept."""
+        return self._accept(self._jumps.end(), np.nan)
+
+    def _accept(self, decided: Decided[Headings], now_s: float) -> np.ndarray:
+        for reason, stamps in (('stamp_not_increasing', decided.late_ns),
+                               ('jump', decided.jumped_ns)):
+            self.ledger.add(LedgerKey.of_rejected(self.name, reason), stamps)
+        self.ledger.set_backs[self.name] = self._jumps.set_backs
+        stamp, heading = decided.accepted.stamp_ns, decided.accepted.heading_deg
         if stamp.size:
             self.last_ns = int(stamp[-1])
             self.stamp_ns = np.concatenate((self.stamp_ns, stamp))
@@ -91,6 +79,15 @@ class Stream:
             broken[0], self._lost = self._lost, False
             self.broken = np.concatenate((self.broken, broken))
         return stamp
+
+    @property
+    def pending(self) -> int:
+        """Number of readings that wait for a partner, or for later stamps to confirm theirs."""
+        return len(self) + len(self._jumps)
+
+    def reach_ns(self, since_s: float) -> int:
+        """Return the newest stamp, also of readings held, if the sensor has been heard since."""
+        return max(self.last_ns, self._jumps.held_ns) if self._heard_s >= since_s else self.last_ns
 
     def _reject(self, reason: str, passes: np.ndarray, stamp: np.ndarray,
                 among: np.ndarray | None = None) -> np.ndarray:

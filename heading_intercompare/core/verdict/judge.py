@@ -29,6 +29,7 @@ from heading_intercompare.core.diagnostics.run_diagnostics import (
 from heading_intercompare.core.diagnostics.run_findings import describe_drift, left_in_deg2
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerSegment
+from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.records import Integers, Reals
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Risk, Settings
@@ -44,7 +45,7 @@ from .conclusion import ALL_REASONS, conclude, effect_with_looks, with_findings,
 from .headline import add_looks, compose_headline
 from .losses import find_losses
 from .prepare import HIGHEST_ORDER_REMOVED, prepare_run, PreparedRun
-from .validity import examine, Examined, Finding, VOID
+from .validity import add_set_backs, examine, Examined, Finding, VOID
 from .verdict_document import Campaign, PairingFigures, RunVerdict
 
 __all__ = ['compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult']
@@ -60,6 +61,7 @@ class RunResult:
     printed: Printed
     alone: tuple[Outcome, str]
     settings: Settings
+    set_backs: tuple[SetBack, ...] = ()
 
     def with_pairing(self, share: LedgerSegment, inside: LedgerSegment,
                      warnings: Sequence[str] = ()) -> 'RunResult':
@@ -84,6 +86,15 @@ class RunResult:
         return replace(self, verdict=_conclude(
             verdict, self.alone, (*(f for f in verdict.validity if f.condition != 'losses'),
                                   find_losses(verdict, share, inside, self.settings))))
+
+    def with_set_backs(self, set_backs: Sequence[SetBack]) -> 'RunResult':
+        """Return the result with the finding on the clocks that were set back, if any."""
+        if not set_backs:
+            return self
+        findings = [add_set_backs(f, set_backs) if f.condition == 'clocks' else f
+                    for f in self.verdict.validity]
+        return replace(self, set_backs=tuple(set_backs),
+                       verdict=_conclude(self.verdict, self.alone, findings))
 
     def place_among(self, run: int, runs: Homogeneity) -> 'RunResult':
         """Return the result with its number among the runs, and with (g) judged from all runs."""

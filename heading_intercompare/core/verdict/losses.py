@@ -50,10 +50,10 @@ def _ledger_shares(run: RunVerdict, share: LedgerSegment, inside: LedgerSegment,
     counts = inside.counts
     received = {stream: inside.received(stream) for stream in ('ts', 'rs')}
     for stream, n in received.items():
-        # After a stamp from the future no later reading is paired. The run ends there, although
-        # readings keep coming.
-        late = LedgerKey.of_rejected(stream, 'stamp_not_increasing')
-        after = share.counts.get(late, 0) - counts.get(late, 0)
+        # After a clock was set back no later reading is paired until it has caught up. The run
+        # ends there, although readings keep coming.
+        late = [LedgerKey.of_rejected(stream, why) for why in ('stamp_not_increasing', 'jump')]
+        after = sum(share.counts.get(key, 0) - counts.get(key, 0) for key in late)
         if n + after:
             rejected = sum(inside.rejected(stream).values())
             yield f'of the {stream.upper()} rejected', (rejected + after) / (n + after)

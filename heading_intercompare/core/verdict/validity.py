@@ -11,13 +11,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Callable, Iterable
+from typing import Callable, Iterable, Sequence
 
 import numpy as np
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.diagnostics.run_diagnostics import Diagnostics
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.records import Reals
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.timing.clock_drift import ClockDrift
@@ -25,8 +26,8 @@ from heading_intercompare.core.timing.realignment import realign
 
 from .prepare import PreparedRun
 
-__all__ = ['CONDITIONS', 'DOUBTFUL', 'examine', 'Examined', 'Finding', 'gravest', 'HOLDS',
-           'is_doubtful', 'NOT_TESTABLE', 'VOID', 'VOID_REASONS', 'worst_effect']
+__all__ = ['add_set_backs', 'CONDITIONS', 'DOUBTFUL', 'examine', 'Examined', 'Finding', 'gravest',
+           'HOLDS', 'is_doubtful', 'NOT_TESTABLE', 'VOID', 'VOID_REASONS', 'worst_effect']
 
 HOLDS, NOT_TESTABLE, DOUBTFUL, VOID = 'holds', 'not_testable', 'doubtful', 'void'
 
@@ -62,6 +63,7 @@ LARGE_SIGMAS = 3.0
 """A mean difference above this multiple of sigma_max is doubtful."""
 
 _YAWED_DEG = 5.0
+_MOST_NAMED = 3
 
 COVERED_SIGMAS = 3.0
 """A stated installation angle explains a mean difference within this many of its standard
@@ -309,6 +311,29 @@ def _judge_clocks(e: Examined) -> Finding:
         return Finding('clocks', HOLDS, '', figures)
     words = f'a skew of {estimate.skew_s:.2f} s decides, without it'
     return _weigh_skew(e, estimate.skew_s, words, figures)
+
+
+def add_set_backs(finding: Finding, set_backs: Sequence[SetBack]) -> Finding:
+    """
+    Return the finding on the clocks with those that were set back.
+
+    Parameters
+    ----------
+    finding : Finding
+        The finding of `examine` on the condition `clocks`.
+    set_backs : sequence of SetBack
+        At least one, all within the run.
+
+    """
+    each = [str(one) for one in set_backs]
+    if len(each) > _MOST_NAMED:
+        each[_MOST_NAMED:] = [f'clocks were set back {len(each)} times in all']
+    evidence = '; '.join((*each, 'readings with the repeated times are rejected',
+                          finding.evidence))
+    if finding.effect == VOID:
+        return Finding('clocks', VOID, finding.words, evidence)
+    words = '; '.join(filter(None, (*each, finding.words)))
+    return Finding('clocks', DOUBTFUL, words, evidence)
 
 
 def _describe_unsteady(clock: ClockDrift, data: PreparedRun) -> tuple[str, str]:

@@ -42,7 +42,7 @@ __all__ = ['Campaign', 'Input', 'make_plain', 'OperatorNote', 'PairingFigures', 
            'RunVerdict', 'SCHEMA', 'SCHEMA_VERSION', 'Software', 'Verdict', 'VerdictError']
 
 _SCHEMA = 'heading_intercompare/verdict/'
-SCHEMA_VERSION = '2.1'
+SCHEMA_VERSION = '2.2'
 """
 Major and minor version of the mapping.
 

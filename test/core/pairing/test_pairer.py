@@ -22,10 +22,11 @@ S = 1_000_000_000
 METHODS = ['auto', 'interpolate', 'interpolate_ts', 'nearest']
 
 
-def rules(method='interpolate', **more):
+def rules(method='interpolate', jump_s=100.0, **more):
+    """Return settings; no step of the short streams here is a jump."""
     names = {'gap_s': 'runs.gap_s', 'skew_s': 'alignment.skew_s'}
     mapping = {names.get(k, f'pairing.{k}'): v for k, v in more.items()}
-    return Settings.from_mapping({'pairing.method': method, **mapping})
+    return Settings.from_mapping({'pairing.method': method, 'pairing.jump_s': jump_s, **mapping})
 
 
 def headings(*rows):
@@ -229,15 +230,23 @@ def test_known_skew_is_taken_from_the_ts_stamps():
     assert pairs.stamp_ns.tolist() == [3 * S // 2] and pairs.rs_deg.tolist() == [15.0]
 
 
+def begun(**more):
+    """Return a pairer that has taken the readings of 8, 9 and 10 s of both sensors, at 0 s."""
+    pairer = Pairer(rules(**more))
+    first = headings((8 * S, 0.0), (9 * S, 0.0), (10 * S, 0.0))
+    assert len(pairer.update(first, first, now_s=0.0)) == 3
+    return pairer
+
+
 def test_live_a_reading_waits_no_longer_than_allowed():
-    pairer = Pairer(rules(max_wait_s=5.0))
-    pairer.update(ts=headings((2 * S, 1.0)), rs=headings((S, 1.0)), now_s=100.0)
+    pairer = begun(max_wait_s=5.0)
+    pairer.update(ts=headings((12 * S, 1.0)), rs=headings((11 * S, 1.0)), now_s=100.0)
     assert pairer.ledger.total.counts['ts_pending'] == 1
-    pairer.update(ts=headings((7 * S, 1.0)), now_s=104.9)
+    pairer.update(ts=headings((17 * S, 1.0)), now_s=104.9)
     assert pairer.ledger.total.counts['ts_pending'] == 2
     pairer.update(now_s=105.1)
     assert pairer.ledger.total.counts['ts_unpaired'] == 1
-    assert len(pairer.update(rs=headings((3 * S, 1.0)), now_s=105.2)) == 0
+    assert len(pairer.update(rs=headings((13 * S, 1.0)), now_s=105.2)) == 0
     assert pairer.ledger.balance() == {'ts': 0, 'rs': 0}
 
 
@@ -260,12 +269,12 @@ def test_a_pause_of_both_sensors_costs_no_pair(chunk, pause_s):
 
 
 def test_live_no_bracket_reaches_over_a_dropped_reading():
-    pairer = Pairer(rules(max_wait_s=1.0, max_gap_s=100.0))
-    pairer.update(ts=headings((S, 0.0)), rs=headings((S, 0.0)), now_s=0.0)
-    pairer.update(rs=headings((2 * S, 90.0)), now_s=0.0)
-    pairer.update(rs=headings((3 * S, 0.0)), now_s=2.0)
-    pairs = pairer.update(ts=headings((3 * S // 2, 0.0), (3 * S, 0.0)), now_s=2.0)
-    assert pairs.stamp_ns.tolist() == [3 * S]
+    pairer = begun(max_wait_s=1.0, max_gap_s=100.0)
+    pairer.update(ts=headings((11 * S, 0.0)), rs=headings((11 * S, 0.0)), now_s=0.0)
+    pairer.update(rs=headings((12 * S, 90.0)), now_s=0.0)
+    pairer.update(rs=headings((13 * S, 0.0)), now_s=2.0)
+    pairs = pairer.update(ts=headings((23 * S // 2, 0.0), (13 * S, 0.0)), now_s=2.0)
+    assert pairs.stamp_ns.tolist() == [13 * S]
 
 
 def test_memory_is_bounded_when_one_sensor_is_silent():

@@ -7,11 +7,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare import analyze, Headings, Settings, Verdict
+from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.verdict.losses import judge_losses
 from heading_intercompare.core.verdict.validity import DOUBTFUL, HOLDS, NOT_TESTABLE, VOID
 
 STEP_NS = 10 ** 8
+START_NS = 1_700_000_000 * 10 ** 9
 
 
 @pytest.mark.parametrize('share, effect', [
@@ -46,23 +48,77 @@ def test_a_look_judges_the_gaps_between_the_pairs(rng, kept, expected):
     assert run.outcome.value == 'compliant'
 
 
-@pytest.mark.parametrize('at, who, effect', [
-    (7000, 'ts', 'void'), (7000, 'rs', 'void'), (35_900, 'ts', 'holds')])
-def test_a_stamp_of_the_future_locks_the_stream_and_that_counts(rng, at, who, effect):
-    """One of 36 000 readings, stamped tomorrow, makes the stamps of all later ones too early."""
-    stamps = np.arange(1, 36_001) * STEP_NS
-    ship = 90.0 + 40.0 * np.sin(stamps / 1e11)
-    late = stamps.copy()
-    late[at] += 86_400 * 10 ** 9
-    heading = {s: ship + sigma * rng.standard_normal(stamps.size)
-               for s, sigma in (('ts', 0.1), ('rs', 0.05))}
-    streams = {s: Headings.of(late if s == who else stamps, h) for s, h in heading.items()}
-    run = analyze(streams['ts'], streams['rs'], Settings.from_mapping({
-        'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.1}})).runs[0]
-    (found,) = (f for f in run.validity if f.condition == 'losses')
-    assert found.effect == effect
-    if effect == 'void':
-        assert found.words == f'81 % of the {who.upper()} rejected'
+def judge(rng, **stamps):
+    """Judge 36 000 readings of sound sensors at 10 Hz; `ts` and `rs` give other stamps."""
+    regular = START_NS + np.arange(1, 36_001) * STEP_NS
+    ship = 90.0 + 40.0 * np.sin(regular / 1e11)
+    streams = {who: Headings.of(stamps.get(who, regular),
+                                ship + sigma * rng.standard_normal(regular.size))
+               for who, sigma in (('ts', 0.1), ('rs', 0.05))}
+    return analyze(streams['ts'], streams['rs'], Settings.from_mapping({
+        'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.1}}))
+
+
+def finding(run, condition):
+    """Return the finding on a condition."""
+    (found,) = (f for f in run.validity if f.condition == condition)
+    return found
+
+
+@pytest.mark.parametrize('who', ['ts', 'rs'])
+@pytest.mark.parametrize('rows', [[0], [7000], [7000, 7001], [7000, 9000, 20_000], [35_999]])
+def test_stamps_of_the_future_cost_only_their_readings(rng, rows, who):
+    stamps = START_NS + np.arange(1, 36_001) * STEP_NS
+    stamps[rows] += 86_400 * 10 ** 9
+    (run,) = judge(rng, **{who: stamps}).runs
+    assert run.outcome is Outcome.COMPLIANT and run.validity_effect == HOLDS
+    assert run.n >= 36_000 - len(rows)
+    rejected = getattr(run.pairing.rejected, who)
+    assert rejected == {'jump': len(rows)}
+
+
+@pytest.mark.parametrize('who', ['ts', 'rs'])
+def test_a_clock_ahead_for_a_while_locks_the_stream_and_that_counts(rng, who):
+    """Stamped tomorrow for 3 s: then the clock is set back, and all later stamps repeat."""
+    stamps = START_NS + np.arange(1, 36_001) * STEP_NS
+    stamps[7000:7030] += 86_400 * 10 ** 9
+    (run,) = judge(rng, **{who: stamps}).runs
+    assert finding(run, 'losses').effect == VOID
+    assert finding(run, 'clocks').words == (
+        f'the clock of the {who.upper()} was set back by 86400.0 s at 2023-11-15 22:25:03.000 UTC')
+
+
+@pytest.mark.parametrize('both', [True, False])
+def test_a_clock_set_back_by_an_hour_is_named(rng, both):
+    """After 40 min; what follows is rejected, a third of the readings."""
+    stamps = START_NS + np.arange(1, 36_001) * STEP_NS
+    stamps[24_000:] -= 3600 * 10 ** 9
+    verdict = judge(rng, ts=stamps, **({'rs': stamps} if both else {}))
+    (run,) = verdict.runs
+    assert (run.n, run.outcome) == (24_000, Outcome.COMPLIANT)
+    words = 'the clock of the TS was set back by 3600.0 s at 2023-11-14 22:53:20.000 UTC'
+    assert finding(run, 'clocks').effect == finding(run, 'losses').effect == DOUBTFUL
+    assert words in finding(run, 'clocks').words
+    assert ('of the RS' in finding(run, 'clocks').words) == both
+    assert words in verdict.headline
+    assert run.pairing.rejected.ts == {'jump': 12_000}
+    assert Verdict.from_dict(verdict.to_dict()).to_dict() == verdict.to_dict()
+
+
+def test_a_clock_set_back_by_half_a_second_costs_half_a_second(rng):
+    stamps = START_NS + np.arange(1, 36_001) * STEP_NS
+    stamps[24_000:] -= STEP_NS * 5
+    (run,) = judge(rng, ts=stamps, rs=stamps).runs
+    assert run.outcome is Outcome.COMPLIANT and run.validity_effect == HOLDS
+    assert run.pairing.rejected.ts == {'stamp_not_increasing': 5}
+
+
+def test_a_silence_of_two_hours_makes_two_runs_and_costs_nothing(rng):
+    stamps = START_NS + np.arange(1, 36_001) * STEP_NS
+    stamps[18_000:] += 2 * 3600 * 10 ** 9
+    verdict = judge(rng, ts=stamps, rs=stamps)
+    assert [run.n for run in verdict.runs] == [18_000, 18_000]
+    assert verdict.outcome is Outcome.COMPLIANT and verdict.validity_effect == HOLDS
 
 
 def test_readings_rejected_between_runs_are_not_lost_from_a_run(rng):

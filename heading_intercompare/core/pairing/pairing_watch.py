@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""How well two live streams pair at the moment, and why not if they do not."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+from heading_intercompare.core.settings import Pairing
+
+from .ledger import Ledger, LedgerKey
+
+__all__ = ['PairingState', 'PairingWatch']
+
+_WINDOW_S, _FEW = 60.0, 0.1
+# After max_wait_s nothing waits any more; the first second of a stream is held.
+_SETTLING_S = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class PairingState:
+    """
+    The pairing of the last minute.
+
+    Attributes
+    ----------
+    paired_share : float or None
+        Pairs per reading of the sensor with fewer readings, at most 1; None unless both sensors
+        reported.
+    offset_s : float or None
+        Newest stamp of the TS - newest stamp of the RS, seconds; None unless both have reported.
+    trouble : str
+        What is wrong, in words; '' if nothing is.
+
+    """
+
+    paired_share: float | None
+    offset_s: float | None
+    trouble: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Sample:
+    now_s: float
+    received: tuple[int, int]
+    paired: int
+
+
+class PairingWatch:
+    """
+    Watches the ledger of a live pairing.
+
+    Parameters
+    ----------
+    rule : Pairing
+        Uses `max_wait_s`: readings whose stamps lie further apart do not wait for each other.
+
+    """
+
+    def __init__(self, rule: Pairing) -> None:
+        self._max_wait_s = rule.max_wait_s
+        self._samples: deque[_Sample] = deque()
+
+    def look(self, ledger: Ledger, ts_ns: int | None, rs_ns: int | None,
+             now_s: float) -> PairingState:
+        """
+        Return the state at a time.
+
+        Parameters
+        ----------
+        ledger : Ledger
+            The ledger as it is now.
+        ts_ns, rs_ns : int or None
+            Stamps of the last readings of both sensors; None before the first.
+        now_s : float
+            A steady clock, seconds; increases from call to call.
+
+        """
+        total = ledger.total
+        received = total.received('ts'), total.received('rs')
+        paired = total.counts.get(LedgerKey.PAIRED, 0)
+        samples = self._samples
+        if not samples:
+            samples.append(_Sample(now_s, (0, 0), 0))
+        samples.append(_Sample(now_s, received, paired))
+        while len(samples) > 1 and samples[1].now_s <= now_s - _WINDOW_S:
+            samples.popleft()
+        if ts_ns is None or rs_ns is None:
+            return PairingState(None, None, '')
+        offset_s = (ts_ns - rs_ns) / 1e9
+        first = samples[0]
+        come = [new - old for new, old in zip(received, first.received)]
+        if not min(come):
+            return PairingState(None, offset_s, '')
+        share = min(1.0, (paired - first.paired) / min(come))
+        far = abs(offset_s) > self._max_wait_s
+        # Readings wait for a choice of the method, or for stamps that confirm theirs.
+        waiting = any(2 * total.counts.get(LedgerKey.of_pending(stream), 0) >= n
+                      for stream, n in zip(('ts', 'rs'), come))
+        settled = now_s - first.now_s >= min(_WINDOW_S, self._max_wait_s + _SETTLING_S)
+        if share >= _FEW or not settled or waiting and not far:
+            return PairingState(share, offset_s, '')
+        size = f'{abs(offset_s):.1f}' if abs(offset_s) >= 1.0 else f'{abs(offset_s):.2g}'
+        apart = f'the stamps of TS and RS lie {size} s apart'
+        if far and paired == first.paired:
+            return PairingState(share, offset_s, f'{apart}: nothing can be paired')
+        return PairingState(share, offset_s, f'only {100.0 * share:.0f} % of the readings of the '
+                            f'last minute are paired; {apart}')
