@@ -361,9 +361,7 @@ class Pairing(Checked):
     tolerance_s: float = setting(0.05, "largest lag of a pair, method 'nearest' [s]", 0.0, 60.0)
     max_wait_s: float = setting(
         5.0, 'live only: how long a reading waits for its partner [s]', 0.0, 600.0)
-    jump_s: float = setting(
-        10.0, 'a longer step of the stamps of a sensor, forward or back, is a jump: later stamps '
-        'decide whether it is true [s]', 0.1, 86400.0)
+    jump_s: float = setting(10.0, 'a longer step of the stamps is a jump [s]', 0.1, 86400.0)
 
 
 @dataclass(frozen=True, slots=True)

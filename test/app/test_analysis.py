@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 
 from heading_intercompare import analyze_bag, analyze_bags, Headings, judge_bags, Norms, Settings
+from heading_intercompare.bags.csv.pairs_csv import write_pairs_csv
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.cli import main
+from heading_intercompare.core.records import Pairs
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 
 S = 1_000_000_000
@@ -111,3 +113,69 @@ def test_pairs_are_given_of_one_input_and_refused_of_more(bags):
         judge_bags([bags[0]], SETTINGS, takers=[taken.append], executor=executor)
     with pytest.raises(ValueError, match='takers: must be empty with several inputs'):
         judge_bags(bags, SETTINGS, takers=[taken.append])
+
+
+def jumpy(fault):
+    """Return 24 min of stamps at 10 Hz with a fault."""
+    stamps = start_ns(0) + np.arange(14_400) * (S // 10)
+    if fault == 'first':
+        stamps[0] += 3600 * S
+    elif fault == 'one':
+        stamps[3000] += 3600 * S
+    elif fault == 'two in a row':
+        stamps[[3000, 3001]] += 3600 * S
+    elif fault == 'last':
+        stamps[-1] += 3600 * S
+    elif fault == 'silence':
+        stamps[7200:] += 7200 * S
+    elif fault == 'back an hour':
+        stamps[13_400:] -= 3600 * S
+    elif fault == 'back half a second':
+        stamps[7200:] -= S // 2
+    return stamps
+
+
+JUMPS = {'first': {'jump': 1}, 'one': {'jump': 1}, 'two in a row': {'jump': 2},
+         'last': {'jump': 1}, 'silence': {}, 'back an hour': {'jump': 1000},
+         'back half a second': {'stamp_not_increasing': 5}}
+
+
+def check_jumps(verdict, fault, who):
+    """Check outcome, counts and words of a verdict on jumpy stamps of a sensor, or of both."""
+    n = sum(run.n for run in verdict.runs)
+    assert verdict.outcome.value == 'compliant'
+    if fault == 'silence':
+        assert [run.n for run in verdict.runs] == [7200, 7200]
+        return
+    (run,) = verdict.runs
+    for sensor in who:
+        assert getattr(run.pairing.rejected, sensor) == JUMPS[fault]
+    back = [f'the clock of the {sensor.upper()} was set back by 3600.0 s at 2014-05-13 '
+            '17:15:39.900 UTC' for sensor in who] if fault == 'back an hour' else []
+    assert run.validity_effect == ('doubtful' if back else 'holds')
+    for words in back:
+        assert words in verdict.headline
+    # An RS is interpolated over its bad readings, but nothing beyond its ends is paired.
+    assert 14_400 - sum(JUMPS[fault].values()) - 1 <= n <= 14_400
+
+
+@pytest.mark.parametrize('fault, who', [
+    (fault, who) for fault in JUMPS for who in (('ts', 'rs'), ('ts',), ('rs',))
+    if fault != 'silence' or len(who) == 2])
+def test_stamps_that_jump_in_a_bag_cost_only_their_readings(tmp_path, rng, fault, who):
+    log = start_ns(0) + np.arange(14_400) * (S // 10)
+    with BagWriter(tmp_path / 'bag') as writer:
+        for topic, error in (('ts/heading', 0.1), ('rs/heading', 0.02)):
+            writer.add_topic(topic, IMU)
+            stamps = jumpy(fault) if topic[:2] in who else log
+            readings = Headings.of(stamps, 100.0 + error * rng.standard_normal(14_400))
+            writer.write_rows([Rows(topic, encode_imu(readings, 'x'), log)])
+    check_jumps(analyze_bag(tmp_path / 'bag', SETTINGS), fault, who)
+
+
+@pytest.mark.parametrize('fault', JUMPS)
+def test_stamps_that_jump_in_a_csv_cost_only_their_rows(tmp_path, rng, fault):
+    stamps = jumpy(fault)
+    ts, rs = (100.0 + error * rng.standard_normal(14_400) for error in (0.1, 0.02))
+    write_pairs_csv(tmp_path / 'pairs.csv', [Pairs.of(stamps, ts, rs)])
+    check_jumps(analyze_bag(tmp_path / 'pairs.csv', SETTINGS), fault, ('ts', 'rs'))

@@ -22,7 +22,9 @@ __all__ = ['Decided', 'is_rising', 'JumpFilter', 'NEVER', 'SetBack']
 NEVER = np.iinfo(np.int64).min
 """A stamp before all others."""
 
-_CONFIRMED_N, _CONFIRMED_NS = 3, 10 ** 9
+# The least number of readings that go on from each other, and the least time that they span: at
+# the start of a stream, and after a step of the clock. Accepting a wrong step costs most.
+_CONFIRMED_N, _SETTLED_NS, _CONFIRMED_NS = 3, 10 ** 9, 5 * 10 ** 9
 # A sensor slower than the bound: its steps are alike within this factor. If it was faster before,
 # more of them must confirm that, because stamps at random rise three times in a row, too.
 _ALIKE, _SLOWED_N = 10, 8
@@ -117,9 +119,8 @@ class _Line:
         self.rows.append(row)
         self.last_ns = stamp_ns
 
-    @property
-    def is_confirmed(self) -> bool:
-        return len(self.rows) >= _CONFIRMED_N and self.last_ns - self.first_ns >= _CONFIRMED_NS
+    def lasts(self, span_ns: int) -> bool:
+        return len(self.rows) >= _CONFIRMED_N and self.last_ns - self.first_ns >= span_ns
 
 
 class JumpFilter(Generic[_Rows]):
@@ -150,13 +151,14 @@ class JumpFilter(Generic[_Rows]):
 
     A stamp further ahead is held. If a later one goes on from the newest accepted stamp, the held
     ones are rejected as jumps. If at least three held stamps go on from each other for at least
-    a second, they are accepted: the sensor was silent, or its clock was set forward. So are stamps
-    that rise by similar steps longer than the bound: three at the start of a stream, eight later.
-    The first stamps of a stream are held in the same way, because
-    nothing before them says whether they are right.
+    five seconds, they are accepted: the sensor was silent, or its clock was set forward. The first
+    stamps of a stream are held in the same way for a second, because nothing before them says
+    whether they are right. Stamps that rise by similar steps longer than the bound are accepted,
+    too: three at the start of a stream, eight later.
 
     A stamp further back is rejected as a jump. If at least three go on from each other there for
-    at least a second, the clock was set back. The stream goes on when its stamps have caught up.
+    at least five seconds, the clock was set back. The stream goes on when its stamps have caught
+    up.
 
     """
 
@@ -295,8 +297,9 @@ class JumpFilter(Generic[_Rows]):
 
     def _find_confirmed(self, stamps: Integers, fate: np.ndarray, bound_ns: int) -> list[int]:
         """Return the rows of the held stamps that confirm each other, if any."""
+        span_ns = _SETTLED_NS if self.newest_ns is None else _CONFIRMED_NS
         for line in self._lines:
-            if line.is_confirmed:
+            if line.lasts(span_ns):
                 return line.rows
         needed = _CONFIRMED_N if len(self._recent) < _RECENT else _SLOWED_N
         # Only a sensor slower than the bound has several lines and does not fall back.
@@ -312,14 +315,14 @@ class JumpFilter(Generic[_Rows]):
         return held[begin:]
 
     def _note_back(self, row: int, stamp_ns: int, bound_ns: int) -> None:
-        """Note a stamp far behind the newest accepted one; name the step once it is sure."""
+        """Note a stamp far before the newest accepted one; name the step once it is sure."""
         line = self._back
         if line is None or not 0 < stamp_ns - line.last_ns <= bound_ns:
             line = self._back = _Line(row, stamp_ns)
         elif not self._named:
             line.add(row, stamp_ns)
         line.last_ns = stamp_ns
-        if line.is_confirmed and not self._named and self.newest_ns is not None:
+        if line.lasts(_CONFIRMED_NS) and not self._named and self.newest_ns is not None:
             self._named = True
             back_ns = self.newest_ns + self._usual_ns() - line.first_ns
             if len(self.set_backs) < _MOST_NAMED:

@@ -46,7 +46,6 @@ def sift(stamps, jump_s=10.0, size=None):
 @pytest.mark.parametrize('rows', [[0], [1], [2], [200], [398], [399], [0, 1], [5, 6], [200, 201],
                                   [398, 399], [3, 5, 7], list(range(100, 109))])
 def test_bad_stamps_cost_only_themselves(rows, off):
-    """A first reading that is too old looks like one before a silence; it costs no other."""
     stamps = regular()
     stamps[rows] += off
     late, jumped, accepted, jumps = sift(stamps)
@@ -54,6 +53,14 @@ def test_bad_stamps_cost_only_themselves(rows, off):
     assert sorted(jumped) == sorted(stamps[rows].tolist())
     assert accepted == np.delete(stamps, rows).tolist()
     assert jumps.set_backs == []
+
+
+@pytest.mark.parametrize('off', [HOUR, -HOUR])
+def test_five_seconds_of_bad_stamps_cost_only_themselves(off):
+    stamps = regular()
+    stamps[100:150] += off
+    late, jumped, accepted, jumps = sift(stamps)
+    assert (late, len(jumped), len(accepted), jumps.set_backs) == ([], 50, 350, [])
 
 
 def test_bad_stamps_of_many_sizes_in_a_row_are_rejected():
@@ -139,13 +146,13 @@ def test_a_stream_too_short_to_tell_is_accepted(n, step):
     assert (late, jumped, accepted) == ([], [], regular(n, step).tolist())
 
 
-def test_a_jump_waits_for_a_second_of_stamps():
-    """At 10 Hz the first is held with ten more; then all are accepted at once."""
+def test_a_start_waits_for_a_second_of_stamps_and_a_jump_for_five():
+    """At 10 Hz the first is held with 10 or 50 more; then all are accepted at once."""
     jumps = JumpFilter('ts', 10.0, Headings.empty())
-    rows = numbered(regular(20))
+    rows = numbered(regular(60))
     assert [len(jumps.take(rows[k:k + 1]).accepted) for k in range(12)] == [0] * 10 + [11, 1]
     late = Headings.of(rows.stamp_ns + 2 * HOUR, rows.heading_deg)
-    assert [len(jumps.take(late[k:k + 1]).accepted) for k in range(12)] == [0] * 10 + [11, 1]
+    assert [len(jumps.take(late[k:k + 1]).accepted) for k in range(52)] == [0] * 50 + [51, 1]
 
 
 def test_the_memory_of_a_filter_is_bounded():
