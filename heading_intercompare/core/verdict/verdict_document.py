@@ -32,7 +32,13 @@ from heading_intercompare.core.version import RULE_VERSION, VERSION
 
 from .conclusion import campaign_words
 from .headline import compose_headline
-from .typed_reader import is_left_out, leave_out_none, read_plain, VerdictError
+from .typed_reader import (
+    is_left_out,
+    leave_out_added,
+    leave_out_none,
+    read_plain,
+    VerdictError,
+)
 from .validity import Finding, gravest
 
 if TYPE_CHECKING:
@@ -338,7 +344,7 @@ class Verdict:
     @property
     def settings_sha256(self) -> str:
         """Hash of the settings."""
-        return settings_sha256(self.settings.to_mapping())
+        return settings_sha256(leave_out_added(self.settings.to_mapping()))
 
     @classmethod
     def of(cls, runs: Sequence[RunVerdict], outcome: Outcome, campaign: Campaign,
@@ -407,7 +413,7 @@ class Verdict:
             'software': make_plain(self.software),
             'rule_version': self.rule_version,
             'settings_sha256': self.settings_sha256,
-            'settings': make_plain(self.settings.to_mapping()),
+            'settings': make_plain(leave_out_added(self.settings.to_mapping())),
             'inputs': make_plain(self.inputs),
             'campaign': make_plain(self.campaign),
             'runs': make_plain(self.runs),
@@ -478,7 +484,7 @@ def _check_schema(mapping: Mapping[str, Any]) -> None:
 
 def _read_settings(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return all settings as plain values, nested like the classes."""
-    for name in Settings().to_mapping():
+    for name in leave_out_added(Settings().to_mapping()):
         if name not in given:
             raise VerdictError(f'settings.{name} is missing')
     try:
