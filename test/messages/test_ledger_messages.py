@@ -4,10 +4,14 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
+from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment, REASONS
+from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
+from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.ledger_messages import decode_ledger, encode_ledger
 from heading_intercompare.messages.status_messages import (
@@ -49,6 +53,27 @@ def test_clocks_that_were_set_back_arrive_with_their_ledger():
     assert back.segments == ledger.segments
     assert back.share_set_backs([1, 6, 8]) == [(steps[0],), (steps[2],), (steps[1],)]
     assert back.share_set_backs([6, 100]) == [tuple(steps), ()]
+
+
+def test_a_live_verdict_names_a_clock_set_back_as_the_recording_does():
+    """Pairs and ledger as they go from node to node; the clock of both goes back by an hour."""
+    stamps = 1_700_000_000 * 10 ** 9 + np.arange(12_000) * 10 ** 8
+    stamps[11_000:] -= 3600 * 10 ** 9
+    rng = np.random.default_rng(1)
+    ts, rs = (Headings.of(stamps, 90.0 + s * rng.standard_normal(12_000)) for s in (0.1, 0.05))
+    settings = Settings.from_mapping({'norms.sigma_max_deg': 0.3,
+                                      'norms.sigma_ref_max_deg': 0.1})
+    pairer, compliance = Pairer(settings), Compliance(settings)
+    for lo in range(0, 12_000, 7):
+        compliance.update(pairer.update(ts[lo:lo + 7], rs[lo:lo + 7], now_s=lo / 10.0))
+    compliance.update(pairer.flush())
+    compliance.finish()
+    ledger, _ = decode_ledger(encode_ledger(pairer.ledger, final=True))
+    live, offline = compliance.verdict(ledger), analyze(ts, rs, settings)
+    assert 'was set back by 3600.0 s' in live.headline
+    assert (live.outcome, live.headline) == (offline.outcome, offline.headline)
+    assert live.runs[0].validity == offline.runs[0].validity
+    assert live.runs[0].pairing == offline.runs[0].pairing
 
 
 @pytest.mark.parametrize('values, why', [

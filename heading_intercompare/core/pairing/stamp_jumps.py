@@ -33,6 +33,7 @@ _USUAL_STEPS = 3
 _RECENT, _MOST_LINES, _MOST_NAMED, _BLOCK = 4, 16, 100, 64
 
 _HELD, _ACCEPTED, _LATE, _JUMPED = range(4)
+_NONE = np.empty(0, np.int64)
 
 _Rows = TypeVar('_Rows', Headings, Pairs)
 
@@ -185,6 +186,9 @@ class JumpFilter(Generic[_Rows]):
     def take(self, rows: _Rows) -> Decided[_Rows]:
         """Take readings in order of arrival; return those that are now decided."""
         at = len(self._held)
+        if not at and self._goes_on(rows.stamp_ns):
+            self._note_accepted(rows.stamp_ns[-_RECENT:].tolist())
+            return Decided(rows, _NONE, _NONE)
         if at:
             rows = self._held + rows
         stamps, n = rows.stamp_ns, len(rows)
@@ -217,6 +221,15 @@ class JumpFilter(Generic[_Rows]):
             self._lines = []
             self._note_accepted(rows.stamp_ns[fate == _ACCEPTED].tolist())
         return self._release(rows, fate)
+
+    def _goes_on(self, stamp_ns: Integers) -> bool:
+        """Tell whether all stamps of a chunk go on from each other, as nearly always."""
+        if self.newest_ns is None or not len(stamp_ns):
+            return False
+        if not 0 < int(stamp_ns[0]) - self.newest_ns <= self._jump_ns:
+            return False
+        steps = stamp_ns[1:] - stamp_ns[:-1]
+        return not len(steps) or bool(steps.min() > 0 and steps.max() <= self._jump_ns)
 
     def _release(self, rows: _Rows, fate: np.ndarray) -> Decided[_Rows]:
         """Keep the held readings and return the others."""
