@@ -56,7 +56,7 @@ ALLOWED = {
 # The table of docs/ARCHITECTURE.md, "Rooms": within a folder a room, or a module beside the rooms,
 # imports only what stands before it.
 ORDER = {
-    'core': ('records', 'angles', 'settings', 'outcome', 'version', 'utc_text', 'statistics',
+    'core': ('utc_text', 'records', 'angles', 'settings', 'outcome', 'version', 'statistics',
              'pairing', 'timing', 'decision', 'runs', 'conditions', 'diagnostics', 'verdict',
              'pipeline', 'offline'),
     'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'gimballed',
@@ -94,7 +94,7 @@ TESTS_OF_SEVERAL = {
     'nodes/test_recorder_process', 'nodes/test_soak',
     'report/test_in_browser',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_equations',
-    'test_examples', 'test_packaging', 'test_settings', 'test_site',
+    'test_examples', 'test_packaging', 'test_plain_english', 'test_settings', 'test_site',
 }
 
 # Core is a function of its input: it reads no clock, file or network, and says nothing.
