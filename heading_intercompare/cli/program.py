@@ -23,7 +23,7 @@ _CRASHED = 70
 COMMANDS = {
     'demo': ('graph.demo', 'run the live graph on simulated sensors, record it, replay it, '
              'analyze the bag, and say whether the three verdicts agree', 'demo --out demo_out'),
-    'live': ('graph.live', 'run the graph in one process from configured drivers, with recording',
+    'live': ('graph.live', 'run the graph in one process from drivers or topics, with recording',
              'live --config heading_intercompare.yaml'),
     'analyze': ('analyze', 'verdict on recorded runs', 'analyze trial_bag '
                 '--set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1'),
