@@ -127,7 +127,7 @@ def test_an_extra_is_asked_for_and_installed_for_demo_and_tests(extra, libraries
     asked = re.search(rf"'{extra}': \[([^]]*)\]", (ROOT / 'setup.py').read_text('utf-8'))[1]
     assert re.findall(r"'(\w+)", asked) == libraries
     environments = re.findall(r'venv\S* (ros\S*)', (ROOT / 'Makefile').read_text('utf-8'))
-    assert len(environments) == 3
+    assert len(environments) == 4
     assert all(extra in environment.split(',') for environment in environments)
     pinned = (ROOT / '.ci' / 'ubuntu-24.04.txt').read_text('utf-8')
     assert all(re.search(rf'^{library}==', pinned, re.MULTILINE) for library in libraries)
