@@ -45,7 +45,7 @@ def named_in(text):
 
 
 def quoted(cell):
-    """Return what a cell holds in backquotes; it must hold nothing else but commas."""
+    """Return the names in backquotes in a cell, which must contain nothing else but commas."""
     assert re.fullmatch(r'`[^`]+`(, `[^`]+`)*', cell), cell
     return re.findall(r'`([^`]+)`', cell)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Real ship logs through import and analysis, against figures of two independent programs."""
+"""Import and analysis of real ship logs, compared with figures of two independent programs."""
 
 from __future__ import annotations
 

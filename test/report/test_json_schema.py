@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The JSON Schema takes every verdict, and what it refuses the reader refuses, too."""
+"""The JSON Schema accepts every verdict; the reader rejects whatever the schema rejects."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ CHECK = jsonschema.Draft202012Validator(make_schema())
 
 
 def faults(mapping):
-    """Return where a verdict, as JSON has it, breaks the schema."""
+    """Return the places where a verdict in JSON breaks the schema."""
     return [error.json_path for error in CHECK.iter_errors(json.loads(json.dumps(mapping)))]
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A graph is a part of a page that no other part disturbs, and the same bytes each time."""
+"""Graphs on one page do not disturb each other, and are the same bytes each time."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_words_are_text_and_said_as_they_are():
     assert '-1.0' in shown, 'minus is the sign of the page'
 
 
-def test_who_cannot_see_a_graph_is_told_its_title():
+def test_a_screen_reader_finds_the_title_of_a_graph():
     root = ElementTree.fromstring(drawn())
     first = next(iter(root))
     assert (first.tag, first.text) == (f'{SVG}title', 'Run 1: x < y, n = 2')
@@ -53,7 +53,7 @@ def test_who_cannot_see_a_graph_is_told_its_title():
 
 
 def ids(svg):
-    """Return every id, and every id that is referred to."""
+    """Return all ids, and all ids that are referred to."""
     elements = [*ElementTree.fromstring(svg).iter()]
     used = {element.get(f'{XLINK}href')[1:] for element in elements if element.get(f'{XLINK}href')}
     used |= {value[5:-1] for element in elements for value in element.attrib.values()
@@ -79,7 +79,7 @@ def test_a_graph_brings_no_rule_and_no_link_for_the_page():
 
 
 def elsewhere(code):
-    """Return what another process prints, which has other hashes of words and a date."""
+    """Return the output of another process, which has other string hashes and another date."""
     head = f'import sys; sys.path[:0] = {[str(Path(__file__).parent), *sys.path]}; '
     done = subprocess.run([sys.executable, '-c', f'{head}import test_plots; {code}'], check=True,
                           text=True, timeout=120, stdout=subprocess.PIPE,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A sketch is the same whatever the chunks, exact where it can be, and bounded."""
+"""A sketch does not depend on the chunks, is exact where it can be, and has bounded memory."""
 
 from __future__ import annotations
 

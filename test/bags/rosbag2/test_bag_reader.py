@@ -397,7 +397,7 @@ def test_a_missing_or_empty_file_makes_the_bag_incomplete(tmp_path):
 def test_damaged_metadata_are_refused_and_name_the_way_out(tmp_path, read, text):
     folder = split_bag(tmp_path, 2)
     (folder / 'metadata.yaml').write_text(text)
-    with pytest.raises(BagError, match=r'metadata\.yaml: .*`recover` reads the bag without it'):
+    with pytest.raises(BagError, match=r'metadata\.yaml: .*`recover` reads the bag without this'):
         read(folder)
     # A file of the bag is read by itself, and all of them once the metadata are gone.
     assert BagReader(folder / 'split_0.mcap').topics['/a'].count == 1

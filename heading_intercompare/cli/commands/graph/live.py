@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``live``: the graph in one process from configured drivers, with recording."""
+"""The command ``live``: the graph in one process with configured drivers, and its recording."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     add_settings_arguments(parser)
     parser.add_argument('-o', '--output', metavar='BAG',
-                        help='the bag to record (default: heading_<UTC> here)')
+                        help='the bag to record (default: heading_<UTC> in this folder)')
     add_note_argument(parser)
     add_verdict_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run until the sources are through or Ctrl-C; print the verdict."""
+    """Run until the sources end or the user presses Ctrl-C; print the verdict."""
     if arguments.config is None:
         raise SettingsError('--config F is required: a ROS parameter file with the sections '
                             'ts_driver and rs_driver')
