@@ -365,6 +365,7 @@ def test_the_command_line_answers_without_loading_numbers_or_ros(question):
     assert loaded(code) & {'numpy', 'scipy', 'rclpy', 'yaml', *LOADED_BY} == set()
 
 
+@pytest.mark.slow
 def test_what_an_extra_brings_is_imported_only_where_it_is_used():
     found = {library: set() for library in LOADED_BY}
     for path in MODULES:
@@ -375,6 +376,7 @@ def test_what_an_extra_brings_is_imported_only_where_it_is_used():
     assert found == LOADED_BY
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', ['cli.commands.analyze', 'cli.commands.report', 'report',
                                   'cli.commands.graph.demo', 'app.analysis', 'nodes.compliance'])
 def test_who_may_write_a_protocol_loads_what_it_needs_only_then(name):
@@ -383,6 +385,7 @@ def test_who_may_write_a_protocol_loads_what_it_needs_only_then(name):
     assert loaded(f'import heading_intercompare.{name}') & {*LOADED_BY} == set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', ['core.records', 'core.pairing.pairer', 'drivers.nmea',
                                   'drivers.sources', 'bags.rosbag2.bag_reader', 'bags.recording',
                                   'cli.program', *(f'nodes.{node}' for node in NEED_NO_SCIPY)])

@@ -53,6 +53,7 @@ def test_the_tables_of_the_docs_are_what_the_classes_declare():
     assert GENERATED['TABLES'].read_text('utf-8') == GENERATED['tables'](), 'run: make docs'
 
 
+@pytest.mark.slow
 def test_the_list_of_modules_in_the_docs_is_what_the_sources_say():
     text = GENERATED['ARCHITECTURE'].read_text('utf-8')
     assert text == GENERATED['architecture'](text), 'run: make docs'

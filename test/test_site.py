@@ -38,6 +38,7 @@ def fits(shown, printed):
     return re.fullmatch(pattern, printed.rstrip(), re.DOTALL) is not None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name, least', [('first_verdict', 6), ('ship_logs', 3)])
 def test_the_commands_of_a_tutorial_print_what_it_shows(name, least, tmp_path, monkeypatch,
                                                         capsys, request):

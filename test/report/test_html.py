@@ -79,6 +79,7 @@ def changed(verdict, change):
     return Verdict.from_dict(mapping)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('runs', [0, 1, 3, 7])
 def test_the_page_is_nested_well_and_needs_nothing_from_elsewhere(made, runs):
     page = html.render(*made(runs))
@@ -91,6 +92,7 @@ def test_the_page_is_nested_well_and_needs_nothing_from_elsewhere(made, runs):
     assert read.names.count('figure') == 3 * runs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('runs', [0, 1, 3])
 def test_an_absent_figure_is_a_dash(made, runs):
     cells = Page(html.render(*made(runs, n=20))).cells
@@ -142,6 +144,7 @@ def test_every_number_of_a_run_and_of_the_worst_run_is_in_the_page(made):
     assert [mark for mark in marks if mark not in found] == []
 
 
+@pytest.mark.slow
 def test_a_hostile_name_is_shown_and_not_obeyed(made):
     verdict, sketches = made(1)
     name = '<script>alert("1")</script>&amp;\x00\udcff.mcap\'"><img src=x onerror=y>'
@@ -210,6 +213,7 @@ def test_the_operators_notes_are_among_the_events(made):
     assert "operator's note" not in html.render(made(1)[0]).replace('&#x27;', "'")
 
 
+@pytest.mark.slow
 def test_constant_data_are_drawn(made):
     verdict, sketches = made(1, noise_deg=0.0)
     read = Page(html.render(verdict, sketches))
@@ -223,6 +227,7 @@ def test_a_single_pair_is_drawn(made):
     assert read.names.count('figure') == 3
 
 
+@pytest.mark.slow
 def test_a_few_wild_differences_do_not_squeeze_the_histogram(made):
     verdict, sketches = made(1, n=600)
     verdict_wild, sketches_wild = made(1, n=600)
@@ -281,6 +286,7 @@ def test_the_findings_are_shown_by_their_names(made):
     assert 'homogeneity: q_p' in page
 
 
+@pytest.mark.slow
 def test_write_picks_the_form_by_the_suffix(made, tmp_path):
     verdict, sketches = made(1)
     write(verdict, tmp_path / 'r.HTML', sketches)

@@ -86,6 +86,7 @@ def test_what_is_no_verdict_breaks_the_schema_where_it_is_wrong(where, wrong):
     assert len(faults(mapping)) == 1
 
 
+@pytest.mark.slow
 def test_a_key_that_is_missing_breaks_the_schema():
     mapping = judged()
     for block in (mapping, mapping['runs'][0], mapping['settings'], mapping['campaign']):

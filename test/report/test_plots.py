@@ -87,10 +87,12 @@ def elsewhere(code):
     return done.stdout
 
 
+@pytest.mark.slow
 def test_the_same_graph_has_the_same_bytes_in_any_process():
     assert elsewhere('sys.stdout.write(test_plots.drawn())') == drawn() == drawn()
 
 
+@pytest.mark.slow
 def test_the_state_of_pyplot_is_not_touched():
     assert elsewhere('test_plots.drawn(); print("matplotlib.pyplot" in sys.modules)') == 'False\n'
 
@@ -103,6 +105,7 @@ def test_what_the_user_has_set_for_plots_is_not_ours_and_stays():
         assert dict(matplotlib.rcParams) == before
 
 
+@pytest.mark.slow
 def test_each_two_words_of_the_legend_take_a_row():
     def fill(count):
         return lambda axes: [axes.plot([0, 1], [0, 1], label=f'line {k}') for k in range(count)]

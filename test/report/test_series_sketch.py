@@ -28,6 +28,7 @@ def sketch_of(*chunks):
     return sketch
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('size', [1, 7, 1000])
 def test_a_sketch_does_not_depend_on_the_chunks(rng, size):
     n = 3000

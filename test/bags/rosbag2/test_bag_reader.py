@@ -235,6 +235,7 @@ def test_messages_are_chosen_by_topic_and_time(tmp_path):
 # Cut and damaged
 
 
+@pytest.mark.slow
 def test_a_bag_cut_anywhere_is_read_up_to_the_cut(tmp_path):
     whole = mcap_file(tmp_path / 'a.mcap', remarks(150)).read_bytes()
     sent = [data for _, data in remarks(150)]
@@ -284,6 +285,7 @@ def test_rubbish_behind_a_cut_is_left_out(tmp_path, tail):
     assert 'was not closed' in BagReader(path).incomplete
 
 
+@pytest.mark.slow
 def test_no_flipped_byte_goes_unnoticed_or_ends_in_a_traceback(tmp_path, rng):
     """Every byte of the data section has a checksum, or changing it breaks the format."""
     sent = list(BagReader(mcap_file(tmp_path / 'a.mcap', remarks(60))).messages())

@@ -213,6 +213,7 @@ def test_metadata_of_any_version_are_read(tmp_path):
     assert list_parts(path) == ['bag_0.mcap']
 
 
+@pytest.mark.slow
 def test_reading_takes_a_time_that_grows_with_the_length(tmp_path):
     """Twice the names take about twice the time; were it the square, 16 times for 4 times."""
     times = []

@@ -44,6 +44,7 @@ def refused(capsys, *arguments) -> str:
     return err
 
 
+@pytest.mark.slow
 def test_a_report_takes_what_analyze_takes(pairs, tmp_path, capsys):
     table, page = tmp_path / 'runs.csv', tmp_path / 'r.html'
     table.write_text(f'start,stop\n{1_400_000_000 * S},{1_400_000_300 * S}\n'

@@ -185,6 +185,7 @@ def test_absent_scenario_and_present_bag_are_named(scenario, bag, tmp_path, caps
         assert not (tmp_path / 'a').exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name, outcome, code', [
     ('ts_below_norm', 'compliant', 0), ('ts_at_norm', 'indeterminate', 3),
     ('ts_above_norm', 'non_compliant', 1), ('degraded_rs', 'non_compliant', 1)])
