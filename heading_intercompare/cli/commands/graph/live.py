@@ -31,13 +31,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor')
     add_settings_arguments(parser)
     parser.add_argument('-o', '--output', metavar='BAG',
-                        help='the bag to record (default: heading_<UTC> here)')
+                        help='the bag to record (default: heading_<UTC> in this folder)')
     add_note_argument(parser)
     add_verdict_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run until the sources are through or Ctrl-C; print the verdict."""
+    """Run until the sources end or the user presses Ctrl-C; print the verdict."""
     config = load_config(arguments.config)
     settings = settings_for(config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs)
     Limits.of(settings.norms, settings.model)
