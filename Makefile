@@ -4,11 +4,11 @@
 # make demo       install into .venv and run the whole chain on simulated sensors
 # make quick      form, and the tests that need neither ROS nor other processes: while you work
 # make test       install into .venv and run everything that CI runs
-# make release    what goes before a release: hours of fuzz, and the tables of the decision rule
+# make release    all checks before a release: hours of fuzz, and the tables of the decision rule
 # make test-pins  the tests with the versions of Ubuntu 24.04 (needs Python 3.12)
-# make docs       write what docs and config repeat of the sources, and build the site: docs/_build
-# make format     sort imports and mend form
-# make clean      remove what the others made
+# make docs       write what docs and config repeat from the sources, and build the site: docs/_build
+# make format     sort imports and repair the form
+# make clean      remove everything that the others made
 #
 # Options: PYTHON=python3.12   the interpreter of .venv
 #          PYTEST='-k pairing' passed to pytest
@@ -18,9 +18,9 @@ PYTEST ?=
 export PYTHON
 
 BIN := .venv/bin
-# An editable install follows the sources by itself, all but these.
+# An editable install follows all sources but these.
 INSTALLED := setup.py setup.cfg pyproject.toml heading_intercompare/core/version.py .ci/venv
-# Of several kinds of Python 3.12, the first that starts; pyenv hides its own behind PYENV_VERSION.
+# The first Python 3.12 that starts; pyenv runs its own only if PYENV_VERSION selects it.
 PYTHON312 := $(shell for p in python3.12 "$$(pyenv prefix 3.12 2>/dev/null)/bin/python3.12"; do \
 	"$$p" -c 'import ensurepip, venv' 2>/dev/null && command -v "$$p" && break; done)
 
@@ -91,7 +91,7 @@ format: .venv/.test
 	@touch $@ .venv/.demo
 
 .venv-pins/.test: $(INSTALLED) .ci/ubuntu-24.04.txt
-	@test -n '$(PYTHON312)' || { echo 'error: python3.12 with venv is not here' >&2; exit 1; }
+	@test -n '$(PYTHON312)' || { echo 'error: python3.12 with venv is not installed' >&2; exit 1; }
 	@PYTHON='$(PYTHON312)' PIP_CONSTRAINT=.ci/ubuntu-24.04.txt \
 		.ci/venv .venv-pins ros,serial,report,terminal,fast,dask,test,dev
 	@touch $@

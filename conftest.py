@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What holds for every test: what it needs beside the package, its deadline, its worker.
+Rules for every test: the libraries it needs besides the package, its deadline, its worker.
 
-Tests that need what is not installed are skipped, but never where CI is set.
+Tests whose library is not installed are skipped; if CI is set, that is an error.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ import os
 from pathlib import Path
 import signal
 
-# Before numpy is loaded: sums of several threads depend on their number in the last bits, and two
-# workers of pytest-xdist with a thread for each core would wait for each other.
+# Before numpy is loaded: the last bits of a sum depend on the number of threads, and two workers
+# of pytest-xdist with one thread per core would wait for each other.
 for name in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'):
     os.environ.setdefault(name, '1')
-# Seconds for one test, read by pytest-timeout: what hangs fails, with the stack of every thread.
+# Seconds for one test, read by pytest-timeout: a test that hangs fails with every thread's stack.
 os.environ.setdefault('PYTEST_TIMEOUT', '600')
 
-# What a shell starts in the background, or `nohup`, ignores these signals, and so would every
+# A process started in the background or with `nohup` ignores these signals, and so would every
 # process that a test starts.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
@@ -32,7 +32,7 @@ try:
 except ImportError:
     pass
 else:
-    # A slow machine is no fault of the code; what never ends meets the deadline of its test.
+    # A slow machine is not a fault of the code; an endless test meets its own deadline.
     hypothesis_settings.register_profile(
         'quick', max_examples=100, derandomize=True, deadline=None,
         suppress_health_check=[HealthCheck.too_slow])
@@ -45,8 +45,8 @@ OPTIONAL = ('rclpy', 'serial', 'hypothesis', 'rosbags', 'mcap_ros2', 'pybag',
             'rich', 'argcomplete')
 MISSING = [name for name in OPTIONAL if find_spec(name) is None]
 
-# The examples in the docstrings of nodes can only be collected with ROS.
-# Data are not asked for examples: what made them needs the sources of its time.
+# The examples in the docstrings of nodes can only be collected with ROS. The scripts among the
+# test data are not collected: they need the sources of their time.
 collect_ignore = ['test/data']
 collect_ignore_glob = ['heading_intercompare/nodes/*.py'] if 'rclpy' in MISSING else []
 if {'distributed', 'threadpoolctl'} & {*MISSING}:
@@ -57,7 +57,7 @@ if {'jinja2', 'matplotlib'} & {*MISSING}:
 
 
 def pytest_configure():
-    """Refuse to run a part of the tests where all of them are asked for."""
+    """Reject an incomplete environment where every test must run."""
     if MISSING and os.environ.get('CI', '').lower() not in ('', '0', 'false'):
         raise pytest.UsageError(f'CI is set and {", ".join(MISSING)} is not installed: '
                                 'the tests that need it would be skipped')
@@ -67,24 +67,24 @@ _GRAPHS = 'test/nodes'
 
 
 def _group(item: pytest.Item) -> str:
-    """Return which tests share a worker: those of nodes, and those of one module."""
+    """Return the group of tests that share a worker: all tests of nodes, or one module."""
     path = Path(item.path).relative_to(Path(__file__).parent)
     return _GRAPHS if path.is_relative_to(_GRAPHS) else str(path)
 
 
-@pytest.hookimpl(trylast=True)
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Mark the tests that run nodes, and say which tests share a worker of pytest-xdist."""
+    """Mark the tests that run nodes, before `-m` selects, and give each test its worker."""
     for item in items:
         if _group(item) == _GRAPHS:
             item.add_marker('ros')
         item.add_marker(pytest.mark.xdist_group(_group(item)))
-    # The longest group begins first, and no worker is left with it at the end.
+    # The longest group begins first, so that no worker is still busy with it at the end.
     items.sort(key=lambda item: _group(item) != _GRAPHS)
 
 
 def pytest_report_header():
-    """Say what is left out."""
+    """Name the missing libraries whose tests are skipped."""
     if MISSING:
         return f'not installed, tests that need it are skipped: {", ".join(MISSING)}'
     return 'with ROS'

@@ -13,8 +13,8 @@ VERSION = re.search(r"^VERSION = '([^']+)'", Path(NAME, 'core', 'version.py').re
 NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'recorder', 'replayer')
 
 
-def shared(*folders):
-    """Return the files of the folders, and below, for share/heading_intercompare."""
+def list_shared(*folders):
+    """Return the files in and below the folders, for share/heading_intercompare."""
     below = [p for f in folders for p in [Path(f), *Path(f).rglob('*')] if p.is_dir()]
     files = {d: sorted(str(p) for p in d.iterdir() if p.is_file() and p.suffix != '.pyc')
              for d in below}
@@ -35,7 +35,7 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
-        *shared('config', 'launch', 'schema'),
+        *list_shared('config', 'launch', 'schema'),
     ],
     zip_safe=False,
     python_requires='>=3.10',

@@ -4,7 +4,7 @@
 """
 Draw the pictures of docs/ahrs.md: levelling, alignment, a day of the gyrocompass.
 
-They show the true state of the platform, which no sensor sees. It takes a minute:
+They show the true state of the platform, which no sensor sees. The script takes a minute:
 
     python docs/ahrs_pictures.py
     python docs/ahrs_pictures.py levelling
@@ -35,7 +35,7 @@ DASHED, DOTTED, DASH_DOTTED = (0, (7, 3)), (0, (2, 3)), (0, (10, 3, 2, 3))
 
 
 class Track(NamedTuple):
-    """True state and claims of an AHRS, a row for each control step of 0.1 s."""
+    """True state and claims of an AHRS, one row per control step of 0.1 s."""
 
     t_s: np.ndarray
     error_arcmin: np.ndarray
@@ -45,13 +45,13 @@ class Track(NamedTuple):
     validity: np.ndarray
 
     def begins(self, mode: Mode) -> float:
-        """Return when a mode begins, seconds."""
+        """Return the time at which a mode begins, seconds."""
         return float(self.t_s[np.argmax(self.mode == mode)])
 
 
 def track(span_s: float, model: str, *, seed: int = 1, seaway: str = 'moored',
           legs: str = '0 30 0', **settings) -> Track:
-    """Run an AHRS."""
+    """Run an AHRS and return its track."""
     ship = ShipTruth(parse_legs(legs), LATITUDE_DEG, 0.0, seaway, seed)
     ahrs = GimballedAhrs(Ahrs(**settings), errors_of(model, Errors()), ship, seed, 'ts')
     blocks = [ahrs.block() for _ in range(round(span_s / BLOCK_S))]
@@ -63,7 +63,7 @@ def track(span_s: float, model: str, *, seed: int = 1, seaway: str = 'moored',
 
 
 def smooth(x: np.ndarray, y: np.ndarray, every: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the points of a line, each the mean of so many samples."""
+    """Return the points of a line, each the mean of `every` samples."""
     n = x.size // every * every
     x, y = (column[:n].reshape(-1, every).mean(axis=1) for column in (x, y))
     return x, y

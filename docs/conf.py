@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The documentation site; ``make docs`` builds it, and rosdoc2 reads it."""
+"""Sphinx settings of the documentation site, for ``make docs`` and rosdoc2."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Write what the sources say: parameter file, settings.md, JSON Schema, list of modules, doors.
+Generate files from the sources: parameter file, settings.md, JSON Schema, list of modules, doors.
 
-Run it after a setting, a module or a name of a door was added or changed: ``make docs``. The
-tests compare the files with what this would write.
+Run it after adding or changing a setting, a module or a name in a door: ``make docs``. The tests
+compare the files with its output.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ TABLES = ROOT / 'docs' / 'settings.md'
 SCHEMA = ROOT / 'schema' / 'verdict.schema.json'
 DOORS = sorted((ROOT / 'heading_intercompare').rglob('__init__.py'))
 
-#: Columns of a line of source, with its end.
+#: Longest line of source, including the line end.
 LINE = 100
-#: Where in a door the part begins that is written here.
+#: Beginning of the part of a door that is generated here.
 DOOR = """\
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
@@ -55,12 +55,12 @@ class Section(NamedTuple):
     ----------
     node : str
     classes : tuple of type
-        Of its settings.
+        Classes of its settings.
     comment : str
     given : mapping
-        What differs from the defaults.
+        Values that differ from the defaults.
     examples : mapping or None
-        Values of the settings that have no default; None: only what is given is written.
+        Example values of the settings without a default. None: write only the values in `given`.
 
     """
 
@@ -84,7 +84,7 @@ SECTIONS = (
     Section('ts_driver', DRIVER, 'The driver of the tested sensor.',
             {'source': 'udp://:10110', 'topic': 'ts/heading'},
             {'talker': 'HE', 'frame_id': 'gyro', 'origin_ns': 1700000000000000000}),
-    Section('rs_driver', DRIVER, 'The driver of the reference sensor; it takes the same settings.',
+    Section('rs_driver', DRIVER, 'The driver of the reference sensor; it has the same settings.',
             {'source': 'udp://:10111', 'topic': 'rs/heading'}, None),
     Section('synchronizer', (SynchronizerNode, Taking), 'The node that pairs.', {}, {}),
     Section('compliance', (ComplianceNode, Taking), 'The node that judges.', {},
@@ -94,7 +94,7 @@ SECTIONS = (
     Section('replayer', (ReplayerNode, Sending), 'The replayer of bags.', {},
             {'bag': 'trial_1', 'duration_s': 600.0}),
     Section('sensor_simulator', (SimulatorNode, Sending),
-            'The simulator; it takes the settings of a scenario too.', {}, {}),
+            'The simulator; it also accepts the settings of a scenario.', {}, {}),
 )
 
 CHAPTERS = (
@@ -123,7 +123,7 @@ def rules(section: Section) -> Iterator[Setting]:
 
 
 def _scalar(value: Any) -> str:
-    """Return a value as YAML 1.1 and ROS both read it, with its type."""
+    """Return a value as text that YAML 1.1 and ROS both read with the same type."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
@@ -191,8 +191,8 @@ def tables() -> str:
              'Written by `docs/generate.py` from the classes that declare the settings. '
              'Unknown names',
              'are errors everywhere, an integer is accepted for a number, and settings are frozen '
-             'while a run is on.',
-             '`none` is an absent row. The parameter file with all defaults is',
+             'during a run.',
+             '`none` means that the row is absent. The parameter file with all defaults is',
              '[config/heading_intercompare.yaml](../config/heading_intercompare.yaml).']
     for title, comment, settings in CHAPTERS:
         lines += ['', f'## {title}', '', f'{comment} Class `{settings.__module__}.'
@@ -236,7 +236,7 @@ def _module_rows() -> Iterator[str]:
 
 
 def architecture(text: str) -> str:
-    """Return docs/ARCHITECTURE.md with its list of modules renewed."""
+    """Return docs/ARCHITECTURE.md with an updated list of modules."""
     head, mark, rest = text.partition('<!-- modules -->\n')
     rows = '\n'.join(_module_rows())
     table = f'| module | is for | public names |\n|---|---|---|\n{rows}\n'
@@ -244,7 +244,7 @@ def architecture(text: str) -> str:
 
 
 def _offer(module: str, names: Sequence[str]) -> str:
-    """Return the import of names that are public where they are imported."""
+    """Return the statement that imports names and makes them public."""
     aliases = [f'{name} as {name}' for name in names]
     line = f'    from .{module} import {", ".join(aliases)}\n'
     if len(line) <= LINE:
@@ -254,7 +254,7 @@ def _offer(module: str, names: Sequence[str]) -> str:
 
 
 def door(text: str) -> str:
-    """Return the `__init__` of a room with what its door offers spelt out for type checkers."""
+    """Return the `__init__` of a room, with the names of its door imported for type checkers."""
     calls = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call)
              and getattr(node.func, 'id', '') == 'door']
     if not calls:

@@ -3,9 +3,9 @@
 """
 Draw the house of docs/ARCHITECTURE.md: folders, their rooms, and the way of a datum through them.
 
-Each folder stands above those it imports. What a box says comes from the sources: names and
-numbers of modules from the tree, purposes from the docstrings of the doors, and the numbered
-marks from the ten lines of the page.
+Each folder stands above those it imports. The text of a box comes from the sources: names and
+module counts from the tree, purposes from the docstrings of the doors, and the numbered marks
+from the ten lines of the page.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import heading_intercompare
 PACKAGE = Path(heading_intercompare.__file__).resolve().parent
 DOCS = Path(__file__).resolve().parent
 
-#: Storeys from the roof down; of each the folders with their share of its width.
+#: Storeys from the roof down: their folders, each with its share of the width.
 STOREYS = (
     (('cli', 1.0),),
     (('app', 0.4), ('nodes', 0.6)),
@@ -59,7 +59,7 @@ def summarize(folder: Path) -> str:
 
 
 def count_modules(folder: Path) -> int:
-    """Return how many modules stand in a folder, without those of its rooms."""
+    """Return the number of modules in a folder, not counting those of its rooms."""
     return sum(path.stem != '__init__' for path in folder.glob('*.py'))
 
 
@@ -72,7 +72,7 @@ def list_rooms(folder: Path) -> list[Path]:
 
 
 def read_marks() -> dict[str, list[int]]:
-    """Return for each folder or room, such as 'core/pairing', its lines on the way of a datum."""
+    """Return the lines on the way of a datum that name each folder or room, as 'core/pairing'."""
     page = (DOCS / 'ARCHITECTURE.md').read_text('utf-8')
     way = page.partition('## The way of a datum')[2].partition('\n## ')[0]
     marks: dict[str, list[int]] = {}
@@ -87,7 +87,7 @@ def read_marks() -> dict[str, list[int]]:
 
 
 class _Drawing:
-    """The figure, an inch a unit."""
+    """The figure, in units of an inch."""
 
     def __init__(self, height: float) -> None:
         self.figure = Figure(figsize=(WIDTH, height))
@@ -97,7 +97,7 @@ class _Drawing:
 
     def draw_box(self, box: Box, key: str, *, fill: str, size: float, title: str,
                  words: str, count: int, low: bool) -> None:
-        """Draw a folder or room; its marks below its words if `low`, otherwise beside its name."""
+        """Draw a folder or room; its marks go below its text if `low`, else beside its name."""
         self.axes.add_patch(FancyBboxPatch(
             (box.x, box.y), box.width, box.height, boxstyle='round,pad=0,rounding_size=0.06',
             facecolor=fill, edgecolor='#27466e', linewidth=1.0))
@@ -107,7 +107,7 @@ class _Drawing:
         letters = max(8, int((box.width - 2 * PAD) / (0.0076 * size * 0.8)))
         self.axes.text(box.x + PAD, top - 0.10 - 0.021 * size, textwrap.fill(words, letters),
                        size=size * 0.78, va='top', color='#333333', linespacing=1.15)
-        # The rooms of a folder leave it no place but its first line.
+        # In a folder with rooms only the first line is free.
         line = box.y + 0.16 if low else top - 0.19
         self.axes.text(box.x + PAD if low else right - PAD, line, f'{count} modules', size=6.5,
                        va='center', ha='left' if low else 'right', color='#555555')

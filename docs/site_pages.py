@@ -20,7 +20,7 @@ __all__ = ['FOLDERS', 'write_pages']
 PACKAGE = Path(heading_intercompare.__file__).resolve().parent
 FOLDERS = ('core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'app', 'nodes', 'cli')
 """The folders of the package, in the order in which they build on each other."""
-#: Of the terminal for which the help of the commands is laid out.
+#: Width of the terminal for which the help of the commands is laid out.
 _COLUMNS = '96'
 
 
@@ -31,7 +31,7 @@ def _summarize(path: Path) -> str:
 
 
 def _describe_room(room: Path) -> str:
-    """Return the page of a room: what it is for, then each of its modules."""
+    """Return the page of a room: its purpose, then each of its modules."""
     title = '.'.join(room.relative_to(PACKAGE).parts)
     lines = [title, '=' * len(title), '', _summarize(room / '__init__.py'), '']
     for module in sorted(room.glob('*.py')):
@@ -68,9 +68,9 @@ def _describe_door() -> str:
 
 def _describe_commands() -> str:
     """Return the page of the command line: the help of every command."""
-    text = ['# Commands', '', 'What `heading-intercompare COMMAND --help` prints. Exit codes: '
-            '0 done, 2 a mistake in what was given, 70 a fault of the program;', 'with `--check` '
-            'see [use verdicts in scripts](../howto/use_verdicts.md).', '']
+    text = ['# Commands', '', 'The output of `heading-intercompare COMMAND --help`. Exit codes: '
+            '0 done, 2 a mistake in the input or the options, 70 a fault of the program;',
+            'with `--check` see [use verdicts in scripts](../howto/use_verdicts.md).', '']
     for name in program.COMMANDS:
         shown = io.StringIO()
         with (patch.dict(os.environ, COLUMNS=_COLUMNS, NO_COLOR='1'), redirect_stdout(shown),
@@ -82,12 +82,12 @@ def _describe_commands() -> str:
 
 def write_pages(into: Path) -> list[Path]:
     """
-    Write the pages; those that do not change keep their time of change.
+    Write the pages; an unchanged page keeps its modification time.
 
     Parameters
     ----------
     into : Path
-        The folder ``reference`` of the site. Pages of rooms that are gone are removed.
+        The folder ``reference`` of the site. Pages of removed rooms are deleted.
 
     Returns
     -------

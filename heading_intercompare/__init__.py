@@ -3,9 +3,9 @@
 """
 Decide, from recorded data, whether a heading sensor meets its accuracy norm.
 
-A tested sensor (TS) is compared with a reference sensor (RS) of the same ship. Start with
-`analyze` for arrays and `analyze_bag` for a recording; the settings are those of the configuration
-file, by name.
+It compares a tested sensor (TS) with a reference sensor (RS) on the same ship. Start with
+`analyze` for arrays or with `analyze_bag` for a recording. Settings have the same names as in the
+parameter file.
 """
 
 from typing import TYPE_CHECKING

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The doors of rooms: names of their modules, each loaded when it is first asked for."""
+"""The doors of rooms: they offer names from modules that are loaded at first use."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ __all__ = ['door']
 def door(room: str, modules: Mapping[str, Sequence[str]]
          ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
     """
-    Return what a package needs to offer names of its modules without loading them.
+    Return the functions with which a package offers names without loading their modules.
 
     Parameters
     ----------
     room : str
         Full name of the package.
     modules : mapping of str to sequence of str
-        Names that are offered, by the module of the package that has them.
+        The names offered, by the module of the package that defines them.
 
     Returns
     -------
     tuple
-        `__getattr__`, `__dir__` and `__all__` of the package; what it adds to the last, its
-        `__dir__` names too.
+        `__getattr__`, `__dir__` and `__all__` of the package. `__dir__` also lists names that the
+        package adds to `__all__`.
 
     """
     where = {name: module for module, names in modules.items() for name in names}

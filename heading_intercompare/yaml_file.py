@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-YAML files as plain values, their mistakes told in one line.
+Reads YAML files as plain values, and reports a mistake in one line.
 
-Numbers and booleans are those of YAML 1.2: 1e9 is a number, as for ROS, and `on` is a word. What
-could say one thing to a reader and another to the program, or cost without end, is refused: a
+Numbers and booleans are those of YAML 1.2: 1e9 is a number, as in ROS, and `on` is a word. The
+parser rejects everything that a reader could misunderstand or that could take unlimited time: a
 name given twice, an anchor or a tag, a second document, deep nesting, a large file.
 """
 
@@ -20,10 +20,10 @@ from heading_intercompare.core.settings import SettingsError
 
 __all__ = ['load_yaml', 'parse_yaml', 'YamlError']
 
-#: More than any parameter file or scenario has.
+#: More than any parameter file or scenario needs.
 _MOST_BYTES = 2**20
 _DEEPEST = 50
-#: Python refuses to make a number of more digits than some thousand, and no setting has any.
+#: Python converts only numbers up to a few thousand digits, and no setting needs that many.
 _MOST_DIGITS = 300
 
 _Loader: type = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
@@ -40,12 +40,12 @@ _NOT_FINITE = re.compile(r'(?P<sign>[-+]?)\.(?P<word>inf|Inf|INF)|\.(nan|NaN|NAN
 
 class YamlError(ValueError):
     """
-    A text is not YAML, or has in it what is not taken.
+    A text is not YAML, or uses a part of YAML that is not accepted.
 
     Attributes
     ----------
     line : int or None
-        Where, counted from 1.
+        The line of the mistake, counted from 1.
 
     """
 
@@ -55,12 +55,12 @@ class YamlError(ValueError):
 
 
 def _read_scalar(text: str) -> Any:
-    """Return the value of an unquoted word."""
+    """Return the value of an unquoted scalar."""
     if text in _WORDS:
         return _WORDS[text]
     if _INTEGER.fullmatch(text) or _BASED.fullmatch(text):
         if len(text) > _MOST_DIGITS:
-            raise YamlError('a number of too many digits')
+            raise YamlError('a number with too many digits')
         return int(text, 0) if _BASED.fullmatch(text) else int(text)
     if _REAL.fullmatch(text):
         return float(text)
@@ -71,7 +71,7 @@ def _read_scalar(text: str) -> Any:
 
 
 class _Builder:
-    """Makes plain values of the events of a parser; what is not taken is refused."""
+    """Builds plain values from the events of a parser; rejects events that are not accepted."""
 
     def __init__(self, events: Iterator[yaml.Event]) -> None:
         self._events = events
@@ -82,13 +82,14 @@ class _Builder:
         event = next(self._events)
         self._line = event.start_mark.line + 1
         if isinstance(event, yaml.AliasEvent) or getattr(event, 'anchor', None) is not None:
-            raise YamlError('anchors and aliases are not taken: write the value out', self._line)
+            raise YamlError('anchors and aliases are not accepted: write the value out',
+                            self._line)
         if getattr(event, 'tag', None) is not None:
-            raise YamlError(f'tags are not taken: {event.tag}', self._line)
+            raise YamlError(f'tags are not accepted: {event.tag}', self._line)
         return event
 
     def document(self) -> Any:
-        """Return the only document; None if there is none."""
+        """Return the only document, or None if there is none."""
         value = None
         self._next()
         event = self._next()
@@ -134,18 +135,19 @@ class _Builder:
 
 def load_yaml(text: str, most_bytes: int = _MOST_BYTES) -> Any:
     """
-    Return what YAML text holds.
+    Return the value of a YAML text.
 
     Parameters
     ----------
     text : str
     most_bytes : int
-        A longer text is refused.
+        A longer text is rejected.
 
     Raises
     ------
     YamlError
-        If it is not YAML, or has in it what is not taken: what, and the line.
+        If the text is not YAML, or uses a part of YAML that is not accepted; with the problem and
+        the line.
 
     Examples
     --------
@@ -168,19 +170,19 @@ def _find_line(text: str, error: yaml.YAMLError) -> int | None:
     """Return the line of an error, counted from 1."""
     mark, place = getattr(error, 'problem_mark', None), getattr(error, 'position', None)
     if mark is not None:
-        # What is missing at the end is missed behind the last line.
+        # The parser misses an end after the last line; report the last line instead.
         return int(min(mark.line, text.rstrip('\n').count('\n'))) + 1
     return None if place is None else text.encode(errors='replace').count(b'\n', 0, place) + 1
 
 
 def parse_yaml(data: bytes, path: str | Path) -> Any:
     """
-    Return what a YAML file holds.
+    Return the value of a YAML file from its bytes.
 
     Raises
     ------
     SettingsError
-        As `load_yaml`: the file, the line, the problem.
+        As `load_yaml`; the message names the file, the line and the problem.
 
     """
     try:

@@ -1,10 +1,13 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Compare two sensors live: two drivers, synchronizer, compliance, recorder.
+Compare two sensors live: drivers, synchronizer, compliance, recorder.
 
     ros2 launch heading_intercompare intercompare.launch.py config:=FILE
-        [record:=false] [output:=BAG] [report_dir:=DIR]
+        [record:=false] [output:=BAG] [report_dir:=DIR] [namespace:=/ship1]
+
+A sensor without a driver section in the parameter file is heard on its topic, `ts_topic` or
+`rs_topic`: somebody else publishes it.
 """
 
 from launch import LaunchDescription
@@ -14,51 +17,62 @@ from launch_ros.actions import Node
 import yaml
 
 
-def node(executable, name, config, own, **kwargs):
-    """Return a node; `own` overrides the parameter file, because the namespace is given."""
-    return Node(package='heading_intercompare', executable=executable, name=name, namespace='/',
-                parameters=[config, own] if own else [config], output='screen', **kwargs)
+def node(executable, name, namespace, parameters, own, **kwargs):
+    """Return a node; its own section and `own` hold in any namespace, unlike the file's."""
+    file, sections = parameters
+    given = [values for values in (sections.get(name, {}), own) if values]
+    return Node(package='heading_intercompare', executable=executable, name=name,
+                namespace=namespace, parameters=[file, *given], output='screen', **kwargs)
 
 
 def nodes(context):
     """Return the nodes; no heading is lost, in whatever order they start."""
-    config, record, output, report_dir = (
+    config, record, output, report_dir, namespace = (
         LaunchConfiguration(name).perform(context)
-        for name in ('config', 'record', 'output', 'report_dir'))
+        for name in ('config', 'record', 'output', 'report_dir', 'namespace'))
     with open(config, encoding='utf-8') as file:
         sections = yaml.safe_load(file)
-    parameters = {name.lstrip('/'): (section or {}).get('ros__parameters') or {}
-                  for name, section in sections.items()}
+    sections = {name.lstrip('/'): (section or {}).get('ros__parameters') or {}
+                for name, section in sections.items()}
+    parameters = config, sections
     # Pairs wait for compliance, headings for the synchronizer, and both for the recorder.
     heard = {'subscribers': 2 if record == 'true' else 1}
     made = []
     for role in ('ts', 'rs'):
-        topic = parameters.get('**', {}).get(f'{role}_topic', f'{role}/heading')
-        given = parameters.get(f'{role}_driver', {})
-        made.append(node('nmea_driver', f'{role}_driver', config,
-                         {'topic': given.get('topic', topic), **heard}))
-    made += [node('synchronizer', 'synchronizer', config, heard,
+        driver = f'{role}_driver'
+        if driver in sections:
+            topic = sections.get('**', {}).get(f'{role}_topic', f'{role}/heading')
+            # A live driver that dies starts again; a log that was played is through.
+            live = not str(sections[driver].get('source', '')).startswith('file:')
+            made.append(node('nmea_driver', driver, namespace, parameters,
+                             {'topic': sections[driver].get('topic', topic), **heard},
+                             respawn=live, respawn_delay=2.0))
+    made += [node('synchronizer', 'synchronizer', namespace, parameters, heard,
                   on_exit=Shutdown(reason='the synchronizer has ended')),
-             node('compliance', 'compliance', config,
+             node('compliance', 'compliance', namespace, parameters,
                   {'report_dir': report_dir} if report_dir else {},
                   on_exit=Shutdown(reason='the compliance node has ended'))]
     if record == 'true':
-        made.append(node('recorder', 'recorder', config,
+        # The trial goes on without it; without a name of its own a new bag is begun.
+        named = output or sections.get('recorder', {}).get('output')
+        made.append(node('recorder', 'recorder', namespace, parameters,
                          {'parameter_file': config, **({'output': output} if output else {})},
-                         on_exit=Shutdown(reason='the recorder has ended')))
+                         respawn=not named, respawn_delay=2.0))
     return made
 
 
 def generate_launch_description():
     """Return the graph."""
     return LaunchDescription([
-        DeclareLaunchArgument('config', description='ROS parameter file with the norms and the '
-                              'sections ts_driver and rs_driver'),
+        DeclareLaunchArgument('config', description='ROS parameter file with the norms, and '
+                              'the sections ts_driver and rs_driver of sensors with a driver'),
         DeclareLaunchArgument('record', default_value='true', choices=['true', 'false'],
                               description='record a bag'),
         DeclareLaunchArgument('output', default_value='', description='the bag; empty: that of '
                               'the parameter file, or heading_<UTC>'),
         DeclareLaunchArgument('report_dir', default_value='', description='folder for the '
                               'reports; empty: that of the parameter file, or none'),
+        DeclareLaunchArgument('namespace', default_value='/', description='of all nodes and '
+                              'topics: one for each graph in a ROS domain'),
         OpaqueFunction(function=nodes),
     ])

@@ -5,7 +5,7 @@ Compare two sensors again from a bag: replayer, synchronizer, compliance.
 
     ros2 launch heading_intercompare replay.launch.py bag:=BAG config:=FILE
         [rate:=20.0] [start:=0.0] [duration:=60.0] [start_paused:=true] [clock:=true]
-        [report_dir:=DIR]
+        [report_dir:=DIR] [namespace:=/again]
 
 All nodes end at the end of the bag.
 """
@@ -14,26 +14,35 @@ from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
+import yaml
 
 
-def node(name, config, own, reason):
-    """Return a node whose end ends all; `own` overrides the file: the namespace is given."""
-    return Node(package='heading_intercompare', executable=name, name=name, namespace='/',
-                parameters=[config, own] if own else [config], output='screen',
-                on_exit=Shutdown(reason=reason))
+def node(name, namespace, parameters, own, reason):
+    """Return a node whose end ends all; its section and `own` hold in any namespace."""
+    file, sections = parameters
+    given = [values for values in (sections.get(name, {}), own) if values]
+    return Node(package='heading_intercompare', executable=name, name=name, namespace=namespace,
+                parameters=[file, *given], output='screen', on_exit=Shutdown(reason=reason))
 
 
 def nodes(context):
     """Return the nodes; no heading is lost, in whatever order they start."""
-    bag, config, rate, start, duration, start_paused, clock, report_dir = (
+    bag, config, rate, start, duration, start_paused, clock, report_dir, namespace = (
         LaunchConfiguration(name).perform(context) for name in (
-            'bag', 'config', 'rate', 'start', 'duration', 'start_paused', 'clock', 'report_dir'))
+            'bag', 'config', 'rate', 'start', 'duration', 'start_paused', 'clock', 'report_dir',
+            'namespace'))
+    with open(config, encoding='utf-8') as file:
+        sections = yaml.safe_load(file)
+    parameters = config, {name.lstrip('/'): (section or {}).get('ros__parameters') or {}
+                          for name, section in sections.items()}
     replayed = {'bag': bag, 'rate': float(rate), 'start_s': float(start),
                 'start_paused': start_paused == 'true', 'clock': clock == 'true',
                 'subscribers': 1, **({'duration_s': float(duration)} if duration else {})}
-    return [node('replayer', config, replayed, 'the bag has been replayed'),
-            node('synchronizer', config, {'subscribers': 1}, 'the synchronizer has ended'),
-            node('compliance', config, {'report_dir': report_dir} if report_dir else {},
+    return [node('replayer', namespace, parameters, replayed, 'the bag has been replayed'),
+            node('synchronizer', namespace, parameters, {'subscribers': 1},
+                 'the synchronizer has ended'),
+            node('compliance', namespace, parameters,
+                 {'report_dir': report_dir} if report_dir else {},
                  'the compliance node has ended')]
 
 
@@ -54,5 +63,7 @@ def generate_launch_description():
                               description='publish /clock'),
         DeclareLaunchArgument('report_dir', default_value='', description='folder for the '
                               'report; empty: that of the parameter file, or none'),
+        DeclareLaunchArgument('namespace', default_value='/', description='of all nodes and '
+                              'topics; not that of a graph that runs'),
         OpaqueFunction(function=nodes),
     ])

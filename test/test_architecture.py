@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Who may import whom, what core must not touch, and the outward form of every file."""
+"""The allowed imports, the limits of core, and the outward form of every file."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ ALLOWED = {
 # The table of docs/ARCHITECTURE.md, "Rooms": within a folder a room, or a module beside the rooms,
 # imports only what stands before it.
 ORDER = {
-    'core': ('records', 'angles', 'settings', 'outcome', 'version', 'utc_text', 'statistics',
+    'core': ('utc_text', 'records', 'angles', 'settings', 'outcome', 'version', 'statistics',
              'pairing', 'timing', 'decision', 'runs', 'conditions', 'diagnostics', 'verdict',
              'pipeline', 'offline'),
     'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'gimballed',
@@ -68,7 +68,7 @@ ORDER = {
     'cli': ('terminal', 'completion', 'node_command', 'commands', 'program'),
 }
 
-# What an extra brings, and the only modules that may load it.
+# The libraries of each extra, and the only modules that may load them.
 LOADED_BY = {
     'jinja2': {'report/html'}, 'matplotlib': {'report/graphs', 'report/plots'},
     'distributed': {'app/cluster'}, 'argcomplete': {'cli/completion'},
@@ -78,12 +78,11 @@ LOADED_BY = {
 # They take headings and pass them on, and start as fast as a plain node.
 NEED_NO_SCIPY = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'recorder', 'replayer')
 
-# Who looks for something in a room reads the names of its modules.
+# A reader who looks for something in a room reads the names of its modules.
 MOST_MODULES = 12
 
-# Tests of more than one module, or of what is no module: a path of the product, a file format,
-# real data. Every other module of tests is named after the module it tests, and lies where that
-# lies.
+# Tests of several modules, or of something else: a path of the product, a file format, real
+# data. Every other test module has the name and the place of the module it tests.
 TESTS_OF_SEVERAL = {
     'ahrs/test_commands', 'ahrs/test_pictures', 'ahrs/test_recovery', 'ahrs/test_scenarios',
     'bags/rosbag2/test_third_parties', 'bags/test_fuzz', 'cli/test_bag_commands',
@@ -94,7 +93,7 @@ TESTS_OF_SEVERAL = {
     'nodes/test_recorder_process', 'nodes/test_soak',
     'report/test_in_browser',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_equations',
-    'test_examples', 'test_packaging', 'test_settings', 'test_site',
+    'test_examples', 'test_packaging', 'test_plain_english', 'test_settings', 'test_site',
 }
 
 # Core is a function of its input: it reads no clock, file or network, and says nothing.
@@ -107,20 +106,20 @@ SPDX = ('# SPDX-FileCopyrightText: 2026 The heading_intercompare authors',
 
 CALLS = ('__import__', 'import_module')
 
-# docs/STYLE.md asks for one concept a module and 80 lines a node; nothing longer than this has it.
+# docs/STYLE.md asks for one concept per module and 80 lines per node; longer files break that.
 LONGEST_MODULE = 500
 LONGEST_NODE = 160
 
 
 class Import(NamedTuple):
-    """One import statement, wherever in the module it stands."""
+    """One import statement, anywhere in a module."""
 
     line: int
     name: str
 
 
 def computed_name(argument: ast.expr) -> str:
-    """Return what the argument of `import_module` says, or the constant it begins with."""
+    """Return the argument of `import_module`, or the constant that it begins with."""
     if isinstance(argument, ast.JoinedStr) and argument.values:
         argument = argument.values[0]
     return argument.value if isinstance(argument, ast.Constant) else '(computed)'
@@ -147,7 +146,7 @@ def imports(source: str, package: tuple[str, ...]) -> Iterator[Import]:
 
 
 def offences(folder: str, source: str, package: tuple[str, ...]) -> list[str]:
-    """Return what a module of a folder imports without being allowed to, with its line."""
+    """Return the forbidden imports of a module of a folder, with their lines."""
     if folder not in ALLOWED:
         return [f'the folder {folder!r} is no row of the table']
     rule = ALLOWED[folder]
@@ -168,7 +167,7 @@ def offences(folder: str, source: str, package: tuple[str, ...]) -> list[str]:
 
 
 def out_of_order(module: str, source: str, package: tuple[str, ...]) -> list[str]:
-    """Return what a module, named from its folder on, imports that stands behind its room."""
+    """Return the imports of a module, named from its folder on, from rooms after its own."""
     folder, place = module.split('.')[:2]
     order, found = ORDER[folder], []
     if place not in order:
@@ -344,7 +343,7 @@ def test_a_door_says_which_name_it_has_not():
 
 
 def loaded(code: str) -> set[str]:
-    """Return the modules that a process has loaded when it has run some code."""
+    """Return the modules that a process has loaded after running some code."""
     done = subprocess.run([sys.executable, '-c', f'{code}\nimport sys\nprint(*sys.modules)'],
                           cwd=ROOT, check=True, capture_output=True, text=True)
     return {*done.stdout.splitlines()[-1].split()}
@@ -366,6 +365,7 @@ def test_the_command_line_answers_without_loading_numbers_or_ros(question):
     assert loaded(code) & {'numpy', 'scipy', 'rclpy', 'yaml', *LOADED_BY} == set()
 
 
+@pytest.mark.slow
 def test_what_an_extra_brings_is_imported_only_where_it_is_used():
     found = {library: set() for library in LOADED_BY}
     for path in MODULES:
@@ -376,6 +376,7 @@ def test_what_an_extra_brings_is_imported_only_where_it_is_used():
     assert found == LOADED_BY
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', ['cli.commands.analyze', 'cli.commands.report', 'report',
                                   'cli.commands.graph.demo', 'app.analysis', 'nodes.compliance'])
 def test_who_may_write_a_protocol_loads_what_it_needs_only_then(name):
@@ -384,6 +385,7 @@ def test_who_may_write_a_protocol_loads_what_it_needs_only_then(name):
     assert loaded(f'import heading_intercompare.{name}') & {*LOADED_BY} == set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', ['core.records', 'core.pairing.pairer', 'drivers.nmea',
                                   'drivers.sources', 'bags.rosbag2.bag_reader', 'bags.recording',
                                   'cli.program', *(f'nodes.{node}' for node in NEED_NO_SCIPY)])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The benchmark of the risks runs, and what it compares and simulates is what it says."""
+"""The benchmark of the risks runs, and compares and simulates the right rules and errors."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ ERRORS = {'white': processes.white, 'AR(1)': processes.ar1(25.0),
 
 @pytest.mark.parametrize('table', [*ROWS, *CAMPAIGNS])
 def test_a_table_is_printed(table, capsys):
-    """With 3 runs a row; whether it fails is chance then."""
+    """With 3 runs per row its result is random, so only that it runs is tested."""
     done = decision_risk.main(['--table', table, '--rows', QUICK[table], '--replications', '3'])
     lines = capsys.readouterr().out.strip().splitlines()
     assert done in (0, 1)

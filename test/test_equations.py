@@ -45,7 +45,7 @@ def named_in(text):
 
 
 def quoted(cell):
-    """Return what a cell holds in backquotes; it must hold nothing else but commas."""
+    """Return the names in backquotes in a cell, which must contain nothing else but commas."""
     assert re.fullmatch(r'`[^`]+`(, `[^`]+`)*', cell), cell
     return re.findall(r'`([^`]+)`', cell)
 
@@ -115,12 +115,14 @@ def test_the_tests_of_a_row_exist_and_import_what_they_test(number, formula, fun
         assert imported & modules, f'{path} imports none of {sorted(modules)}'
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('number, formula, functions, why', UNUSED, ids=[r[0] for r in UNUSED])
 def test_a_number_that_is_not_used_says_why_and_is_named_nowhere(number, formula, functions, why):
     assert '`' not in why and why.endswith('.')
     assert not [where for where, text in docstrings() if number in named_in(text)]
 
 
+@pytest.mark.slow
 def test_no_docstring_names_a_number_without_a_row():
     wrong = {where: named_in(text) - set(NUMBERS) for where, text in docstrings()}
     assert {where: numbers for where, numbers in wrong.items() if numbers} == {}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The examples run and say what they are there to say."""
+"""The examples run and give the results that they are meant to show."""
 
 from __future__ import annotations
 

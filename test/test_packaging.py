@@ -40,7 +40,7 @@ def run(*command: str | Path, cwd: Path, **variables: str) -> subprocess.Complet
 
 
 def need(module: str) -> None:
-    """Skip without a tool; where CI is set, fail."""
+    """Skip if a tool is missing; fail if CI is set."""
     if find_spec(module) is None:
         (pytest.fail if IN_CI else pytest.skip)(f'{module} is not installed')
 
@@ -127,7 +127,7 @@ def test_an_extra_is_asked_for_and_installed_for_demo_and_tests(extra, libraries
     asked = re.search(rf"'{extra}': \[([^]]*)\]", (ROOT / 'setup.py').read_text('utf-8'))[1]
     assert re.findall(r"'(\w+)", asked) == libraries
     environments = re.findall(r'venv\S* (ros\S*)', (ROOT / 'Makefile').read_text('utf-8'))
-    assert len(environments) == 3
+    assert len(environments) == 4
     assert all(extra in environment.split(',') for environment in environments)
     pinned = (ROOT / '.ci' / 'ubuntu-24.04.txt').read_text('utf-8')
     assert all(re.search(rf'^{library}==', pinned, re.MULTILINE) for library in libraries)
@@ -140,7 +140,7 @@ def test_what_the_protocol_is_made_with_is_a_dependency_of_the_ros_package():
 
 @pytest.mark.slow
 def test_pip_installs_the_command_line_without_ros(source, tmp_path):
-    """What `pip install .` brings into a fresh environment: no rclpy, and a verdict."""
+    """`pip install .` in a fresh environment installs no rclpy, and gives a verdict."""
     made = run(sys.executable, '-m', 'venv', tmp_path / 'venv', cwd=tmp_path)
     assert made.returncode == 0, made.stdout
     bin_folder = tmp_path / 'venv' / 'bin'

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The settings classes, the parameter file and the tables of the docs say the same."""
+"""The settings classes, the parameter file and the tables of the docs agree."""
 
 from __future__ import annotations
 
@@ -53,6 +53,7 @@ def test_the_tables_of_the_docs_are_what_the_classes_declare():
     assert GENERATED['TABLES'].read_text('utf-8') == GENERATED['tables'](), 'run: make docs'
 
 
+@pytest.mark.slow
 def test_the_list_of_modules_in_the_docs_is_what_the_sources_say():
     text = GENERATED['ARCHITECTURE'].read_text('utf-8')
     assert text == GENERATED['architecture'](text), 'run: make docs'
@@ -65,7 +66,7 @@ def test_type_checkers_see_what_a_door_offers(path):
 
 
 def read(node: str) -> dict:
-    """Return what the parameter file gives in a section, with dotted names."""
+    """Return the values of a section of the parameter file, with dotted names."""
     return flat(parameters(YAML.read_text('utf-8'))[node])
 
 
@@ -83,7 +84,7 @@ def test_a_section_of_the_parameter_file_is_accepted_and_changes_no_other_defaul
 
 @pytest.mark.parametrize('node', [n for n, s in SECTIONS.items() if s.examples is not None])
 def test_every_setting_stands_in_its_section_with_its_type(node):
-    """With the marks of the optional rows removed, each declared name is there and accepted."""
+    """With the optional rows uncommented, each declared name is present and accepted."""
     rules = {rule.name: rule for rule in GENERATED['rules'](SECTIONS[node])}
     names = {name.rpartition('.')[2] for name in rules}
     bare = [line.replace('# ', '', 1) if line.strip().startswith('# ')
@@ -165,7 +166,7 @@ def test_settings_are_made_by_keyword_and_checked():
     assert made == Settings.from_mapping({
         'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 1.0},
         'risk.sensor_class': 'ins', 'variant': 'C'})
-    # Where a group is named, so are its settings: who types sees what there is.
+    # An error that names a group also names its settings: the user sees what exists.
     for group in (Settings, Norms, Risk):
         assert [*signature(group).parameters] == [f.name for f in fields(group)]
 

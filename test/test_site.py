@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tutorials run as printed, and the picture of the house shows the rooms that are there."""
+"""The tutorials run as printed, and the picture of the house shows the existing rooms."""
 
 from __future__ import annotations
 
@@ -33,11 +33,12 @@ def read_sessions(page):
 
 
 def fits(shown, printed):
-    """Tell whether output is as shown, where `...` stands for anything."""
+    """Tell whether output matches the shown text, in which `...` stands for anything."""
     pattern = re.escape(shown.rstrip()).replace(re.escape('...'), '.*')
     return re.fullmatch(pattern, printed.rstrip(), re.DOTALL) is not None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name, least', [('first_verdict', 6), ('ship_logs', 3)])
 def test_the_commands_of_a_tutorial_print_what_it_shows(name, least, tmp_path, monkeypatch,
                                                         capsys, request):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""YAML 1.2 as plain values; what is refused is told in one line."""
+"""YAML 1.2 as plain values; a mistake is reported in one line."""
 
 from __future__ import annotations
 
@@ -37,18 +37,18 @@ def test_what_is_no_number_is_none():
 @pytest.mark.parametrize('text, line, problem', [
     ('a: 1\nb: 2\na: 3', 3, "'a' is given twice"), ('{1: a, 1: b}', 1, '1 is given twice'),
     ('a: {b: 1,\n b: 2}', 2, "'b' is given twice"),
-    ('a: &x 1\nb: *x', 1, 'anchors and aliases are not taken'),
-    ('a: 1\nb: *x', 2, 'anchors and aliases are not taken'),
-    ('- 1\n- !!python/object:os.system x', 2, 'tags are not taken'), ('!!str 7', 1, 'tags'),
+    ('a: &x 1\nb: *x', 1, 'anchors and aliases are not accepted'),
+    ('a: 1\nb: *x', 2, 'anchors and aliases are not accepted'),
+    ('- 1\n- !!python/object:os.system x', 2, 'tags are not accepted'), ('!!str 7', 1, 'tags'),
     ('a: 1\n---\nb: 2', 2, 'there is a second document'),
     ('[' * 60 + ']' * 60, 1, 'nested deeper than 50 levels'),
     ('? [a]\n: 1', 1, 'a name must be a word'), ('- x\n...\n---\n- y', 3, 'second document'),
-    ('a: ' + '9' * 5000, 1, 'a number of too many digits'), ('a: [', 1, 'not YAML'),
+    ('a: ' + '9' * 5000, 1, 'a number with too many digits'), ('a: [', 1, 'not YAML'),
     ('a: "', 1, 'not YAML'), ('\t- a', 1, 'not YAML'), ('a: b: c', 1, 'not YAML'),
     ('x\x00', 1, 'not YAML'),
     ('x: ä\n# ö\ny: \x07', 3, 'not YAML'), ('\ud800', None, 'not YAML'),
     ('#' * 2**20 + 'x', None, 'longer than 1048576 bytes')])
-def test_what_is_not_taken_is_refused_with_its_line(text, line, problem):
+def test_a_part_of_yaml_that_is_not_accepted_is_refused_with_its_line(text, line, problem):
     with pytest.raises(YamlError, match=problem) as refused:
         load_yaml(text)
     assert line is None or refused.value.line == line

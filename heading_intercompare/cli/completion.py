@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the Tab key completes: commands, options, bags and other files, settings, presets."""
+"""Completions for the Tab key: commands, options, bags and other files, settings, presets."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from heading_intercompare.core.settings import list_settings, Settings
 
 __all__ = ['complete', 'complete_setting']
 
-#: Which files an argument takes beside folders, by its name in the parser.
+#: Suffixes of the files that an argument takes besides folders, by its name in the parser.
 _FILES = {'bag': ('mcap',), 'bags': ('mcap',), 'inputs': ('mcap', 'csv', 'json'),
           'config': ('yaml', 'yml'), 'runs': ('csv',), 'csv': ('csv',), 'ensembles': ('csv',),
           'report': ('html', 'json'), 'json': ('json',), 'dask': ('json',)}
@@ -19,12 +19,12 @@ _FILES = {'bag': ('mcap',), 'bags': ('mcap',), 'inputs': ('mcap', 'csv', 'json')
 
 def complete(parser: argparse.ArgumentParser) -> None:
     """
-    Answer the shell, and end the process; without argcomplete return.
+    Answer the shell and end the process; without argcomplete, just return.
 
     Parameters
     ----------
     parser : argparse.ArgumentParser
-        The whole program; of the commands those that are meant have their arguments.
+        Parser of the whole program; only the commands on the line need their arguments.
 
     """
     try:
@@ -33,16 +33,16 @@ def complete(parser: argparse.ArgumentParser) -> None:
         return
     for action in _actions(parser):
         if action.dest in _FILES:
-            _give(action, argcomplete.FilesCompleter(_FILES[action.dest]))
+            _set_completer(action, argcomplete.FilesCompleter(_FILES[action.dest]))
         elif action.dest == 'set':
-            _give(action, complete_setting)
+            _set_completer(action, complete_setting)
         elif action.dest == 'scenario':
-            _give(action, _scenarios(argcomplete.FilesCompleter(('yaml', 'yml'))))
+            _set_completer(action, _scenarios(argcomplete.FilesCompleter(('yaml', 'yml'))))
     argcomplete.autocomplete(parser)
 
 
-def _give(action: argparse.Action, completer: Callable[..., Any]) -> None:
-    """Give an argument what completes it, where argcomplete looks for it."""
+def _set_completer(action: argparse.Action, completer: Callable[..., Any]) -> None:
+    """Attach a completer to an argument, where argcomplete looks for it."""
     setattr(action, 'completer', completer)  # noqa: B010
 
 
@@ -57,7 +57,7 @@ def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
 
 def complete_setting(prefix: str, **_: object) -> list[str]:
     """
-    Return what may begin with a text behind ``--set``: names, or a name with its values.
+    Return the completions of a text after ``--set``: names, or a name with its values.
 
     Examples
     --------
@@ -75,13 +75,13 @@ def complete_setting(prefix: str, **_: object) -> list[str]:
         return []
     values = list(rules[name].choices)
     if name in ('norms.preset', 'risk.sensor_class'):
-        values = _named(name)
+        values = _list_names(name)
     return [text for text in (f'{name}={value}' for value in values) if text.startswith(prefix)]
 
 
-def _named(setting: str) -> list[str]:
-    """Return the names that a setting takes from a table."""
-    # They load numpy, which no other completion of a setting needs.
+def _list_names(setting: str) -> list[str]:
+    """Return the names in a table that a setting accepts."""
+    # These imports load numpy, which no other completion of a setting needs.
     if setting == 'norms.preset':
         from heading_intercompare.core.decision.norm_presets import PRESETS
         return [*PRESETS]
@@ -90,7 +90,7 @@ def _named(setting: str) -> list[str]:
 
 
 def _scenarios(files: Callable[..., Any]) -> Callable[..., list[str]]:
-    """Return a completer of scenarios: files, and those that come with the package by name."""
+    """Return a completer of scenarios: files, and the names of those in the package."""
     def completer(prefix: str, **_: object) -> list[str]:
         from heading_intercompare.app.scenarios import list_scenarios
 

@@ -9,30 +9,30 @@ from typing import Any, Callable, Mapping
 
 from heading_intercompare.app.config import load_config
 
-__all__ = ['program_node']
+__all__ = ['run_node']
 
 _WATCH_S = 0.1
 
 
-def program_node(module: str, node: str, config: str | None, *,
-                 remap: Mapping[str, str] | None = None,
-                 watch: Callable[[Any], None] | None = None, **parameters: Any) -> int:
+def run_node(module: str, node: str, config: str | None, *,
+             remap: Mapping[str, str] | None = None,
+             watch: Callable[[Any], None] | None = None, **parameters: Any) -> int:
     """
-    Run a node until its work is over or Ctrl-C.
+    Run a node until its work is done or the user presses Ctrl-C.
 
     Parameters
     ----------
     module, node : str
-        Module in ``nodes`` and class in it.
+        Module in ``nodes`` and the class in it.
     config : str or None
         ROS parameter file.
     remap : mapping of str to str, optional
-        Topics that go out under other names; the node takes them as `remapped` and refuses those
-        that it does not publish.
+        Published topics with other names. The node gets them as `remapped` and rejects any that
+        it does not publish.
     watch : callable, optional
-        Called with the node, ten times a second.
+        Called with the node ten times a second.
     **parameters : object
-        Of the node; None is not given.
+        Parameters of the node; those that are None are left out.
 
     Returns
     -------
@@ -42,14 +42,14 @@ def program_node(module: str, node: str, config: str | None, *,
     Raises
     ------
     OSError, SettingsError
-        If the file cannot be read, or is no ROS parameter file.
+        If the file cannot be read, or is not a ROS parameter file.
 
     """
     from heading_intercompare.nodes.ros.parameters import make_overrides
     from heading_intercompare.nodes.ros.process import run
     from heading_intercompare.nodes.ros.steady_timer import every
 
-    # What rcl says of a file that it cannot read is long and unclear; other text it ignores.
+    # rcl's message for an unreadable file is long and unclear, and rcl ignores other text.
     load_config(config)
     kind = getattr(import_module(f'heading_intercompare.nodes.{module}'), node)
     given: dict[str, Any] = {'parameter_overrides': make_overrides(parameters)}

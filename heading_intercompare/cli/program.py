@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The commands and their options; each command's work is in a module of its own."""
+"""The commands and their options; each command has a module of its own."""
 
 from __future__ import annotations
 
@@ -19,31 +19,31 @@ PROGRAM = 'heading-intercompare'
 
 _CRASHED = 70
 
-# name: (module, what it does, example)
+# name: (module, help, example)
 COMMANDS = {
     'demo': ('graph.demo', 'run the live graph on simulated sensors, record it, replay it, '
              'analyze the bag, and say whether the three verdicts agree', 'demo --out demo_out'),
-    'live': ('graph.live', 'run the graph in one process from configured drivers, with recording',
+    'live': ('graph.live', 'run the graph in one process, from drivers or topics, and record it',
              'live --config heading_intercompare.yaml'),
-    'analyze': ('analyze', 'verdict on recorded runs', 'analyze trial_bag '
+    'analyze': ('analyze', 'judge recorded runs', 'analyze trial_bag '
                 '--set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1'),
-    'rejudge': ('rejudge', 'old recordings judged anew, and the outcomes that changed',
+    'rejudge': ('rejudge', 'judge old recordings again, and list the outcomes that changed',
                 'rejudge trial_*'),
-    'import-nmea': ('import_nmea', 'NMEA logs to a bag',
+    'import-nmea': ('import_nmea', 'convert the NMEA logs of two sensors to a bag',
                     'import-nmea --ts gyro.log --rs seapath.log -o trial_bag'),
-    'simulate': ('simulate', 'a trial of simulated sensors to a bag, at full speed',
+    'simulate': ('simulate', 'simulate a trial at full speed, and write it to a bag',
                  'simulate --scenario sea_trial_12h -o trial_bag'),
-    'record': ('graph.record', 'topics to a bag', 'record -o trial_bag'),
-    'note': ('note', 'a note of the operator into the bag that is being recorded',
+    'record': ('graph.record', 'record topics to a bag', 'record -o trial_bag'),
+    'note': ('note', "add an operator's note to the bag that is being recorded",
              "note 'course change to 270'"),
-    'report': ('report', 'the protocol of recorded runs, with plots',
+    'report': ('report', 'write the protocol of recorded runs, with plots',
                'report trial_bag -o protocol.html --config heading_intercompare.yaml'),
     'norms': ('norms', 'list the norm presets with their sources', 'norms'),
-    'info': ('info', 'what a bag holds: topics, rates, settings, runs, verdict',
+    'info': ('info', 'show what a bag holds: topics, rates, settings, runs, verdict',
              'info trial_bag'),
-    'recover': ('recover', 'everything readable of a cut or damaged bag to a new one',
+    'recover': ('recover', 'copy everything readable of a cut or damaged bag to a new one',
                 'recover trial_bag -o recovered_bag'),
-    'replay': ('graph.replay', 'a bag to topics, under their names or others',
+    'replay': ('graph.replay', 'publish the topics of a bag, under the same or other names',
                'replay trial_bag --rate 20 --remap ts/heading:=gyro/heading'),
 }
 
@@ -58,7 +58,7 @@ class UsageError(ValueError):
 
 
 def _build_parser(argv: Sequence[str]) -> argparse.ArgumentParser:
-    """Return a parser; of the commands those that are not meant have no arguments."""
+    """Return a parser; only the commands that appear in `argv` have their arguments."""
     parser = _Parser(prog=PROGRAM, description='Decide whether a heading sensor meets its '
                      'accuracy norm, by comparison with a reference sensor.')
     parser.add_argument('--version', action='version', version=f'{PROGRAM} {VERSION}')
@@ -85,9 +85,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        The exit code: 0 done, 2 wrong usage, configuration, input or output; with ``--check`` 1
-        non-compliant, 3 indeterminate; 130 Ctrl-C. It is the same if nobody reads what is
-        printed. A fault of the program ends the process with 70.
+        The exit code: 0 for done, 2 for wrong usage, configuration, input or output, 130 for
+        Ctrl-C. With ``--check`` a verdict also gives 1 for non-compliant, 3 for indeterminate and
+        4 for a doubtful outcome. The code does not depend on whether anyone reads the output. A
+        fault of the program ends the process with 70.
 
     """
     if argv is None:
@@ -105,7 +106,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(argv: Sequence[str]) -> int:
     if '_ARGCOMPLETE' in os.environ:
-        # A shell asks what the Tab key completes; nobody else waits for what that needs.
+        # A shell asks for completions; only then is their module loaded.
         from heading_intercompare.cli.completion import complete
 
         complete(_build_parser(os.environ.get('COMP_LINE', '').split()))
@@ -125,7 +126,7 @@ def _refuse(error: Exception) -> int:
         text = (f'this command needs ROS 2 (no module {error.name}): install '
                 'heading_intercompare[ros], or source a ROS 2 Jazzy environment')
     elif isinstance(error, MemoryError):
-        text = 'there is not enough memory for this: end other programs, or give it less at once'
+        text = 'there is not enough memory for this: end other programs, or give less data at once'
     elif isinstance(error, OSError) and error.strerror:
         where = f'{error.filename}: ' if error.filename is not None else ''
         text = f'{where}{error.strerror}'
@@ -136,7 +137,7 @@ def _refuse(error: Exception) -> int:
 
 
 def _crash(*error: Any) -> NoReturn:
-    """End with a traceback, but not with the exit code of Python: that is one of --check."""
+    """End with a traceback, but not with Python's exit code 1, which --check uses."""
     sys.__excepthook__(*error)
     sys.exit(_CRASHED)
 

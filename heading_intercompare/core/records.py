@@ -14,6 +14,8 @@ from typing import Any, ClassVar, Iterable, TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .utc_text import utc
+
 __all__ = ['Differences', 'Headings', 'Integers', 'Pairs', 'Reals']
 
 Reals = NDArray[np.float64]
@@ -45,6 +47,20 @@ class _Columns:
 
     def __len__(self) -> int:
         return len(self.stamp_ns)
+
+    def __repr__(self) -> str:
+        """
+        Return the number of samples and their span, not the samples.
+
+        Examples
+        --------
+        >>> Headings.of([1_400_000_000_000_000_000, 1_400_000_001_500_000_000], [359.9, 0.1])
+        Headings(n=2, 2014-05-13 16:53:20.000 to 2014-05-13 16:53:21.500 UTC)
+
+        """
+        span = (f', {utc(int(self.stamp_ns.min()))} to {utc(int(self.stamp_ns.max()))} UTC'
+                if len(self) else '')
+        return f'{type(self).__name__}(n={len(self)}{span})'
 
     def __getitem__(self: _Chunk, which: Any) -> _Chunk:
         """Return the samples of a slice, mask or index array, as a chunk."""
@@ -85,7 +101,7 @@ def _reals(values: ArrayLike) -> Reals:
     return np.asarray(values, dtype=np.float64).reshape(-1)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Headings(_Columns):
     """
     Readings of one heading sensor, in order of arrival.
@@ -113,7 +129,7 @@ class Headings(_Columns):
         return cls(_stamps(stamp_ns), _reals(heading_deg))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Pairs(_Columns):
     """
     TS and RS readings of one instant each, in stamp order.
@@ -156,7 +172,7 @@ class Pairs(_Columns):
         return cls(stamps, _reals(ts_deg), _reals(rs_deg), lag, *factors)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Differences(_Columns):
     """
     Differences TS - RS, in stamp order.

@@ -98,7 +98,8 @@ class NmeaDecoder:
             self._stamp_format = 'none'
         #: Only bytes of a stream that are stamped as they are read can wait unstamped.
         self._bursts = (BurstFinder() if scheme in ('tcp', 'serial') and not self._validity
-                        and self._stamp_format == 'none' else None)
+                        and self._stamp_format == 'none' and settings.bursts == 'reject'
+                        else None)
         #: By the time of a read, how long its bytes may have waited: of the last two reads.
         self._late_s: dict[int, float] = {}
         self._in_read: Counter[tuple[Name | None, int | None]] = Counter()

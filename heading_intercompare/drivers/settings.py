@@ -178,6 +178,11 @@ class DriverSettings(Checked):
         'without a checksum are used too', choices=('required', 'if_present'))
     speed: float = setting(
         1.0, 'speed at which a file is played, relative to log time; 0: as fast as possible', 0.0)
+    bursts: str = setting(
+        'reject', "readings of a TCP or serial line without a time of receipt of their own: "
+        "'reject', or 'accept' them with the time of the read, as from a converter that packs "
+        'sentences',
+        choices=('reject', 'accept'))
     learn_s: float = setting(
         2.0, "time to listen on a live line before sentence 'auto' chooses [s]", 0.0, 600.0)
     reconnect_s: float = setting(

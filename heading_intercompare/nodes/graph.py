@@ -103,10 +103,12 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     """
     Run sources, synchronizer and compliance until all sources have finished, or a signal comes.
 
+    Without sources the graph listens to topics that others publish, until a signal comes.
+
     Parameters
     ----------
     sources : sequence of Source
-        The nodes that publish the headings.
+        The nodes that publish the headings; a sensor without one is heard on its topic.
     settings : mapping
         Settings of the analysis, by dotted name.
     output : str, optional
@@ -147,11 +149,13 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
             (judging if make is Compliance else executor).add_node(nodes[-1])
         if output is not None:
             nodes[1].state_sources({source.name: source.settings for source in sources})
-        compliance, *others = nodes[:-len(sources)]
-        running = nodes[-len(sources):]
+        first = len(nodes) - len(sources)
+        compliance, *others = nodes[:first]
+        running = nodes[first:]
         _align_logs(running)
         with _spin_in_thread(judging) as judged:
-            while not (stop.requested or judged.done() or all(s.done for s in running)):
+            while not (stop.requested or judged.done()
+                       or (running and all(s.done for s in running))):
                 executor.spin_once(0.2)
                 progress(compliance.n_pairs)
         judging.remove_node(compliance)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A verdict as a file for people: `write` picks the form by the suffix."""
+"""A verdict as a file for people to read: `write` chooses the form by the suffix."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ['check_form', 'SeriesSketch', 'write', 'WRITERS']
 
 
 def _write_html(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch]) -> None:
-    # It loads much, which may not be there.
+    # Its libraries load slowly, and may not be installed.
     from . import html
     html.write(verdict, path, sketches)
 
@@ -26,12 +26,13 @@ WRITERS = {'.html': _write_html, '.json': json.write}
 
 def check_form(path: str | Path) -> None:
     """
-    Refuse a file that could not be written for want of a form or a library, before any work.
+    Reject, before any work, a report that cannot be written.
 
     Raises
     ------
     ValueError
-        If the suffix is no key of `WRITERS`, or what draws the protocol is not installed.
+        If the suffix is not a key of `WRITERS`, or a library that the protocol needs is not
+        installed.
 
     """
     path = Path(path)
@@ -56,14 +57,16 @@ def write(verdict: Verdict, path: str | Path,
     ----------
     verdict : Verdict
     path : str or Path
-        Ending in a key of `WRITERS`.
+        Must end in a key of `WRITERS`.
     sketches : sequence of SeriesSketch
-        For the figures of the forms that have some.
+        For the figures, in the forms that have figures.
 
     Raises
     ------
-    ValueError, OSError
-        As `check_form`; or the file cannot be written.
+    ValueError
+        As `check_form`.
+    OSError
+        If the file cannot be written.
 
     """
     check_form(path)

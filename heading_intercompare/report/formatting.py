@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Figures and blocks of a verdict as people read them; what is absent is a dash."""
+"""Figures and blocks of a verdict as text for people; a missing value is a dash."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.verdict.verdict_document import make_plain
 from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS
 
-__all__ = ['ABSENT', 'exact', 'flat', 'interval', 'number', 'outcome', 'value']
+__all__ = ['ABSENT', 'exact', 'flatten', 'interval', 'number', 'outcome', 'value']
 
 ABSENT = '-'
 
@@ -20,7 +20,7 @@ _LONGEST_LIST = 12
 
 def number(figure: float | int | None, digits: int = 6) -> str:
     """
-    Return a figure with so many significant digits; integers are written out.
+    Return a figure as text with `digits` significant digits; integers are written in full.
 
     Examples
     --------
@@ -36,7 +36,7 @@ def number(figure: float | int | None, digits: int = 6) -> str:
 
 
 def interval(low: float | None, up: float | None) -> str:
-    """Return the two ends of an interval."""
+    """Return the two ends of an interval as text."""
     return f'{number(low)} .. {number(up)}' if (low, up) != (None, None) else ABSENT
 
 
@@ -46,7 +46,7 @@ def outcome(found: Outcome | None) -> str:
 
 
 def value(thing: Any) -> str:
-    """Return a figure, word, truth value or list, as a cell holds it."""
+    """Return a figure, word, truth value or list as the text of a cell."""
     if thing is None or thing == '':
         return ABSENT
     if isinstance(thing, bool):
@@ -65,16 +65,17 @@ def exact(thing: Any) -> str:
     return repr(thing) if isinstance(thing, float) and math.isfinite(thing) else value(thing)
 
 
-def flat(block: Any) -> Iterator[tuple[str, Any]]:
-    """Yield dotted names and values of a nested dataclass, lists of such numbered from 1."""
-    yield from _flatten(make_plain(block), '')
+def flatten(block: Any) -> Iterator[tuple[str, Any]]:
+    """Yield dotted names and values of a nested dataclass; items of lists count from 1."""
+    yield from _flatten_mapping(make_plain(block), '')
 
 
-def _flatten(block: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
+def _flatten_mapping(block: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
     for name, thing in block.items():
         if isinstance(thing, Mapping):
-            yield from _flatten(thing, f'{prefix}{name}.')
+            yield from _flatten_mapping(thing, f'{prefix}{name}.')
         elif isinstance(thing, (list, tuple)) and any(isinstance(v, Mapping) for v in thing):
-            yield from _flatten({str(at): v for at, v in enumerate(thing, 1)}, f'{prefix}{name}.')
+            yield from _flatten_mapping({str(at): v for at, v in enumerate(thing, 1)},
+                                        f'{prefix}{name}.')
         else:
             yield prefix + name, thing

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The graphs of a report: sketches and the limits that their runs are held against."""
+"""The graphs of a report: the differences in a sketch, and the limits of its runs."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _LOST_AT_MOST = 0.02
 
 
 def _runs_of(sketch: SeriesSketch, runs: Sequence[RunVerdict]) -> list[RunVerdict]:
-    """Return the runs that lie in a sketch: of its source, else of any, by their time."""
+    """Return the runs within the time of a sketch: those of its source, or all if it has none."""
     start_ns, newest_ns = sketch.time.start_ns, sketch.newest_ns
     if start_ns is None or newest_ns is None:
         return []
@@ -42,15 +42,15 @@ def _runs_of(sketch: SeriesSketch, runs: Sequence[RunVerdict]) -> list[RunVerdic
 
 def draw_graphs(sketch: SeriesSketch, verdict: Verdict, name: str) -> Iterator[str]:
     """
-    Yield the graphs of a sketch in SVG; none without a difference.
+    Yield the graphs of a sketch in SVG; none if the sketch has no difference.
 
     Parameters
     ----------
     sketch : SeriesSketch
     verdict : Verdict
-        The limits of the runs in the sketch are drawn.
+        Gives the limits that are drawn, those of the runs in the sketch.
     name : str
-        Of this sketch alone; what the names of its graphs begin with.
+        Prefix of the names of its graphs; no other sketch of the page has it.
 
     """
     start_ns = sketch.time.start_ns
@@ -75,7 +75,7 @@ def _title(runs: Sequence[RunVerdict]) -> str:
 
 
 class _Band:
-    """What a run is held against: deviations from its centre."""
+    """The limits of a run, as deviations from its centre."""
 
     def __init__(self, run: RunVerdict, variant: str) -> None:
         counts = run.count_criterion
@@ -86,7 +86,7 @@ class _Band:
         self.sigma_deg = math.sqrt(run.variance_criterion.limit_deg2)
 
     def lines(self) -> list[tuple[float, _Dash, str | None]]:
-        """Return level, dash and legend of the limits; the legend once for both sides."""
+        """Return level, dash and legend of each limit; one legend serves both sides."""
         return [(self.center_deg + sign * size, dash, words if sign > 0 else None)
                 for size, dash, words in (
                     (self.limit_deg, _LIMIT, 'limit of GK (*), n+ beyond it'),
@@ -106,7 +106,7 @@ def _extremes(sketch: SeriesSketch) -> tuple[float, float]:
 
 def _draw_time(sketch: SeriesSketch, start_ns: int, title: str, bands: Sequence[_Band],
                gap_s: float, name: str) -> str:
-    """Draw the differences against time: extremes and mean of each bin."""
+    """Draw the differences against time: the extremes and the mean of each bin."""
     envelope, levels = sketch.time, list(_extremes(sketch))
     for band in bands:
         levels += [level for level, _, _ in band.lines()]
@@ -123,12 +123,13 @@ def _draw_time(sketch: SeriesSketch, start_ns: int, title: str, bands: Sequence[
     alone = [part[0] for part in np.split(np.arange(len(at)), cuts) if len(part) == 1]
 
     def fill(axes: Axes) -> None:
-        # A line and a band end where nothing was measured.
+        # The line and the band break where nothing was measured.
         t, least, middle, most = (np.insert(column, cuts, np.nan)
                                   for column in (time, low, mean, up))
         axes.fill_between(t, least, most, color=SHADE, linewidth=0.8,
-                          label=f'least to largest in {number(width_s)} s')
-        axes.plot(t, middle, color=ACCENT, linewidth=1.0, label='mean of the same')
+                          label=f'range in each {number(width_s)} s')
+        axes.plot(t, middle, color=ACCENT, linewidth=1.0,
+                  label=f'mean in each {number(width_s)} s')
         axes.vlines(time[alone], low[alone], up[alone], color=SHADE, linewidth=2.0)
         axes.plot(time[alone], mean[alone], 'o', color=ACCENT, markersize=3.5, clip_on=False)
         for k, band in enumerate(bands):
@@ -150,7 +151,7 @@ def _draw_time(sketch: SeriesSketch, start_ns: int, title: str, bands: Sequence[
 
 
 def _choose_axis(sketch: SeriesSketch, bands: Sequence[_Band]) -> tuple[float, float, int]:
-    """Return the ends of the histogram's axis, and how many differences lie beyond."""
+    """Return the ends of the histogram's axis, and the number of differences beyond them."""
     low, up = _extremes(sketch)
     limits = [level for band in bands for level, _, _ in band.lines()]
     if limits:
@@ -166,7 +167,7 @@ def _choose_axis(sketch: SeriesSketch, bands: Sequence[_Band]) -> tuple[float, f
 
 
 def _draw_histogram(sketch: SeriesSketch, title: str, bands: Sequence[_Band], name: str) -> str:
-    """Draw how many differences have which size."""
+    """Draw the histogram of the differences."""
     histogram = sketch.histogram
     low, up, lost = _choose_axis(sketch, bands)
     joint = 1
@@ -216,7 +217,7 @@ def _draw_heading(sketch: SeriesSketch, title: str, bands: Sequence[_Band],
         axes.vlines(x, mean - std, mean + std, color=GREY, linewidth=1.6,
                     label='+/- its standard deviation')
         axes.plot(x, mean, 'o', color=ACCENT, markersize=4.5,
-                  label=f'mean in {number(width)} deg')
+                  label=f'mean in each {number(width)} deg')
         for level, dash, words in lines:
             axes.axhline(level, color=INK, linewidth=1.3, linestyle=dash, label=words)
         axes.set_xlim(0.0, 360.0)

@@ -24,7 +24,7 @@ from heading_intercompare.core.verdict.vocabulary import (
 )
 
 from .decision_rule import describe_norms, describe_uncertainty, state_conformity
-from .formatting import exact, flat, outcome, value
+from .formatting import exact, flatten, outcome, value
 from .graphs import draw_graphs
 from .series_sketch import SeriesSketch
 from .tables import (
@@ -44,7 +44,7 @@ __all__ = ['render', 'write']
 _FINDINGS = ('skew', 'drift', 'heading_dependence', 'normality', 'stationarity', 'correlation',
              'allan')
 
-#: What neither HTML nor UTF-8 can hold: control characters, undecodable bytes of a file name.
+#: Characters that HTML or UTF-8 cannot hold: control characters, undecodable bytes of a file name.
 _UNPRINTABLE = re.compile('[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]')
 
 
@@ -69,13 +69,13 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = ()) -> str:
     ----------
     verdict : Verdict
     sketches : sequence of SeriesSketch
-        One an input, for the figures; none leaves them out.
+        One per input, for the figures; without any there are no figures.
 
     """
     runs = [(run.run, run) for run in verdict.runs]
     campaign = verdict.campaign
     homogeneity = [(f'homogeneity: {name}', '', value(thing))
-                   for name, thing in flat(campaign.homogeneity)]
+                   for name, thing in flatten(campaign.homogeneity)]
     return _load_template().render(
         verdict=verdict, no_run=NO_RUN, schema=f'{SCHEMA}, version {SCHEMA_VERSION}',
         span=f'{utc(min((run.start_ns for _, run in runs), default=None))} .. '
@@ -94,9 +94,9 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = ()) -> str:
 
 
 def _find(verdict: Verdict) -> list[Table]:
-    """Return what else was found in each run, by the names of the JSON."""
+    """Return the further findings of each run, under their names in the JSON."""
     found = [{f'{block}.{name}': thing for block in _FINDINGS
-              for name, thing in flat(getattr(run, block))} for run in verdict.runs]
+              for name, thing in flatten(getattr(run, block))} for run in verdict.runs]
     rows = [Row(name, '', methodcaller('get', name))
             for name in dict.fromkeys(name for names in found for name in names)]
     runs = [(run.run, names) for names, run in zip(found, verdict.runs)]
@@ -105,7 +105,7 @@ def _find(verdict: Verdict) -> list[Table]:
 
 @cache
 def _load_template() -> jinja2.Template:
-    """Return the page with gaps; whatever goes into one of them is shown literally."""
+    """Return the template of the page; it shows every value literally."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader('heading_intercompare.report'), autoescape=True,
         undefined=jinja2.StrictUndefined, finalize=_show, trim_blocks=True, lstrip_blocks=True,
@@ -119,10 +119,10 @@ def _load_template() -> jinja2.Template:
 
 
 def _show(thing: Any) -> Any:
-    """Return what goes into a gap, its unprintable characters as U+FFFD; markup as it is."""
+    """Return a value with its unprintable characters replaced by U+FFFD; markup unchanged."""
     return thing if hasattr(thing, '__html__') else _UNPRINTABLE.sub('\ufffd', str(thing))
 
 
 def _say(words: Mapping[Any, str], key: Any) -> str:
-    """Return the words for a key; of a later version, perhaps, that is the key itself."""
+    """Return the words for a key; the key itself if unknown, perhaps from a later version."""
     return words.get(key, key)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The verdict as a JSON file, and back."""
+"""Writes verdicts as JSON files and reads them back."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ def render(verdict: Verdict) -> str:
 
 
 def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] = ()) -> None:
-    """Write the verdict; JSON holds no figures to look at, so sketches have no place in it."""
-    # The name of a file may have bytes that are no UTF-8.
+    """Write the verdict; the sketches are ignored, for JSON has no figures."""
+    # The name of a file may have bytes that are not UTF-8.
     Path(path).write_text(render(verdict), 'utf-8', 'backslashreplace')
 
 
 def parse(text: str | bytes) -> Verdict:
     """
-    Return the verdict of a JSON text of `render`, or of the report of a node.
+    Return the verdict in a JSON text from `render` or from the report of a node.
 
     Raises
     ------
     VerdictError
-        If it is not JSON, or not a verdict: one line.
+        If it is not JSON, or not a verdict; the message is one line.
 
     """
     try:
@@ -57,7 +57,7 @@ def read(path: str | Path) -> Verdict:
     OSError
         If the file cannot be read.
     VerdictError
-        If it holds no verdict: the file, and what is wrong.
+        If the file holds no verdict; the message names the file and the problem.
 
     """
     try:

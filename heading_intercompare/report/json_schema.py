@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The JSON Schema of the verdict, from the dataclasses that it is made of."""
+"""The JSON Schema of the verdict, derived from its dataclasses."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def make_schema() -> dict[str, Any]:
     Returns
     -------
     dict
-        Every key that a verdict of this version has is required, and others are allowed, for
-        later minor versions add some. A number that need not be finite may be null.
+        It requires every key that a verdict of this version has. It allows others, because
+        later minor versions add keys. A number that need not be finite may be null.
 
     """
     kinds: dict[str, Any] = {}
@@ -51,12 +51,12 @@ def make_schema() -> dict[str, Any]:
 
 
 def _describe(kind: Any, kinds: dict[str, Any]) -> dict[str, Any]:
-    """Return the schema of an annotation; dataclasses are added to `kinds`."""
+    """Return the schema of an annotation; add its dataclasses to `kinds`."""
     if is_dataclass(kind):
         name: str = cast(type, kind).__name__
         if name not in kinds:
             kinds[name] = {}
-            # Settings stand in the verdict by their dotted names.
+            # The verdict lists settings under their dotted names.
             kinds[name] = {} if kind is Settings else _describe_dataclass(kind, kinds)
         return {'$ref': f'#/$defs/{name}'}
     origin, parts = get_origin(kind), get_args(kind)
@@ -92,7 +92,7 @@ def _describe_several(origin: type, parts: tuple[Any, ...],
 
 
 def _join(choices: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the schema of a union: one list of types where these say all."""
+    """Return the schema of a union: a single list of types if that is enough."""
     if all([*choice] == ['type'] for choice in choices):
         types = [name for choice in choices for name in
                  ([choice['type']] if isinstance(choice['type'], str) else choice['type'])]
@@ -107,7 +107,7 @@ def _describe_settings() -> dict[str, Any]:
 
 
 def _describe_setting(rule: Setting) -> dict[str, Any]:
-    """Return the schema of a setting, its range and its words."""
+    """Return the schema of a setting: its description, range and choices."""
     numbers = [_PLAIN[kind] for kind in rule.kinds if kind in (int, float)]
     choices: list[dict[str, Any]] = []
     if numbers:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Graphs in SVG, drawn by matplotlib: one look, the same bytes each time, several on one page."""
+"""SVG graphs from matplotlib, in one style; they are reproducible and can share a page."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from matplotlib.figure import Figure
 
 __all__ = ['ACCENT', 'draw', 'GREY', 'INK', 'SHADE']
 
-#: Of lines, and of what is behind them; they differ in lightness, too.
+#: Colours of lines and of shaded areas; they also differ in lightness.
 INK, ACCENT, GREY, SHADE = '#000000', '#1b4f8a', '#767676', '#c3d3e6'
 
-#: Inches: the width, and what stands around the axes.
+#: Width of a graph and margins around the axes, inches.
 _WIDTH, _LEFT, _RIGHT, _TOP, _BOTTOM = 9.6, 0.85, 0.24, 0.42, 0.62
 _LEGEND_ROW = 0.24
 #: Settings of matplotlib.
@@ -36,7 +36,7 @@ _LOOK: dict[Any, object] = {
     'legend.handlelength': 4.0, 'legend.columnspacing': 3.0, 'legend.borderpad': 0.2,
 }
 _SVG, _XLINK = 'http://www.w3.org/2000/svg', 'http://www.w3.org/1999/xlink'
-#: What matplotlib measures letters with, which a browser need not have, and the font of the page.
+#: The font in which matplotlib measures text, which a browser may lack, and the font of the page.
 _FONT = re.compile(r"'DejaVu Sans'(, *[^;]*)?")
 _PAGE_FONT = 'Helvetica, Arial, sans-serif'
 _LONG = re.compile(r'-?\d+\.\d{3,}')
@@ -44,7 +44,7 @@ _LONG = re.compile(r'-?\d+\.\d{3,}')
 
 @contextmanager
 def _our_look() -> Iterator[None]:
-    """Have our look whatever the user has set for plots, and leave that as it was."""
+    """Use our style whatever the user has set for plots, then restore the user's settings."""
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(_LOOK)
@@ -59,13 +59,13 @@ def draw(fill: Callable[[Axes], object], *, name: str, title: str, x_label: str,
     Parameters
     ----------
     fill : callable
-        Draws into the axes that it is given; what it labels is explained below them.
+        Draws into the given axes; everything it labels gets a legend below them.
     name : str
-        Letters and digits; no other graph of the page has it. Every id begins with it.
+        Letters and digits, unique on the page. Every id begins with it.
     title, x_label, y_label : str
-        The labels carry the units. The title also names the graph to who cannot see it.
+        The labels carry the units. A screen reader reads the title aloud.
     height : float
-        Without the legend, inches.
+        Height without the legend, inches.
 
     """
     with _our_look():
@@ -91,7 +91,7 @@ def draw(fill: Callable[[Axes], object], *, name: str, title: str, x_label: str,
 
 
 def _tidy(written: bytes, name: str, title: str) -> str:
-    """Return what matplotlib wrote as a part of a page: titled, undated, with ids of its own."""
+    """Return the SVG of matplotlib as part of a page: with a title and unique ids, undated."""
     root = ElementTree.fromstring(written)
     for parent in [*root.iter()]:
         for child in [*parent]:
@@ -109,13 +109,13 @@ def _tidy(written: bytes, name: str, title: str) -> str:
     root.insert(0, titled)
     root.attrib |= {'xmlns': _SVG, 'xmlns:xlink': _XLINK, 'role': 'img',
                     'aria-labelledby': f'{name}-title',
-                    # What the rule for all elements said, which would hold for the page.
+                    # Replaces the removed style sheet, which would apply to the whole page.
                     'style': 'stroke-linejoin: round; stroke-linecap: butt'}
     return ElementTree.tostring(root, 'unicode')
 
 
 def _tidy_value(key: str, value: str, name: str) -> str:
-    """Return the value of an attribute: ids prefixed, hundredths of a point enough."""
+    """Return the value of an attribute with ids prefixed and numbers rounded to 0.01 points."""
     if key == 'id':
         return f'{name}-{value}'
     if key == 'xlink:href':

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the graphs of a report need of the pairs, collected in bounded memory."""
+"""A summary of the pairs for the graphs of a report, collected in bounded memory."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _FIRST_WIDTH_DEG = 2.0 ** -20
 @dataclass
 class Bins:
     """
-    Count, mean, sum of squared deviations and extremes of x in each of a row of bins.
+    Count, mean, sum of squared deviations and extremes of the values in each bin.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Bins:
         """Return the bins of values `x_deg`, each in the bin `at`."""
         n = np.bincount(at, minlength=size)
         mean = np.bincount(at, x_deg, size) / np.maximum(n, 1)
-        # A sum of weights is real, whatever numpy says of its type.
+        # A sum of weights is real, although numpy does not declare it so.
         m2 = np.asarray(np.bincount(at, (x_deg - mean[at]) ** 2, size), np.float64)
         low, up = np.full(size, np.inf), np.full(size, -np.inf)
         np.minimum.at(low, at, x_deg)
@@ -59,7 +59,7 @@ class Bins:
         return cls(n, mean, m2, low, up)
 
     def __add__(self, other: 'Bins') -> 'Bins':
-        """Return the bins of both samples; Chan's formula."""
+        """Return the bins of both samples together, by Chan's formula."""
         n = self.n + other.n
         share = other.n / np.maximum(n, 1)
         step = other.mean_deg - self.mean_deg
@@ -67,8 +67,8 @@ class Bins:
                     self.m2_deg2 + other.m2_deg2 + step ** 2 * self.n * share,
                     np.minimum(self.low_deg, other.low_deg), np.maximum(self.up_deg, other.up_deg))
 
-    def halved(self) -> 'Bins':
-        """Return bins of twice the width in the lower half, the upper half empty."""
+    def halve(self) -> 'Bins':
+        """Return as many bins of twice the width; the upper half is empty."""
         pairs = self._every_other(0) + self._every_other(1)
         rest = Bins.of(len(self.n) // 2, np.zeros(0, np.int64), np.zeros(0))
         return Bins(n=np.concatenate((pairs.n, rest.n)),
@@ -88,7 +88,7 @@ class Bins:
 
 
 class Envelope:
-    """Bins of time from the first difference on, their width doubled as the span grows."""
+    """Time bins that start at the first difference; their width doubles as the span grows."""
 
     def __init__(self) -> None:
         self.start_ns: int | None = None
@@ -103,14 +103,14 @@ class Envelope:
             self.start_ns = int(stamp_ns[0])
         since = stamp_ns - self.start_ns
         while int(since[-1]) >= self.width_ns * _TIME_BINS:
-            self.bins = self.bins.halved()
+            self.bins = self.bins.halve()
             self.width_ns *= 2
         self.bins = self.bins + Bins.of(_TIME_BINS, since // self.width_ns, x_deg)
 
 
 class Histogram:
     """
-    Counts in bins of equal width, aligned to zero; doubled as the range grows.
+    Counts in bins of equal width, aligned to zero; the width doubles as the range grows.
 
     Attributes
     ----------
@@ -152,24 +152,24 @@ class Histogram:
         self.width_deg *= 2.0
 
     def edges_deg(self) -> Reals:
-        """Return the edges of the bins, one more than bins; degrees."""
+        """Return the edges of the bins in degrees, one more than there are bins."""
         at = self.first + np.arange(len(self.counts) + 1)
         return at.astype(np.float64) * self.width_deg
 
 
 class SeriesSketch:
     """
-    The differences of one input in bounded memory: against time, by size, against heading.
+    The differences of one input, summarised in bounded memory by time, size and heading.
 
     Parameters
     ----------
     source : str
-        Name of the input, as the runs of the verdict state it.
+        Name of the input, as in the runs of the verdict.
 
     Attributes
     ----------
     n, n_invalid : int
-        Finite differences taken; pairs left out as not finite.
+        Finite differences; pairs left out because they are not finite.
     time : Envelope
         At most 1000 bins of time.
     histogram : Histogram
@@ -178,8 +178,8 @@ class SeriesSketch:
 
     Notes
     -----
-    All pairs are taken, those of the stabilisation period too. Counts, extremes and bin widths
-    do not depend on the chunks; means and deviations to rounding.
+    All pairs count, including those of the stabilisation period. Counts, extremes and bin widths
+    do not depend on the chunks; means and deviations depend on them only by rounding.
 
     """
 
@@ -216,7 +216,7 @@ class SeriesSketch:
             return
         newest = self.newest_ns if self.newest_ns is not None else int(pairs.stamp_ns[0])
         if int(pairs.stamp_ns[0]) < newest or np.any(np.diff(pairs.stamp_ns) < 0):
-            raise ValueError(f'stamp_ns goes back behind {newest}: pairs come in stamp order')
+            raise ValueError(f'stamp_ns goes back before {newest}: pairs must come in stamp order')
         self.newest_ns = int(pairs.stamp_ns[-1])
         x = subtract(pairs, settings.installation_offset_deg, settings.wrap_center_deg).x_deg
         good = np.isfinite(x)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of a report: which figure stands in which row, with its unit."""
+"""The tables of a report: the figure and the unit of each row."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ class Row(Generic[Thing]):
     ----------
     name : str
     unit : str
-        '1' of a number without dimension, '' of what is no number.
+        '1' for a number without dimension, '' for anything but a number.
     figure : callable
-        Takes what the table is of; returns a figure, or words.
+        Takes the subject of the table; returns a figure, or words.
 
     """
 
@@ -43,13 +43,13 @@ class Row(Generic[Thing]):
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table: the words of its head, and rows of as many cells, of which the first is a name."""
+    """A table: a head and rows of equal length; the first cell of a row is its name."""
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
 
 
-def _rejected(reasons: Mapping[str, int]) -> str:
+def _list_reasons(reasons: Mapping[str, int]) -> str:
     return ', '.join(f'{n} {reason}' for reason, n in reasons.items()) or '0'
 
 
@@ -58,12 +58,12 @@ LEDGER: tuple[Row[RunVerdict], ...] = (
     Row('TS readings received', '1', lambda run: run.pairing.ts_received),
     Row('of these paired as they are', '1', lambda run: run.pairing.ts_paired),
     Row('of these only interpolated between', '1', lambda run: run.pairing.ts_used),
-    Row('of these without partner', '1', lambda run: run.pairing.ts_unpaired),
-    Row('of these rejected, by reason', '1', lambda run: _rejected(run.pairing.rejected.ts)),
+    Row('of these without a partner', '1', lambda run: run.pairing.ts_unpaired),
+    Row('of these rejected, by reason', '1', lambda run: _list_reasons(run.pairing.rejected.ts)),
     Row('RS readings received', '1', lambda run: run.pairing.rs_received),
     Row('of these paired or interpolated between', '1', lambda run: run.pairing.rs_used),
     Row('of these not used', '1', lambda run: run.pairing.rs_unused),
-    Row('of these rejected, by reason', '1', lambda run: _rejected(run.pairing.rejected.rs)),
+    Row('of these rejected, by reason', '1', lambda run: _list_reasons(run.pairing.rejected.rs)),
     Row('mean lag RS - TS', 's', lambda run: run.pairing.mean_lag_s),
     Row('largest |lag|', 's', lambda run: run.pairing.max_lag_s),
     Row('factor of the RS noise variance by interpolation', '1',
@@ -85,8 +85,8 @@ RESULTS: tuple[Row[RunVerdict], ...] = (
     Row('duration', 's', lambda run: run.duration_s),
     Row('differences analysed, n', '1', lambda run: run.n),
     Row('mean difference', 'deg', lambda run: run.mean_deg),
-    Row('least difference', 'deg', lambda run: run.min_deg),
-    Row('largest difference', 'deg', lambda run: run.max_deg),
+    Row('minimum difference', 'deg', lambda run: run.min_deg),
+    Row('maximum difference', 'deg', lambda run: run.max_deg),
     Row('largest |difference|', 'deg', lambda run: run.max_abs_deg),
     Row('mean square', 'deg²', lambda run: run.mean_square_deg2),
     Row('circular mean', 'deg', lambda run: run.circular_mean_deg),
@@ -124,7 +124,7 @@ RESULTS: tuple[Row[RunVerdict], ...] = (
 GUARDED: tuple[Row[RunVerdict], ...] = (
     Row('outcome on the variance', '', lambda run: run.guarded.outcome),
     Row('outcome on the counts', '', lambda run: run.guarded.count_outcome),
-    Row('variance with what the removed mean has swallowed', 'deg²',
+    Row('variance, including the part that the removed mean absorbed', 'deg²',
         lambda run: run.guarded.d_hat_deg2),
     Row("its upper bound U, at the consumer's risk", 'deg²',
         lambda run: run.guarded.upper_bound_deg2),
@@ -138,17 +138,19 @@ GUARDED: tuple[Row[RunVerdict], ...] = (
     Row('degrees of freedom of the slow part, f', '1', lambda run: run.guarded.f),
     Row('corner of the spectrum of the squares, half-periods', '1',
         lambda run: run.guarded.corner_j),
-    Row('lowest half-periods over the middle ones', '1', lambda run: run.guarded.r_slow),
-    Row('variance of the slow part that shows', 'deg²',
+    Row('ratio of the lowest half-periods to the middle ones', '1',
+        lambda run: run.guarded.r_slow),
+    Row('variance of the visible slow part', 'deg²',
         lambda run: run.guarded.slow_variance_deg2),
-    Row('allowance for it in U', 'deg²', lambda run: run.guarded.slow_allowance_deg2),
+    Row('allowance for the slow part in U', 'deg²', lambda run: run.guarded.slow_allowance_deg2),
     Row('confidence that the variance is at most A', '1',
         lambda run: run.guarded.confidence_compliant),
     Row('confidence that the variance is above R', '1',
         lambda run: run.guarded.confidence_non_compliant),
     Row('conformance probability', '1', lambda run: run.guarded.conformance_probability),
-    Row('times the duration that would decide', '1', lambda run: run.guarded.duration_factor),
-    Row('duration that would decide', 'h', lambda run: run.guarded.hours_needed),
+    Row('duration needed to decide, times this one', '1',
+        lambda run: run.guarded.duration_factor),
+    Row('duration needed to decide', 'h', lambda run: run.guarded.hours_needed),
     Row('mean difference: standard uncertainty', 'deg', lambda run: run.guarded.bias_u_deg),
     Row('mean difference: 95 % interval', 'deg',
         lambda run: interval(*(run.guarded.bias_interval_deg or (None, None)))),
@@ -166,20 +168,20 @@ WORST: tuple[Row[Campaign], ...] = (
     Row('largest rate beyond the limit', '1', lambda campaign: campaign.worst_plus_rate),
     Row('largest rate beyond the tightened limit', '1',
         lambda campaign: campaign.worst_plus_plus_rate),
-    Row('mean difference, least', 'deg', lambda campaign: campaign.a_low_deg),
-    Row('mean difference, largest', 'deg', lambda campaign: campaign.a_up_deg),
-    Row('total TS error, least', 'deg', lambda campaign: campaign.low_worst_deg),
-    Row('total TS error, largest', 'deg', lambda campaign: campaign.up_worst_deg),
+    Row('mean difference, minimum', 'deg', lambda campaign: campaign.a_low_deg),
+    Row('mean difference, maximum', 'deg', lambda campaign: campaign.a_up_deg),
+    Row('total TS error, minimum', 'deg', lambda campaign: campaign.low_worst_deg),
+    Row('total TS error, maximum', 'deg', lambda campaign: campaign.up_worst_deg),
 )
 
 SENSOR: tuple[Row[Together], ...] = (
     Row('runs with 128 differences or more', '1', lambda shared: shared.runs),
     Row('their differences', '1', lambda shared: shared.n),
-    Row('their lengths added up', 's', lambda shared: shared.span_s),
+    Row('their total duration', 's', lambda shared: shared.span_s),
     Row('mean variance, weighted', 'deg²', lambda shared: shared.d_hat_deg2),
     Row('effective degrees of freedom', '1', lambda shared: shared.nu),
     Row('degrees of freedom of the slow part', '1', lambda shared: shared.f),
-    Row('allowance for a slow part that shows', 'deg²', lambda shared: shared.slow_allowance_deg2),
+    Row('allowance for a visible slow part', 'deg²', lambda shared: shared.slow_allowance_deg2),
     Row('upper bound from within the runs', 'deg²', lambda shared: shared.pooled_upper_bound_deg2),
     Row('upper bound from the means of the runs', 'deg²',
         lambda shared: shared.between_upper_bound_deg2),
@@ -198,7 +200,7 @@ def rows_of(rows: Sequence[Row[Thing]], thing: Thing) -> list[tuple[str, str, st
 
 def rows_by_run(rows: Sequence[Row[Thing]], runs: Sequence[tuple[int, Thing]], *,
                 units: bool = True) -> list[Table]:
-    """Return tables of a row a figure and a column a run, numbered, a few runs in each."""
+    """Return tables with one row per figure and one column per run, a few runs in each."""
     return [Table(['', *(['unit'] if units else []), *(f'run {number}' for number, _ in some)],
                   [[row.name, *([row.unit] if units else []),
                     *(value(row.figure(thing)) for _, thing in some)] for row in rows])

@@ -37,6 +37,7 @@ def test_scenario_runs(path):
     assert sum(len(chunk.ts) for chunk in Simulation(scenario).chunks()) > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name, outcome', [
     ('demo', 'compliant'), ('ts_below_norm', 'compliant'), ('ts_at_norm', 'indeterminate'),
     ('ts_above_norm', 'non_compliant'), ('degraded_rs', 'non_compliant')])

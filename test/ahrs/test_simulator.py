@@ -87,6 +87,7 @@ def test_a_live_sender_sets_the_start():
     assert chunk.ts.stamp_ns[0] == 5_000
 
 
+@pytest.mark.slow
 def test_cold_ahrs_is_invalid_until_it_has_settled():
     """At berth: nothing before the meridian is found, then better than 0.3 degrees."""
     scenario = Scenario.from_mapping({

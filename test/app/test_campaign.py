@@ -103,6 +103,7 @@ def test_one_large_bag_is_decoded_by_several_processes_with_the_same_verdict(
     assert len(begun) == (3 if sys.platform == 'linux' else 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('worth', [0, 10**9])
 def test_a_bad_bag_is_named_and_the_campaign_is_not_compliant(
         bags, tmp_path, capsys, monkeypatch, worth):
@@ -224,6 +225,7 @@ def test_a_bad_bag_does_not_hide_that_another_is_not_compliant(bags, tmp_path, c
                  '--set', 'risk.min_duration_s=0']) == 1
 
 
+@pytest.mark.slow
 def test_a_report_is_written_though_a_bag_is_bad(bags, tmp_path, capsys, processes):
     judged(capsys, *bags[:2], str(tmp_path / 'nowhere'), '--report',
            str(tmp_path / 'report.html'))
@@ -338,6 +340,7 @@ def test_a_bag_whose_recorder_lost_messages_is_said_to_have_lost_them(tmp_path, 
     assert said == f'note: {bag}: 7 messages received but not written\n'
 
 
+@pytest.mark.slow
 def test_results_come_in_the_order_given(bags, processes):
     settings = Settings.from_mapping({'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1})
     found = campaign.judge_inputs([bags[2], bags[0], bags[1]], settings, None, jobs=3)

@@ -201,6 +201,7 @@ def examine(which: int, damages: list[tuple[str, float, int]]) -> None:
         shutil.rmtree(folder)
 
 
+@pytest.mark.slow
 def test_damaged_bags_never_end_in_anything_but_one_clear_error():
     """The peak memory may grow by no more than the files, their chunks and a library."""
     originals()
@@ -254,12 +255,14 @@ def damaged_once(which: int, folder: Path, change: Callable[[bytes, int], bytes]
     return left
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('which', [2, 3])
 def test_cut_in_any_part_of_any_record_all_messages_before_are_recovered(which, tmp_path):
     left = damaged_once(which, tmp_path, lambda data, at: data[:at])
     assert left == sorted(left) and left[0] == 0 and left[-1] == sum(messages(which).values())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('which', [0, 3, 5])
 def test_flipped_in_any_part_of_any_record_few_messages_are_lost(which, tmp_path):
     """One chunk, or the messages around it; nothing appears under another topic."""
@@ -321,6 +324,7 @@ def test_heads_of_chunks_within_heads_of_chunks_do_not_take_forever(tmp_path):
     assert total.messages == 2 * sum(messages(2).values())
 
 
+@pytest.mark.slow
 def test_many_small_gaps_do_not_take_forever(tmp_path):
     """After each the next record is near, and only nearby bytes are searched."""
     piece = b'\0\x0f' + struct.pack('<QI', 4, 0)

@@ -97,7 +97,7 @@ def test_info_check_reads_all_of_it(bag, capsys):
     rows = [line.split() for line in text.splitlines()]
     assert ['topic', 'type', 'messages', 'rate', '[1/s]', 'missing'] in rows
     assert ['/ts/heading', 'sensor_msgs/msg/Imu', '1200', '10.00', '-'] in rows
-    assert 'check: 2,401 messages in ' in text and text.endswith('  every checksum is right\n')
+    assert 'check: 2,401 messages in ' in text and text.endswith('  every checksum is correct\n')
     assert 'check:' not in printed(capsys, 'info', bag)
 
 
@@ -122,7 +122,7 @@ def test_info_check_of_a_damaged_bag_ends_with_2_and_says_where(bag, capsys):
     assert main(['info', '--check', str(bag)]) == 2
     out, err = capsys.readouterr()
     assert '/ts/heading' in out and '  wrong: trial_0.mcap: chunk damaged: ' in out
-    assert 'checksum is right' not in out and '`recover` writes what is sound' in out
+    assert 'checksum is correct' not in out and '`recover` copies the intact' in out
     assert err.count('\n') == 1 and f'{bag}: trial_0.mcap: chunk damaged' in err
     printed(capsys, 'info', bag)
 
@@ -193,7 +193,7 @@ def test_info_of_a_bag_without_messages(tmp_path, capsys):
 def test_info_survives_a_report_that_is_no_verdict(tmp_path, capsys, report):
     with BagWriter(tmp_path / 'bag') as writer:
         writer.attachment('report.json', 'application/json', report)
-    assert 'not a verdict that this version reads' in printed(capsys, 'info', tmp_path / 'bag')
+    assert 'not a verdict that this version can read' in printed(capsys, 'info', tmp_path / 'bag')
 
 
 def test_recover_prints_what_was_kept_and_lost(bag, tmp_path, capsys):
@@ -234,14 +234,14 @@ def test_recover_of_what_is_not_there_is_one_line(tmp_path, capsys):
 
 
 @pytest.mark.parametrize('rules, words', [
-    (['ts/heading'], "'ts/heading' must be OLD:=NEW, two names of topics"),
+    (['ts/heading'], "'ts/heading' must be OLD:=NEW, two topic names"),
     (['ts/heading:='], "'ts/heading:=' must be OLD:=NEW"),
     ([':=gyro'], "':=gyro' must be OLD:=NEW"),
     (['ts/heading:=1st'], "'ts/heading:=1st' must be OLD:=NEW"),
     (['ts/heading:=a:=b'], "'ts/heading:=a:=b' must be OLD:=NEW"),
     (['ts heading:=gyro'], "'ts heading:=gyro' must be OLD:=NEW"),
     (['ts/heading:=gyro//x'], "'ts/heading:=gyro//x' must be OLD:=NEW"),
-    (['ts/heading:=a__b'], "'ts/heading:=a__b' must be OLD:=NEW, two names of topics without __"),
+    (['ts/heading:=a__b'], "'ts/heading:=a__b' must be OLD:=NEW, two topic names without __"),
     (['ts/heading:=a', 'ts/heading:=b'], 'ts/heading is already remapped to a')])
 def test_a_malformed_remapping_is_one_line(rules, words, capsys):
     assert main(['replay', 'bag', '--remap', *rules]) == 2
@@ -295,7 +295,7 @@ def test_a_replay_of_a_part_without_headings_says_so_and_ends(bag, capfd):
 
 
 class Person:
-    """Somebody at a terminal, in which a command runs."""
+    """A person at a terminal in which a command runs."""
 
     def __init__(self, *arguments, **environment):
         self.side, program = pty.openpty()
@@ -319,17 +319,17 @@ class Person:
         os.close(self.program)
 
     def read(self):
-        """Take in what is on the screen."""
+        """Read what is on the screen."""
         if select.select([self.side], [], [], 0.05)[0]:
             self.seen += os.read(self.side, 65536).decode()
 
     def presses(self, keys):
-        """Press keys; what was seen before is forgotten."""
+        """Press keys, and forget what was seen before."""
         self.seen = ''
         os.write(self.side, keys)
 
     def sees(self, words):
-        """Wait for a text, a pattern."""
+        """Wait for a text that matches a pattern."""
         deadline_s = time.monotonic() + 20.0
         while not (found := re.search(words, self.seen)):
             assert time.monotonic() < deadline_s, self.seen
@@ -349,7 +349,7 @@ class Person:
 
 @pytest.fixture
 def alone(tmp_path):
-    """Return the options of a replay that waits for nobody."""
+    """Return the options of a replay that does not wait for subscribers."""
     pytest.importorskip('rclpy')
     file = tmp_path / 'alone.yaml'
     file.write_text('replayer: {ros__parameters: {subscribers: 0}}\n')

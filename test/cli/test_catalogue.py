@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Situations that every ship meets, simulated and as csv: outcome, reason, words and exit code."""
+"""Common situations, simulated and as csv: outcome, reason, words and exit code."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the Tab key offers, asked as bash asks."""
+"""Completions for the Tab key, requested as bash requests them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ASK = 'import sys; from heading_intercompare.cli import main; sys.exit(main())'
 
 
 def ask(line, folder, code=ASK):
-    """Return what completes a line; the answer comes on descriptor 8."""
+    """Return the completions of a line; the answer comes on descriptor 8."""
     asking = {**os.environ, 'PYTHONPATH': os.pathsep.join(sys.path), '_ARGCOMPLETE': '1',
               '_ARGCOMPLETE_IFS': '\n', '_ARGCOMPLETE_SHELL': 'bash', 'COMP_LINE': line,
               'COMP_POINT': str(len(line)), 'COMP_TYPE': '9',

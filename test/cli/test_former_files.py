@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Files of 0.1.0 are read with the right figures, or refused in a line that says what to do."""
+"""Files of 0.1.0 give the right figures, or are rejected in a line that says what to do."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ BAG, PAIRS, ENSEMBLES, VERDICT, PARAMETERS = (str(FORMER / name) for name in (
 NORMS = ['--set=norms.sigma_max_deg=0.3', '--set=norms.sigma_ref_max_deg=0.1',
          '--set=risk.min_duration_s=0']
 THEN = json.loads(Path(VERDICT).read_text('utf-8'))['runs'][0]
-#: What neither the rule nor the pairing has changed.
+#: Figures that neither the rule nor the pairing has changed.
 KEPT = ('start_ns', 'end_ns', 'n_input', 'n', 'mean_deg', 'min_deg', 'max_deg', 'variance_deg2',
         'std_deg', 'outcome', 'paper_outcome')
 GONE = ['detectors.same_source_ratio', 'risk.method', 'risk.nu_min', 'risk.r1_max',
@@ -38,7 +38,7 @@ def judged(capsys, *arguments: str) -> dict:
 
 
 def refused(capsys, *arguments: str) -> str:
-    """Return the one line with which a command refuses what it is given."""
+    """Return the one line with which a command rejects its input."""
     assert main([*arguments]) == 2
     said = capsys.readouterr().err
     assert said.count('\n') == 1
@@ -59,7 +59,7 @@ def test_a_bag_is_sound_and_shows_what_it_holds(capsys):
     assert main(['info', BAG]) == 0
     said = capsys.readouterr().out
     assert 'software: heading_intercompare 0.1.0' in said and 'risk.method: dyadic+acf' in said
-    assert re.search(r'not a verdict that this version reads: .*: judge the recordings again',
+    assert re.search(r'not a verdict that this version can read: .*: judge the recordings again',
                      said)
 
 
@@ -72,7 +72,7 @@ def test_the_tables_are_written_as_they_were(capsys, tmp_path):
     assert [[row[name] for name in then[0]] for row in now] == [[*row.values()] for row in then]
 
 
-def test_a_verdict_is_refused_and_told_how_it_is_made_anew(capsys, tmp_path):
+def test_a_refused_verdict_says_how_to_make_it_again(capsys, tmp_path):
     said = refused(capsys, 'report', VERDICT, '-o', str(tmp_path / 'r.html'))
     assert f"{VERDICT}: schema = 'heading_intercompare/verdict/1'" in said
     assert said.endswith('judge the recordings again, with `analyze` or `rejudge`\n')

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the commands write into a bag of its origin: version, norms, sources, seed, notes."""
+"""The origin that commands write into a bag: version, norms, sources, seed, notes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NOTES = ['--note', 'MV Example', '--note', '2014-08-01T00:00:02Z course change']
 
 
 def assert_noted(bag, before_ns):
-    """Both notes are there: one of its own time, one of the time at which the bag was made."""
+    """Both notes are there: one with its own time, one with the time the bag was made."""
     event, ship = read_notes(BagReader(bag))
     assert event == (1406851202 * S, 'course change')
     assert ship.text == 'MV Example' and before_ns <= ship.stamp_ns <= time.time_ns()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What `analyze` and `report` write beside the verdict: ensembles, pairs, the protocol."""
+"""The files that `analyze` and `report` write besides the verdict: ensembles, pairs, protocol."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_the_length_of_an_ensemble_can_be_set_and_the_norms_set_the_flag(bag, tm
 
 
 @pytest.mark.parametrize('arguments, words', [
-    (['{bag}', '{bag}', '--ensembles', '{to}'], 'takes the pairs of one INPUT, 2 are given'),
+    (['{bag}', '{bag}', '--ensembles', '{to}'], 'takes the pairs of one INPUT, but 2 are given'),
     (['{bag}', '--ensembles', '{to}', '--ensemble-s', '0'], 'must be from 1 to 86400'),
     (['{bag}', '--ensembles', '{to}', '--ensemble-s', 'nan'], 'must be from 1 to 86400'),
     (['{bag}', '--ensembles', '{to}', '--ensemble-s', 'long'], "invalid float value: 'long'"),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Real ship logs through import and analysis, against figures of two independent programs."""
+"""Import and analysis of real ship logs, compared with figures of two independent programs."""
 
 from __future__ import annotations
 
@@ -69,6 +69,7 @@ def test_the_figures_are_the_golden_ones(name, method, key, bags, golden, capsys
         assert run['pairing']['max_lag_s'] == pytest.approx(figures['max_abs_dt'], rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', SETS)
 @pytest.mark.parametrize('variant, suffix', [('A', 'raw'), ('B', 'c')])
 def test_the_criteria_are_the_golden_ones(name, variant, suffix, bags, golden, capsys, tmp_path):

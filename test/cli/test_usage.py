@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a user can do wrong gives one clear line and exit code 2; and the exit codes of --check."""
+"""Mistakes of a user give one clear line and exit code 2; and the exit codes of --check."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_a_wrong_setting_says_what_is_allowed(assignment, words, bag, capsys):
 
 @pytest.mark.parametrize('name, value', [
     ('method', 'dyadic'), ('nu_min', '15'), ('r1_max', '0.4'), ('share_max', '0.05')])
-def test_a_setting_that_is_gone_says_what_became_of_it(name, value, bag, capsys, tmp_path):
+def test_a_setting_that_is_gone_says_what_to_use(name, value, bag, capsys, tmp_path):
     """On the command line and in a parameter file."""
     words = f"setting 'risk.{name}' is gone: "
     assert words in refused(capsys, 'analyze', bag, *NORMS, '--set', f'risk.{name}={value}')
@@ -163,7 +163,7 @@ def test_damaged_metadata_of_a_bag_are_named_with_line_and_remedy(command, bag, 
     line = (damaged / 'metadata.yaml').read_text().count('\n')
     said = refused(capsys, command[0], damaged, *command[1:])
     assert f"metadata.yaml: line {line}: 'rosbag2_bagfile_information' is given twice; " in said
-    assert '`recover` reads the bag without it' in said
+    assert '`recover` reads the bag without this file' in said
     assert main(['recover', str(damaged), '-o', str(tmp_path / 'new')]) == 0
     out, err = capsys.readouterr()
     assert 'kept: 6001 messages' in out and 'note: metadata.yaml: line ' in err

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where nothing is installed but what the package requires, each command works or refuses."""
+"""Without any optional library, each command works or says what to install."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from heading_intercompare.cli.program import COMMANDS
 
 pytestmark = pytest.mark.process
 
-#: The modules that the extras bring, and some of those that they bring with them.
+#: The modules that the extras install, and some of their dependencies.
 EXTRAS = ('jinja2', 'markupsafe', 'matplotlib', 'rich', 'argcomplete', 'serial', 'isal',
           'distributed', 'dask', 'threadpoolctl', 'pandas')
 ROS = ('rclpy', 'sensor_msgs', 'std_msgs', 'geometry_msgs', 'nav_msgs', 'std_srvs',
        'diagnostic_msgs', 'rosgraph_msgs', 'rcl_interfaces', 'builtin_interfaces')
 
-#: A program that finds them nowhere, as if they were not installed.
+#: A program that hides them, as if they were not installed.
 PROGRAM = f"""
 import sys
 from importlib.machinery import PathFinder
@@ -81,7 +81,7 @@ WORKS = {
     'simulate': (('--scenario', 'scenario.yaml', '-o', 'simulated'), 'bag: simulated'),
     'report': (('v.json', '-o', 'same.json'), 'VERDICT: '),
     'norms': ((), 'imo_msc116: '),
-    'info': (('bag', '--check'), 'every checksum is right'),
+    'info': (('bag', '--check'), 'every checksum is correct'),
     'recover': (('bag', '-o', 'recovered'), 'lost: nothing'),
 }
 REFUSED = {

@@ -231,6 +231,7 @@ LIVE = ('nu', 'f', 'slow_allowance_deg2', 'lower_bound_deg2', 'upper_bound_deg2'
         'sigma_ts_upper_deg', 'bias_u_deg')
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('chunk', [1, 700, 10_000])
 def test_live_and_final_bounds_are_the_same_to_the_bit(rng, chunk):
     """With no drift removed and a fixed stabilisation; a gap and lost readings in between."""
@@ -301,6 +302,7 @@ def test_no_input_at_all_is_indeterminate():
     assert verdict.outcome is Outcome.INDETERMINATE and verdict.to_dict()['runs'] == []
 
 
+@pytest.mark.slow
 def test_looks_do_not_depend_on_chunks(rng):
     ts, rs = sensors(rng)
     plan = settings(sequential__plan_s=600.0, sequential__looks=4, norms__sigma_max_deg=0.5)
@@ -335,6 +337,7 @@ def test_with_a_plan_the_end_of_a_run_takes_the_share_of_the_last_look(rng):
     assert planned.guarded == half.guarded
 
 
+@pytest.mark.slow
 def test_among_several_runs_the_producers_risk_is_shared(rng):
     """One run just above the limit is rejected alone, but not as one of twenty."""
     def runs(sigma):

@@ -108,6 +108,11 @@ def test_with_stamps_of_validity_no_reading_is_a_burst():
     assert found == [(k, k) for k in (10, 11, 12)] and counts == {'not_heading': 3}
 
 
+def test_bursts_are_accepted_on_request():
+    found, counts = decode([(0, hdt(0)), (3, hdt(1) + hdt(2))], bursts='accept')
+    assert found == [(0, 0), (3, 1), (3, 2)] and counts == {}
+
+
 def test_readings_of_a_burst_do_not_change_the_usual_step():
     finder = BurstFinder()
     for k in range(5):

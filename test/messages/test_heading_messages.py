@@ -71,6 +71,7 @@ def one_by_one(type_name: str, convention: str, messages: list[bytes]) -> Headin
 COMPONENT = st.floats(-2.0, 2.0) | st.sampled_from([0.0, np.nan, np.inf, 1e200])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('type_name', HEADING_TYPES)
 @hypothesis.given(st.data())
 def test_many_messages_at_once_are_the_single_ones_to_the_bit(type_name, data):

@@ -28,6 +28,8 @@ class Node:
     parameters: list[Any]
     output: str
     on_exit: Any = None
+    respawn: bool = False
+    respawn_delay: float = 0.0
 
     def arguments(self, folder: Path) -> list[str]:
         """Return the arguments of the process, as `launch_ros` composes them."""
@@ -36,7 +38,8 @@ class Node:
             path = given
             if isinstance(given, dict):
                 path = folder / f'{self.name}_{number}.yaml'
-                path.write_text(yaml.dump({f'/{self.name}': {'ros__parameters': given}}))
+                full = f'{self.namespace.rstrip("/")}/{self.name}'
+                path.write_text(yaml.dump({full: {'ros__parameters': given}}))
             files += ['--params-file', str(path)]
         return ['--ros-args', '-r', f'__node:={self.name}', '-r', f'__ns:={self.namespace}',
                 *files]

@@ -7,9 +7,12 @@ from __future__ import annotations
 import json
 import math
 import os
+import signal
 import threading
+import time
 
 import pytest
+from sensor_msgs.msg import Imu
 
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
@@ -22,9 +25,10 @@ from heading_intercompare.nodes.graph import intercompare, Source
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.replayer import Replayer
+from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 
-from .conftest import NORMS
+from .conftest import NORMS, Ros
 from .rclpy_objects import heading_messages, headings_from
 
 TRIAL = {'duration_s': 120.0, 'seed': 5, 'ts.white_deg': 0.1, 'ts.rate_hz': 10.0,
@@ -124,6 +128,41 @@ def test_a_replay_at_any_rate_gives_the_live_verdict(trial, rate):
     replayed = intercompare([Source(Replayer, 'replayer', {'bag': bag, 'rate': rate})], NORMS,
                             private=True).to_dict()
     assert_same(replayed, live)
+
+
+@pytest.fixture
+def domain(monkeypatch):
+    """Let contexts of this process find each other, and nobody else, in a ROS domain."""
+    monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    monkeypatch.setenv('ROS_DOMAIN_ID', str(101 + os.getpid() % 100))
+
+
+def test_without_sources_the_graph_listens_to_the_topics_of_others(domain, tmp_path):
+    """Another program publishes 200 headings of each sensor; then the user presses Ctrl-C."""
+    other = Ros()
+    sensors = [other.plain.create_publisher(Imu, f'{role}/heading', qos.HEADINGS_OUT)
+               for role in ('ts', 'rs')]
+    stamps = [(1_700_000_000 + i) * 10 ** 9 for i in range(200)]
+    messages = heading_messages(Headings.of(stamps, [90.0] * 200), 'gyro')
+    published = []
+    deadline_s = time.monotonic() + 60.0
+
+    def watch(n_pairs):
+        if not published and all(s.get_subscription_count() == 2 for s in sensors):
+            for message in messages:
+                for sensor in sensors:
+                    sensor.publish(message)
+            published.append(True)
+        if n_pairs == 200 or time.monotonic() > deadline_s:
+            os.kill(os.getpid(), signal.SIGINT)
+    bag = str(tmp_path / 'bag')
+    settings = {**NORMS, 'pairing.method': 'nearest'}
+    try:
+        live = intercompare([], settings, output=bag, progress=watch).to_dict()
+    finally:
+        other.close()
+    assert live['runs'][0]['pairing']['paired'] == 200
+    assert_same(live, offline(bag, **{'pairing.method': 'nearest'}))
 
 
 def test_the_bag_holds_all_that_was_published_and_the_report(trial):

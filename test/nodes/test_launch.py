@@ -37,7 +37,8 @@ def by_name(name, **given):
 
 def own(node):
     """Return the parameters that the launch file itself sets."""
-    return next((p for p in node.parameters if isinstance(p, dict)), {})
+    return {key: value for given in node.parameters if isinstance(given, dict)
+            for key, value in given.items()}
 
 
 def test_the_live_graph_has_two_drivers_and_the_others(config):
@@ -70,7 +71,41 @@ def test_topics_of_the_parameter_file_are_kept(config):
 def test_without_synchronizer_or_compliance_nothing_goes_on(config):
     made = by_name(FILES[0], config=config)
     assert {n for n, node in made.items() if isinstance(node.on_exit, Shutdown)} == {
-        'synchronizer', 'compliance', 'recorder'}
+        'synchronizer', 'compliance'}
+
+
+def test_drivers_of_live_sources_and_a_recorder_of_new_bags_start_again(config):
+    made = by_name(FILES[0], config=config)
+    assert {n for n, node in made.items() if node.respawn} == {
+        'ts_driver', 'rs_driver', 'recorder'}
+    named = by_name(FILES[0], config=config, output='trial')
+    assert not named['recorder'].respawn, 'the bag is there: it would end again and again'
+    given = yaml.safe_load(Path(config).read_text())
+    given['ts_driver']['ros__parameters']['source'] = 'file:gyro.log'
+    Path(config).write_text(yaml.dump(given))
+    assert not by_name(FILES[0], config=config)['ts_driver'].respawn, 'a log ends'
+
+
+def test_a_sensor_without_a_driver_section_is_heard_on_its_topic(config):
+    given = yaml.safe_load(Path(config).read_text())
+    del given['rs_driver']
+    Path(config).write_text(yaml.dump(given))
+    assert set(by_name(FILES[0], config=config)) == {
+        'ts_driver', 'synchronizer', 'compliance', 'recorder'}
+
+
+@pytest.mark.parametrize('name', FILES)
+def test_a_graph_in_a_namespace_takes_the_sections_of_its_file(config, name):
+    """A section named `synchronizer` does not hold for `/ship1/synchronizer` by itself."""
+    given = yaml.safe_load(Path(config).read_text())
+    given['synchronizer'] = {'ros__parameters': {'startup_wait_s': 33.0}}
+    Path(config).write_text(yaml.dump(given))
+    made = by_name(name, config=config, namespace='/ship1',
+                   **({'bag': 'b'} if name == FILES[1] else {}))
+    assert {node.namespace for node in made.values()} == {'/ship1'}
+    assert own(made['synchronizer'])['startup_wait_s'] == 33.0
+    if name == FILES[0]:
+        assert own(made['ts_driver'])['source'] == 'udp://127.0.0.1:20110'
 
 
 def test_all_end_when_the_bag_does(config):

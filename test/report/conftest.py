@@ -17,7 +17,7 @@ BASE = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
 
 @pytest.fixture
 def made(rng):
-    """Return what makes a verdict of some runs, and their sketches."""
+    """Return a function that makes a verdict on some runs, and their sketches."""
     def make(runs: int, n: int = 600, noise_deg: float = 0.2,
              **settings: Any) -> tuple[Verdict, list[SeriesSketch]]:
         taken = Settings.from_mapping(

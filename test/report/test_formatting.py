@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Figures and stamps in words; what is absent is a dash."""
+"""Figures and stamps as text; a missing value is a dash."""
 
 from __future__ import annotations
 

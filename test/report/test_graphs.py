@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the graphs show stands where the axes say, and nothing is drawn where nothing was."""
+"""Lines and bars agree with the axes, and nothing is drawn where nothing was measured."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SVG, XLINK = '{http://www.w3.org/2000/svg}', '{http://www.w3.org/1999/xlink}'
 
 
 class Graph:
-    """A graph read back: its words, its lines in units of the axes."""
+    """A graph read back: its words, and its lines in the units of the axes."""
 
     def __init__(self, svg: str) -> None:
         self.root = ElementTree.fromstring(svg)
@@ -29,7 +29,7 @@ class Graph:
         self._x, self._y = (self._scale(axis) for axis in 'xy')
 
     def _scale(self, axis):
-        """Return what turns pixels into units: through the first and the last tick."""
+        """Return the function from pixels to units, from the first and the last tick."""
         ticks = []
         for group in self.root.iter(f'{SVG}g'):
             if re.search(rf'-{axis}tick_\d+$', group.get('id', '')):
@@ -40,7 +40,7 @@ class Graph:
         return lambda pixel: v0 + (pixel - p0) * (v1 - v0) / (p1 - p0)
 
     def lines(self, dash):
-        """Return the ends of the lines of a dash in the graph, without the legend."""
+        """Return the ends of the lines with a dash, without those of the legend."""
         found = []
         legend = {*next(g for g in self.root.iter(f'{SVG}g')
                         if g.get('id', '').endswith('legend_1')).iter()}
@@ -53,7 +53,7 @@ class Graph:
 
     @staticmethod
     def _dash(path):
-        """Return the dashes of a line in widths of it."""
+        """Return the dashes of a line as multiples of its width."""
         style = path.get('style', '')
         dash = re.search(r'stroke-dasharray: ([\d.,]+)', style)
         width = float((re.search(r'stroke-width: ([\d.]+)', style) or ('', '1'))[1])

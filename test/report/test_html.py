@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The protocol says all that the verdict holds, and nothing of a name is taken for markup."""
+"""The protocol says all that the verdict holds, and shows every name literally."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ VOID = {'meta', 'br', 'hr', 'img', 'input', 'link'}
 
 
 class Page(HTMLParser):
-    """Reads a page: its text, its cells, its elements, and whether they are nested well."""
+    """The text, cells and elements of a page, and the faults of their nesting."""
 
     def __init__(self, page: str) -> None:
         super().__init__()
@@ -73,12 +73,13 @@ def numbers(cells):
 
 
 def changed(verdict, change):
-    """Return a verdict of which the mapping was changed."""
+    """Return a verdict whose mapping was changed."""
     mapping = verdict.to_dict()
     change(mapping)
     return Verdict.from_dict(mapping)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('runs', [0, 1, 3, 7])
 def test_the_page_is_nested_well_and_needs_nothing_from_elsewhere(made, runs):
     page = html.render(*made(runs))
@@ -91,6 +92,7 @@ def test_the_page_is_nested_well_and_needs_nothing_from_elsewhere(made, runs):
     assert read.names.count('figure') == 3 * runs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('runs', [0, 1, 3])
 def test_an_absent_figure_is_a_dash(made, runs):
     cells = Page(html.render(*made(runs, n=20))).cells
@@ -100,7 +102,7 @@ def test_an_absent_figure_is_a_dash(made, runs):
 
 
 def marked(thing, marks):
-    """Return a block with each number replaced by one of its own, an integer by an integer."""
+    """Return a block with each number replaced by a unique one, an integer by an integer."""
     if isinstance(thing, dict):
         return {key: marked(inner, marks) for key, inner in thing.items()}
     if isinstance(thing, list):
@@ -115,7 +117,7 @@ def marked(thing, marks):
 @pytest.mark.parametrize('block', ['variance_criterion', 'count_criterion', 'total_error',
                                    'guarded', 'pairing'])
 def test_every_number_of_the_criteria_is_in_the_page(made, block):
-    """Each number is made unique first, so that none is found in the place of another."""
+    """Each number is made unique first, so that none is mistaken for another."""
     verdict, _ = made(3, norms__total_error_max_deg=1.0, norms__m_low=0.5, noise_deg=0.31)
     marks = []
 
@@ -142,6 +144,7 @@ def test_every_number_of_a_run_and_of_the_worst_run_is_in_the_page(made):
     assert [mark for mark in marks if mark not in found] == []
 
 
+@pytest.mark.slow
 def test_a_hostile_name_is_shown_and_not_obeyed(made):
     verdict, sketches = made(1)
     name = '<script>alert("1")</script>&amp;\x00\udcff.mcap\'"><img src=x onerror=y>'
@@ -210,6 +213,7 @@ def test_the_operators_notes_are_among_the_events(made):
     assert "operator's note" not in html.render(made(1)[0]).replace('&#x27;', "'")
 
 
+@pytest.mark.slow
 def test_constant_data_are_drawn(made):
     verdict, sketches = made(1, noise_deg=0.0)
     read = Page(html.render(verdict, sketches))
@@ -223,6 +227,7 @@ def test_a_single_pair_is_drawn(made):
     assert read.names.count('figure') == 3
 
 
+@pytest.mark.slow
 def test_a_few_wild_differences_do_not_squeeze_the_histogram(made):
     verdict, sketches = made(1, n=600)
     verdict_wild, sketches_wild = made(1, n=600)
@@ -281,6 +286,7 @@ def test_the_findings_are_shown_by_their_names(made):
     assert 'homogeneity: q_p' in page
 
 
+@pytest.mark.slow
 def test_write_picks_the_form_by_the_suffix(made, tmp_path):
     verdict, sketches = made(1)
     write(verdict, tmp_path / 'r.HTML', sketches)
@@ -319,5 +325,5 @@ def test_a_doubtful_certificate_is_not_called_met_without_a_word(rng):
                       Settings.from_mapping({'norms': {'sigma_max_deg': 0.2,
                                                        'sigma_ref_max_deg': 0.1}}))
     page = html.render(verdict)
-    assert 'sigma_max of the TS: met, but doubtfully: see the validity of the comparison' in page
+    assert 'sigma_max of the TS: met, but doubtful: see the validity of the comparison' in page
     assert 'COMPLIANT, DOUBTFUL: the mean difference is 5.00 deg' in page

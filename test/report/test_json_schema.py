@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The JSON Schema takes every verdict, and what it refuses the reader refuses, too."""
+"""The JSON Schema accepts every verdict; the reader rejects whatever the schema rejects."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ CHECK = jsonschema.Draft202012Validator(make_schema())
 
 
 def faults(mapping):
-    """Return where a verdict, as JSON has it, breaks the schema."""
+    """Return the places where a verdict in JSON breaks the schema."""
     return [error.json_path for error in CHECK.iter_errors(json.loads(json.dumps(mapping)))]
 
 
@@ -86,6 +86,7 @@ def test_what_is_no_verdict_breaks_the_schema_where_it_is_wrong(where, wrong):
     assert len(faults(mapping)) == 1
 
 
+@pytest.mark.slow
 def test_a_key_that_is_missing_breaks_the_schema():
     mapping = judged()
     for block in (mapping, mapping['runs'][0], mapping['settings'], mapping['campaign']):

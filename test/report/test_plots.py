@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A graph is a part of a page that no other part disturbs, and the same bytes each time."""
+"""Graphs on one page do not disturb each other, and are the same bytes each time."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_words_are_text_and_said_as_they_are():
     assert '-1.0' in shown, 'minus is the sign of the page'
 
 
-def test_who_cannot_see_a_graph_is_told_its_title():
+def test_a_screen_reader_finds_the_title_of_a_graph():
     root = ElementTree.fromstring(drawn())
     first = next(iter(root))
     assert (first.tag, first.text) == (f'{SVG}title', 'Run 1: x < y, n = 2')
@@ -53,7 +53,7 @@ def test_who_cannot_see_a_graph_is_told_its_title():
 
 
 def ids(svg):
-    """Return every id, and every id that is referred to."""
+    """Return all ids, and all ids that are referred to."""
     elements = [*ElementTree.fromstring(svg).iter()]
     used = {element.get(f'{XLINK}href')[1:] for element in elements if element.get(f'{XLINK}href')}
     used |= {value[5:-1] for element in elements for value in element.attrib.values()
@@ -79,7 +79,7 @@ def test_a_graph_brings_no_rule_and_no_link_for_the_page():
 
 
 def elsewhere(code):
-    """Return what another process prints, which has other hashes of words and a date."""
+    """Return the output of another process, which has other string hashes and another date."""
     head = f'import sys; sys.path[:0] = {[str(Path(__file__).parent), *sys.path]}; '
     done = subprocess.run([sys.executable, '-c', f'{head}import test_plots; {code}'], check=True,
                           text=True, timeout=120, stdout=subprocess.PIPE,
@@ -87,10 +87,12 @@ def elsewhere(code):
     return done.stdout
 
 
+@pytest.mark.slow
 def test_the_same_graph_has_the_same_bytes_in_any_process():
     assert elsewhere('sys.stdout.write(test_plots.drawn())') == drawn() == drawn()
 
 
+@pytest.mark.slow
 def test_the_state_of_pyplot_is_not_touched():
     assert elsewhere('test_plots.drawn(); print("matplotlib.pyplot" in sys.modules)') == 'False\n'
 
@@ -103,6 +105,7 @@ def test_what_the_user_has_set_for_plots_is_not_ours_and_stays():
         assert dict(matplotlib.rcParams) == before
 
 
+@pytest.mark.slow
 def test_each_two_words_of_the_legend_take_a_row():
     def fill(count):
         return lambda axes: [axes.plot([0, 1], [0, 1], label=f'line {k}') for k in range(count)]

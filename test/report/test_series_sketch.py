@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A sketch is the same whatever the chunks, exact where it can be, and bounded."""
+"""A sketch does not depend on the chunks, is exact where it can be, and has bounded memory."""
 
 from __future__ import annotations
 
@@ -28,6 +28,7 @@ def sketch_of(*chunks):
     return sketch
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('size', [1, 7, 1000])
 def test_a_sketch_does_not_depend_on_the_chunks(rng, size):
     n = 3000

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The YAML texts of a rosbag2: metadata.yaml and the QoS of its topics, version 9."""
+"""The YAML texts of a rosbag2 bag: metadata.yaml and the QoS of its topics, version 9."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ __all__ = ['bag_metadata', 'find_absent_parts', 'list_parts', 'metadata_file', '
 
 _VERSION = 9
 _DISTRIBUTION = 'jazzy'
-#: What rosbag2 writes for the start of a bag without messages.
+#: The starting time that rosbag2 writes for a bag without messages.
 _NEVER = 2**63 - 1
 _FOREVER = {'sec': 9223372036, 'nsec': 854775807}
 _DEPTH = 1000
-#: Messages kept are fewer, and the name of a file has no more bytes.
+#: Upper bounds of the queue depth and of the bytes in a file name.
 _DEPTHS, _NAME_BYTES = 10**9, 255
-#: A longer metadata.yaml is refused, as are longer profiles of a topic; a hundred thousand files
-#: or a thousand publishers need less.
+#: A longer metadata.yaml is rejected, and longer QoS profiles of a topic are ignored. A hundred
+#: thousand files or a thousand publishers need less.
 _MOST_BYTES, _MOST_QOS_BYTES = 2**24, 2**18
 _PLAIN = re.compile(r'[A-Za-z/][\w./-]*')
 _WHOLE = 'rosbag2_bagfile_information'
 _WORDS = ('true', 'false', 'yes', 'no', 'on', 'off', 'null', 'y', 'n')
 
 
-#: Metadata up to version 8 has the numbers of rmw instead of words.
+#: Metadata up to version 8 uses the numbers of rmw instead of words.
 _NUMBERED = {
     'history': {'0': 'system_default', '1': 'keep_last', '2': 'keep_all', '3': 'unknown'},
     'reliability': {'0': 'system_default', '1': 'reliable', '2': 'best_effort', '3': 'unknown'},
@@ -67,11 +67,11 @@ class Qos:
 
     @classmethod
     def of_yaml(cls, text: str) -> 'Qos':
-        """Return the first profile in the metadata of a channel; the default where it is mute."""
+        """Return the first profile in the metadata of a channel; defaults for missing values."""
         return _read_qos(text) if len(text) <= _MOST_QOS_BYTES else cls()
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return the one profile as rosbag2 lists it."""
+        """Return a list with this profile, in the form of rosbag2."""
         return [{
             'history': self.history, 'depth': self.depth, 'reliability': self.reliability,
             'durability': self.durability, 'deadline': _FOREVER, 'lifespan': _FOREVER,
@@ -85,7 +85,7 @@ class Qos:
 
 @lru_cache(maxsize=64)
 def _read_qos(text: str) -> Qos:
-    """Return the first profile of a text; the topics of a bag have few different ones."""
+    """Return the first profile of a text; cached, as most topics of a bag share a profile."""
     try:
         profiles = load_yaml(text, _MOST_QOS_BYTES)
     except YamlError:
@@ -115,7 +115,7 @@ class TopicRow:
 
 @dataclass(slots=True)
 class PartInfo:
-    """What metadata.yaml says of a file of the bag; times in nanoseconds."""
+    """The entry of metadata.yaml for one file of the bag; times in nanoseconds."""
 
     path: str
     start_ns: int | None = None
@@ -133,13 +133,13 @@ def _scalar(value: Any) -> str:
         return str(value)
     if _PLAIN.fullmatch(value) and value.lower() not in _WORDS:
         return value
-    # Neither what parsers take for the end of a line nor what they refuse.
+    # Escape characters that parsers treat as the end of a line, or reject.
     return ''.join(letter if letter.isprintable() else f'\\u{ord(letter):04x}'
                    for letter in json.dumps(value, ensure_ascii=False))
 
 
 def _lines(value: Any, indent: str) -> Iterator[str]:
-    """Yield block style YAML of mappings and lists; empty ones in flow style."""
+    """Yield mappings and lists as YAML in block style; empty ones in flow style."""
     if isinstance(value, Mapping):
         for name, inner in value.items():
             if isinstance(inner, (Mapping, list)) and inner:
@@ -160,7 +160,7 @@ def _lines(value: Any, indent: str) -> Iterator[str]:
 
 
 def _span(parts: Sequence[PartInfo]) -> dict[str, Any]:
-    """Return the rows of starting time, duration and number of messages."""
+    """Return the entries for starting time, duration and number of messages."""
     starts = [part.start_ns for part in parts if part.start_ns is not None]
     start_ns = min(starts, default=_NEVER)
     end_ns = max((part.end_ns for part in parts if part.start_ns is not None), default=start_ns)
@@ -171,7 +171,7 @@ def _span(parts: Sequence[PartInfo]) -> dict[str, Any]:
 
 def bag_metadata(parts: Sequence[PartInfo], custom_data: Mapping[str, str]) -> str:
     """
-    Return what rosbag2 says of the files of a bag, as the MCAP metadata record `rosbag2` has it.
+    Return the description of a bag in the form of the MCAP metadata record `rosbag2`.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ def metadata_file(parts: Sequence[PartInfo], custom_data: Mapping[str, str]) -> 
 
 
 def _is_file_name(name: str) -> bool:
-    """Tell whether there can be a file of a name."""
+    """Tell whether a file can have this name."""
     return name not in ('', '..') and '\0' not in name and len(name.encode()) <= _NAME_BYTES
 
 
@@ -217,12 +217,12 @@ def list_parts(path: Path) -> list[str]:
     Parameters
     ----------
     path : Path
-        The metadata.yaml; none are listed if there is no such file.
+        The metadata.yaml; if there is no such file, the list is empty.
 
     Raises
     ------
     BagError
-        If it is no metadata of rosbag2: with the line, and what can be done.
+        If it is not metadata of rosbag2; the message has the line and the remedy.
 
     """
     if not path.is_file():
@@ -235,14 +235,14 @@ def list_parts(path: Path) -> list[str]:
         parts = _parts_in(load_yaml(data.decode(), _MOST_BYTES))
     except UnicodeDecodeError as error:
         line = data.count(b'\n', 0, error.start) + 1
-        raise _refuse(path, YamlError('not UTF-8', line)) from error
+        raise _make_error(path, YamlError('not UTF-8', line)) from error
     except YamlError as error:
-        raise _refuse(path, error) from error
+        raise _make_error(path, error) from error
     return list(filter(_is_file_name, (Path(part).name for part in parts)))
 
 
 def _parts_in(metadata: Any) -> list[str]:
-    """Return what loaded metadata list as files; YamlError if they are none of rosbag2."""
+    """Return the files that metadata list; YamlError if the metadata are not of rosbag2."""
     whole = metadata.get(_WHOLE) if isinstance(metadata, Mapping) else None
     if not isinstance(whole, Mapping):
         raise YamlError(f'{_WHOLE} is missing')
@@ -253,16 +253,16 @@ def _parts_in(metadata: Any) -> list[str]:
     return parts
 
 
-def _refuse(path: Path, fault: YamlError) -> BagError:
-    """Return the error of a metadata.yaml with its line."""
+def _make_error(path: Path, fault: YamlError) -> BagError:
+    """Return the error for a faulty metadata.yaml, with the line."""
     line = '' if fault.line is None else f'line {fault.line}: '
-    return BagError(f'{line}{fault}; `recover` reads the bag without it, and so does everything '
-                    'else once it is removed', path)
+    return BagError(f'{line}{fault}; `recover` reads the bag without this file, and so do all '
+                    'other commands once it is removed', path)
 
 
 def find_absent_parts(folder: Path) -> list[str]:
     """
-    Return the names of files that the metadata.yaml of a bag lists and that are not there.
+    Return the names of the files that metadata.yaml lists but that do not exist.
 
     Raises
     ------

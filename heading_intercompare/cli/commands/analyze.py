@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``analyze``: verdict on recorded runs."""
+"""The command ``analyze``: the verdict on recorded runs."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _DOUBTFUL_CODE = 4
 
 
 def add_settings_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options with which every command takes settings."""
+    """Add the options that give settings to any command."""
     parser.add_argument('--config', metavar='F', help='ROS parameter file with the settings')
     parser.add_argument('--set', metavar='name=value', action='append', default=[],
                         help='one setting, e.g. norms.sigma_max_deg=0.2; may be repeated')
@@ -54,23 +54,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say how inputs are judged, and the tables of their pairs."""
+    """Add the options for judging inputs and for the tables of their pairs."""
     parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor')
     parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor')
     add_settings_arguments(parser)
     parser.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
-    parser.add_argument('--csv', metavar='F', help='write a row per pair')
-    parser.add_argument('--ensembles', metavar='F', help='write a row per ensemble, with the '
-                        'columns of UHDAS: dday,mean_hdg,last_hdg,mean_dh,std_dh,num,badflag; dh '
-                        'is TS - RS')
+    parser.add_argument('--csv', metavar='F', help='write one row per pair')
+    parser.add_argument('--ensembles', metavar='F', help='write one row per ensemble, with '
+                        'the columns of UHDAS: dday,mean_hdg,last_hdg,mean_dh,std_dh,num,badflag; '
+                        'dh is TS - RS')
     parser.add_argument('--ensemble-s', metavar='S', type=float, default=120.0,
                         help='length of an ensemble in seconds (default: 120)')
-    parser.add_argument('--jobs', metavar='N', type=_positive,
-                        help='processes for several large INPUTs, or to read one (default: one '
-                        'for each core)')
+    parser.add_argument('--jobs', metavar='N', type=_parse_count,
+                        help='number of processes to judge several large INPUTs, or to read one '
+                        '(default: one per core)')
     parser.add_argument('--dask', metavar='ADDRESS', help='judge the INPUTs on the workers of a '
-                        'Dask scheduler, which see the same paths: tcp://HOST:8786, or its .json '
-                        'file')
+                        'Dask scheduler, tcp://HOST:8786 or its .json file; the workers must see '
+                        'the same paths')
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -103,7 +103,7 @@ def deliver(verdict: Verdict, arguments: argparse.Namespace,
     return code
 
 
-def _positive(text: str) -> int:
+def _parse_count(text: str) -> int:
     """Return a number of processes from the command line."""
     if not text.isascii() or not text.isdigit() or not int(text):
         raise argparse.ArgumentTypeError(f'{text!r} is not a whole number above 0')
@@ -111,13 +111,13 @@ def _positive(text: str) -> int:
 
 
 def _label(arguments: argparse.Namespace) -> str:
-    """Return what is judged, as the progress calls it."""
+    """Return the label of the progress: the name of the input, or the number of inputs."""
     alone = len(arguments.inputs) == 1 and arguments.dask is None
     return arguments.inputs[0] if alone else f'{len(arguments.inputs)} inputs'
 
 
 def _cluster(address: str | None) -> ContextManager[Executor | None]:
-    """Return the workers of a Dask cluster, whose library need not be installed."""
+    """Return the workers of a Dask cluster; ValueError if Dask is not installed."""
     if address is None:
         return nullcontext()
     try:
@@ -129,22 +129,22 @@ def _cluster(address: str | None) -> ContextManager[Executor | None]:
 
 
 def _check_options(arguments: argparse.Namespace) -> None:
-    """Refuse options that do not go together."""
+    """Reject options that do not go together."""
     if arguments.dask is not None and arguments.jobs is not None:
         raise ValueError(f'--jobs {arguments.jobs}: with --dask the scheduler decides; '
-                         'leave one of them out')
+                         'leave out one of them')
     check_report(arguments)
     for option in ('csv', 'ensembles'):
         path = getattr(arguments, option)
         if path is not None and len(arguments.inputs) > 1:
-            raise ValueError(f'--{option} {path}: takes the pairs of one INPUT, '
+            raise ValueError(f'--{option} {path}: takes the pairs of one INPUT, but '
                              f'{len(arguments.inputs)} are given')
         if path is not None and arguments.dask is not None:
-            raise ValueError(f'--{option} {path}: pairs stay on the workers; leave out --dask')
+            raise ValueError(f'--{option} {path}: the pairs stay on the workers; leave out --dask')
 
 
 def check_report(arguments: argparse.Namespace) -> None:
-    """Refuse a protocol of an unknown form, or one that cannot be drawn here."""
+    """Reject a protocol in an unknown form, or one whose libraries are not installed."""
     if not arguments.report:
         return
     if Path(arguments.report).suffix not in WRITERS:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``import-nmea``: logs of two sensors to one bag."""
+"""The command ``import-nmea``: the logs of two sensors into one bag."""
 
 from __future__ import annotations
 
@@ -37,9 +37,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                             help='kind of sentence: ' + ', '.join(SENTENCES)
                             + ' (default: the first present)')
     parser.add_argument('--time', choices=('receipt', 'validity'), default='receipt',
-                        help='stamp of receipt (of the line; default) or time of validity (ZDA)')
+                        help='stamp headings with the time of receipt (of the line; default) or '
+                        'of validity (ZDA)')
     parser.add_argument('--stamp-format', metavar='S', default='auto',
-                        help='form of the stamps of the lines (default: recognised)')
+                        help='form of the stamps of the lines (default: recognised automatically)')
     parser.add_argument('-o', '--output', metavar='BAG', required=True,
                         help='the rosbag2 directory to write')
     add_note_argument(parser)
@@ -47,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Read both logs, write the bag, print what was taken and what was not."""
+    """Read both logs, write the bag, print the counts of headings and of rejected lines."""
     settings = settings_for(load_config(arguments.config), arguments.set)
     notes = read_notes(arguments)
     topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic}
@@ -87,8 +88,8 @@ def _counts_text(counts: dict[str, int]) -> str:
 def _write(path: str, read: dict[str, Headings], topics: dict[str, str],
            said: dict[str, object], notes: str) -> None:
     """Write both streams merged by stamp, each in the order of its log."""
-    # A bag is ordered by log time: the largest stamp so far keeps a stream in its order even
-    # where its stamps step back.
+    # A bag is ordered by log time. The largest stamp so far keeps a stream in order even if its
+    # stamps step back.
     logs = {role: np.maximum.accumulate(h.stamp_ns) for role, h in read.items()}
     edges = _edges([log for log in logs.values() if len(log)])
     with BagWriter(path) as bag:
@@ -107,6 +108,6 @@ def _write(path: str, read: dict[str, Headings], topics: dict[str, str],
 
 
 def _edges(logs: list[np.ndarray]) -> list[int]:
-    """Return the bounds of the pieces in which the streams are merged, in bounded memory."""
+    """Return the bounds of the pieces that are merged one at a time, to bound the memory."""
     joined = np.sort(np.concatenate(logs))
     return [*np.unique(joined[::_PIECE]).tolist(), int(joined[-1]) + 1]

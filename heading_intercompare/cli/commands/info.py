@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``info``: what a bag holds, and whether it can be read as it was written."""
+"""The command ``info``: the contents of a bag, and whether all of it is intact."""
 
 from __future__ import annotations
 
@@ -28,31 +28,31 @@ from heading_intercompare.report.json import parse
 
 __all__ = ['add_arguments', 'run']
 
-#: Counts of the record of losses that are by topic, and the heads of their columns.
+#: Counts by topic in the record of losses, and the heads of their columns.
 _LOSSES = {'received': 'received', 'lost_on_the_way': 'lost on the way',
            'not_written': 'not written'}
-#: A scenario has many settings, most of them not given.
+#: Values that are not shown: most settings of a scenario are not given.
 _ABSENT = ('None', 'none', '')
 _REPORT, _RUNS = 'report.json', 'runs.csv'
-#: What stands out on a terminal.
+#: Highlights on a terminal.
 _MARKS = (*VERDICT_MARKS, (r'(?m)^(?:bag|span|software|attachment): ', 'bold'),
           (r'(?m)^topic +type +messages\b.*$', 'bold'), (r'(?m)^complete: (yes)$', 'green'),
-          (r'(?m)^complete: (no): ', 'yellow'), (r'(?m)^  every checksum is right$', 'green'),
+          (r'(?m)^complete: (no): ', 'yellow'), (r'(?m)^  every checksum is correct$', 'green'),
           (r'(?m)^  wrong: .*$', 'red'))
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('bag', metavar='BAG', help='.mcap file or rosbag2 directory')
-    parser.add_argument('--check', action='store_true', help='read all of it: verify every '
-                        'checksum, count what is missing among the numbers of the messages; exit '
-                        'code 2 if something is wrong')
+    parser.add_argument('--check', action='store_true', help='read the whole bag: verify '
+                        'every checksum, and count the missing sequence numbers of the messages; '
+                        'exit code 2 if something is wrong')
     parser.add_argument('--extract', metavar='DIR', help='write the attachments as files: '
                         'verdict, table of runs, parameter file or scenario')
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print what the bag says of itself, and what reading it through shows."""
+    """Print the contents of the bag, and with --check the result of reading it through."""
     checked = None
     if arguments.check:
         with Progress(arguments.bag, arguments.quiet) as progress:
@@ -118,7 +118,7 @@ def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _entry(name: str, value: str) -> Iterator[str]:
-    """Yield an entry; a value of several lines stands below its name."""
+    """Yield the lines of an entry; a value of several lines goes below its name."""
     lines = value.rstrip('\n').split('\n')
     if len(lines) == 1:
         yield f'  {name}: {value}'
@@ -128,7 +128,7 @@ def _entry(name: str, value: str) -> Iterator[str]:
 
 
 def _records(metadata: Mapping[str, Mapping[str, str]]) -> Iterator[str]:
-    """Yield the metadata records; ours by its groups: version, sources, settings with norms."""
+    """Yield the metadata records, ours first and by groups: version, sources, settings."""
     for name, entries in sorted(metadata.items(), key=lambda item: item[0] != RECORD):
         if name == 'rosbag2' or is_note(name):
             continue
@@ -155,7 +155,7 @@ def _records(metadata: Mapping[str, Mapping[str, str]]) -> Iterator[str]:
 
 
 def _losses(entries: Mapping[str, str]) -> Iterator[str]:
-    """Yield what a recorder counted: its figures, and a row for each topic it heard."""
+    """Yield the counts of a recorder: its totals, and one row per topic that it received."""
     by_topic: dict[str, dict[str, str]] = {}
     for key, value in entries.items():
         kind, _, topic = key.partition('.')
@@ -178,7 +178,7 @@ def _notes(reader: BagReader) -> Iterator[str]:
 
 
 def _files(attachments: Sequence[Attachment]) -> Iterator[str]:
-    """Yield the attachments; of the verdict and the table of runs what they say."""
+    """Yield the attachments, with the contents of the verdict and the table of runs."""
     for attachment in attachments:
         yield ''
         yield (f'attachment: {attachment.name} ({attachment.media_type}, '
@@ -191,7 +191,7 @@ def _files(attachments: Sequence[Attachment]) -> Iterator[str]:
 
 
 def _report_verdict(reader: BagReader, attachments: Sequence[Attachment]) -> Iterator[str]:
-    """Yield the last verdict that was published, where a recorder did not come to attach it."""
+    """Yield the last published verdict if the recorder ended before it attached one."""
     if all(attachment.name != _REPORT for attachment in attachments):
         reports = read_texts(reader, REPORT_TOPIC)
         if reports:
@@ -204,11 +204,11 @@ def _verdict(text: str) -> Iterator[str]:
     try:
         yield from str(parse(text)).splitlines()
     except VerdictError as error:
-        yield f'  not a verdict that this version reads: {error}'
+        yield f'  not a verdict that this version can read: {error}'
 
 
 def _extract(attachments: Sequence[Attachment], folder: Path) -> Iterator[str]:
-    """Write the attachments, none over a file that is there; yield their paths."""
+    """Write the attachments, never over an existing file; yield their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     for number, attachment in enumerate(attachments, 1):
         name = Path(attachment.name).name
@@ -217,17 +217,17 @@ def _extract(attachments: Sequence[Attachment], folder: Path) -> Iterator[str]:
             file.write(attachment.data)
         yield f'written: {place}'
     if not attachments:
-        yield 'written: nothing, there is no attachment'
+        yield 'written: nothing, the bag has no attachment'
 
 
 def _report_check(checked: BagCheck) -> Iterator[str]:
     yield (f'check: {checked.messages:,} messages in {checked.chunks:,} chunks of {checked.files} '
            f'file{"s" if checked.files > 1 else ""} read')
     if checked.unprotected:
-        yield (f'  {checked.unprotected:,} chunks have no checksum: damage to them shows only if '
-               'it makes them unreadable')
+        yield (f'  {checked.unprotected:,} chunks have no checksum: damage is found only if it '
+               'makes them unreadable')
     if checked.unprotected < checked.chunks and not checked.faults:
-        yield '  every checksum is right'
+        yield '  every checksum is correct'
     yield from (f'  wrong: {fault}' for fault in checked.faults)
     if checked.faults:
-        yield '  `recover` writes what is sound into a new bag'
+        yield '  `recover` copies the intact messages into a new bag'

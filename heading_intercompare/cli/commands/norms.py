@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``norms``: the named norms, and the slowest errors by class of sensor."""
+"""The command ``norms``: the named norms, and the slowest errors of each class of sensor."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from heading_intercompare.core.decision.norm_presets import PRESETS
 
 __all__ = ['add_arguments', 'run']
 
-#: What stands out on a terminal: names, and a text that was not read.
+#: Highlights on a terminal: names, and norms whose text is unverified.
 _MARKS = ((r'(?m)^(?!use)(\w+): ', 'bold'), (r'(?m)\[unverified\]$', 'yellow'))
 
 
@@ -31,14 +31,15 @@ def run(arguments: argparse.Namespace) -> int:
             p = f'{preset.probability:g}' if preset.probability else 'norms.probability'
             rule = f'sigma_max = {preset.limit_deg:g}{secant} deg / K({p})'
         lines.append(f'{name}: {preset.title} [{preset.status}]\n    {rule}\n'
-                     f'    asks: {preset.content}')
-    lines.append('use: --set norms.preset=NAME, with --set norms.latitude_deg=LAT where sec(lat) '
-                 'stands')
-    lines.append('\nclasses of sensors: the slowest error, and the run that follows from it')
+                     f'    requires: {preset.content}')
+    lines.append('use: --set norms.preset=NAME, and --set norms.latitude_deg=LAT if the rule has '
+                 'sec(lat)')
+    lines.append('\nclasses of sensors: the slowest error, and the shortest run it requires')
     for name, found in SENSOR_CLASSES.items():
         lines.append(f'{name}: {found.title}\n    slowest error {span_words(found.slowest_s)}: '
-                     f'{found.source}\n    least run: {span_words(found.least_s)}; {found.trial}')
-    lines.append('use: --set risk.sensor_class=NAME, or --set risk.slowest_error_s=S with a '
-                 'figure of your own')
+                     f'{found.source}\n    shortest run: {span_words(found.least_s)}; '
+                     f'{found.trial}')
+    lines.append('use: --set risk.sensor_class=NAME, or --set risk.slowest_error_s=S with '
+                 'your own figure')
     say('\n'.join(lines), _MARKS)
     return 0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The operator's notes: the command ``note``, and the option of the commands that make a bag."""
+"""Operator's notes: the command ``note``, and the option ``--note`` of other commands."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from heading_intercompare.bags.rosbag2.provenance import note_lines
 
 __all__ = ['add_arguments', 'add_note_argument', 'read_notes', 'run']
 
-_TIMED = 'one that begins with a time such as 2026-03-01T09:00:00Z is of that time'
+_TIMED = 'if it begins with a time such as 2026-03-01T09:00:00Z, it gets that time'
 
 
 def add_note_argument(parser: argparse.ArgumentParser) -> None:
     """Add the option ``--note``."""
     parser.add_argument(
         '--note', metavar='TEXT', action='append', default=[],
-        help=f'a note kept in the bag: ship, sensors, an event; may be repeated; {_TIMED}')
+        help=f'a note to keep in the bag: ship, sensors, an event; may be repeated; {_TIMED}')
 
 
 def read_notes(arguments: argparse.Namespace) -> str:
     """
-    Return the notes given with ``--note``, one a line.
+    Return the notes given with ``--note``, one per line.
 
     Raises
     ------
@@ -42,11 +42,11 @@ def _check(option: str, text: str) -> str:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    parser.add_argument('text', nargs='+', metavar='TEXT', help=f'what happens; {_TIMED}')
+    parser.add_argument('text', nargs='+', metavar='TEXT', help=f'the note; {_TIMED}')
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Publish a note; say so once it has been taken."""
+    """Publish a note, and confirm it once a recorder has received it."""
     text = _check('TEXT', ' '.join(arguments.text).strip())
     from heading_intercompare.nodes.runtime.note_publisher import publish_note
 

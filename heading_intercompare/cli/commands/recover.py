@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``recover``: everything readable of a damaged bag to a new one."""
+"""The command ``recover``: everything readable of a damaged bag into a new one."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ __all__ = ['add_arguments', 'run']
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    parser.add_argument('bag', metavar='BAG', help='.mcap file or rosbag2 directory; only read')
+    parser.add_argument('bag', metavar='BAG',
+                        help='.mcap file or rosbag2 directory; it is not changed')
     parser.add_argument('-o', '--output', metavar='BAG', required=True,
                         help='the rosbag2 directory to write')
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the new bag, print what was kept and what was lost."""
+    """Write the new bag, and print what was kept and what was lost."""
     with Progress(arguments.bag, arguments.quiet) as progress:
         total = recover(arguments.bag, arguments.output, progress=progress.show)
     for note in total.notes:
@@ -30,12 +31,12 @@ def run(arguments: argparse.Namespace) -> int:
         print(f'{topic}: {count} messages')
     print(f'kept: {total.messages} messages in {total.chunks} chunks of {total.files} files, '
           f'{total.bytes} bytes')
-    print(f'lost: {_lost(total)}')
+    print(f'lost: {_describe_losses(total)}')
     print(f'bag: {arguments.output}')
     return 0
 
 
-def _lost(total: Recovered) -> str:
+def _describe_losses(total: Recovered) -> str:
     if not total.damaged:
         return 'nothing'
     bound = '' if total.messages_known else 'at least '

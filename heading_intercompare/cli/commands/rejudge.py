@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``rejudge``: old recordings judged anew, and the outcomes that changed."""
+"""The command ``rejudge``: judges old recordings again and lists the changed outcomes."""
 
 from __future__ import annotations
 
@@ -39,15 +39,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('bags', nargs='+', metavar='BAG',
                         help='.mcap file or rosbag2 directory; it is judged with the settings '
-                        'that it stores, unless --config gives all and --set some others')
+                        'stored in it, unless --config replaces all and --set some of them')
     add_settings_arguments(parser)
-    parser.add_argument('--json', metavar='F', help="write what became of each; '-' for stdout")
+    parser.add_argument('--json', metavar='F', help="write the results as JSON; '-' for stdout")
     parser.add_argument('--check', action='store_true',
                         help='exit code 1 if an outcome changed, 3 if one could not be compared')
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Judge the recordings anew, and print a line on each, what changed most first."""
+    """Judge the recordings again, and print one line for each, the worst change first."""
     config = load_config(arguments.config) if arguments.config else None
     check_outputs(Outputs(json=arguments.json), arguments.bags, config=arguments.config)
     with Progress(f'{len(arguments.bags)} bags', arguments.quiet) as progress:
@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _notes(found: Sequence[Rejudged]) -> list[str]:
-    """Return notes on single bags, and once what holds for many."""
+    """Return the notes on single bags, and notes on many bags once."""
     gone = Counter(text for each in found for text in each.settings_gone)
     where = {text: each.path for each in found for text in each.settings_gone}
     return [*(f'{each.path}: {note}' for each in found for note in each.notes),
@@ -82,7 +82,7 @@ def _notes(found: Sequence[Rejudged]) -> list[str]:
 
 
 def _render(found: Sequence[Rejudged]) -> str:
-    """Return what became of the recordings as JSON."""
+    """Return the results as JSON text."""
     return json.dumps({'schema': SCHEMA, 'software': make_plain(Software()),
                        'rule_version': RULE_VERSION, 'bags': make_plain(found)},
                       indent=1, ensure_ascii=False, allow_nan=False) + '\n'

@@ -14,15 +14,15 @@ from . import analyze
 
 __all__ = ['add_arguments', 'run']
 
-#: What asks for readings, which a verdict has not.
+#: Options that need readings, which a verdict lacks.
 _JUDGING = ('ts', 'rs', 'config', 'set', 'runs', 'csv', 'ensembles', 'jobs', 'dask')
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('inputs', nargs='+', metavar='INPUT',
-                        help='.mcap file, rosbag2 directory or .csv of pairs; or one .json that '
-                        'analyze --json or a node has written: it is not judged again')
+                        help='.mcap file, rosbag2 directory or .csv of pairs; or one .json '
+                        'written by analyze --json or a node, which is not judged again')
     parser.add_argument('-o', '--output', dest='report', metavar='F.html', required=True,
                         help='the protocol')
     analyze.add_analysis_arguments(parser)
@@ -30,13 +30,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Judge the inputs as `analyze` does, or read the verdict; write the protocol."""
+    """Judge the inputs as `analyze` does, or read the verdict; then write the protocol."""
     verdicts = [path for path in arguments.inputs if Path(path).suffix.lower() == '.json']
     if not verdicts:
         return analyze.run(arguments)
     if len(arguments.inputs) > 1:
-        raise ValueError(f'{verdicts[0]}: a verdict is reported alone, '
-                         f'{len(arguments.inputs)} INPUTs are given')
+        raise ValueError(f'{verdicts[0]}: a verdict must be the only INPUT, '
+                         f'{len(arguments.inputs)} are given')
     for option in _JUDGING:
         if value := getattr(arguments, option):
             shown = value[0] if isinstance(value, list) else value

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``simulate``: a trial of simulated sensors to a bag, at full speed."""
+"""The command ``simulate``: a trial of simulated sensors into a bag, at full speed."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ DIAGNOSTICS = '/diagnostics'
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('--scenario', metavar='F', required=True,
-                        help='YAML file of the trial, or the name of one that comes with the '
-                        'package, such as sea_trial_12h')
+                        help='YAML file of the trial, or the name of one in the package, such as '
+                        'sea_trial_12h')
     parser.add_argument('-o', '--output', metavar='BAG', required=True,
                         help='the rosbag2 directory to write')
     parser.add_argument('--seed', metavar='N', type=int,
@@ -59,14 +59,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Simulate, write the bag, print what is in it."""
+    """Simulate, write the bag, and print its contents."""
     settings = settings_for(load_config(arguments.config), arguments.set)
     source = read_scenario(arguments.scenario, arguments.seed)
     scenario = source.scenario
     topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic, 'truth': TRUTH_TOPIC}
     if len({topic.lstrip('/') for topic in topics.values()}) < len(topics):
         raise SettingsError(f'ts_topic = {settings.ts_topic!r}, rs_topic = '
-                            f'{settings.rs_topic!r}: must differ, also from {TRUTH_TOPIC!r}')
+                            f'{settings.rs_topic!r}: must differ from each other and from '
+                            f'{TRUTH_TOPIC!r}')
     counts: Counter[str] = Counter()
     with Progress(arguments.output, arguments.quiet) as progress, _begin(
             arguments.output, source, topics, settings.to_mapping(), read_notes(arguments)) as bag:
@@ -78,9 +79,9 @@ def run(arguments: argparse.Namespace) -> int:
     print(f'{source.name}: {scenario.duration_s:g} s, seed {scenario.seed}'
           + (f': {scenario.title}' if scenario.title else ''))
     for role in ('ts', 'rs'):
-        print(f'{role.upper()} {counts[role]} headings on {topics[role]}, of them '
-              f'{counts[f"{role}.invalid"]} called invalid')
-    print(f'true heading {counts["truth"]} times on {TRUTH_TOPIC}; {counts["statuses"]} statuses '
+        print(f'{role.upper()} {counts[role]} headings on {topics[role]}, '
+              f'{counts[f"{role}.invalid"]} of them marked invalid')
+    print(f'{counts["truth"]} true headings on {TRUTH_TOPIC}; {counts["statuses"]} statuses '
           f'of gimballed sensors on {DIAGNOSTICS}')
     print(f'bag: {arguments.output}')
     return 0
@@ -88,7 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _begin(path: str, source: ScenarioFile, topics: dict[str, str],
            settings: dict[str, object], notes: str) -> BagWriter:
-    """Return a bag with its topics, and with all that the trial can be made again from."""
+    """Return a bag with its topics, and with everything needed to repeat the trial."""
     bag = BagWriter(path)
     for topic in topics.values():
         bag.add_topic(topic, IMU)
@@ -103,7 +104,7 @@ def _begin(path: str, source: ScenarioFile, topics: dict[str, str],
 
 def _write(bag: BagWriter, chunk: SimulatedChunk, topics: dict[str, str], scenario: Scenario,
            start_ns: int, counts: Counter[str]) -> None:
-    """Write what is handed over in one span, in the order in which it is."""
+    """Write the messages that the sensors send in one span, in that order."""
     batches = [
         _rows(topics[role], readings, sensor.latency_s, start_ns, counts[role])
         for role, readings, sensor in (('ts', chunk.ts_readings, scenario.ts),
@@ -126,7 +127,7 @@ def _imu(topic: str, headings: Headings, **claims: np.ndarray) -> np.ndarray:
 
 
 def _rows(topic: str, readings: Readings, latency_s: float, start_ns: int, first: int) -> Rows:
-    """Return readings as messages, logged when they are handed over."""
+    """Return readings as messages whose log time is that of sending."""
     data = _imu(topic, readings.headings, sigma_deg=readings.sigma_deg,
                 turn_rate_deg_s=readings.rate_deg_s)
     log_ns = start_ns + np.rint((readings.t_s + latency_s) * 1e9).astype(np.int64)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The terminal: progress, keys, streams that may be closed."""
+"""The terminal: progress, keys, and streams that may be closed."""
 
 from typing import TYPE_CHECKING
 

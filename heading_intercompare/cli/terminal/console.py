@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The door to rich: whether a stream shows colours, and text in which what matters stands out."""
+"""Colours on the terminal, with rich: whether a stream shows them, and text with highlights."""
 
 from __future__ import annotations
 
@@ -9,29 +9,29 @@ import re
 import sys
 from typing import Any, IO, Sequence
 
-__all__ = ['Mark', 'open_console', 'say', 'VERDICT_MARKS']
+__all__ = ['open_console', 'say', 'VERDICT_MARKS']
 
-#: What a pattern finds, or its first group, and the style of rich that it is shown in.
-Mark = tuple[str, str]
+# A pattern and the rich style of its matches, or of their first group.
+_Mark = tuple[str, str]
 
 _WORDS = ((r'(?<![\w-])COMPLIANT\b', 'green'), (r'\bNON-COMPLIANT\b', 'red'),
           (r'\bINDETERMINATE\b', 'yellow'))
 
-#: Of the table of a verdict, and of lines that say no more than its outcome.
-VERDICT_MARKS: tuple[Mark, ...] = (
+#: Marks for the table of a verdict, and for lines with only its outcome.
+VERDICT_MARKS: tuple[_Mark, ...] = (
     *_WORDS, (r'(?m)^VERDICT: .*$', 'bold'), (r'\b(?:DOUBTFUL|VOID)\b', 'yellow'),
     (r'(?m)^ +(?:run \d+ *)+$', 'bold'), (r'(?m)^  warning:', 'yellow'))
 
-#: What would move the cursor or colour the screen; lines and tabs stay.
+#: Characters that would move the cursor or colour the screen; line ends and tabs stay.
 _CONTROL = re.compile('[\x00-\x08\x0b-\x1f\x7f-\x9f]')
 
 
 def open_console(stream: IO[str]) -> Any:
     """
-    Return a console of rich that writes to a stream; None where text stays plain.
+    Return a rich console that writes to a stream, or None if text must stay plain.
 
-    It does where the stream is no terminal, or a dumb one, where ``NO_COLOR`` is set, and where
-    rich is not installed.
+    Text stays plain if the stream is not a terminal, or is a dumb one, if ``NO_COLOR`` is set, or
+    if rich is not installed.
     """
     if not stream.isatty() or os.environ.get('NO_COLOR') or os.environ.get('TERM') == 'dumb':
         return None
@@ -39,20 +39,21 @@ def open_console(stream: IO[str]) -> Any:
         from rich.console import Console
     except ImportError:
         return None
-    # The text is that of others, too: what looks like markup or an emoji is none.
+    # The text may contain foreign names: nothing in it is markup or an emoji.
     return Console(file=stream, markup=False, emoji=False, highlight=False, soft_wrap=True)
 
 
-def say(text: str, marks: Sequence[Mark] = ()) -> None:
+def say(text: str, marks: Sequence[_Mark] = ()) -> None:
     """
     Print text on standard output.
 
     Parameters
     ----------
     text : str
-        Printed as it is; nothing in it is taken for markup.
-    marks : sequence of Mark
-        What stands out on a terminal; the later covers the earlier.
+        Printed as it is; nothing in it is treated as markup.
+    marks : sequence of (str, str)
+        Highlights on a terminal: a pattern, and the rich style of its matches or of their first
+        group. Later marks override earlier ones.
 
     """
     console = open_console(sys.stdout)

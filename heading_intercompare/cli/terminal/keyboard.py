@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Keys of the terminal, one by one, without waiting."""
+"""Keys from the terminal, read one by one without waiting."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ _MODES, _CHARACTERS = 3, 6
 
 class Keyboard:
     """
-    The keys that are pressed while entered; none where there is no terminal.
+    A context manager that reads the keys pressed in it; none if there is no terminal.
 
-    Keys come at once and are not shown; Ctrl-C and Ctrl-Z do what they always do. On leaving,
-    however that happens, the terminal is as it was.
+    Keys arrive at once and are not shown; Ctrl-C and Ctrl-Z work as usual. On exit, also after an
+    error, the terminal is restored.
 
     Parameters
     ----------
     stream : file, optional
-        Where the keys come from; standard input by default.
+        Source of the keys; standard input by default.
 
     Attributes
     ----------
     on : bool
-        There is a terminal.
+        Whether there is a terminal.
 
     """
 
@@ -46,7 +46,7 @@ class Keyboard:
 
     def __exit__(self, *_: object) -> None:
         if self._before is not None and self._ours():
-            with suppress(termios.error):  # It is gone.
+            with suppress(termios.error):  # The terminal is gone.
                 termios.tcsetattr(self._fd, termios.TCSANOW, self._before)
 
     def keys(self) -> str:
@@ -66,14 +66,14 @@ class Keyboard:
         return keys.decode('ascii', 'ignore')
 
     def _ours(self) -> bool:
-        """Tell whether it may be touched; a process in the background would be stopped for it."""
+        """Tell whether we may use the terminal; it would stop a background process."""
         try:
             return os.tcgetpgrp(self._fd) == os.getpgrp()
-        except OSError:  # It is not the terminal that controls this process.
+        except OSError:  # Not the controlling terminal of this process.
             return True
 
     def _set_modes(self) -> None:
-        """Have keys at once; again after a shell, on Ctrl-Z, has set its own modes."""
+        """Make keys arrive at once; repeat it after a shell, on Ctrl-Z, has set its own modes."""
         modes = termios.tcgetattr(self._fd)
         if modes[_MODES] & termios.ICANON:
             self._before = self._before or termios.tcgetattr(self._fd)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Progress on stderr when it is a terminal, silence otherwise."""
+"""Progress on stderr if that is a terminal, silence otherwise."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ __all__ = ['Progress']
 
 _USUAL = 80
 _BAR = 24
-#: How a text begins that says how much of the work is done.
+#: Beginnings of a text that say how much of the work is done.
 _PERCENT, _OF = re.compile(r'(\d+)%'), re.compile(r'([\d,]+) of ([\d,]+)\b')
 
 
 class Progress:
     """
-    One line on stderr that is written over; nothing when stderr is not a terminal.
+    One line on stderr that is overwritten each time; nothing if stderr is not a terminal.
 
-    With rich it has a spinner, the time passed and, where the text begins with a percentage or
-    with one number of another, a bar and the time left. No thread draws it, for a process with a
-    second thread is not forked to decode a bag.
+    With rich it has a spinner and the elapsed time. If the text begins with a percentage or with
+    "n of m", it also has a bar and the time left. It uses no thread, because the bag reader does
+    not fork decoders from a process with a second thread.
 
     Parameters
     ----------
     label : str
-        What is going on.
+        The name of the work.
     quiet : bool
         Never write.
 
@@ -54,7 +54,7 @@ class Progress:
         self.clear()
 
     def show(self, text: str) -> None:
-        """Write the state, at most ten times a second; who writes next, writes over it."""
+        """Write the state, at most ten times a second; the next output overwrites it."""
         if not self._on or time.monotonic() < self._next:
             return
         self._next = time.monotonic() + 0.1
@@ -68,7 +68,7 @@ class Progress:
         sys.stderr.flush()
 
     def _draw(self, text: str, room: int) -> None:
-        """Write the line with rich, as wide as the terminal."""
+        """Draw the line with rich, as wide as the terminal."""
         from rich.progress_bar import ProgressBar
         from rich.segment import Segments
         from rich.spinner import Spinner
@@ -79,7 +79,7 @@ class Progress:
         if self._spinner is None:
             letters = (self._console.encoding or '').lower().startswith('utf')
             self._spinner = Spinner('dots' if letters else 'line', style='cyan')
-        # What others have named is text, without markup and without what moves the cursor.
+        # Names from others are plain text, without markup or control characters.
         words = Text(_printable(f'{self._label}: {text}'), overflow='ellipsis')
         cells = [self._spinner.render(now), words, Text(_clock(now - self._start), style='dim')]
         share = _find_share(text)
@@ -102,7 +102,7 @@ class Progress:
         self._width = room
 
     def clear(self) -> None:
-        """Take the line off the screen."""
+        """Remove the line from the screen."""
         if self._width:
             sys.stderr.write('\r' + ' ' * self._width + '\r')
             sys.stderr.flush()
@@ -111,7 +111,7 @@ class Progress:
 
 def _find_share(text: str) -> float | None:
     """
-    Return which share of the work is done, if a text begins with it.
+    Return the share of the work that is done, if the text begins with it.
 
     Examples
     --------
@@ -133,7 +133,7 @@ def _printable(text: str) -> str:
 
 def _clock(seconds: float) -> str:
     """
-    Return a span as a clock shows it.
+    Return a time span in the format of a clock.
 
     Examples
     --------
@@ -147,7 +147,7 @@ def _clock(seconds: float) -> str:
 
 
 def _columns() -> int:
-    """Return the width of the terminal; of one that does not tell, the usual."""
+    """Return the width of the terminal; 80 if it is unknown."""
     try:
         return os.get_terminal_size(sys.stderr.fileno()).columns or _USUAL
     except OSError:

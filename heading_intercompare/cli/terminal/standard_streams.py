@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Standard output and error that may be closed, full, or read by nobody any more."""
+"""Standard output and error that may be closed, full, or no longer read."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ __all__ = ['safe_stderr', 'safe_stdout']
 
 class _Stream:
     """
-    A stream that goes nowhere once writing failed.
+    A stream that discards everything once a write has failed.
 
     Parameters
     ----------
     stream : file or None
-        Standard output or error; None if it is closed, and what is written goes nowhere.
+        Standard output or error; None if it is closed, so that the output is discarded.
     name : str
-        What an error calls it.
-    borne : type
-        The errors of which nothing is said; all others are raised, once.
+        Its name in errors.
+    ignored : type
+        Errors that are ignored; any other error is raised, once.
 
     """
 
-    def __init__(self, stream: IO[str] | None, name: str, borne: type[OSError]) -> None:
-        self._stream, self._name, self._borne = stream, name, borne
+    def __init__(self, stream: IO[str] | None, name: str, ignored: type[OSError]) -> None:
+        self._stream, self._name, self._ignored = stream, name, ignored
 
     def __getattr__(self, attribute: str) -> Any:
         return getattr(self._stream, attribute)
 
     def write(self, text: str) -> int:
-        # The name of a file may have bytes that are no letters, and a terminal lacks letters.
+        # A file name may have undecodable bytes, and a terminal may lack characters.
         encoding = getattr(self._stream, 'encoding', None) or 'utf-8'
         shown = text.encode(encoding, 'backslashreplace').decode(encoding)
         self._try(lambda stream: stream.write(shown))
@@ -52,16 +52,16 @@ class _Stream:
         try:
             act(self._stream)
         except OSError as error:
-            # What waits in the buffer would fail once more when the process ends.
+            # Otherwise the text left in the buffer would fail again when the process ends.
             with open(os.devnull, 'wb') as nowhere:
                 os.dup2(nowhere.fileno(), self._stream.fileno())
-            if not isinstance(error, self._borne):
+            if not isinstance(error, self._ignored):
                 raise OSError(error.errno, error.strerror, self._name) from error
 
 
 @contextmanager
 def safe_stderr() -> Iterator[None]:
-    """Say nothing on stderr where that cannot be."""
+    """Ignore failed writes to stderr."""
     with redirect_stderr(_Stream(sys.stderr, 'standard error', OSError)):
         yield
 
@@ -69,12 +69,12 @@ def safe_stderr() -> Iterator[None]:
 @contextmanager
 def safe_stdout() -> Iterator[None]:
     """
-    Write what is printed before the end, which comes even if nobody reads it any more.
+    Flush standard output at the end; ignore that its reader is gone.
 
     Raises
     ------
     OSError
-        If it cannot be written for another reason; with the name of the stream.
+        If the output cannot be written for another reason; it names the stream.
 
     """
     stream = _Stream(sys.stdout, 'standard output', BrokenPipeError)

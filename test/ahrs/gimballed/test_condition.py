@@ -32,6 +32,7 @@ def of_mode(start, mode):
     return [status for status in start if status.mode == mode]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('mode', IN_ORDER)
 def test_progress_rises_from_0_to_1_in_every_mode(start, mode):
     """At most a few seconds of a mode, such as the slew, come after its least time."""

@@ -49,6 +49,7 @@ def test_a3_alignment_error_of_an_east_meter_bias(make_ahrs, run_for, latitude_d
     assert abs(error) == pytest.approx(error_arcmin, abs=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('fixed, error_arcmin, tolerance', [
     pytest.param('drift_y 0.01', 3.232, 0.02, id='a4'),
     pytest.param('drift_z 0.01', -0.167, 0.005, id='a5')])
@@ -58,6 +59,7 @@ def test_a4_a5_gyrocompass_error_of_a_drift(make_ahrs, run_for, fixed, error_arc
     assert run.heading_error_arcmin[-1] == pytest.approx(error_arcmin, abs=tolerance)
 
 
+@pytest.mark.slow
 def test_a6_gyrocompass_settles_from_one_degree(make_ahrs, run_for):
     """Last above 0.1 degrees at 1560 s, above 0.01 degrees at 3140 s, within 5 %."""
     run = run_for(make_ahrs(initial_state='aligned', azimuth_deg=1.0), 2.0 * HOUR)
@@ -68,6 +70,7 @@ def test_a6_gyrocompass_settles_from_one_degree(make_ahrs, run_for):
     assert run.validity[-1] == Validity.VALID
 
 
+@pytest.mark.slow
 def test_settled_start_is_where_the_gyrocompass_stays(make_ahrs, run_for):
     """An aligned start puts the platform where drifts and biases would have taken it."""
     ahrs = make_ahrs(initial_state='aligned',
@@ -87,6 +90,7 @@ def test_a7_free_azimuth_drifts_in_a_line(make_ahrs, run_for):
     assert np.abs(error - error[-1] * run.t_s / run.t_s[-1]).max() < 5e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('compensation', ['none', 'full', 'manual'])
 def test_a8_speed_error(make_ahrs, run_for, compensation):
     """Ten knots north: +0.914 degrees without the speed (+-0.005), less than 0.1" with it."""
@@ -101,6 +105,7 @@ def test_a8_speed_error(make_ahrs, run_for, compensation):
         assert abs(error_deg) * 3600.0 < 0.1
 
 
+@pytest.mark.slow
 def test_a9_own_velocity_oscillates_with_the_schuler_period(make_ahrs, run_for):
     """Equator, 50 ug: about a mean tilt of 10.3" with 84.3 min (+-1)."""
     ahrs = make_ahrs(0.0, initial_state='aligned', operation='gyro_azimuth', azimuth_deg=0.0,

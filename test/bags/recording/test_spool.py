@@ -48,10 +48,12 @@ def test_pages_come_back_as_they_were(tmp_path, rng):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_the_verdict_is_the_same(tmp_path):
     assert judged(lambda: Spool(folder=str(tmp_path)).keep) == judged(lambda: None)
 
 
+@pytest.mark.slow
 def test_a_page_that_cannot_be_written_stays_in_memory(tmp_path):
     faults = []
     lost = str(tmp_path / 'gone')
@@ -59,6 +61,7 @@ def test_a_page_that_cannot_be_written_stays_in_memory(tmp_path):
     assert set(faults) == {'No such file or directory'}
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_run(tmp_path):
     compliance = Compliance(SETTINGS, keeper=lambda: Spool(folder=str(tmp_path)).keep)
     rng, held = np.random.default_rng(4), []
@@ -74,6 +77,7 @@ def test_memory_does_not_grow_with_the_run(tmp_path):
     assert held[-1] - held[40] < 1_000_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('count', [65536, 65537, 131072])
 def test_runs_that_end_with_a_page_are_judged_alike(tmp_path, count):
     assert judged(lambda: Spool(folder=str(tmp_path)).keep, count) == judged(lambda: None, count)

@@ -72,6 +72,7 @@ def test_a_whole_file_has_no_gap(compression):
     assert len(chunks(data)) >= 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('compression', ['none', 'lz4', 'zstd'])
 def test_cut_at_any_byte_everything_before_the_cut_is_kept(compression):
     data = small_file(compression)
@@ -89,6 +90,7 @@ def test_of_a_chunk_that_the_file_ends_in_the_messages_before_are_kept():
     assert len(messages(scanned(data[:second + 60]))) == count
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('compression', ['none', 'lz4', 'zstd'])
 @pytest.mark.parametrize('bits', [0x01, 0x80, 0xff])
 def test_flipped_at_any_byte_only_the_chunk_around_is_lost(compression, bits):
@@ -103,6 +105,7 @@ def test_flipped_at_any_byte_only_the_chunk_around_is_lost(compression, bits):
         assert len(kept) >= N - around, at
 
 
+@pytest.mark.slow
 def test_zeros_written_over_any_stretch_lose_only_the_chunks_they_touch():
     data = small_file('zstd')
     whole, rows = messages(scanned(data)), chunks(data)

@@ -59,6 +59,7 @@ def test_a_gap_is_counted_across_files(tmp_path):
     assert check_bag(tmp_path / 'bag').topics['/x'].missing == 5
 
 
+@pytest.mark.slow
 def test_every_byte_that_turns_over_is_seen_or_does_no_harm(write_bag, rng):
     """Each of many single damages is a fault, or the bag reads the same as before."""
     path = write_bag(chunk_bytes=20_000)

@@ -235,6 +235,7 @@ def test_messages_are_chosen_by_topic_and_time(tmp_path):
 # Cut and damaged
 
 
+@pytest.mark.slow
 def test_a_bag_cut_anywhere_is_read_up_to_the_cut(tmp_path):
     whole = mcap_file(tmp_path / 'a.mcap', remarks(150)).read_bytes()
     sent = [data for _, data in remarks(150)]
@@ -284,6 +285,7 @@ def test_rubbish_behind_a_cut_is_left_out(tmp_path, tail):
     assert 'was not closed' in BagReader(path).incomplete
 
 
+@pytest.mark.slow
 def test_no_flipped_byte_goes_unnoticed_or_ends_in_a_traceback(tmp_path, rng):
     """Every byte of the data section has a checksum, or changing it breaks the format."""
     sent = list(BagReader(mcap_file(tmp_path / 'a.mcap', remarks(60))).messages())
@@ -397,7 +399,7 @@ def test_a_missing_or_empty_file_makes_the_bag_incomplete(tmp_path):
 def test_damaged_metadata_are_refused_and_name_the_way_out(tmp_path, read, text):
     folder = split_bag(tmp_path, 2)
     (folder / 'metadata.yaml').write_text(text)
-    with pytest.raises(BagError, match=r'metadata\.yaml: .*`recover` reads the bag without it'):
+    with pytest.raises(BagError, match=r'metadata\.yaml: .*`recover` reads the bag without this'):
         read(folder)
     # A file of the bag is read by itself, and all of them once the metadata are gone.
     assert BagReader(folder / 'split_0.mcap').topics['/a'].count == 1

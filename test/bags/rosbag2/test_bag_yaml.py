@@ -157,9 +157,10 @@ DAMAGED = [
     ('[a_0.mcap, b', 2, 'not YAML: '), ('\n    - "', 3, 'not YAML: '),
     ('[' * 200_000, 2, 'nested'), ('[a]\n  x: \0', 3, 'not YAML: '),
     ('["\\ud800"]', 2, 'not YAML: '), ('[a]\n  x: 1\n  x: 2', 4, "'x' is given twice"),
-    ('[a]\n  x: &a 1\n  y: *a', 3, 'anchors'), ('[a]\n  x: !!binary aa', 3, 'tags are not taken'),
+    ('[a]\n  x: &a 1\n  y: *a', 3, 'anchors'),
+    ('[a]\n  x: !!binary aa', 3, 'tags are not accepted'),
     ('[a]\n---\nb: 1', 3, 'second document'), ('[a]\n  x: \ud800', 3, 'not UTF-8'),
-    ('9' * 5000, 2, 'a number of too many digits'),
+    ('9' * 5000, 2, 'a number with too many digits'),
     ('a_0.mcap', None, 'relative_file_paths must be a list of names'),
     ('[[a]]', None, 'must be a list of names'), ('[7]', None, 'must be a list of names'),
     ('[~]', None, 'must be a list of names'), ('{a: b}', None, 'must be a list of names')]
@@ -173,8 +174,8 @@ def test_damaged_metadata_are_refused_with_line_and_remedy(tmp_path, listed, lin
     said = str(refused.value)
     assert said.startswith(f'{path}: ' + ('' if line is None else f'line {line}: '))
     assert problem in said and '\n' not in said
-    assert said.endswith('; `recover` reads the bag without it, and so does everything else once '
-                         'it is removed')
+    assert said.endswith('; `recover` reads the bag without this file, and so do all other '
+                         'commands once it is removed')
 
 
 @pytest.mark.parametrize('text', ['', '[]', 'x: 1', 'rosbag2_bagfile_information: ~', '\0' * 512,
@@ -212,6 +213,7 @@ def test_metadata_of_any_version_are_read(tmp_path):
     assert list_parts(path) == ['bag_0.mcap']
 
 
+@pytest.mark.slow
 def test_reading_takes_a_time_that_grows_with_the_length(tmp_path):
     """Twice the names take about twice the time; were it the square, 16 times for 4 times."""
     times = []

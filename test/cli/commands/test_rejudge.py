@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command rejudge: what becomes of the verdicts that bags hold, whatever else is in them."""
+"""The command rejudge: the verdicts stored in bags compared with new ones."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def make_bag(trial, tmp_path):
 
 @pytest.fixture
 def told(capsys):
-    """Return a function that runs the command: exit code, lines, what is said beside them."""
+    """Return a function that runs the command and returns exit code, lines and stderr."""
     def run(*arguments):
         code = main(['rejudge', *map(str, arguments)])
         out, err = capsys.readouterr()

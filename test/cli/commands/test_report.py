@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command `report`: it takes what `analyze` takes, or a verdict that was written before."""
+"""The command `report`: it accepts the inputs of `analyze`, or a verdict written earlier."""
 
 from __future__ import annotations
 
@@ -44,6 +44,7 @@ def refused(capsys, *arguments) -> str:
     return err
 
 
+@pytest.mark.slow
 def test_a_report_takes_what_analyze_takes(pairs, tmp_path, capsys):
     table, page = tmp_path / 'runs.csv', tmp_path / 'r.html'
     table.write_text(f'start,stop\n{1_400_000_000 * S},{1_400_000_300 * S}\n'
@@ -75,7 +76,7 @@ def test_a_verdict_becomes_the_protocol_without_the_readings(verdict, pairs, tmp
     (['--set', 'window_s=60'], '--set window_s=60: {file} is a verdict, which is not judged'),
     (['--config', 'x.yaml'], '--config x.yaml: '), (['--runs', 'x.csv'], '--runs x.csv: '),
     (['--csv', 'x.csv'], '--csv x.csv: '), (['--jobs', '2'], '--jobs 2: '),
-    (['{file}'], '{file}: a verdict is reported alone, 2 INPUTs are given'),
+    (['{file}'], '{file}: a verdict must be the only INPUT, 2 are given'),
     (['--json', '{file}'], '--json {file}: that is an INPUT'),
     (['-o', '{file}'], '--report {file}: that is an INPUT'),
     (['-o', 'x.pdf'], '--report x.pdf: must end with .html or .json')])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command simulate: what is in its bag, and what an analysis makes of it."""
+"""The command simulate: the contents of its bag, and the result of an analysis."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0
 
 @pytest.fixture(scope='module')
 def scenario(tmp_path_factory):
-    """Return the file of a short trial in which much happens."""
+    """Return the file of a short trial with many events."""
     path = tmp_path_factory.mktemp('scenario') / 'trial.yaml'
     path.write_text(TRIAL, encoding='utf-8')
     return path
@@ -49,7 +49,7 @@ def scenario(tmp_path_factory):
 
 @pytest.fixture(scope='module')
 def bag(scenario, tmp_path_factory):
-    """Return its bag."""
+    """Return the bag of the trial."""
     path = tmp_path_factory.mktemp('bag') / 'trial'
     assert main(['simulate', '--scenario', str(scenario), '-o', str(path)]) == 0
     return path
@@ -69,7 +69,7 @@ def headings(bag, topic):
 @pytest.mark.parametrize('topic, role', [
     ('ts/heading', 'ts'), ('rs/heading', 'rs'), ('truth/heading', 'truth')])
 def test_bag_holds_what_was_simulated(bag, simulated, topic, role):
-    """Stamps to the nanosecond; headings to what a quaternion keeps of them."""
+    """Stamps agree to the nanosecond, headings to the precision of a quaternion."""
     read, made = headings(bag, topic), getattr(simulated, role)
     assert len(read) > 500
     assert read.stamp_ns.tolist() == made.stamp_ns.tolist()
@@ -94,7 +94,7 @@ def test_messages_claim_a_deviation_and_a_rate_of_turn(bag, simulated):
 
 
 def test_messages_are_logged_when_they_are_handed_over(bag, simulated):
-    """0.4 s behind their instants, in order although the clock of the TS steps back by 3 s."""
+    """They come 0.4 s after their instants, in order although the TS clock steps back by 3 s."""
     logs = [m.log_time_ns for m in BagReader(bag).messages()]
     assert logs == sorted(logs)
     start_ns = Simulation(Scenario(start_utc='2026-05-06T07:08:09Z')).start_ns
@@ -185,6 +185,7 @@ def test_absent_scenario_and_present_bag_are_named(scenario, bag, tmp_path, caps
         assert not (tmp_path / 'a').exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name, outcome, code', [
     ('ts_below_norm', 'compliant', 0), ('ts_at_norm', 'indeterminate', 3),
     ('ts_above_norm', 'non_compliant', 1), ('degraded_rs', 'non_compliant', 1)])
@@ -209,7 +210,7 @@ def test_scenario_is_judged_as_its_file_promises(name, outcome, code, tmp_path):
     assert error_deg.std() == pytest.approx(own_deg, rel=0.07)
     assert error_deg.mean() == pytest.approx(0.15, abs=0.06)
     assert run['mean_deg'] == pytest.approx(error_deg.mean(), abs=0.08)
-    # Interpolation takes a part of the white noise of the RS away.
+    # Interpolation removes a part of the white noise of the RS.
     white_deg, markov_deg = (0.32, 0.24) if name == 'degraded_rs' else (0.04, 0.03)
     factor = run['pairing']['rs_variance_factor']
     rs_deg2 = factor * white_deg**2 + markov_deg**2

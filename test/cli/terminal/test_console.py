@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A terminal shows what matters; everywhere else the same text is plain, and nothing is obeyed."""
+"""A terminal highlights the outcome; elsewhere text stays plain, and no markup is obeyed."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def terminal(monkeypatch):
 
 
 def said(terminal, *given):
-    """Return what a terminal gets."""
+    """Return the text that a terminal gets."""
     with redirect_stdout(terminal):
         say(*given)
     return terminal.getvalue()
@@ -64,7 +64,7 @@ def test_the_outcome_has_its_colour_and_the_text_is_the_same(terminal):
 
 
 @pytest.mark.parametrize('name, value', [('NO_COLOR', '1'), ('TERM', 'dumb')])
-def test_who_wants_no_colour_gets_plain_text(terminal, monkeypatch, name, value):
+def test_a_user_who_wants_no_colour_gets_plain_text(terminal, monkeypatch, name, value):
     monkeypatch.setenv(name, value)
     assert said(terminal, TEXT, VERDICT_MARKS) == f'{TEXT}\n'
 

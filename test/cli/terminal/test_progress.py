@@ -29,17 +29,17 @@ class Terminal:
         self.stderr = os.fdopen(program, 'w')
 
     def widen(self, columns):
-        """Give it another width."""
+        """Change the width."""
         fcntl.ioctl(self.stderr, termios.TIOCSWINSZ, struct.pack('4H', 24, columns, 0, 0))
 
     def seen(self):
-        """Return what has been written to it since the last call."""
+        """Return the text written since the last call."""
         return os.read(self.side, 65536).decode()
 
 
 @pytest.fixture
 def terminal(monkeypatch, request):
-    """Return a terminal, in a time that passes quickly; without rich unless it is asked for."""
+    """Return a terminal with a fast clock, without rich unless the test asks for it."""
     if getattr(request, 'param', 'plain') == 'rich':
         pytest.importorskip('rich')
         for name in ('NO_COLOR', 'FORCE_COLOR', 'COLORTERM', 'COLUMNS'):
@@ -78,7 +78,7 @@ rich_terminal = pytest.mark.parametrize('terminal', ['rich'], indirect=True)
 
 
 def lines(text):
-    """Return what was written over each other, without colours."""
+    """Return the successive lines, without colours."""
     return [line for line in re.sub('\x1b\\[[0-9;]*m', '', text).split('\r') if line]
 
 
@@ -97,7 +97,7 @@ def test_with_rich_the_line_stays_one_and_fits_any_width(terminal, monkeypatch):
 
 @rich_terminal
 def test_with_rich_time_and_a_bar_are_shown_where_the_amount_is_known(terminal, monkeypatch):
-    """The clock is asked at the start, and by `show` three times."""
+    """The clock is read at the start, and three times by `show`."""
     monkeypatch.setattr(sys, 'stderr', terminal.stderr)
     terminal.widen(100)
     with progress.Progress('trial') as line:
@@ -109,7 +109,7 @@ def test_with_rich_time_and_a_bar_are_shown_where_the_amount_is_known(terminal, 
         line.show('1,200 of 2,400 s simulated')
         (shown,) = lines(terminal.seen())
         assert '0:06' in shown and shown.rstrip().endswith('0:06 left')
-        # A second part of the work begins anew.
+        # A second part of the work begins again at zero.
         line.show('0% copied')
         (shown,) = lines(terminal.seen())
         assert 'left' not in shown

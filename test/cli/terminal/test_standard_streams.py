@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The exit code does not depend on whether what is said can be written."""
+"""The exit code does not depend on whether the output can be written."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def full():
 
 
 def ended(stream):
-    """Close a stream, as the end of the process does."""
+    """Close a stream, as the end of a process does."""
     with suppress(OSError):
         stream.close()
 

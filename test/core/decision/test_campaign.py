@@ -276,6 +276,7 @@ def test_the_rule_is_chosen_by_a_setting_and_stands_in_the_json(rng):
     json.dumps(sensor, allow_nan=False)
 
 
+@pytest.mark.slow
 def test_a_run_rejected_alone_is_said_among_many(rng):
     """Each share is a twentieth of the producer's risk: a run just above its own bound stays."""
     for sigma in np.arange(0.33, 0.40, 0.002):

@@ -155,6 +155,7 @@ def test_total_error_by_composition_is_finite_even_without_a_ts_error(model):
     assert all(math.isfinite(v) for v in (found.k, found.low_deg, found.low_narrow_deg))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('model', ['NN', 'UN', 'NU', 'UU'])
 @given(sigma=st.floats(0.01, 1.0), ref=st.floats(0.0, 2.0), m=st.floats(0.0, 1.0))
 def test_the_tightened_count_limit_is_never_above_the_limit(model, sigma, ref, m):

@@ -441,11 +441,13 @@ def certified(sigma, n, tau, rng, runs=300):
                     for x in ar1(runs, n, tau, rng)])
 
 
+@pytest.mark.slow
 def test_a_good_sensor_is_certified_in_a_short_run(rng):
     """Half of the norm, 30 correlation times: 0.75 of runs; a gate would refuse 0.99 of them."""
     assert certified(0.5, 900, 30.0, rng) > 0.75 - 6.0 * math.sqrt(0.75 * 0.25 / 300)
 
 
+@pytest.mark.slow
 def test_the_number_of_differences_between_powers_of_two_does_not_matter(rng):
     """
     100 correlation times in 2048 and in 4090 differences: 0.91 certified at 0.7 of the norm.

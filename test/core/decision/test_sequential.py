@@ -87,6 +87,7 @@ def test_a_risk_too_small_to_be_shared_is_refused():
         Looks(10.0, 7, replace(ANY, alpha_producer=5e-6))
 
 
+@pytest.mark.slow
 def test_looking_often_keeps_the_risk_of_white_errors(rng):
     """
     A TS at its limit is certified by any of five looks in at most 5 % of runs.

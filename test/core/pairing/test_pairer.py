@@ -130,6 +130,7 @@ def test_the_ledger_accounts_for_every_reading(method, ts, rs):
         assert booked == len(kept)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('method', METHODS)
 @given(ts=sorted_streams, rs=sorted_streams, data=st.data())
 def test_chunks_and_order_of_arrival_do_not_matter(method, ts, rs, data):

@@ -76,6 +76,7 @@ def test_autocorrelation_of_degenerate_series():
         autocorrelate([1.0, 2.0], -1)
 
 
+@pytest.mark.slow
 def test_all_lags_that_the_decision_needs_fit_into_200_megabytes(rng):
     x = rng.standard_normal(4_320_000)
     tracemalloc.start()

@@ -223,6 +223,7 @@ def test_the_bounds_by_hand():
 
 # --- against the page ---
 
+@pytest.mark.slow
 @pytest.mark.parametrize('n', [128, 400, 1023, 3000])
 @pytest.mark.parametrize('order', [0, 1, 3])
 @pytest.mark.parametrize('law', ['normal', 'heavy', 'slow'])

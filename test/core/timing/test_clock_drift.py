@@ -53,6 +53,7 @@ def test_what_a_drift_adds_by_hand(rng):
     assert found.variance_deg2 == pytest.approx(rate / 3.0, rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_constant_skew_does_not_drift(rng):
     """None of 60; the nominal risk is 0.05 %."""
     for k in range(60):

@@ -334,6 +334,7 @@ def test_the_slowest_error_stated_asks_for_twenty_times_its_length(pair):
 
 # --- several runs ---
 
+@pytest.mark.slow
 def test_a_void_run_leaves_the_campaign_open_unless_another_is_rejected(pair, rng):
     ts, rs = pair
     good, void = (Headings.of(STAMPS, ts), Headings.of(STAMPS, rs)), (
@@ -362,6 +363,7 @@ def test_a_campaign_with_a_doubtful_run_is_doubtful(pair):
 
 # --- looks ---
 
+@pytest.mark.slow
 def test_a_good_start_does_not_certify_a_bad_sensor(ship, rng):
     """0.3 of the norm for 5 min, 3 times the norm for 55 min, plan 3600 s; once COMPLIANT."""
     t = np.arange(1, 36_001) * 0.1
@@ -375,6 +377,7 @@ def test_a_good_start_does_not_certify_a_bad_sensor(ship, rng):
     assert verdict.outcome is Outcome.NON_COMPLIANT
 
 
+@pytest.mark.slow
 def test_a_rejection_at_a_look_stays(ship, rng):
     """3 times the norm for 10 min, then so good that the whole hour would hardly be rejected."""
     t = np.arange(1, 36_001) * 0.1

@@ -131,6 +131,7 @@ def name_of(path: tuple) -> str:
     return ''.join(f'[{key}]' if isinstance(key, int) else f'.{key}' for key in path).lstrip('.')
 
 
+@pytest.mark.slow
 def test_whatever_key_is_missing_is_named():
     mapping = judged(2).to_dict()
     free = {('campaign', 'runs_by_outcome'), ('runs', 0, 'pairing', 'rejected')}
@@ -205,6 +206,7 @@ def test_a_later_minor_version_is_read_and_a_later_major_one_is_not():
             Verdict.from_dict({**mapping, **newer})
 
 
+@pytest.mark.slow
 def test_whatever_value_is_of_a_wrong_type_is_named():
     mapping = judged(2).to_dict()
     for path in keys(mapping):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``demo``: whether live, replayed and offline verdicts agree."""
+"""The command ``demo``: checks that the live, replayed and offline verdicts agree."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ __all__ = ['add_arguments', 'run']
 
 _SETTINGS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
 _MADE = ('bag', 'live', 'replayed', 'offline.json', 'report.html')
-#: What is in a folder is only removed if this is there too.
+#: Files in a folder are only removed if this file is there too.
 _MARK = '.heading_intercompare_demo'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('--out', metavar='DIR', default='demo_out',
-                        help='folder for the bag and the verdicts, in place of what an earlier '
-                        'demo left in it (default: demo_out)')
+                        help='folder for the bag and the verdicts; replaces those of an earlier '
+                        'demo (default: demo_out)')
     parser.add_argument('--speed', type=float, metavar='X', default=50.0,
-                        help='speed of the simulation, times real time (default: 50)')
+                        help='speed of the simulation as a multiple of real time (default: 50)')
     parser.add_argument('--duration', type=float, metavar='S',
                         help='simulated seconds (default: the whole scenario, 1200)')
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run the three, print the verdict and whether they agree."""
+    """Get the three verdicts, print the offline one and whether they agree."""
     from heading_intercompare.nodes.graph import intercompare, Source
     from heading_intercompare.nodes.replayer import Replayer
     from heading_intercompare.nodes.sensor_simulator import SensorSimulator
@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
     tell = print if not arguments.quiet else lambda *_: None
 
     tell(f'1. live: simulator -> synchronizer -> compliance -> recorder, '
-         f'{scenario.duration_s:g} s at {arguments.speed:g} times the speed')
+         f'{scenario.duration_s:g} s at {arguments.speed:g} times real time')
     with Progress('live', arguments.quiet) as progress:
         live = intercompare(
             [Source(SensorSimulator, 'sensor_simulator',
@@ -85,7 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _write_protocol(verdict: Verdict, path: Path, sketch: SeriesSketch) -> str:
-    """Write the protocol and return its path; where it cannot be drawn, why it is left out."""
+    """Write the protocol and return its path, or the reason why it cannot be written."""
     try:
         check_form(path)
     except ValueError as error:
@@ -112,7 +112,7 @@ def _clear(out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
     foreign = [name for name in _MADE if (out / name).exists() and not (out / _MARK).exists()]
     if foreign:
-        raise ValueError(f'--out {out}: {foreign[0]} is there and was not made by a demo; '
+        raise ValueError(f'--out {out}: {foreign[0]} exists and was not made by a demo; '
                          'remove it or name another folder')
     (out / _MARK).touch()
     for name in _MADE:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``live``: the graph in one process from configured drivers, with recording."""
+"""The command ``live``: the graph in one process, from drivers or topics, with recording."""
 
 from __future__ import annotations
 
@@ -27,29 +27,30 @@ _DRIVERS = ('ts_driver', 'rs_driver')
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
+    parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor')
+    parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor')
     add_settings_arguments(parser)
     parser.add_argument('-o', '--output', metavar='BAG',
-                        help='the bag to record (default: heading_<UTC> here)')
+                        help='the bag to record (default: heading_<UTC> in this folder)')
     add_note_argument(parser)
     add_verdict_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run until the sources are through or Ctrl-C; print the verdict."""
-    if arguments.config is None:
-        raise SettingsError('--config F is required: a ROS parameter file with the sections '
-                            'ts_driver and rs_driver')
+    """Run until the sources end or the user presses Ctrl-C; print the verdict."""
     config = load_config(arguments.config)
-    settings = settings_for(config, arguments.set)
+    settings = settings_for(config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs)
     Limits.of(settings.norms, settings.model)
-    drivers = {name: dict(config.sections.get(name, {})) for name in _DRIVERS}
+    topics = dict(zip(_DRIVERS, (settings.ts_topic, settings.rs_topic)))
+    drivers = {name: {'topic': topics[name], **config.sections[name]}
+               for name in _DRIVERS if name in config.sections}
     for name, driver in drivers.items():
         if driver.get('source') is None:
             raise SettingsError(f'{arguments.config}: section {name!r}: source is missing, e.g. '
-                                'source: udp://239.192.0.3:60003')
-    drivers['ts_driver'].setdefault('topic', settings.ts_topic)
-    drivers['rs_driver'].setdefault('topic', settings.rs_topic)
-    recorder = {**config.sections.get('recorder', {}), 'parameter_file': arguments.config}
+                                'source: udp://239.192.0.3:60003; without the section '
+                                f'{topics[name]} is heard as a topic')
+    recorder = {**config.sections.get('recorder', {}), **(
+        {'parameter_file': arguments.config} if arguments.config else {})}
     if notes := read_notes(arguments):
         recorder['note'] = notes
     output = (arguments.output or recorder.get('output')
@@ -60,6 +61,9 @@ def run(arguments: argparse.Namespace) -> int:
 
     if not arguments.quiet:
         print(f'note: {least_duration_words(settings.risk)}', file=sys.stderr)
+        if heard := [topic for name, topic in topics.items() if name not in drivers]:
+            print(f'note: listening to {" and ".join(heard)}; Ctrl-C ends the trial',
+                  file=sys.stderr)
     with Progress(output, arguments.quiet) as progress:
         verdict = intercompare(
             [Source(NmeaDriver, name, driver) for name, driver in drivers.items()],

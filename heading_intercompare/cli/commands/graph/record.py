@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``record``: the topics of the graph to a bag, until Ctrl-C."""
+"""The command ``record``: records the topics of the graph to a bag until Ctrl-C."""
 
 from __future__ import annotations
 
 import argparse
 
 from heading_intercompare.cli.commands.note import add_note_argument, read_notes
-from heading_intercompare.cli.node_command import program_node
+from heading_intercompare.cli.node_command import run_node
 
 __all__ = ['add_arguments', 'run']
 
@@ -15,12 +15,12 @@ __all__ = ['add_arguments', 'run']
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('-o', '--output', metavar='BAG', help='the rosbag2 directory to write '
-                        '(default: heading_<UTC> here)')
+                        '(default: heading_<UTC> in this folder)')
     parser.add_argument('--config', metavar='F', help='ROS parameter file with the settings')
     add_note_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Record until Ctrl-C."""
-    return program_node('recorder', 'Recorder', arguments.config, output=arguments.output,
-                        note=read_notes(arguments) or None, parameter_file=arguments.config)
+    return run_node('recorder', 'Recorder', arguments.config, output=arguments.output,
+                    note=read_notes(arguments) or None, parameter_file=arguments.config)

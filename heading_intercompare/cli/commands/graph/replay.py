@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``replay``: a bag to the topics from which it was recorded, or to others."""
+"""The command ``replay``: publishes a bag on its topics, under the same or other names."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 import re
 from typing import Any
 
-from heading_intercompare.cli.node_command import program_node
+from heading_intercompare.cli.node_command import run_node
 from heading_intercompare.cli.terminal.progress import Progress
 
 __all__ = ['add_arguments', 'run']
@@ -17,12 +17,12 @@ __all__ = ['add_arguments', 'run']
 _TOPIC = re.compile(r'(?!.*__)(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*', re.ASCII)
 
 
-def _rule(text: str) -> tuple[str, str]:
-    """Return old and new name of a topic."""
+def _parse_rule(text: str) -> tuple[str, str]:
+    """Return the old and the new name of a topic."""
     old, _, new = text.partition(':=')
     if not (_TOPIC.fullmatch(old) and _TOPIC.fullmatch(new)):
         raise argparse.ArgumentTypeError(
-            f'{text!r} must be OLD:=NEW, two names of topics without __, as in '
+            f'{text!r} must be OLD:=NEW, two topic names without __, as in '
             'ts/heading:=gyro/heading')
     return old, new
 
@@ -31,23 +31,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('bag', metavar='BAG', help='.mcap file or rosbag2 directory')
     parser.add_argument('--rate', type=float, metavar='X',
-                        help='speed, times that of the recording (default 1; 0: no waiting)')
+                        help='speed as a multiple of the recorded one (default: 1; 0: no waiting)')
     parser.add_argument('--start', type=float, metavar='S',
-                        help='seconds to leave out at the start')
+                        help='seconds to skip at the start')
     parser.add_argument('--duration', type=float, metavar='S', help='seconds to replay')
-    parser.add_argument('--loop', action='store_true', help='begin again at the end')
+    parser.add_argument('--loop', action='store_true', help='start again at the end')
     parser.add_argument('--clock', action='store_true', help='publish the time on /clock')
-    parser.add_argument('-m', '--remap', type=_rule, nargs='+', action='extend', default=[],
+    parser.add_argument('-m', '--remap', type=_parse_rule, nargs='+', action='extend', default=[],
                         metavar='OLD:=NEW', help='publish a topic under another name, e.g. '
-                        'ts/heading:=gyro/heading; write it behind BAG')
-    parser.add_argument('--start-paused', action='store_true', help='wait at the start')
+                        'ts/heading:=gyro/heading; give it after BAG')
+    parser.add_argument('--start-paused', action='store_true', help='start paused')
     parser.add_argument('--config', metavar='F', help='ROS parameter file with the settings')
-    parser.add_argument_group('while it runs', 'In a terminal the space bar pauses and resumes; '
-                              'everywhere the services ~/pause, ~/resume and ~/toggle_paused do.')
+    parser.add_argument_group('while it runs', 'In a terminal, the space bar pauses and resumes. '
+                              'The services ~/pause, ~/resume and ~/toggle_paused always work.')
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Replay the bag; ends with it."""
+    """Replay the bag, and return at its end."""
     from heading_intercompare.cli.terminal.keyboard import Keyboard
 
     remap: dict[str, str] = {}
@@ -63,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
         line.show(f'{node.state}{keys}')
 
     with Progress(Path(arguments.bag).name, arguments.quiet) as line, Keyboard() as keyboard:
-        return program_node(
+        return run_node(
             'replayer', 'Replayer', arguments.config, remap=remap, watch=watch,
             bag=arguments.bag, rate=arguments.rate, start_s=arguments.start,
             duration_s=arguments.duration, loop=arguments.loop or None,

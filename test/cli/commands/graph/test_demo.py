@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The demo and the live graph in one process: the verdict live, replayed and offline is one."""
+"""The demo and the live graph in one process: live, replayed and offline verdicts agree."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_the_demo_removes_only_what_a_demo_made(tmp_path, capfd, speed):
     assert main(['demo', '--out', str(tmp_path), '--speed', speed]) == 2
     error = capfd.readouterr().err
     assert error.count('\n') == 1
-    assert ('--speed' if speed != '50' else 'bag is there and was not made by a demo') in error
+    assert ('--speed' if speed != '50' else 'bag exists and was not made by a demo') in error
     assert (tmp_path / 'bag' / 'mine').read_text() == 'precious'
 
 
