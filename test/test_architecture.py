@@ -56,7 +56,8 @@ ALLOWED = {
 # The table of docs/ARCHITECTURE.md, "Rooms": within a folder a room, or a module beside the rooms,
 # imports only what stands before it.
 ORDER = {
-    'core': ('records', 'angles', 'settings', 'outcome', 'version', 'utc_text', 'statistics',
+    'core': ('records', 'angles', 'clock_cuts', 'declared_settings', 'settings', 'outcome',
+             'version', 'utc_text', 'statistics',
              'pairing', 'timing', 'decision', 'runs', 'conditions', 'diagnostics', 'verdict',
              'pipeline', 'offline'),
     'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'gimballed',
@@ -89,6 +90,7 @@ TESTS_OF_SEVERAL = {
     'bags/rosbag2/test_third_parties', 'bags/test_fuzz', 'cli/test_bag_commands',
     'cli/test_catalogue', 'cli/test_former_files', 'cli/test_origin', 'cli/test_outputs',
     'cli/test_real_logs', 'cli/test_usage', 'cli/test_without_extras',
+    'core/test_pipeline_over_days',
     'messages/test_against_rclpy',
     'nodes/test_graph_processes', 'nodes/test_launch', 'nodes/test_real_logs_over_udp',
     'nodes/test_recorder_process', 'nodes/test_soak',

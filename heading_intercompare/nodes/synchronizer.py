@@ -105,6 +105,7 @@ class Synchronizer(Node):
         return headings
 
     def _beat(self) -> None:
+        self._pairer.forget_earlier()
         self._ledger.publish(encode_ledger(self._pairer.ledger, final=self.ended))
         counts = self._pairer.ledger.total.counts
         rejected = sum(n for key, n in counts.items() if 'rejected' in key)

@@ -10,7 +10,12 @@ from enum import Enum, EnumMeta
 from types import NoneType, UnionType
 from typing import Any, cast, get_args, get_origin, get_type_hints, Literal, Union
 
-from heading_intercompare.core.settings import list_settings, Setting, Settings
+from heading_intercompare.core.settings import (
+    leave_out_added,
+    list_settings,
+    Setting,
+    Settings,
+)
 from heading_intercompare.core.verdict.typed_reader import is_left_out
 from heading_intercompare.core.verdict.verdict_document import SCHEMA, SCHEMA_VERSION, Verdict
 
@@ -102,7 +107,7 @@ def _join(choices: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _describe_settings() -> dict[str, Any]:
     rules = list_settings(Settings)
-    return {'type': 'object', 'required': [rule.name for rule in rules],
+    return {'type': 'object', 'required': [*leave_out_added(Settings().to_mapping())],
             'properties': {rule.name: _describe_setting(rule) for rule in rules}}
 
 

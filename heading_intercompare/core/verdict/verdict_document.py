@@ -24,7 +24,12 @@ from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
-from heading_intercompare.core.settings import Settings, settings_sha256, SettingsError
+from heading_intercompare.core.settings import (
+    leave_out_added,
+    Settings,
+    settings_sha256,
+    SettingsError,
+)
 from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.statistics.normality import Normality
 from heading_intercompare.core.statistics.stationarity import Stationarity
@@ -42,7 +47,7 @@ __all__ = ['Campaign', 'Input', 'make_plain', 'OperatorNote', 'PairingFigures', 
            'RunVerdict', 'SCHEMA', 'SCHEMA_VERSION', 'Software', 'Verdict', 'VerdictError']
 
 _SCHEMA = 'heading_intercompare/verdict/'
-SCHEMA_VERSION = '2.1'
+SCHEMA_VERSION = '2.2'
 """
 Major and minor version of the mapping.
 
@@ -338,7 +343,7 @@ class Verdict:
     @property
     def settings_sha256(self) -> str:
         """Hash of the settings."""
-        return settings_sha256(self.settings.to_mapping())
+        return settings_sha256(leave_out_added(self.settings.to_mapping()))
 
     @classmethod
     def of(cls, runs: Sequence[RunVerdict], outcome: Outcome, campaign: Campaign,
@@ -407,7 +412,7 @@ class Verdict:
             'software': make_plain(self.software),
             'rule_version': self.rule_version,
             'settings_sha256': self.settings_sha256,
-            'settings': make_plain(self.settings.to_mapping()),
+            'settings': make_plain(leave_out_added(self.settings.to_mapping())),
             'inputs': make_plain(self.inputs),
             'campaign': make_plain(self.campaign),
             'runs': make_plain(self.runs),
@@ -478,7 +483,7 @@ def _check_schema(mapping: Mapping[str, Any]) -> None:
 
 def _read_settings(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return all settings as plain values, nested like the classes."""
-    for name in Settings().to_mapping():
+    for name in leave_out_added(Settings().to_mapping()):
         if name not in given:
             raise VerdictError(f'settings.{name} is missing')
     try:

@@ -109,6 +109,7 @@ class Reporting:
         """Publish and write the report, unless it is unchanged."""
         self._due = None
         verdict = self._compliance.verdict(self._ledger)
+        self._compliance.take_earlier()
         report = render(verdict)
         if report == self._said:
             return

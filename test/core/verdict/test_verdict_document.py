@@ -173,7 +173,7 @@ def test_a_verdict_names_its_rule_and_the_hash_of_its_settings():
     assert mapping['schema_version'] == SCHEMA_VERSION
     assert SCHEMA == f'heading_intercompare/verdict/{SCHEMA_VERSION.partition(".")[0]}'
     assert mapping['rule_version'] == RULE_VERSION
-    assert mapping['settings_sha256'] == settings_sha256(verdict.settings.to_mapping())
+    assert mapping['settings_sha256'] == settings_sha256(mapping['settings'])
     assert mapping['settings_sha256'] != judged(model='UN').settings_sha256
 
 
