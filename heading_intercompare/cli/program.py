@@ -29,6 +29,8 @@ COMMANDS = {
                 '--set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1'),
     'rejudge': ('rejudge', 'old recordings judged anew, and the outcomes that changed',
                 'rejudge trial_*'),
+    'history': ('history', 'the runs of a logbook, and since when a sensor differs',
+                'history logbook.sqlite --since 2026-03-01'),
     'import-nmea': ('import_nmea', 'NMEA logs to a bag',
                     'import-nmea --ts gyro.log --rs seapath.log -o trial_bag'),
     'simulate': ('simulate', 'a trial of simulated sensors to a bag, at full speed',
