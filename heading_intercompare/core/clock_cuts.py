@@ -113,6 +113,8 @@ class ClockCuts:
             Indices i with a cut t such that stamp i - 1 < t <= stamp i.
 
         """
+        if not self._rules:
+            return np.empty(0, np.int64)
         crossed = np.zeros(len(stamp_ns), bool)
         for period_ns, instants in self._rules:
             whole, rest_ns = np.divmod(np.concatenate(([before_ns], stamp_ns)), period_ns)

@@ -215,7 +215,8 @@ class Compliance:
         if self._n_short:
             notes.append(f'{self._n_short} pieces shorter than runs.min_duration_s were left out')
         if self._n_earlier:
-            notes.append(f'{self._n_earlier} earlier runs are not part of this verdict: runs.keep')
+            notes.append(f'earlier_runs: {self._n_earlier} runs before the newest runs.keep = '
+                         f'{self.settings.runs.keep} cuts are not part of this verdict')
         return [r.with_pairing(share, within, notes if at == 0 else ())
                 for at, (r, share, within) in enumerate(zip(results[n:], shares[n:], inside[n:]))]
 

@@ -133,7 +133,9 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     """
     heard = {'subscribers': 1 if output is None else 2}
     own = own or {}
-    judging_own = {**own.get('compliance', {}), 'report_dir': report_dir, 'bag': output}
+    judging_own = {**own.get('compliance', {}), 'report_dir': report_dir}
+    if output is not None:
+        judging_own['bag'] = os.path.abspath(output)
     plan: list[tuple[type, str, Mapping[str, Any]]] = [(Compliance, 'compliance', judging_own)]
     if output is not None:
         plan.append((Recorder, 'recorder', {**own.get('recorder', {}), 'output': output}))

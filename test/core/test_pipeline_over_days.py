@@ -180,7 +180,7 @@ def test_a_verdict_covers_the_newest_cuts_and_hands_out_the_runs_before(rng):
     assert exact(offline.results()) == exact(kept), 'a second call gives the same'
     assert exact(offline.compliance.take_earlier()) == exact(every[:3])
     assert offline.compliance.take_earlier() == []
-    assert any(w.startswith('3 earlier runs') for w in kept[0].verdict.warnings)
+    assert any(w.startswith('earlier_runs: 3 runs before') for w in kept[0].verdict.warnings)
     compliance, ledger, earlier, _ = judge_live(ts, rs, rule, 60)
     assert exact(compliance.results(ledger)) == exact(kept)
     assert exact(earlier + compliance.take_earlier()) == exact(every[:3])
