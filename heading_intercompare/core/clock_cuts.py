@@ -9,10 +9,14 @@ restart, on every ship of a fleet, and however the streams are cut into chunks.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 import re
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    # The settings import this module, and the Tab key needs them without numpy.
+    import numpy as np
+    from numpy.typing import NDArray
 
 __all__ = ['ClockCuts']
 
@@ -63,11 +67,11 @@ class ClockCuts:
 
     def __init__(self, every_h: float | None, cut_at_utc: str | None) -> None:
         #: Period, and instants within it, of each rule.
-        self._rules: list[tuple[int, NDArray[np.int64]]] = []
+        self._rules: list[tuple[int, list[int]]] = []
         if every_h is not None:
-            self._rules.append((round(every_h * _HOUR_NS), np.zeros(1, np.int64)))
+            self._rules.append((round(every_h * _HOUR_NS), [0]))
         if cut_at_utc is not None:
-            self._rules.append((_DAY_NS, np.array(_parse_times(cut_at_utc), np.int64)))
+            self._rules.append((_DAY_NS, _parse_times(cut_at_utc)))
 
     def __bool__(self) -> bool:
         return bool(self._rules)
@@ -81,13 +85,12 @@ class ClockCuts:
         return min(self._step(rule, stamp_ns, 1) for rule in self._rules)
 
     @staticmethod
-    def _step(rule: tuple[int, NDArray[np.int64]], stamp_ns: int, ahead: int) -> int:
+    def _step(rule: tuple[int, list[int]], stamp_ns: int, ahead: int) -> int:
         """Return the last cut of a rule up to a stamp, or the one after it."""
         period_ns, instants = rule
         whole, rest_ns = divmod(stamp_ns, period_ns)
-        at = int(np.searchsorted(instants, rest_ns, side='right')) - 1 + ahead
-        more, at = divmod(at, len(instants))
-        return (whole + more) * period_ns + int(instants[at])
+        more, at = divmod(bisect_right(instants, rest_ns) - 1 + ahead, len(instants))
+        return (whole + more) * period_ns + instants[at]
 
     def before(self, stamp_ns: int, n: int) -> int:
         """Return the newest cut at or before a stamp, after stepping back n cuts."""
@@ -113,6 +116,8 @@ class ClockCuts:
             Indices i with a cut t such that stamp i - 1 < t <= stamp i.
 
         """
+        import numpy as np
+
         if not self._rules:
             return np.empty(0, np.int64)
         crossed = np.zeros(len(stamp_ns), bool)
