@@ -29,7 +29,7 @@ DOCS = Path(__file__).resolve().parent
 STOREYS = (
     (('cli', 1.0),),
     (('app', 0.4), ('nodes', 0.6)),
-    (('drivers', 0.13), ('ahrs', 0.23), ('report', 0.13), ('bags', 0.51)),
+    (('drivers', 0.12), ('ahrs', 0.22), ('report', 0.12), ('logbook', 0.11), ('bags', 0.43)),
     (('messages', 1.0),),
     (('core', 1.0),),
 )

@@ -14,7 +14,7 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.pipeline import join
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.report import SeriesSketch
 
 from .campaign import judge_inputs
@@ -38,12 +38,15 @@ class Judgement:
         What the user should know about the inputs: unfinished bag, no run, not judged again.
     sketches : tuple of SeriesSketch
         Data for the graphs of a report, one per input that was read; empty unless requested.
+    earlier : tuple of RunVerdict
+        Runs that the verdict does not cover because they are too old (`runs.keep`).
 
     """
 
     verdict: Verdict
     notes: tuple[str, ...] = ()
     sketches: tuple[SeriesSketch, ...] = ()
+    earlier: tuple[RunVerdict, ...] = ()
 
 
 def judge_bags(paths: Sequence[Place], settings: Settings, *,
@@ -104,7 +107,8 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
     called = os.fspath(runs) if isinstance(runs, (str, os.PathLike)) else 'runs'
     notes = [note for each in judged for note in each.notes]
     notes += [f'{called}: source {source} is not one of the INPUTs' for source in elsewhere]
-    return Judgement(verdict, tuple(notes), tuple(each.sketch for each in judged if each.sketch))
+    return Judgement(verdict, tuple(notes), tuple(each.sketch for each in judged if each.sketch),
+                     tuple(run for each in judged for run in each.earlier))
 
 
 def analyze_bag(path: Place, settings: Settings, *, runs: Place | RunTable | None = None,

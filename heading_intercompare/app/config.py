@@ -84,7 +84,9 @@ def _parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
         If one is not of this form.
 
     """
-    words = {s.name for s in list_settings(Settings) if s.kinds == (str,)}
+    # The time 12:00 would be a number in YAML.
+    words = {s.name for s in list_settings(Settings)
+             if s.kinds == (str,) or s.name == 'runs.cut_at_utc'}
     values = {}
     for assignment in assignments:
         name, equals, text = assignment.partition('=')

@@ -31,11 +31,15 @@ from .run_table import RunTable
 
 __all__ = ['analyze_input', 'sha256']
 
+#: Runs of the verdict, earlier runs, notes, and the ledger.
+_Found = tuple[list[RunResult], list[RunResult], list[str], Ledger]
+
 
 def analyze_input(path: str, settings: Settings, table: RunTable | None,
                   takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                   *, name: str | None = None,
-                  helpers: int = 0) -> tuple[list[RunResult], list[str], Input]:
+                  helpers: int = 0,
+                  ) -> tuple[list[RunResult], list[RunResult], list[str], Input]:
     """
     Judge the runs of one input.
 
@@ -57,7 +61,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
 
     Returns
     -------
-    results : list of RunResult
+    results, earlier : list of RunResult
+        The runs of the verdict, and those that are too old for it (`runs.keep`).
     notes : list of str
         What the user should know about the input: unfinished bag, no run.
     described : Input
@@ -83,23 +88,23 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
             digest.append(beside.submit(sha256, path))
         if Path(path).suffix == '.csv':
             bag = None
-            results, notes, ledger = _analyze_csv(path, name, settings, runs, takers, progress,
-                                                  start_digest)
+            results, earlier, notes, ledger = _analyze_csv(
+                path, name, settings, runs, takers, progress, start_digest)
         else:
             bag = BagReader(path)
-            results, notes, ledger = _analyze_bag(bag, name, settings, runs, takers, progress,
-                                                  start_digest, helpers)
+            results, earlier, notes, ledger = _analyze_bag(
+                bag, name, settings, runs, takers, progress, start_digest, helpers)
         described = _describe(bag, name, settings, digest[0].result())
     if not results:
         described = replace(described, no_run=_say_why_no_run(ledger, settings, runs))
         notes.append(f'{name}: no run: {described.no_run}')
-    return results, notes, described
+    return results, earlier, notes, described
 
 
 def _analyze_csv(path: str, name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
-                 start_digest: Callable[[], None]) -> tuple[list[RunResult], list[str], Ledger]:
+                 start_digest: Callable[[], None]) -> _Found:
     compliance = Compliance(settings, source=name, table=runs)
     ledger = Ledger()
     jumps = JumpFilter('ts', settings.pairing.jump_s, Pairs.empty())
@@ -124,7 +129,7 @@ def _analyze_csv(path: str, name: str, settings: Settings,
     compliance.finish()
     for cut_ns in compliance.cuts:
         ledger.cut(cut_ns)
-    return compliance.results(ledger), [], ledger
+    return compliance.results(ledger), compliance.take_earlier(), [], ledger
 
 
 def _book_rows(decided: Decided[Pairs], ledger: Ledger) -> None:
@@ -140,7 +145,7 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                  start_digest: Callable[[], None],
-                 helpers: int) -> tuple[list[RunResult], list[str], Ledger]:
+                 helpers: int) -> _Found:
     comparison = Intercomparison(settings, source=name, table=runs)
     ts, rs = settings.ts_topic, settings.rs_topic
     conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
@@ -169,7 +174,7 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
     if kept:
         results = judge_aligned(Headings.concatenate(kept[ts]), Headings.concatenate(kept[rs]),
                                 results, settings, source=name)
-    return results, notes, comparison.pairer.ledger
+    return results, comparison.compliance.take_earlier(), notes, comparison.pairer.ledger
 
 
 def _say_why_no_run(ledger: Ledger, settings: Settings,

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Callable, Iterable
@@ -12,7 +12,7 @@ from typing import Callable, Iterable
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
-from heading_intercompare.core.verdict.verdict_document import Input
+from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict
 from heading_intercompare.report import SeriesSketch
 
 from .inputs import analyze_input
@@ -51,6 +51,8 @@ class Judged:
         Its entry in the verdict.
     sketch : SeriesSketch or None
         Data for the graphs of a report, if requested.
+    earlier : list of RunVerdict
+        Its runs that are too old for the verdict (`runs.keep`).
 
     """
 
@@ -59,6 +61,7 @@ class Judged:
     notes: list[str]
     description: Input
     sketch: SeriesSketch | None = None
+    earlier: list[RunVerdict] = field(default_factory=list)
 
     @property
     def error(self) -> str | None:
@@ -104,9 +107,9 @@ class Job:
         sketch = SeriesSketch(path) if self.sketched else None
         if sketch is not None:
             takers.append(partial(sketch.update, settings=self.settings))
-        results, notes, described = analyze_input(place, self.settings, self.table, takers,
-                                                  progress, name=path, helpers=helpers)
-        return Judged(path, results, notes, described, sketch)
+        results, earlier, notes, described = analyze_input(
+            place, self.settings, self.table, takers, progress, name=path, helpers=helpers)
+        return Judged(path, results, notes, described, sketch, [r.verdict for r in earlier])
 
     def survive(self, path: str, place: str | None = None) -> Judged:
         """Judge one input among others; if that fails, return a result that says why."""

@@ -11,7 +11,12 @@ from typing import Any, Callable, Mapping, Sequence
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_texts, RECORD, REPORT_TOPIC
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.settings import leave_out_gone, Settings, SettingsError
+from heading_intercompare.core.settings import (
+    leave_out_added,
+    leave_out_gone,
+    Settings,
+    SettingsError,
+)
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 from heading_intercompare.core.verdict.validity import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictError
@@ -277,5 +282,8 @@ def _find_changed(report: Mapping[str, Any] | None, settings: Settings) -> list[
     given = (report or {}).get('settings')
     if not isinstance(given, Mapping):
         return []
-    return [name for name, value in settings.to_mapping().items()
-            if name in given and given[name] != value]
+    now, defaults = settings.to_mapping(), Settings().to_mapping()
+    # What a report leaves out of its settings has its default.
+    added = defaults.keys() - leave_out_added(defaults).keys()
+    then = {**{name: defaults[name] for name in added}, **given}
+    return [name for name, value in now.items() if name in then and then[name] != value]

@@ -10,7 +10,7 @@ import os
 from pathlib import Path
 from typing import Mapping, Sequence
 
-__all__ = ['assign_runs', 'read_run_table', 'RunTable']
+__all__ = ['assign_runs', 'parse_stamp', 'read_run_table', 'RunTable']
 
 #: Start and stop in nanoseconds, and the source.
 Run = tuple[int, int, str]
@@ -44,7 +44,7 @@ def read_run_table(path: str) -> list[Run]:
 
 
 def _run(row: Mapping[str, str | None]) -> Run:
-    start_ns, stop_ns = _stamp(row['start']), _stamp(row['stop'])
+    start_ns, stop_ns = parse_stamp(row['start']), parse_stamp(row['stop'])
     if stop_ns <= start_ns:
         raise ValueError(f'stop {row["stop"]} is not after start {row["start"]}')
     return start_ns, stop_ns, (row.get('source') or '').strip()
@@ -76,7 +76,8 @@ def assign_runs(table: RunTable, paths: Sequence[str]) -> tuple[list[Run], list[
             sorted(source for source, found in meant.items() if not found))
 
 
-def _stamp(text: str | None) -> int:
+def parse_stamp(text: str | None) -> int:
+    """Return a time, ISO UTC or integer nanoseconds, as a stamp; ValueError for others."""
     text = (text or '').strip()
     if text.lstrip('-').isdigit():
         return int(text)

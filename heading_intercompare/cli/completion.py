@@ -14,7 +14,9 @@ __all__ = ['complete', 'complete_setting']
 #: Suffixes of the files that an argument takes besides folders, by its name in the parser.
 _FILES = {'bag': ('mcap',), 'bags': ('mcap',), 'inputs': ('mcap', 'csv', 'json'),
           'config': ('yaml', 'yml'), 'runs': ('csv',), 'csv': ('csv',), 'ensembles': ('csv',),
-          'report': ('html', 'json'), 'json': ('json',), 'dask': ('json',)}
+          'report': ('html', 'json'), 'json': ('json',), 'dask': ('json',),
+          'logbook': ('sqlite',), 'logbooks': ('sqlite',), 'merge_into': ('sqlite',),
+          'html': ('html',)}
 
 
 def complete(parser: argparse.ArgumentParser) -> None:

@@ -29,6 +29,8 @@ COMMANDS = {
                 '--set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1'),
     'rejudge': ('rejudge', 'judge old recordings again, and list the outcomes that changed',
                 'rejudge trial_*'),
+    'history': ('history', 'list the runs of a logbook, and since when a sensor differs',
+                'history logbook.sqlite --since 2026-03-01'),
     'import-nmea': ('import_nmea', 'convert the NMEA logs of two sensors to a bag',
                     'import-nmea --ts gyro.log --rs seapath.log -o trial_bag'),
     'simulate': ('simulate', 'simulate a trial at full speed, and write it to a bag',

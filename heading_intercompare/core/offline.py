@@ -68,7 +68,8 @@ def _judge_again(ts: Headings, rs: Headings, result: RunResult, settings: Settin
     skew_s = settings.alignment.skew_s + shift_ns / 1e9
     table = [(result.verdict.start_ns - shift_ns, result.verdict.end_ns - shift_ns + 1)]
     moved = replace(settings, alignment=replace(settings.alignment, skew_s=skew_s),
-                    pairing=_fix_method(result, settings.pairing))
+                    pairing=_fix_method(result, settings.pairing),
+                    runs=replace(settings.runs, stabilization_s=result.stabilization_s))
     comparison = Intercomparison(moved, source=source, table=table)
     comparison.update(ts, rs)
     comparison.finish()

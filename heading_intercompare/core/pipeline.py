@@ -77,7 +77,10 @@ class Compliance:
         self._run_key: int | None = None
         self._looks: list[LookVerdict] = []
         self._finished: list[tuple[RunResult, int]] = []
-        self._n_short = 0
+        self._earlier: list[RunResult] = []
+        # How many runs are finished, and of these too old for the verdict; the newest such cut.
+        self._n_finished = self._n_earlier = self._n_short = 0
+        self._earlier_ns: int | None = None
         self._rolling = Rolling(settings.window_s)
 
     def update(self, pairs: Pairs) -> None:
@@ -90,7 +93,7 @@ class Compliance:
             if self._run is None or piece.key != self._run_key:
                 self._end_run()
                 self._run = RunSeries(piece.cut_ns, self.settings, self._look,
-                                      self._keeper())
+                                      self._keeper(), piece.since_ns)
                 self._run_key = piece.key
             self._run.update(pairs[piece.lo:piece.hi], differences[piece.lo:piece.hi])
         self._rolling.update(differences)
@@ -101,6 +104,9 @@ class Compliance:
         """Start or stop a run after the pair with this stamp; see `RunCutter.mark`."""
         if self._cutter.mark(kind, stamp_ns):
             self._finished.clear()
+            self._earlier.clear()
+            self._n_finished = self._n_earlier = 0
+            self._earlier_ns = None
             self._run = self._run_key = None
             self._looks = []
         self._end_run_if_cut()
@@ -136,11 +142,12 @@ class Compliance:
                            looks=looks)
         self._limits = result.limits
         self._finished.append((result, run.cut_ns))
+        self._n_finished += 1
 
     @property
     def finished_runs(self) -> int:
         """Number of runs judged so far."""
-        return len(self._finished)
+        return self._n_finished
 
     @property
     def cuts(self) -> list[int]:
@@ -150,7 +157,7 @@ class Compliance:
     def run_figures(self) -> dict[str, Any]:
         """Return the figures of the run in progress; ``n`` is 0 outside runs."""
         run = self._run
-        result: dict[str, Any] = {'run': len(self._finished) + 1 if run else 0}
+        result: dict[str, Any] = {'run': self._n_finished + 1 if run else 0}
         if run is None:
             return {**result, 'n': 0}
         result |= {'start_ns': run.start_ns, 'newest_ns': run.end_ns, 'n_input': run.n_input,
@@ -179,6 +186,13 @@ class Compliance:
             Ledger of the pairer that made the pairs. Without it, the pairs count as all readings
             received.
 
+        Returns
+        -------
+        list of RunResult
+            The runs of the verdict. If the clock cuts runs, these are the runs since
+            `runs.keep` cuts; `take_earlier` returns the others, once. So the memory of a node
+            that runs for a year does not grow.
+
         """
         results = [result for result, _ in self._finished]
         if not results:
@@ -192,15 +206,41 @@ class Compliance:
         else:
             # The run in progress also has a share, though it is not among the results yet.
             in_progress = [] if self._run is None else [self._run.cut_ns]
-            shares = ledger.shares([*self.cuts, *in_progress])
-            set_backs = ledger.share_set_backs([*self.cuts, *in_progress])
+            before = [] if self._earlier_ns is None else [self._earlier_ns]
+            starts = [*before, *self.cuts, *in_progress]
+            shares = ledger.shares(starts)[len(before):]
+            set_backs = ledger.share_set_backs(starts)[len(before):]
             inside = [ledger.count_between(cut_ns, r.verdict.end_ns)
                       for r, cut_ns in self._finished]
-        short = (f'{self._n_short} pieces shorter than runs.min_duration_s were left out',) \
-            if self._n_short else ()
-        return [r.with_pairing(share, within, short if at == 0 else ()).with_set_backs(steps)
-                for at, (r, share, within, steps) in enumerate(
-                    zip(results, shares, inside, set_backs))]
+        n = self._leave_earlier()
+        rows = [*zip(results, shares, inside, set_backs)]
+        self._earlier += [r.with_pairing(share, within).with_set_backs(steps)
+                          for r, share, within, steps in rows[:n]]
+        notes = []
+        if self._n_short:
+            notes.append(f'{self._n_short} pieces shorter than runs.min_duration_s were left out')
+        if self._n_earlier:
+            notes.append(f'earlier_runs: {self._n_earlier} runs before the newest runs.keep = '
+                         f'{self.settings.runs.keep} cuts are not part of this verdict')
+        return [r.with_pairing(share, within, notes if at == 0 else ()).with_set_backs(steps)
+                for at, (r, share, within, steps) in enumerate(rows[n:])]
+
+    def _leave_earlier(self) -> int:
+        """Forget the finished runs that are too old for the verdict; return their number."""
+        horizon_ns = self.settings.runs.horizon_ns(self.newest_ns)
+        n = 0
+        if horizon_ns is not None:
+            n = sum(r.verdict.end_ns < horizon_ns for r, _ in self._finished)
+        if n:
+            self._earlier_ns = self._finished[n - 1][1]
+            self._n_earlier += n
+            del self._finished[:n]
+        return n
+
+    def take_earlier(self) -> list[RunResult]:
+        """Return the runs that were left out of `results` since the last call."""
+        taken, self._earlier = self._earlier, []
+        return taken
 
     def verdict(self, ledger: Ledger | None = None,
                 inputs: Iterable[Input] = ()) -> Verdict:

@@ -9,295 +9,29 @@ The outer rooms declare their own settings with the same `setting`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, is_dataclass, MISSING
-import difflib
-from functools import cache
-import hashlib
-import json
-import math
-import types
-from typing import (
-    Any,
-    cast,
-    get_args,
-    get_origin,
-    get_type_hints,
-    Iterable,
-    Iterator,
-    Mapping,
-    Union,
+from dataclasses import dataclass, field
+from typing import Any, Mapping
+
+from .clock_cuts import ClockCuts
+from .declared_settings import (
+    Checked,
+    explain_unknown,
+    flatten,
+    from_mapping,
+    leave_out_added,
+    leave_out_gone,
+    list_settings,
+    Setting,
+    setting,
+    settings_sha256,
+    SettingsError,
+    to_mapping,
 )
 
 __all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown', 'flatten',
-           'from_mapping', 'leave_out_gone', 'list_settings', 'Norms', 'Pairing', 'Risk',
-           'RunCutting', 'Sequential', 'Setting', 'setting', 'Settings', 'settings_sha256',
-           'SettingsError', 'to_mapping']
-
-
-_NO_GATE = ('is gone: the decision has no gate any more, its bounds widen if the record says '
-            'little; leave it out (risk.min_duration_s states the least length of a run)')
-
-_GONE = {
-    'risk.method': 'is gone: there is one rule, live and at the end; leave it out',
-    'detectors.same_source_ratio': 'is gone: use detectors.same_source_share instead',
-    'risk.nu_min': _NO_GATE, 'risk.r1_max': _NO_GATE, 'risk.share_max': _NO_GATE,
-}
-"""Settings of earlier versions, and what to do instead."""
-
-
-class SettingsError(ValueError):
-    """A setting has an unknown name or a value that is not allowed."""
-
-
-@dataclass(frozen=True, slots=True)
-class Setting:
-    """One declared setting, for documentation and parameter servers."""
-
-    name: str
-    default: Any
-    help: str
-    kinds: tuple[type, ...]
-    lo: float | None
-    hi: float | None
-    choices: tuple[str, ...]
-
-    @property
-    def allowed(self) -> str:
-        """The allowed values, in words."""
-        words = []
-        if bool in self.kinds:
-            words.append('true or false')
-        if float in self.kinds or int in self.kinds:
-            kind = 'a number' if float in self.kinds else 'an integer'
-            if self.lo is not None and self.hi is not None:
-                kind += f' from {self.lo:g} to {self.hi:g}'
-            elif self.lo is not None:
-                kind += f' of at least {self.lo:g}'
-            words.append(kind)
-        words += [repr(c) for c in self.choices]
-        if str in self.kinds and not self.choices:
-            words.append('text')
-        if type(None) in self.kinds:
-            words.append('none')
-        return ' or '.join(words)
-
-
-def setting(default: Any, help: str, lo: float | None = None, hi: float | None = None, *,
-            choices: tuple[str, ...] = ()) -> Any:
-    """
-    Declare one setting as a dataclass field.
-
-    Parameters
-    ----------
-    default : object
-        Value if none is given; None for an optional setting.
-    help : str
-        Meaning, with the unit in square brackets.
-    lo, hi : float, optional
-        Inclusive range of numbers.
-    choices : tuple of str
-        The allowed words, if the setting takes text; empty for any text.
-
-    """
-    return field(default=default,
-                 metadata={'help': help, 'lo': lo, 'hi': hi, 'choices': tuple(choices)})
-
-
-# Evaluating the annotations of a class takes 0.2 ms, and every settings object needs them.
-_hints_of = cache(get_type_hints)
-
-
-@cache
-def _groups_of(settings_class: type) -> dict[str, type]:
-    """Return the settings classes nested in a class, by name."""
-    return {f.name: cast(type, hint) for f in fields(settings_class)
-            if is_dataclass(hint := _hints_of(settings_class)[f.name])}
-
-
-@cache
-def list_settings(settings_class: type, prefix: str = '') -> tuple[Setting, ...]:
-    """Return the settings of a class and of the classes nested in it, with dotted names."""
-    found: list[Setting] = []
-    for f in fields(settings_class):
-        hint: type = _hints_of(settings_class)[f.name]
-        if is_dataclass(hint):
-            found += list_settings(hint, f'{prefix}{f.name}.')
-            continue
-        union = get_origin(hint) in (Union, types.UnionType)
-        default = f.default if f.default is not MISSING else None
-        found.append(Setting(prefix + f.name, default, f.metadata['help'],
-                             get_args(hint) if union else (hint,),
-                             f.metadata['lo'], f.metadata['hi'], f.metadata['choices']))
-    return tuple(found)
-
-
-def _check_value(rule: Setting, value: Any) -> Any:
-    """Return the value as the declared type, or raise SettingsError."""
-    kinds = rule.kinds
-    if type(None) in kinds and (value is None or value == 'none'):
-        return None
-    if isinstance(value, bool):
-        good = bool in kinds
-    elif isinstance(value, (int, float)):
-        if isinstance(value, int) and float in kinds:
-            value = float(value)
-        elif isinstance(value, float) and float not in kinds and value.is_integer():
-            value = int(value)
-        good = type(value) in kinds and math.isfinite(value)
-        good = good and (rule.lo is None or value >= rule.lo)
-        good = good and (rule.hi is None or value <= rule.hi)
-    else:
-        good = (isinstance(value, str) and str in kinds
-                and (not rule.choices or value in rule.choices))
-    if not good:
-        raise SettingsError(f'{rule.name} = {value!r}: must be {rule.allowed}')
-    return value
-
-
-def flatten(mapping: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of a nested mapping by dotted name; SettingsError if one comes twice."""
-    values: dict[str, Any] = {}
-    for name, value in _walk(mapping, ''):
-        if name in values:
-            raise SettingsError(f'{name} is given twice')
-        values[name] = value
-    return values
-
-
-def _walk(mapping: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
-    for name, value in mapping.items():
-        if isinstance(value, Mapping):
-            yield from _walk(value, f'{prefix}{name}.')
-        else:
-            yield f'{prefix}{name}', value
-
-
-def explain_unknown(kind: str, name: str, known: Iterable[str]) -> SettingsError:
-    """Return the error for an unknown name: its replacement, or the nearest known name."""
-    if name in _GONE:
-        return SettingsError(f'{kind} {name!r} {_GONE[name]}')
-    close = difflib.get_close_matches(name, known, n=1)
-    hint = f'; did you mean {close[0]!r}?' if close else ''
-    return SettingsError(f'unknown {kind} {name!r}{hint}')
-
-
-def leave_out_gone(given: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """
-    Remove obsolete settings from those that an earlier version stored.
-
-    Parameters
-    ----------
-    given : mapping
-        Settings by their dotted names.
-
-    Returns
-    -------
-    kept : dict
-        The settings that are not obsolete. Unknown names stay.
-    gone : list of str
-        For each obsolete setting its name and value, and what to do instead.
-
-    """
-    return ({name: value for name, value in given.items() if name not in _GONE},
-            [f'{name} = {value} {_GONE[name]}' for name, value in given.items() if name in _GONE])
-
-
-def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
-    """
-    Return settings made from a mapping.
-
-    Parameters
-    ----------
-    settings_class : type
-        A dataclass whose fields are made by `setting` or are such dataclasses.
-    mapping : mapping
-        Nested or with dotted names, in any mixture. Names that are absent take their default.
-
-    Raises
-    ------
-    SettingsError
-        For an unknown name, a wrong type or a value outside its range: name, value, what is
-        allowed.
-
-    """
-    rules = {rule.name: rule for rule in list_settings(settings_class)}
-    given = flatten(mapping)
-    if gone := [name for name in _GONE if name in given and name not in rules]:
-        # All at once: an old file would be refused once for each.
-        alike = {why: ', '.join(repr(name) for name in gone if _GONE[name] == why)
-                 for why in dict.fromkeys(map(_GONE.__getitem__, gone))}
-        raise SettingsError('; '.join(f'setting {names} {why}' for why, names in alike.items()))
-    values = {}
-    for name, value in given.items():
-        if name not in rules:
-            raise explain_unknown('setting', name, rules)
-        values[name] = _check_value(rules[name], value)
-    return _build(settings_class, values, '')
-
-
-def _build(settings_class: type, values: Mapping[str, Any], prefix: str) -> Any:
-    hints = _hints_of(settings_class)
-    given = {}
-    for f in fields(settings_class):
-        name = prefix + f.name
-        if is_dataclass(hints[f.name]):
-            given[f.name] = _build(hints[f.name], values, name + '.')
-        elif name in values:
-            given[f.name] = values[name]
-    return settings_class(**given)
-
-
-def to_mapping(settings: Any) -> dict[str, Any]:
-    """Return dotted names and values of all settings, in the order of their declaration."""
-    result, kind = {}, cast(type, type(settings))
-    for rule in list_settings(kind):
-        value = settings
-        for part in rule.name.split('.'):
-            value = getattr(value, part)
-        result[rule.name] = value
-    return result
-
-
-def settings_sha256(mapping: Mapping[str, Any]) -> str:
-    """
-    Return the hash that identifies the settings of a verdict.
-
-    Parameters
-    ----------
-    mapping : mapping
-        All settings by their dotted names, as in `to_mapping` and in the JSON of a verdict.
-
-    Returns
-    -------
-    str
-        SHA-256, in hexadecimal, of the mapping as JSON in UTF-8: names sorted, no spaces, numbers
-        as Python writes them (``0.3``, ``600.0``), None as null.
-
-    Examples
-    --------
-    >>> settings_sha256({'b': None, 'a': 1.0})  # of {"a":1.0,"b":null}
-    'cedebbf26781a7a0d9193136bda2e8aa0b8b76bbbe975460721bf4fe673b91c7'
-
-    """
-    text = json.dumps(mapping, sort_keys=True, separators=(',', ':'), ensure_ascii=False)
-    return hashlib.sha256(text.encode('utf-8', 'surrogatepass')).hexdigest()
-
-
-class Checked:
-    """Checks each field of a settings class at construction."""
-
-    __slots__ = ()
-
-    def __post_init__(self) -> None:
-        """Check every field and convert plain values to their declared type."""
-        own = cast(type, type(self))
-        for rule in list_settings(own):
-            if '.' not in rule.name:
-                object.__setattr__(self, rule.name, _check_value(rule, getattr(self, rule.name)))
-        for name, group in _groups_of(own).items():
-            if not isinstance(getattr(self, name), group):
-                raise SettingsError(f'{name} = {getattr(self, name)!r}: must be '
-                                    f'{group.__name__}(...); from_mapping takes mappings')
+           'from_mapping', 'leave_out_added', 'leave_out_gone', 'list_settings', 'Norms',
+           'Pairing', 'Risk', 'RunCutting', 'Sequential', 'Setting', 'setting', 'Settings',
+           'settings_sha256', 'SettingsError', 'to_mapping']
 
 
 @dataclass(frozen=True, slots=True)
@@ -372,6 +106,49 @@ class RunCutting(Checked):
         0.0, "start of a run that is not analysed [s], or 'auto'", 0.0, choices=('auto',))
     gap_s: float = setting(60.0, 'a silence of the pairs longer than this cuts a run [s]', 0.0)
     min_duration_s: float = setting(0.0, 'a piece shorter than this is not a run [s]', 0.0)
+    every_h: float | None = setting(
+        None, 'a run is also cut at every multiple of this time since 1970-01-01 00:00 UTC: 24 '
+        'cuts at midnight, 4 at the change of watch [h]', 0.01, 8784.0)
+    cut_at_utc: str | None = setting(
+        None, "a run is also cut at these times of every day, UTC: '00:00' or "
+        "'00:00,08:00,16:00'")
+    keep: int = setting(
+        31, 'with every_h or cut_at_utc: a verdict covers the runs since this many cuts; a '
+        'logbook keeps all runs', 1, 100000)
+
+    def __post_init__(self) -> None:
+        """Check ranges and the times of the day."""
+        Checked.__post_init__(self)
+        try:
+            self.clock_cuts()
+        except ValueError as error:
+            raise SettingsError(f'runs.cut_at_utc = {self.cut_at_utc!r}: {error}') from error
+
+    def clock_cuts(self) -> ClockCuts:
+        """Return the cuts by the clock."""
+        return ClockCuts(self.every_h, self.cut_at_utc)
+
+    def horizon_ns(self, newest_ns: int | None, spans: int = 1) -> int | None:
+        """
+        Return the cut before which runs are not part of a verdict.
+
+        Parameters
+        ----------
+        newest_ns : int or None
+            Stamp of the newest pair.
+        spans : int
+            Step back this multiple of `keep`.
+
+        Returns
+        -------
+        int or None
+            None if all runs are part of it.
+
+        """
+        cuts = self.clock_cuts()
+        if newest_ns is None or not cuts:
+            return None
+        return cuts.before(newest_ns, spans * self.keep)
 
 
 @dataclass(frozen=True, slots=True)

@@ -135,8 +135,10 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     """
     heard = {'subscribers': 1 if output is None else 2}
     own = own or {}
-    plan: list[tuple[type, str, Mapping[str, Any]]] = [
-        (Compliance, 'compliance', {**own.get('compliance', {}), 'report_dir': report_dir})]
+    judging_own = {**own.get('compliance', {}), 'report_dir': report_dir}
+    if output is not None:
+        judging_own['bag'] = os.path.abspath(output)
+    plan: list[tuple[type, str, Mapping[str, Any]]] = [(Compliance, 'compliance', judging_own)]
     if output is not None:
         plan.append((Recorder, 'recorder', {**own.get('recorder', {}), 'output': output}))
     plan.append((Synchronizer, 'synchronizer', {**own.get('synchronizer', {}), **heard}))

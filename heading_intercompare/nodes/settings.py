@@ -74,6 +74,11 @@ class ComplianceNode(Checked):
 
     report_dir: str | None = setting(
         None, 'folder in which each report is also written as verdict_<UTC>.json')
+    logbook: str | None = setting(
+        None, 'logbook (SQLite) that gets a row per judged run; none: no logbook')
+    ship: str | None = setting(None, 'name of the ship or station in the logbook')
+    bag: str | None = setting(
+        None, 'recording of these runs, for the logbook; the command live gives it')
     ledger_wait_s: float = setting(
         2.0, 'at the end of a run: how long to wait for its ledger [s]', 0.0, 60.0)
     end_wait_s: float = setting(

@@ -107,6 +107,7 @@ class Synchronizer(Node):
         return headings
 
     def _beat(self) -> None:
+        self._pairer.forget_earlier()
         ledger = self._pairer.ledger
         self._ledger.publish(encode_ledger(ledger, final=self.ended))
         state = self._watch.look(ledger, *self._pairer.heard_ns, time.monotonic())

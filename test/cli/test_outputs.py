@@ -16,6 +16,7 @@ from heading_intercompare import Headings
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.provenance import Notes
 from heading_intercompare.cli import main
+from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.messages.heading_messages import encode_imu
 
 S = 1_000_000_000
@@ -182,3 +183,37 @@ def test_the_json_holds_the_notes_and_a_sha256_that_anybody_can_check(bag, tmp_p
     capsys.readouterr()
     assert main(['analyze', str(tmp_path / 'p.csv'), *NORMS, '--json', '-']) == 0
     assert 'notes' not in json.loads(capsys.readouterr().out)['inputs'][0]
+
+
+def test_a_logbook_gets_a_row_per_run_and_a_second_time_none(bag, tmp_path, capsys):
+    book = tmp_path / 'l.sqlite'
+    config = tmp_path / 'c.yaml'
+    config.write_text("compliance:\n  ros__parameters:\n    ship: 'MV Example'\n")
+    for more in ([], ['--config', str(config)], ['--ship', 'B', '--config', str(config)]):
+        for _ in range(2):
+            assert main(['analyze', str(bag), *NORMS, '--logbook', str(book), *more]) == 0
+    capsys.readouterr()
+    found = Logbook(book).read()
+    assert sorted((row.ship, row.n) for row in found) == [
+        ('', 2000), ('', 4000), ('B', 2000), ('B', 4000), ('MV Example', 2000),
+        ('MV Example', 4000)]
+    assert {row.bag for row in found} == {str(bag)}
+
+
+def test_a_logbook_has_the_runs_that_are_too_old_for_the_verdict(bag, tmp_path, capsys):
+    """Cut each minute, 4 + 3 runs, of which the verdict covers the newest."""
+    book = tmp_path / 'l.sqlite'
+    assert main(['analyze', str(bag), *NORMS, '--logbook', str(book), '--json', '-',
+                 '--set', 'runs.every_h=0.0333333333333333', '--set', 'runs.keep=1']) == 0
+    runs = json.loads(capsys.readouterr().out)['runs']
+    found = Logbook(book).read()
+    assert len(found) > len(runs) and sum(row.n for row in found) == 6000
+    assert [row.start_ns for row in found][-len(runs):] == [run['start_ns'] for run in runs]
+
+
+def test_a_logbook_that_cannot_be_written_stops_the_command_before_the_work(
+        bag, tmp_path, capsys):
+    said = refused(capsys, 'analyze', bag, *NORMS, '--logbook', tmp_path / 'no' / 'l')
+    assert 'cannot be opened' in said
+    said = refused(capsys, 'analyze', bag, *NORMS, '--logbook', next(bag.glob('*.mcap')))
+    assert 'is not a logbook' in said

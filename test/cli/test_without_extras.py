@@ -60,7 +60,8 @@ def place(tmp_path_factory):
         'ts_driver: {ros__parameters: {source: "serial:/dev/null"}}\n'
         'rs_driver: {ros__parameters: {source: "serial:/dev/null"}}\n')
     assert done(folder, 'simulate', '--scenario', 'scenario.yaml', '-o', 'bag').returncode == 0
-    assert done(folder, 'analyze', 'pairs.csv', *NORMS, '--json', 'v.json').returncode == 0
+    assert done(folder, 'analyze', 'pairs.csv', *NORMS, '--json', 'v.json', '--logbook',
+                'l.sqlite').returncode == 0
     return folder
 
 
@@ -77,6 +78,7 @@ def done(folder, *arguments, absent=(*EXTRAS, *ROS)):
 WORKS = {
     'analyze': (('pairs.csv', *NORMS, '--report', 'again.json'), 'VERDICT: '),
     'rejudge': (('bag', *NORMS), 'of 1: '),
+    'history': (('l.sqlite',), 'no charts yet: '),
     'import-nmea': (('--ts', 'ts.log', '--rs', 'rs.log', '-o', 'imported'), 'bag: imported'),
     'simulate': (('--scenario', 'scenario.yaml', '-o', 'simulated'), 'bag: simulated'),
     'report': (('v.json', '-o', 'same.json'), 'VERDICT: '),
@@ -90,6 +92,7 @@ REFUSED = {
                  'install heading_intercompare[dask]')],
     'report': [(('pairs.csv', *NORMS, '-o', 'x.html'), 'x.html: the protocol needs Jinja2'),
                (('v.json', '-o', 'x.html'), 'x.html: the protocol needs Jinja2')],
+    'history': [(('l.sqlite', '--html', 'x.html'), 'x.html: the protocol needs Jinja2')],
     'demo': [((), 'needs ROS 2 (no module ')],
     'live': [(('--config', 'live.yaml', '--quiet'), 'needs ROS 2 (no module ')],
     'record': [(('-o', 'b'), 'needs ROS 2 (no module ')],

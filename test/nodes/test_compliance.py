@@ -17,6 +17,7 @@ from heading_intercompare.core import pipeline
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.messages.heading_messages import pair_messages
 from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.messages.status_messages import encode_statuses, OK, Status
@@ -302,3 +303,30 @@ def test_pairs_and_ledgers_that_cannot_be_read_are_counted(ros, rng):
                    in said('pairs/ledger'))
     assert graph.node.n_pairs == 4
     assert graph.node._compliance.newest_ns == T0_NS + 3 * S_NS
+
+
+def test_each_run_gets_a_row_in_the_logbook(ros, rng, tmp_path):
+    graph = Graph(ros, logbook=str(tmp_path / 'l'), ship='MV Example')
+    pairs = some_pairs(rng, 0, 200)
+    graph.send(pairs[:100])
+    graph.call('stop_run')
+    graph.call('start_run')
+    graph.send(pairs[100:])
+    graph.book({'paired': 200, 'ts_paired': 200, 'rs_used': 200}, final=True)
+    runs = graph.end()['runs']
+    rows = Logbook(tmp_path / 'l').read()
+    assert [(row.ship, row.start_ns, row.n) for row in rows] == [
+        ('MV Example', run['start_ns'], run['n']) for run in runs]
+
+
+def test_a_logbook_that_cannot_be_written_does_not_end_the_trial(ros, rng, tmp_path):
+    graph = Graph(ros, logbook=str(tmp_path / 'away' / 'l'))
+    diagnostics = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    graph.send(some_pairs(rng, 0, 100))
+    graph.book({'paired': 100, 'ts_paired': 100, 'rs_used': 100})
+    graph.call('stop_run')
+    ros.spin_until(lambda: any(
+        'logbook' in status.name and 'cannot be opened' in status.message
+        for message in diagnostics for status in message.status))
+    graph.book({'paired': 100, 'ts_paired': 100, 'rs_used': 100}, final=True)
+    assert len(graph.end()['runs']) == 1

@@ -16,10 +16,13 @@ from sensor_msgs.msg import Imu
 
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
+from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.logbook.logbook_file import Logbook
+from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.graph import intercompare, Source
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
@@ -163,6 +166,31 @@ def test_without_sources_the_graph_listens_to_the_topics_of_others(domain, tmp_p
         other.close()
     assert live['runs'][0]['pairing']['paired'] == 200
     assert_same(live, offline(bag, **{'pairing.method': 'nearest'}))
+CUTS = {**NORMS, 'runs.every_h': 0.01, 'runs.keep': 2}
+"""A cut every 36 s: four or five runs in 120 s, of which a verdict covers three."""
+
+
+@pytest.mark.parametrize('rate', [0.0, 4.0])
+def test_runs_that_the_clock_cuts_are_the_same_live_in_replay_and_offline(tmp_path, rate):
+    bag, books = str(tmp_path / 'bag'), [tmp_path / name for name in ('live', 'replay', 'offline')]
+    live = intercompare([Source(SensorSimulator, 'sensor_simulator', TRIAL)], CUTS, output=bag,
+                        own={'compliance': {'logbook': str(books[0])}}, private=True).to_dict()
+    assert 2 <= len(live['runs']) <= 3
+    replayed = intercompare([Source(Replayer, 'replayer', {'bag': bag, 'rate': rate})], CUTS,
+                            own={'compliance': {'logbook': str(books[1])}}, private=True)
+    assert_same(replayed.to_dict(), live)
+    settings = Settings.from_mapping(CUTS)
+    judged = judge_bags([bag], settings)
+    assert_same(json.loads(json.dumps(judged.verdict.to_dict())), live)
+    Logbook(books[2]).write(make_rows(judged.verdict, earlier=judged.earlier))
+    rows = [Logbook(book).read() for book in books]
+    assert {row.bag for row in rows[0]} == {bag} and len(rows[0]) >= 4
+    assert sum(row.n for row in rows[0]) == sum(row.paired for row in rows[0]) > 1000
+    for found in rows[1:]:
+        assert [(row.key, row.n, row.outcome, row.paired, row.ts_received, row.rs_unused)
+                for row in found] == [
+            (row.key, row.n, row.outcome, row.paired, row.ts_received, row.rs_unused)
+            for row in rows[0]]
 
 
 def test_the_bag_holds_all_that_was_published_and_the_report(trial):

@@ -7,12 +7,13 @@ from __future__ import annotations
 import argparse
 from concurrent.futures import Executor
 from contextlib import ExitStack, nullcontext
+import os
 from pathlib import Path
 import sys
 from typing import ContextManager, Sequence
 
 from heading_intercompare.app.analysis import judge_bags
-from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.app.config import Config, load_config, settings_for
 from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
 from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
@@ -20,6 +21,8 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.verdict.validity import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.logbook.logbook_file import Logbook
+from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.report import check_form, json, SeriesSketch, write, WRITERS
 
 __all__ = ['add_analysis_arguments', 'add_arguments', 'add_settings_arguments',
@@ -68,6 +71,10 @@ def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--jobs', metavar='N', type=_parse_count,
                         help='number of processes to judge several large INPUTs, or to read one '
                         '(default: one per core)')
+    parser.add_argument('--logbook', metavar='F', help='write a row per run into a logbook '
+                        '(SQLite); see the command history')
+    parser.add_argument('--ship', metavar='NAME', help='name of the ship or station in the '
+                        'logbook (default: that of the section compliance of --config)')
     parser.add_argument('--dask', metavar='ADDRESS', help='judge the INPUTs on the workers of a '
                         'Dask scheduler, tcp://HOST:8786 or its .json file; the workers must see '
                         'the same paths')
@@ -75,13 +82,14 @@ def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Judge the inputs; print and write the verdict."""
-    settings = settings_for(load_config(arguments.config), arguments.set,
-                            ts_topic=arguments.ts, rs_topic=arguments.rs)
+    config = load_config(arguments.config)
+    settings = settings_for(config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs)
     Limits.of(settings.norms, settings.model)
     _check_options(arguments)
     outputs = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
                       arguments.ensemble_s)
     check_outputs(outputs, arguments.inputs, config=arguments.config, runs=arguments.runs)
+    book = _open_logbook(arguments.logbook)
     with (ExitStack() as files, Progress(_label(arguments), arguments.quiet) as progress,
           _cluster(arguments.dask) as executor):
         takers = [files.enter_context(file).write for file in open_tables(outputs, settings)]
@@ -90,7 +98,24 @@ def run(arguments: argparse.Namespace) -> int:
                             executor=executor, progress=progress.show)
     for note in judged.notes:
         print(f'note: {note}', file=sys.stderr)
+    if book is not None:
+        book.write(make_rows(judged.verdict, ship=_find_ship(arguments.ship, config),
+                             earlier=judged.earlier, find_bag=os.path.abspath))
     return deliver(judged.verdict, arguments, judged.sketches)
+
+
+def _find_ship(given: str | None, config: Config) -> str:
+    """Return the name of the ship from the command line or the parameter file."""
+    return str(given or config.sections.get('compliance', {}).get('ship') or '')
+
+
+def _open_logbook(path: str | None) -> Logbook | None:
+    """Return the logbook, after a check that it can be written."""
+    if path is None:
+        return None
+    book = Logbook(path)
+    book.check()
+    return book
 
 
 def deliver(verdict: Verdict, arguments: argparse.Namespace,

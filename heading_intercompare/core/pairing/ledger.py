@@ -171,6 +171,13 @@ class Ledger:
         self._starts = np.insert(self._starts, at, stamp_ns)
         self._counts.insert(at + 1, Counter())
 
+    def forget_before(self, stamp_ns: int) -> None:
+        """Join the segments that end at or before a stamp with the first one."""
+        n = int(np.searchsorted(self._starts, stamp_ns, side='right')) - 1
+        if n > 0:
+            self._counts[:n + 1] = [sum(self._counts[:n + 1], Counter())]
+            self._starts = self._starts[n:]
+
     def settle(self, stamp_ns: int) -> None:
         """Add the stamps that no later cut can divide to the counts of their segments."""
         limit = stamp_ns - _SLACK_NS

@@ -9,6 +9,8 @@ ahead. Only the waiting limit of a live clock can change that, and its effects a
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from heading_intercompare.core.angles import wrap180, wrap360
@@ -22,6 +24,9 @@ from .stamp_jumps import NEVER
 
 __all__ = ['pair', 'Pairer']
 
+#: The judging node may lag behind the ledger, so this keeps more than a verdict covers.
+_SPANS_KEPT = 2
+
 
 class Pairer:
     """
@@ -31,7 +36,8 @@ class Pairer:
     ----------
     settings : Settings
         Uses `pairing`, `alignment.skew_s` (subtracted from the TS stamps) and `runs.gap_s` (after
-        such a silence the ledger opens a segment and 'auto' chooses again).
+        such a silence the ledger opens a segment and 'auto' chooses again). The ledger also opens
+        a segment where the clock cuts runs.
 
     Attributes
     ----------
@@ -64,6 +70,8 @@ class Pairer:
         self._max_wait_s = rule.max_wait_s
         self._max_wait_ns = round(rule.max_wait_s * 1e9)
         self._run_gap_ns = round(settings.runs.gap_s * 1e9)
+        self._clock = settings.runs.clock_cuts()
+        self._horizon_ns = partial(settings.runs.horizon_ns, spans=_SPANS_KEPT)
         self._ts = Stream('ts', round(settings.alignment.skew_s * 1e9), rule.jump_s, self.ledger)
         self._rs = Stream('rs', 0, rule.jump_s, self.ledger)
         self._direction = Direction(rule, self._run_gap_ns) if rule.method == 'auto' else None
@@ -222,6 +230,10 @@ class Pairer:
             for at in np.flatnonzero(pairs.stamp_ns - before > self._run_gap_ns):
                 self.ledger.cut(int(before[at]) + 1)
                 self.ledger.cut(int(pairs.stamp_ns[at]))
+            for at in self._clock.find_crossed(pairs.stamp_ns, self._last_pair_ns):
+                # The run before ends at the first of these, and the run after begins at the last.
+                self.ledger.cut(self._clock.next(int(before[at])))
+                self.ledger.cut(self._clock.last(int(pairs.stamp_ns[at])))
             self._last_pair_ns = int(pairs.stamp_ns[-1])
         return pairs
 
@@ -262,7 +274,18 @@ class Pairer:
             if (self._last_pair_ns is not None
                     and self._last_settled_ns - self._last_pair_ns > self._run_gap_ns):
                 self.ledger.cut(self._last_pair_ns + 1)
+            if self._clock and self._last_pair_ns is not None:
+                for cut_ns in (self._clock.next(self._last_pair_ns),
+                               self._clock.last(self._last_settled_ns)):
+                    if self._last_pair_ns < cut_ns <= self._last_settled_ns:
+                        self.ledger.cut(cut_ns)
             self.ledger.settle(self._last_settled_ns)
+
+
+    def forget_earlier(self) -> None:
+        """Join the segments of the ledger that are too old for a verdict with the first one."""
+        if (horizon_ns := self._horizon_ns(self._last_pair_ns)) is not None:
+            self.ledger.forget_before(horizon_ns)
 
 
 def _nearest_index(among_ns: np.ndarray, of_ns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

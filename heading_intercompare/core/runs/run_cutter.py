@@ -4,7 +4,8 @@
 Where runs start and end.
 
 Cuts come from a table of runs if there is one, otherwise from start and stop marks; without these
-a run opens at the first pair. Within these bounds, a silence longer than `runs.gap_s` cuts.
+a run opens at the first pair. Within these bounds, a silence longer than `runs.gap_s` cuts, and
+without a table so does the clock (`runs.every_h`, `runs.cut_at_utc`).
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import Sequence
 
 import numpy as np
 
+from heading_intercompare.core.clock_cuts import ClockCuts
 from heading_intercompare.core.settings import RunCutting
 
 __all__ = ['Piece', 'RunCutter']
@@ -30,7 +32,10 @@ class Piece:
     key : int
         The same for all pieces of a run, larger for a later run.
     cut_ns : int
-        Stamp of the cut that opened the run: of its mark, or of its first pair.
+        Stamp of the cut that opened the run: of its mark, of the clock, or of its first pair.
+    since_ns : int
+        Stamp of the first pair after the newest mark or silence. A cut by the clock leaves it as
+        it is: the sensors go on.
     lo, hi : int
         The pairs i of the chunk with lo <= i < hi belong to the piece.
 
@@ -38,6 +43,7 @@ class Piece:
 
     key: int
     cut_ns: int
+    since_ns: int
     lo: int
     hi: int
 
@@ -49,7 +55,7 @@ class RunCutter:
     Parameters
     ----------
     rule : RunCutting
-        Uses `gap_s`.
+        Uses `gap_s`, `every_h` and `cut_at_utc`.
     table : sequence of (start_ns, stop_ns), optional
         Runs as half-open intervals, ascending, without overlap. Marks are then ignored.
 
@@ -64,6 +70,9 @@ class RunCutter:
 
     def __init__(self, rule: RunCutting, table: Sequence[tuple[int, int]] | None = None) -> None:
         self._gap_ns = round(rule.gap_s * 1e9)
+        # The table says where its runs begin and end, whatever the clock says.
+        self._clock = rule.clock_cuts() if table is None else ClockCuts(None, None)
+        self._since_ns = 0
         self._events: list[tuple[int, bool]] = []
         self._table = table is not None
         self._marked = self._table
@@ -128,7 +137,7 @@ class RunCutter:
             self._apply(int(stamp_ns[lo]))
             hi = int(np.searchsorted(stamp_ns, self._events[0][0])) if self._events else n
             if self._open:
-                pieces += self._cut_silences(stamp_ns, lo, hi)
+                pieces += self._cut_pieces(stamp_ns, lo, hi)
             self._newest_ns = int(stamp_ns[hi - 1])
             lo = hi
         return pieces
@@ -141,20 +150,26 @@ class RunCutter:
             self._open = starts
             self._cut_ns = at_ns if starts else None
 
-    def _cut_silences(self, stamp_ns: np.ndarray, lo: int, hi: int) -> list[Piece]:
+    def _cut_pieces(self, stamp_ns: np.ndarray, lo: int, hi: int) -> list[Piece]:
         chunk = stamp_ns[lo:hi]
         newest_ns = self._newest_ns
         first = newest_ns if newest_ns is not None and self._in_run else int(chunk[0])
-        bounds = [lo, *(lo + np.flatnonzero(
-            np.diff(chunk, prepend=first) > self._gap_ns)).tolist(), hi]
+        silent = set((lo + np.flatnonzero(
+            np.diff(chunk, prepend=first) > self._gap_ns)).tolist())
+        crossed = set((lo + self._clock.find_crossed(chunk, first)).tolist())
+        bounds = sorted({lo, hi} | silent | crossed)
         pieces = []
-        for at, (begin, end) in enumerate(zip(bounds[:-1], bounds[1:])):
-            silent = at > 0
-            if silent or not self._in_run:
-                if silent or self._cut_ns is None:
-                    self._cut_ns = int(stamp_ns[begin])
+        for begin, end in zip(bounds[:-1], bounds[1:]):
+            begin_ns = int(stamp_ns[begin])
+            if begin in silent or not self._in_run:
+                if begin in silent or self._cut_ns is None:
+                    self._cut_ns = begin_ns
+                self._since_ns = begin_ns
                 self._key += 1
                 self._in_run = True
-            if begin < end and self._cut_ns is not None:
-                pieces.append(Piece(self._key, self._cut_ns, begin, end))
+            elif begin in crossed:
+                self._cut_ns = self._clock.last(begin_ns)
+                self._key += 1
+            if self._cut_ns is not None:
+                pieces.append(Piece(self._key, self._cut_ns, self._since_ns, begin, end))
         return pieces

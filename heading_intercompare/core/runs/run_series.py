@@ -35,6 +35,10 @@ class RunSeries:
         looks. The run then holds exactly the differences that belong to the look.
     keep : Keep, optional
         Stores full pages of the columns; see `Column`.
+    since_ns : int, optional
+        Stamp from which the sensors have reported without a silence or mark, by default the first
+        pair. The stabilisation period counts from there, so a run that the clock cuts off from
+        the one before it has only the rest of that period, or none.
 
     Attributes
     ----------
@@ -56,8 +60,9 @@ class RunSeries:
 
     def __init__(self, cut_ns: int, settings: Settings,
                  on_look: Callable[['RunSeries', Look, int], None] | None = None,
-                 keep: Keep | None = None) -> None:
+                 keep: Keep | None = None, since_ns: int | None = None) -> None:
         self.cut_ns = cut_ns
+        self._since_ns = since_ns
         self.start_ns: int | None = None
         self.end_ns: int | None = None
         self.n_input = self.n_invalid = self.n_stabilization = 0
@@ -68,6 +73,8 @@ class RunSeries:
         self.factor = Column(np.float32, keep)
         rule = settings.runs.stabilization_s
         self._stabilization_ns = round(rule * 1e9) if isinstance(rule, float) else 0
+        self._settled_ns = 0
+        self._auto = rule == 'auto'
         self._moments = Moments()
         self._cells = Cells()
         plan = settings.sequential
@@ -87,9 +94,12 @@ class RunSeries:
             return Differences.empty()
         if self.start_ns is None:
             self.start_ns = int(pairs.stamp_ns[0])
+            if self._since_ns is None:
+                self._since_ns = self.start_ns
+            self._settled_ns = self._since_ns + self._stabilization_ns
         self.end_ns = int(pairs.stamp_ns[-1])
         self.n_input += len(pairs)
-        settling = pairs.stamp_ns < self.start_ns + self._stabilization_ns
+        settling = pairs.stamp_ns < self._settled_ns
         finite = np.isfinite(x.x_deg)
         self.n_stabilization += int(np.count_nonzero(settling & finite))
         self.n_invalid += int(np.count_nonzero(~finite))
@@ -128,6 +138,19 @@ class RunSeries:
         self._lag_max_ns = max(self._lag_max_ns, int(np.abs(pairs.lag_ns).max()))
         self._factor_units += exact_sum(pairs.rs_variance_factor)
         self._ts_factor_units += exact_sum(pairs.ts_variance_factor)
+
+    @property
+    def stabilization_s(self) -> float | str:
+        """
+        The stabilisation period of this run, seconds or 'auto'.
+
+        A run that the clock cut off from the one before it has the rest of a period in seconds,
+        and none instead of 'auto'.
+        """
+        start_ns = self._settled_ns if self.start_ns is None else self.start_ns
+        if self._auto and self._since_ns in (None, start_ns):
+            return 'auto'
+        return max(0, self._settled_ns - start_ns) / 1e9
 
     def moments(self) -> Moments:
         """Return the moments of the analysed differences so far."""

@@ -61,6 +61,7 @@ class RunResult:
     printed: Printed
     alone: tuple[Outcome, str]
     settings: Settings
+    stabilization_s: float | str
     set_backs: tuple[SetBack, ...] = ()
 
     def with_pairing(self, share: LedgerSegment, inside: LedgerSegment,
@@ -250,7 +251,7 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     alone = outcome, reason
     validity = (*validity, find_losses(verdict, None, None, settings))
     return RunResult(_conclude(verdict, alone, validity), evidence, limits, printed, alone,
-                     settings)
+                     settings, run.stabilization_s)
 
 
 def look_at(run: RunSeries, look: Look, looks: int, settings: Settings) -> LookVerdict:

@@ -109,7 +109,8 @@ def prepare_run(run: RunSeries, limits: Limits, settings: Settings) -> PreparedR
     limits : Limits
         `sigma_max_deg` determines when a run has settled.
     settings : Settings
-        Uses `runs.stabilization_s` and `drift_order`; both may be 'auto'.
+        Uses `runs.stabilization_s` and `drift_order`; both may be 'auto'. A run that goes on
+        after a cut by the clock has no automatic stabilisation period.
 
     References
     ----------
@@ -118,7 +119,7 @@ def prepare_run(run: RunSeries, limits: Limits, settings: Settings) -> PreparedR
     """
     stamps, x, rs = run.stamp_ns.values, run.x_deg.values, run.rs_deg.values
     lo = 0
-    if settings.runs.stabilization_s == 'auto':
+    if run.stabilization_s == 'auto':
         found = fit_warm_up(stamps, x, SETTLED_SHARE * limits.sigma_max_deg)
         if found is not None and found.stabilization_s > 0.0:
             until = int(stamps[0]) + round(found.stabilization_s * 1e9)

@@ -12,7 +12,7 @@ import math
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints, Literal, TypeGuard, Union
 
-__all__ = ['is_left_out', 'leave_out_added', 'leave_out_none', 'read_plain', 'VerdictError']
+__all__ = ['is_left_out', 'leave_out_none', 'read_plain', 'VerdictError']
 
 _WORDS = {bool: 'true or false', float: 'a number', int: 'an integer', str: 'text',
           NoneType: 'null'}
@@ -21,8 +21,6 @@ _LONGEST = 60
 #: Integers from here on do not fit into a float.
 _MOST = 2 ** 1023
 
-_ADDED: dict[str, Any] = {'pairing.jump_s': 10.0}
-"""Settings added since version 2.1 of the JSON, with their defaults."""
 
 _hints_of = cache(get_type_hints)
 
@@ -39,27 +37,6 @@ def leave_out_none() -> Any:
 def is_left_out(declared: Any, value: Any) -> bool:
     """Tell whether the key of a field, from `dataclasses.fields`, is left out."""
     return value is None and declared.metadata.get(_LEFT_OUT, False)
-
-
-def leave_out_added(given: Mapping[str, Any]) -> dict[str, Any]:
-    """
-    Remove the settings that are newer than version 2.1 of the JSON and have their defaults.
-
-    A verdict leaves them out, so its settings and their hash stay those of earlier versions.
-
-    Parameters
-    ----------
-    given : mapping
-        Settings by their dotted names.
-
-    Examples
-    --------
-    >>> leave_out_added({'model': 'NN', 'pairing.jump_s': 10.0})
-    {'model': 'NN'}
-
-    """
-    return {name: value for name, value in given.items()
-            if name not in _ADDED or value != _ADDED[name]}
 
 
 def read_plain(kind: Any, value: Any, where: str = '') -> Any:

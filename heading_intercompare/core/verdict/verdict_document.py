@@ -24,7 +24,12 @@ from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
-from heading_intercompare.core.settings import Settings, settings_sha256, SettingsError
+from heading_intercompare.core.settings import (
+    leave_out_added,
+    Settings,
+    settings_sha256,
+    SettingsError,
+)
 from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.statistics.normality import Normality
 from heading_intercompare.core.statistics.stationarity import Stationarity
@@ -32,13 +37,7 @@ from heading_intercompare.core.version import RULE_VERSION, VERSION
 
 from .conclusion import campaign_words
 from .headline import compose_headline
-from .typed_reader import (
-    is_left_out,
-    leave_out_added,
-    leave_out_none,
-    read_plain,
-    VerdictError,
-)
+from .typed_reader import is_left_out, leave_out_none, read_plain, VerdictError
 from .validity import Finding, gravest
 
 if TYPE_CHECKING:

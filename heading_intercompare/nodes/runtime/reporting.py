@@ -31,6 +31,7 @@ from heading_intercompare.nodes.settings import ComplianceNode
 from heading_intercompare.report.json import render
 
 from .health import Health
+from .run_log import RunLog
 
 __all__ = ['Reporting']
 
@@ -76,6 +77,7 @@ class Reporting:
         self.final, self.paired, self.closed = False, 0, False
         self.verdict: Verdict | None = None
         self._said = ''
+        self._run_log = RunLog(own, health)
         if own.report_dir is not None:
             os.makedirs(own.report_dir, exist_ok=True)
 
@@ -97,10 +99,12 @@ class Reporting:
             covered = self.paired >= n_due
             if covered or time.monotonic() > until_s:
                 self._conclude(covered)
+        self._run_log.retry()
 
     def close(self, complete: bool) -> None:
         """Publish the last verdict and report, and wait until they are received."""
         self._conclude(complete)
+        self._run_log.retry(last=True)
         for publisher in (self._verdict, self._report):
             publisher.wait_for_all_acked(Duration(seconds=1.0))
         self.closed = True
@@ -108,7 +112,10 @@ class Reporting:
     def _conclude(self, complete: bool) -> None:
         """Publish and write the report, unless it is unchanged."""
         self._due = None
+        # `verdict` hands out the runs that are too old for it.
         verdict = self._compliance.verdict(self._ledger)
+        earlier = [result.verdict for result in self._compliance.take_earlier()]
+        self._run_log.take(verdict, earlier)
         report = render(verdict)
         if report == self._said:
             return

@@ -193,3 +193,10 @@ def test_the_json_holds_all_and_is_no_input(make_bag, told, tmp_path):
 def test_a_mistake_is_one_line(make_bag, told, options, words):
     code, lines, said = told(make_bag(), *options)
     assert (code, lines) == (2, []) and words in said and said.count('\n') == 1
+
+
+def test_a_cut_by_the_clock_that_a_report_did_not_have_is_another_setting(make_bag, told):
+    """Reports leave such settings out at their default, which does not hide the change."""
+    _, lines, _ = told(make_bag(), '--set', 'runs.every_h=0.1', '--json', '-')
+    (entry,) = json.loads('\n'.join(lines))['bags']
+    assert entry['settings_changed'] == ['runs.every_h']

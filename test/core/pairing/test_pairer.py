@@ -355,3 +355,52 @@ def test_the_keys_of_the_ledger_are_their_words():
 def test_an_unknown_key_of_the_ledger_is_refused(key):
     with pytest.raises(ValueError, match='is not a valid LedgerKey'):
         LedgerSegment(None, {key: 1})
+
+
+def test_old_segments_are_joined_and_nothing_is_lost():
+    """Cuts at 10, 20, 30 s; of 0 to 39 s, joined before 20 s, the first segment has 0 to 19."""
+    ledger = Ledger()
+    stamps = np.arange(40) * S
+    for cut_s in (10, 20, 30):
+        ledger.cut(cut_s * S)
+    ledger.receive('ts', stamps)
+    ledger.add(LedgerKey.TS_UNPAIRED, stamps[:25])
+    ledger.settle(200 * S)
+    ledger.add(LedgerKey.TS_PAIRED, stamps[25:])
+    ledger.forget_before(20 * S)
+    assert [(s.start_ns, s.received('ts')) for s in ledger.segments] == [
+        (None, 20), (20 * S, 10), (30 * S, 10)]
+    assert ledger.balance() == {'ts': 0, 'rs': 0}
+    ledger.forget_before(20 * S)
+    ledger.forget_before(5 * S)
+    assert len(ledger.segments) == 3
+    ledger.add(LedgerKey.of_rejected('ts', 'stamp_not_increasing'), stamps[3:4])
+    assert ledger.segments[0].rejected('ts') == {'stamp_not_increasing': 1}
+    ledger.forget_before(1000 * S)
+    assert [s.start_ns for s in ledger.segments] == [None, 30 * S]
+
+
+@given(step_s=st.integers(1, 40), chunk=st.integers(1, 50), dead=st.integers(0, 300))
+def test_segments_at_cuts_of_the_clock_do_not_depend_on_chunks(step_s, chunk, dead):
+    """The RS is silent for a while, so that cuts pass without a pair."""
+    stamps = np.arange(0, 2000, step_s) * S
+    ts, rs = Headings.of(stamps, stamps % 7 * 0.1), Headings.of(stamps, stamps % 5 * 0.1)
+    rs = rs[(rs.stamp_ns < 500 * S) | (rs.stamp_ns >= (500 + dead) * S)]
+    rule = Settings.from_mapping({'runs.every_h': 0.05, 'runs.gap_s': 400.0,
+                                  'pairing.max_gap_s': 60.0, 'pairing.method': 'interpolate'})
+    whole = pair(ts, rs, rule)[1]
+    pairer = Pairer(rule)
+    cuts = []
+    for lo in range(0, len(ts), chunk):
+        made = pairer.update(ts=ts[lo:lo + chunk])
+        cuts += made.stamp_ns.tolist()
+        span = stamps[lo:lo + chunk]
+        made = pairer.update(rs=rs[(rs.stamp_ns >= span[0]) & (rs.stamp_ns <= span[-1])])
+        cuts += made.stamp_ns.tolist()
+    cuts += pairer.flush().stamp_ns.tolist()
+    starts = [at // (180 * S) * (180 * S) for at in cuts]
+    runs = sorted({*starts[1:]} - {starts[0]})
+    assert pairer.ledger.shares([0, *runs]) == whole.shares([0, *runs])
+    for begin, end in zip([0, *runs], [*runs, 2000 * S]):
+        last = max(at for at in cuts if at < end)
+        assert pairer.ledger.count_between(begin, last) == whole.count_between(begin, last)

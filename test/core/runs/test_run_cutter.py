@@ -114,3 +114,47 @@ def test_chunks_do_not_matter(stamps, data):
             cutter.mark(kind, stamp * S)
         results.append(runs_of(cutter, stamp_ns, lengths))
     assert results[0] == results[1]
+
+
+def test_the_clock_cuts_at_the_stamp_and_the_run_before_ends():
+    cutter = RunCutter(RunCutting(every_h=1.0))
+    pieces = cutter.update(seconds(3590, 3599.999, 3600, 3610))
+    assert [(p.key, p.cut_ns, p.since_ns, p.lo, p.hi) for p in pieces] == [
+        (1, 3590 * S, 3590 * S, 0, 2), (2, 3600 * S, 3590 * S, 2, 4)]
+    assert cutter.current == 2
+
+
+def test_a_silence_over_a_cut_by_the_clock_is_a_silence():
+    cutter = RunCutter(RunCutting(cut_at_utc='01:00', gap_s=60.0))
+    pieces = cutter.update(seconds(3590, 3700))
+    assert [(p.cut_ns, p.since_ns) for p in pieces] == [(3590 * S, 3590 * S), (3700 * S, 3700 * S)]
+
+
+def test_a_short_silence_over_several_cuts_opens_one_run_at_the_last():
+    cutter = RunCutter(RunCutting(every_h=1.0, gap_s=20000.0))
+    pieces = cutter.update(seconds(3590, 11000))
+    assert [(p.key, p.cut_ns, p.since_ns) for p in pieces] == [
+        (1, 3590 * S, 3590 * S), (2, 10800 * S, 3590 * S)]
+
+
+def test_the_clock_cuts_between_marks_but_not_in_the_runs_of_a_table():
+    cutter = RunCutter(RunCutting(every_h=1.0, gap_s=1000.0))
+    cutter.mark('start', 3000 * S)
+    cutter.mark('stop', 3700 * S)
+    assert runs_of(cutter, seconds(2990, 3010, 3590, 3600, 3700, 7201)) == [
+        [3010, 3590], [3600, 3700]]
+    table = RunCutter(RunCutting(every_h=1.0, gap_s=1000.0), [(3000 * S, 3700 * S)])
+    assert runs_of(table, seconds(2990, 3010, 3590, 3600, 3700)) == [[3010, 3590, 3600]]
+
+
+@given(steps=st.lists(st.integers(1, 100), min_size=1, max_size=40),
+       chunks=st.lists(st.integers(1, 7), min_size=1, max_size=40))
+def test_any_chunks_give_the_same_cuts_by_the_clock(steps, chunks):
+    stamps = seconds(*np.cumsum(steps))
+    rule = RunCutting(every_h=0.05, gap_s=60.0)
+    whole = runs_of(RunCutter(rule), stamps)
+    assert runs_of(RunCutter(rule), stamps, [*chunks, len(stamps)]) == whole
+    assert [x for run in whole for x in run] == (stamps / S).tolist()
+    for run in whole:
+        assert run[0] // 180 == run[-1] // 180
+        assert all(b - a <= 60 for a, b in zip(run, run[1:]))

@@ -75,7 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
     settings = Settings.from_mapping(_SETTINGS)
     with Progress(bag, arguments.quiet) as progress:
         sketch = SeriesSketch(bag)
-        results, _, described = analyze_input(
+        results, _, _, described = analyze_input(
             bag, settings, None, [partial(sketch.update, settings=settings)], progress.show)
     offline = join(results, settings, [described])
     write(offline, out / 'offline.json')

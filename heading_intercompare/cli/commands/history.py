@@ -1,0 +1,162 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``history``: the runs of logbooks, and since when a sensor differs."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+from pathlib import Path
+import sys
+from typing import Any, Sequence
+
+from heading_intercompare.app.outputs import name_file
+from heading_intercompare.app.run_table import parse_stamp
+from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
+from heading_intercompare.core.utc_text import utc
+from heading_intercompare.core.verdict.verdict_document import make_plain, Software
+from heading_intercompare.logbook.control_chart import LEAST_BASELINE
+from heading_intercompare.logbook.history import History, Point, tell_histories
+from heading_intercompare.logbook.logbook_file import Logbook, merge_logbooks
+from heading_intercompare.logbook.run_row import RunRow
+from heading_intercompare.report import check_form
+
+__all__ = ['add_arguments', 'run']
+
+SCHEMA = 'heading_intercompare/history/1'
+_DIFFERS_CODE = 1
+_LIMITS = ('mean_low_deg', 'mean_high_deg', 'sd_low_deg', 'sd_high_deg')
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument('logbooks', nargs='+', metavar='LOGBOOK',
+                        help='written by the node compliance or by analyze --logbook')
+    parser.add_argument('--ship', metavar='NAME', help='only this ship or station')
+    parser.add_argument('--since', metavar='UTC', help='list only the runs that end at or after '
+                        'this time, such as 2026-03-01; the charts rest on all runs')
+    parser.add_argument('--baseline', metavar='K', type=int, default=20,
+                        help='number of runs that the charts learn from (default: 20)')
+    parser.add_argument('--one-in', metavar='N', type=float, default=370.0,
+                        help='false alarms of a chart: one in N runs (default: 370)')
+    parser.add_argument('--json', metavar='F', help="write runs and charts; '-' for stdout")
+    parser.add_argument('--csv', metavar='F', help="write a row per run; '-' for stdout")
+    parser.add_argument('--html', metavar='F.html', help='write a page with the charts')
+    parser.add_argument('--merge-into', metavar='FLEET', help='write all runs of the LOGBOOKs '
+                        'into this one, and do no more')
+    parser.add_argument('--check', action='store_true',
+                        help='exit code 1 if a mean or standard deviation differs lastingly')
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """List the runs and say what the charts show."""
+    _check_options(arguments)
+    books = [Logbook(path) for path in arguments.logbooks]
+    if arguments.merge_into is not None:
+        n = merge_logbooks(Logbook(arguments.merge_into), books)
+        print(f'{n} runs of {len(books)} logbooks are in {arguments.merge_into}')
+        return 0
+    since_ns = None if arguments.since is None else _read_since(arguments.since)
+    histories = tell_histories((row for book in books for row in book.read(ship=arguments.ship)),
+                               baseline=arguments.baseline, runs_between=arguments.one_in)
+    if arguments.json == '-':
+        sys.stdout.write(_render(histories, arguments, since_ns))
+    elif arguments.csv == '-':
+        _write_csv(histories, sys.stdout, since_ns)
+    else:
+        say('\n'.join(_list(histories, since_ns)) or 'no runs', VERDICT_MARKS)
+    if arguments.json not in (None, '-'):
+        with name_file(arguments.json):
+            Path(arguments.json).write_text(_render(histories, arguments, since_ns), 'utf-8')
+    if arguments.csv not in (None, '-'):
+        with name_file(arguments.csv), open(arguments.csv, 'w', encoding='utf-8',
+                                            newline='') as file:
+            _write_csv(histories, file, since_ns)
+    if arguments.html is not None:
+        from heading_intercompare.app.history_page import write_page
+
+        with name_file(arguments.html):
+            write_page(histories, arguments.html, since_ns)
+    return _DIFFERS_CODE if arguments.check and any(h.differs for h in histories) else 0
+
+
+def _check_options(arguments: argparse.Namespace) -> None:
+    if arguments.baseline < LEAST_BASELINE:
+        raise ValueError(f'--baseline {arguments.baseline}: must be at least {LEAST_BASELINE}')
+    if not 2.0 <= arguments.one_in <= 1e6:
+        raise ValueError(f'--one-in {arguments.one_in:g}: must be from 2 to 1000000')
+    if arguments.json == arguments.csv == '-':
+        raise ValueError('--json - and --csv -: only one can be on standard output')
+    given = {Path(path).resolve() for path in arguments.logbooks}
+    for option in ('json', 'csv', 'html'):
+        path = getattr(arguments, option)
+        if path is not None and path != '-' and Path(path).resolve() in given:
+            raise ValueError(f'--{option} {path}: that is a LOGBOOK; name another file')
+    if arguments.html is not None:
+        if Path(arguments.html).suffix != '.html':
+            raise ValueError(f'--html {arguments.html}: must end with .html')
+        check_form(arguments.html)
+
+
+def _read_since(text: str) -> int:
+    try:
+        return parse_stamp(text)
+    except ValueError:
+        raise ValueError(f'--since {text}: must be a time, UTC, such as 2026-03-01 or '
+                         '2026-03-01T12:00:00Z') from None
+
+
+def _pick(history: History, since_ns: int | None) -> list[Point]:
+    return [p for p in history.points if since_ns is None or p.row.end_ns >= since_ns]
+
+
+def _list(histories: Sequence[History], since_ns: int | None) -> list[str]:
+    """Return the lines on standard output: runs, newest last, then what the charts say."""
+    lines = []
+    for history in histories:
+        lines += [f'{history.ship or "(no ship)"}, settings {history.settings_sha256[:8]}: '
+                  f'{len(history.points)} runs',
+                  f'  {"start, UTC":16}  {"hours":>7}  {"n":>9}  {"mean/deg":>9}  {"sd/deg":>8}  '
+                  'outcome']
+        lines += [f'  {_describe(point)}' for point in _pick(history, since_ns)]
+        if history.why_no_chart is not None:
+            lines.append(f'  no charts yet: {history.why_no_chart}')
+        lines += [f'  {trend.words}' for trend in history.trends]
+    return lines
+
+
+def _describe(point: Point) -> str:
+    row = point.row
+    figures = ['-' if figure is None else f'{figure:.4f}' for figure in (row.mean_deg, row.sd_deg)]
+    said = row.outcome.upper()
+    if row.validity_effect != 'holds':
+        said += f', {row.validity_effect.upper()}: {row.conditions}'
+    if point.outside:
+        said += f'; {" and ".join(point.outside)} outside the limits'
+    hours = (row.end_ns - row.start_ns) / 3.6e12
+    return (f'{utc(row.start_ns)[:16]}  {hours:7.2f}  {row.n:9}  {figures[0]:>9}  '
+            f'{figures[1]:>8}  {said}')
+
+
+def _render(histories: Sequence[History], arguments: argparse.Namespace,
+            since_ns: int | None) -> str:
+    """Return runs and charts as JSON."""
+    plain: list[dict[str, Any]] = [
+        {**make_plain(history), 'points': make_plain(_pick(history, since_ns))}
+        for history in histories]
+    return json.dumps({'schema': SCHEMA, 'software': make_plain(Software()),
+                       'one_in': arguments.one_in, 'histories': plain},
+                      indent=1, ensure_ascii=False, allow_nan=False) + '\n'
+
+
+def _write_csv(histories: Sequence[History], file: Any, since_ns: int | None) -> None:
+    """Write a row per run with its limits."""
+    columns = RunRow.columns()
+    table = csv.writer(file, lineterminator='\n')
+    table.writerow([*columns, *_LIMITS, 'outside'])
+    for history in histories:
+        for point in _pick(history, since_ns):
+            table.writerow([*(getattr(point.row, name) for name in columns),
+                            *(getattr(point, name) for name in _LIMITS),
+                            ' '.join(point.outside)])

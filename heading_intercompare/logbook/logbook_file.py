@@ -1,0 +1,191 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The file of a logbook: SQLite, one table, a row per run.
+
+Every operation opens the file and closes it again. A transaction is on the disk when `write`
+returns, and a process that is killed leaves either all of it or nothing. The journal is the
+rollback journal of SQLite, not its write-ahead log: a logbook stays one file, which can be copied
+and read from a disk without write access.
+"""
+
+from __future__ import annotations
+
+from contextlib import closing, contextmanager
+import os
+from pathlib import Path
+import sqlite3
+from typing import Any, get_args, get_type_hints, Iterator, Sequence
+
+from .run_row import RunRow
+
+__all__ = ['Logbook', 'LogbookBusy', 'LogbookError', 'merge_logbooks', 'VERSION']
+
+VERSION = 1
+"""Version of the table (PRAGMA user_version)."""
+#: 'HILB', which `file` and SQLite show (PRAGMA application_id).
+_APPLICATION = 0x48494C42
+
+_KEY = ('ship', 'start_ns', 'end_ns', 'settings_sha256')
+_TYPES = {str: 'TEXT', int: 'INTEGER', float: 'REAL'}
+
+
+class LogbookError(ValueError):
+    """A logbook cannot be read or written; one line with its path and the reason."""
+
+
+class LogbookBusy(LogbookError):
+    """Another process is writing; try again later."""
+
+
+def _declare_columns() -> str:
+    """Return the columns of the table with their types."""
+    lines = ['id INTEGER PRIMARY KEY']
+    for name, hint in get_type_hints(RunRow).items():
+        kinds = get_args(hint) or (hint,)
+        need = '' if type(None) in kinds else ' NOT NULL'
+        lines.append(f'{name} {_TYPES[kinds[0]]}{need}')
+    return ', '.join([*lines, f'UNIQUE ({", ".join(_KEY)})'])
+
+
+_COLUMNS = RunRow.columns()
+_CREATE = f'CREATE TABLE runs ({_declare_columns()})'
+# A row that knows its recording does not lose it to one that does not.
+_KEEP = {'bag': 'coalesce(excluded.bag, runs.bag)'}
+_WRITE = (f'INSERT INTO runs ({", ".join(_COLUMNS)}) '
+          f'VALUES ({", ".join("?" * len(_COLUMNS))}) '
+          f'ON CONFLICT ({", ".join(_KEY)}) DO UPDATE SET '
+          + ', '.join(f'{name} = {_KEEP.get(name, f"excluded.{name}")}'
+                      for name in _COLUMNS if name not in _KEY))
+_READ = f'SELECT {", ".join(_COLUMNS)} FROM runs'
+
+
+class Logbook:
+    """
+    A logbook in a file.
+
+    Parameters
+    ----------
+    path : path
+        The file; `write` creates it, in a folder that exists.
+    timeout_s : float
+        How long to wait while another process writes, seconds.
+
+    """
+
+    def __init__(self, path: str | os.PathLike[str], timeout_s: float = 10.0) -> None:
+        self.path = os.fspath(path)
+        self._timeout_s = timeout_s
+
+    def write(self, rows: Sequence[RunRow]) -> None:
+        """
+        Write rows in one transaction; a row about a run that is there replaces it.
+
+        Raises
+        ------
+        LogbookBusy
+            If another process is writing all the time.
+        LogbookError
+            If the file is no logbook, is of a newer version, or cannot be written.
+
+        """
+        with self._open(write=True) as connection:
+            connection.executemany(_WRITE, [[getattr(row, name) for name in _COLUMNS]
+                                            for row in rows])
+
+    def check(self) -> None:
+        """Raise LogbookError unless rows can be written; create the logbook if it is not there."""
+        self.write([])
+
+    def read(self, *, since_ns: int | None = None, ship: str | None = None) -> list[RunRow]:
+        """
+        Return the rows in the order of time.
+
+        Parameters
+        ----------
+        since_ns : int, optional
+            Only runs that end at or after this stamp.
+        ship : str, optional
+            Only runs of this ship.
+
+        Raises
+        ------
+        LogbookBusy
+            If another process is writing all the time.
+        LogbookError
+            If there is no such file, or it is no logbook, or one of a newer version.
+
+        """
+        where, values = ['1'], []
+        for condition, value in (('end_ns >= ?', since_ns), ('ship = ?', ship)):
+            if value is not None:
+                where.append(condition)
+                values.append(value)
+        with self._open(write=False) as connection:
+            found = connection.execute(
+                f'{_READ} WHERE {" AND ".join(where)} ORDER BY start_ns, end_ns, ship, id', values)
+            return [RunRow(*row) for row in found]
+
+    @contextmanager
+    def _open(self, *, write: bool) -> Iterator[sqlite3.Connection]:
+        """Open the file for one transaction; errors name the file."""
+        try:
+            # Inside `with connection` the transaction is committed, or taken back on an error.
+            with closing(self._connect(write)) as connection, connection:
+                connection.execute('BEGIN IMMEDIATE' if write else 'BEGIN')
+                self._check_version(connection, write)
+                yield connection
+        except sqlite3.Error as error:
+            raise self._explain(error, write) from error
+
+    def _connect(self, write: bool) -> sqlite3.Connection:
+        if not write and not os.path.isfile(self.path):
+            raise LogbookError(f'{self.path}: there is no such logbook')
+        # A reader, too, may have to clear up after a writer that was killed.
+        mode = 'rwc' if write else 'rw'
+        uri = f'{Path(self.path).absolute().as_uri()}?mode={mode}'
+        connection = sqlite3.connect(uri, uri=True, timeout=self._timeout_s, isolation_level=None)
+        connection.execute('PRAGMA synchronous = FULL')
+        return connection
+
+    def _check_version(self, connection: sqlite3.Connection, write: bool) -> None:
+        def ask(question: str) -> Any:
+            return connection.execute(question).fetchone()[0]
+
+        application, version = ask('PRAGMA application_id'), ask('PRAGMA user_version')
+        tables = ask('SELECT count(*) FROM sqlite_master')
+        if write and not (application or version or tables):
+            connection.execute(f'PRAGMA application_id = {_APPLICATION}')
+            connection.execute(f'PRAGMA user_version = {VERSION}')
+            connection.execute(_CREATE)
+        elif application != _APPLICATION:
+            raise LogbookError(f'{self.path}: is not a logbook of heading_intercompare')
+        elif version > VERSION:
+            raise LogbookError(f'{self.path}: is a logbook of version {version}, this program '
+                               f'knows version {VERSION}: a newer heading_intercompare wrote it; '
+                               'install that')
+
+    def _explain(self, error: sqlite3.Error, write: bool) -> LogbookError:
+        words = ' '.join(str(error).split())
+        code = getattr(error, 'sqlite_errorcode', None)
+        busy = code is not None and code & 0xFF in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
+        if busy or 'locked' in words:
+            return LogbookBusy(f'{self.path}: another process is writing to it; try again')
+        if 'not a database' in words:
+            words = 'is not a logbook of heading_intercompare'
+        elif 'unable to open' in words:
+            words = 'cannot be opened' + ('; is there a folder for it, with leave to write?'
+                                          if write else '')
+        return LogbookError(f'{self.path}: {words}')
+
+
+def merge_logbooks(into: Logbook, sources: Sequence[Logbook]) -> int:
+    """
+    Write the rows of logbooks into another, for a fleet; return the number of rows read.
+
+    Merging the same logbooks again changes nothing. A source that cannot be read raises
+    `LogbookError` before anything is written.
+    """
+    rows = [row for source in sources for row in source.read()]
+    into.write(rows)
+    return len(rows)

@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""One judged run as a row of a logbook."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+import math
+from typing import Callable, Iterable
+
+from heading_intercompare.core.verdict.validity import DOUBTFUL, VOID
+from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
+
+__all__ = ['make_rows', 'RunRow']
+
+
+@dataclass(frozen=True, slots=True)
+class RunRow:
+    """
+    One run; the fields are the columns of the table `runs`.
+
+    A run is known by its ship, first and last pair, and settings: `key`.
+
+    Attributes
+    ----------
+    ship : str
+        Name of the ship or station; may be empty.
+    start_ns, end_ns : int
+        Stamps of the first and last pair, UTC nanoseconds.
+    n : int
+        Number of differences analysed.
+    outcome, reason, headline, validity_effect : str
+        As in the verdict.
+    conditions : str
+        The conditions that do not hold, such as ``losses=doubtful``, with commas between.
+    mean_deg, mean_u_deg : float or None
+        Mean difference and its standard uncertainty, allowing for correlation, degrees.
+    sd_deg, nu : float or None
+        Standard deviation of the differences, degrees, and its effective degrees of freedom.
+    lower_bound_deg2, upper_bound_deg2 : float or None
+        Bounds of the variance of the guarded decision, square degrees.
+    acceptance_limit_deg2, rejection_limit_deg2 : float
+        The limits that they are compared with.
+    skew_s : float or None
+        Time skew between the sensors, seconds.
+    paired, ts_received, ts_unpaired, ts_rejected, rs_received, rs_unused, rs_rejected : int
+        Counts of the ledger.
+    source : str
+        Name of the input; ``live`` for a run judged live.
+    bag : str or None
+        Path of the recording, if known.
+    settings_sha256 : str
+        Hash of the settings.
+    rule_version : int or None
+        Version of the decision rule.
+    software_version : str
+        Version of the program.
+
+    """
+
+    ship: str
+    start_ns: int
+    end_ns: int
+    n: int
+    outcome: str
+    reason: str
+    headline: str
+    validity_effect: str
+    conditions: str
+    mean_deg: float | None
+    mean_u_deg: float | None
+    sd_deg: float | None
+    nu: float | None
+    lower_bound_deg2: float | None
+    upper_bound_deg2: float | None
+    acceptance_limit_deg2: float
+    rejection_limit_deg2: float
+    skew_s: float | None
+    paired: int
+    ts_received: int
+    ts_unpaired: int
+    ts_rejected: int
+    rs_received: int
+    rs_unused: int
+    rs_rejected: int
+    source: str
+    bag: str | None
+    settings_sha256: str
+    rule_version: int | None
+    software_version: str
+
+    @property
+    def key(self) -> tuple[str, int, int, str]:
+        """The run that the row is about."""
+        return self.ship, self.start_ns, self.end_ns, self.settings_sha256
+
+    @classmethod
+    def columns(cls) -> tuple[str, ...]:
+        """Return the names of the columns."""
+        return tuple(f.name for f in fields(cls))
+
+
+def _finite(figure: float | None) -> float | None:
+    """Return a figure as SQLite can hold it: None unless it is finite."""
+    return figure if figure is not None and math.isfinite(figure) else None
+
+
+def make_rows(verdict: Verdict, *, ship: str = '', earlier: Iterable[RunVerdict] = (),
+              find_bag: Callable[[str], str | None] = lambda source: None) -> list[RunRow]:
+    """
+    Return a row per run of a verdict, in the order of time.
+
+    Parameters
+    ----------
+    verdict : Verdict
+    ship : str
+        Name of the ship or station.
+    earlier : iterable of RunVerdict
+        Runs judged with the same settings that the verdict does not cover any more.
+    find_bag : callable
+        Returns the path of the recording of a source.
+
+    """
+    settings, rule = verdict.settings_sha256, verdict.rule_version
+    version = verdict.software.version
+    rows = []
+    for run in (*earlier, *verdict.runs):
+        pairing, guarded = run.pairing, run.guarded
+        n_effective = run.correlation.n_effective_mean
+        u_deg = None
+        if run.variance_deg2 is not None and n_effective > 0.0:
+            u_deg = math.sqrt(run.variance_deg2 / n_effective)
+        rows.append(RunRow(
+            ship=ship, start_ns=run.start_ns, end_ns=run.end_ns, n=run.n,
+            outcome=run.outcome.value, reason=run.reason, headline=run.headline,
+            validity_effect=run.validity_effect,
+            conditions=','.join(f'{f.condition}={f.effect}' for f in run.validity
+                                if f.effect in (DOUBTFUL, VOID)),
+            mean_deg=_finite(run.mean_deg), mean_u_deg=_finite(u_deg),
+            sd_deg=_finite(run.std_deg), nu=_finite(guarded.nu),
+            lower_bound_deg2=_finite(guarded.lower_bound_deg2),
+            upper_bound_deg2=_finite(guarded.upper_bound_deg2),
+            acceptance_limit_deg2=guarded.acceptance_limit_deg2,
+            rejection_limit_deg2=guarded.rejection_limit_deg2,
+            skew_s=_finite(run.skew.estimate.skew_s), paired=pairing.paired,
+            ts_received=pairing.ts_received, ts_unpaired=pairing.ts_unpaired,
+            ts_rejected=sum(pairing.rejected.ts.values()),
+            rs_received=pairing.rs_received, rs_unused=pairing.rs_unused,
+            rs_rejected=sum(pairing.rejected.rs.values()), source=run.source,
+            bag=find_bag(run.source), settings_sha256=settings, rule_version=rule,
+            software_version=version))
+    return sorted(rows, key=lambda row: (row.start_ns, row.end_ns))

@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command history: what it lists, writes, merges and refuses."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+import sqlite3
+
+import numpy as np
+import pytest
+
+from heading_intercompare.cli import main
+from heading_intercompare.logbook.logbook_file import Logbook
+from heading_intercompare.logbook.run_row import RunRow
+
+DAY_NS = 86_400_000_000_000
+T0_NS = 20_000 * DAY_NS
+
+
+def rows_of(ship, days, shift_at):
+    """Return a run a day of a ship whose mean moves by 0.5 deg on a day."""
+    rng = np.random.default_rng(len(ship))
+    return [RunRow(
+        ship=ship, start_ns=T0_NS + day * DAY_NS, end_ns=T0_NS + (day + 1) * DAY_NS - 1,
+        n=86400, outcome='compliant', reason='r', headline='COMPLIANT', validity_effect='holds',
+        conditions='', mean_deg=0.1 + 0.01 * rng.standard_normal() + 0.5 * (day >= shift_at),
+        mean_u_deg=0.002, sd_deg=0.2 * float(np.exp(0.03 * rng.standard_normal())), nu=400.0,
+        lower_bound_deg2=0.03, upper_bound_deg2=0.05, acceptance_limit_deg2=0.09,
+        rejection_limit_deg2=0.1, skew_s=None, paired=86400, ts_received=86400, ts_unpaired=0,
+        ts_rejected=0, rs_received=86400, rs_unused=0, rs_rejected=0, source='live', bag=None,
+        settings_sha256='ab' * 32, rule_version=2, software_version='0.1.0')
+        for day in range(days)]
+
+
+@pytest.fixture
+def books(tmp_path):
+    """Return two logbooks: one of a ship that changes on day 30, one of a ship that does not."""
+    for name, days, shift_at in (('A', 40, 30), ('BB', 35, 99)):
+        Logbook(tmp_path / f'{name}.sqlite').write(rows_of(f'MV {name}', days, shift_at))
+    return [str(tmp_path / f'{name}.sqlite') for name in ('A', 'BB')]
+
+
+def refused(capsys, *arguments):
+    """Return the one line that a wrong command line gives."""
+    assert main(['history', *map(str, arguments)]) == 2
+    out, err = capsys.readouterr()
+    assert out == '' and err.count('\n') == 1
+    return err
+
+
+def test_it_lists_the_runs_and_says_since_when_the_sensor_differs(books, capsys):
+    assert main(['history', books[0]]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == 'MV A, settings abababab: 40 runs'
+    assert lines[2].split() == ['2024-10-04', '00:00', '24.00', '86400', '0.0935', '0.1990',
+                                'COMPLIANT']
+    assert lines[41].startswith('  2024-11-12 00:00') and lines[41].endswith(
+        'COMPLIANT; mean outside the limits')
+    assert 'it left its limits at 2024-11-03 00:00 UTC, 10 of 20 runs are outside' in lines[42]
+    assert 'it differs since 2024-11-03 00:00 UTC' in lines[42]
+    assert lines[43].endswith('has stayed within its limits')
+
+
+def test_several_logbooks_are_one_and_a_ship_can_be_chosen(books, capsys):
+    assert main(['history', *books, '--check']) == 1
+    assert [line for line in capsys.readouterr().out.splitlines() if line[0] != ' '] == [
+        'MV BB, settings abababab: 35 runs', 'MV A, settings abababab: 40 runs']
+    assert main(['history', *books, '--ship', 'MV BB', '--check']) == 0
+    assert 'MV A' not in capsys.readouterr().out
+    assert main(['history', *books, '--ship', 'MV CCC']) == 0
+    assert capsys.readouterr().out == 'no runs\n'
+
+
+def test_since_shortens_the_list_but_not_the_chart(books, capsys):
+    assert main(['history', books[0], '--since', '2024-11-10']) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 2 + 3 + 2 and 'it differs since 2024-11-03' in lines[-2]
+
+
+def test_json_and_csv_hold_runs_and_limits(books, tmp_path, capsys):
+    table = tmp_path / 'h.csv'
+    assert main(['history', books[0], '--json', '-', '--csv', str(table)]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told['schema'] == 'heading_intercompare/history/1' and told['one_in'] == 370.0
+    history, = told['histories']
+    assert history['trends'][0]['differs_since_ns'] == T0_NS + 30 * DAY_NS
+    with table.open(newline='', encoding='utf-8') as file:
+        found = list(csv.DictReader(file))
+    assert len(found) == len(history['points']) == 40
+    for row, point in zip(found, history['points']):
+        assert float(row['mean_deg']) == point['row']['mean_deg']
+        assert float(row['mean_high_deg']) == point['mean_high_deg']
+        assert row['outside'] == ' '.join(point['outside'])
+
+
+def test_a_page_shows_both_charts(books, tmp_path, capsys):
+    pytest.importorskip('matplotlib')
+    pytest.importorskip('jinja2')
+    page = tmp_path / 'h.html'
+    assert main(['history', *books, '--html', str(page)]) == 0
+    text = page.read_text('utf-8')
+    assert text.count('<svg') == 4 and 'Mean difference, 40 runs' in text
+    assert 'mean difference [deg]' in text and 'outside the limits' in text
+    assert 'It' not in text.partition('<p>')[2][:3]
+
+
+def test_a_fleet_is_merged_and_merging_again_changes_nothing(books, tmp_path, capsys):
+    fleet = tmp_path / 'fleet.sqlite'
+    for _ in range(2):
+        assert main(['history', '--merge-into', str(fleet), *books]) == 0
+        assert capsys.readouterr().out == f'75 runs of 2 logbooks are in {fleet}\n'
+        assert len(Logbook(fleet).read()) == 75
+    assert main(['history', *books]) == 0
+    apart = capsys.readouterr().out
+    assert main(['history', str(fleet)]) == 0
+    assert capsys.readouterr().out == apart
+
+
+@pytest.mark.parametrize('options, why', [
+    (['--baseline', '7'], '--baseline 7: must be at least 8'),
+    (['--one-in', '1'], '--one-in 1: must be from 2 to 1000000'),
+    (['--one-in', 'nan'], '--one-in nan: must be from 2'),
+    (['--since', 'yesterday'], '--since yesterday: must be a time, UTC'),
+    (['--json', '-', '--csv', '-'], 'only one can be on standard output'),
+    (['--html', 'h.pdf'], '--html h.pdf: must end with .html')])
+def test_a_wrong_option_is_refused_in_one_line(books, capsys, options, why):
+    assert why in refused(capsys, books[0], *options)
+
+
+def test_a_logbook_is_not_overwritten_by_a_table(books, capsys):
+    assert 'that is a LOGBOOK' in refused(capsys, books[0], '--csv', books[0])
+    assert len(Logbook(books[0]).read()) == 40
+
+
+def test_a_logbook_that_is_none_or_of_a_newer_version_is_refused(books, tmp_path, capsys):
+    assert 'there is no such logbook' in refused(capsys, tmp_path / 'no')
+    Path(tmp_path / 'text').write_text('not a logbook ' * 50)
+    assert 'is not a logbook' in refused(capsys, tmp_path / 'text')
+    with sqlite3.connect(books[0]) as connection:
+        connection.execute('PRAGMA user_version = 9')
+    assert 'a newer heading_intercompare wrote it' in refused(capsys, books[0])

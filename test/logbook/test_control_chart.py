@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The chart by hand, by Monte Carlo of its rate of false alarms, and its properties."""
+
+from __future__ import annotations
+
+import math
+
+from hypothesis import given, strategies as st
+import numpy as np
+import pytest
+
+from heading_intercompare.logbook.control_chart import (
+    design_chart,
+    estimate_correlation,
+    LEAST_BASELINE,
+    make_chart,
+)
+
+N = 370.0
+
+
+def walk(rng, shape, rho):
+    """Return stationary normal series of unit variance along the last axis, step by step."""
+    x = rng.standard_normal(shape)
+    for i in range(1, shape[-1]):
+        x[..., i] = rho * x[..., i - 1] + math.sqrt(1.0 - rho ** 2) * x[..., i]
+    return x
+
+
+def test_center_and_scale_by_hand():
+    """
+    Baseline 1 to 8: median 4.5, median deviation 2, s = 1.482602 · 2 · 8 / 7.2 = 3.294672.
+
+    With u = 1: between² = 3.294672² - 1 = 9.854861, so sigma is s where u is 1, and
+    sqrt(9.854861 + 9) = 4.342218 where u is 3.
+    """
+    x, u = np.array([1.0, 5, 3, 7, 2, 6, 4, 8, 4.5, 4.5]), np.array([1.0] * 9 + [3.0])
+    chart = make_chart(x, u, baseline=8)
+    assert (chart.center, chart.between) == (4.5, pytest.approx(math.sqrt(9.854861)))
+    width = (chart.high - chart.low) / 2.0
+    assert width[9] / width[8] == pytest.approx(4.342218 / 3.294672, rel=1e-6)
+    factor = design_chart(8, 2, math.ceil(20 * chart.correlation) / 20, N).factor
+    assert width[8] == pytest.approx(factor * 3.294672, rel=1e-6)
+
+
+def test_the_sums_by_hand():
+    """
+    Baseline ±1, s = 1.4826 · 20 / 19.2 = 1.544377, then 0, 0, and 3 for ever.
+
+    z = 3 / 1.544377 = 1.942531; each run adds 1.442531 from the third on, so the sum exceeds H
+    at run ceil(H / 1.442531) of these, and the change began with the first of them.
+    """
+    x = np.array([-1.0, 1.0] * 10 + [0.0, 0.0] + [3.0] * 30)
+    chart = make_chart(x, np.zeros(len(x)), baseline=20)
+    threshold = design_chart(20, 32, math.ceil(20 * chart.correlation) / 20, N).threshold
+    assert chart.since == 22
+    assert chart.noticed == 21 + math.ceil(threshold / (3.0 / 1.544377 - 0.5))
+
+
+def test_a_correlation_by_hand():
+    """R of 1, 1, -1, -1, ... is n/2 - 1 steps up, n/2 down: near 0; of ±1 in turns it is -1."""
+    assert estimate_correlation(np.array([1.0, -1.0] * 10)) == 0.0
+    z = np.array([1.0, 1.0, -1.0, -1.0] * 5)
+    r = (10 - 9) / 20
+    assert estimate_correlation(z) == pytest.approx(r + (1 + 3 * r) / 20 + 1 / math.sqrt(20))
+    assert estimate_correlation(np.zeros(20)) == 0.0
+    assert estimate_correlation(np.repeat([5.0, -5.0], 50)) == 0.8
+
+
+@pytest.mark.parametrize('baseline, ahead, rho', [(8, 30, 0.0), (20, 60, 0.0), (20, 60, 0.5)])
+def test_limits_and_threshold_have_the_stated_rates(baseline, ahead, rho):
+    """
+    Monte Carlo with other numbers and other code, six standard errors.
+
+    Of unchanged runs 1 in 370 is outside; of charts 1 - (1 - 1/370)^n show a lasting change. The
+    threshold is itself a quantile of 4000 paths, whose standard error counts too.
+    """
+    rng, paths = np.random.default_rng(77), 20_000
+    design = design_chart(baseline, ahead, rho, N)
+    x = walk(rng, (paths, baseline + ahead), rho)
+    learned = np.sort(x[:, :baseline], axis=1)
+    half = baseline // 2
+    center = (learned[:, half - 1] + learned[:, half]) / 2.0
+    deviations = np.sort(np.abs(x[:, :baseline] - center[:, None]), axis=1)
+    sigma = (deviations[:, half - 1] + deviations[:, half]) / 2.0 * 1.4826022
+    sigma *= baseline / (baseline - 0.8)
+    z = (x[:, baseline:] - center[:, None]) / sigma[:, None]
+    # Far enough from the baseline to be independent of it: that is what K states.
+    outside = np.mean(np.abs(z[:, ahead // 2:]) > design.factor, axis=1)
+    error = math.hypot(1.0, math.sqrt(paths / 4000)) * outside.std() / math.sqrt(paths)
+    assert abs(outside.mean() - 1.0 / N) < 6.0 * error
+    alarms = np.zeros(paths, bool)
+    for sign in (1.0, -1.0):
+        total = np.zeros(paths)
+        for i in range(ahead):
+            total = np.maximum(0.0, total + np.clip(sign * z[:, i], -3.0, 3.0) - 0.5)
+            alarms |= total > design.threshold
+    stated = 1.0 - (1.0 - 1.0 / N) ** ahead
+    error = math.sqrt(stated * (1.0 - stated) * (1.0 / paths + 1.0 / 4000))
+    assert abs(alarms.mean() - stated) < 6.0 * error
+
+
+@pytest.mark.parametrize('rho, own', [(0.0, 0.0), (0.0, 0.6), (0.0, 1.0), (0.5, 0.0), (0.5, 0.6)])
+def test_unchanged_sensors_raise_no_more_than_the_stated_alarms(rho, own):
+    """Whole charts of 20 + 60 runs, correlated and with uncertainties of their own."""
+    rng, charts = np.random.default_rng(78), 800
+    x = math.sqrt(1.0 - own ** 2) * walk(rng, (charts, 80), rho)
+    x += own * rng.standard_normal(x.shape)
+    made = [make_chart(row, np.full(80, own), baseline=20) for row in x]
+    outside = np.array([np.mean(chart.outside[20:]) for chart in made])
+    assert outside.mean() < 1.0 / N + 6.0 * outside.std() / math.sqrt(charts)
+    stated = 1.0 - (1.0 - 1.0 / N) ** 60
+    error = math.sqrt(stated * (1.0 - stated) * (1.0 / charts + 1.0 / 4000))
+    assert np.mean([chart.since is not None for chart in made]) < stated + 6.0 * error
+
+
+def test_a_shift_is_found_and_dated():
+    """A shift of 2 standard deviations at run 50: found in most charts, dated within 5 runs."""
+    rng, charts = np.random.default_rng(79), 200
+    x = rng.standard_normal((charts, 100))
+    x[:, 50:] += 2.0
+    made = [make_chart(row, np.zeros(100), baseline=20) for row in x]
+    found = np.array([chart.since for chart in made if chart.since is not None])
+    assert len(found) > 0.8 * charts
+    assert abs(np.median(found) - 50) <= 2
+    assert np.mean(np.abs(found - 50) <= 5) > 0.7
+
+
+def test_one_wild_run_is_outside_but_no_lasting_change(rng):
+    x = rng.standard_normal(60)
+    x[40] = 1000.0
+    chart = make_chart(x, np.zeros(60))
+    assert chart.outside[40] and chart.since is None
+
+
+def test_a_wild_run_in_the_baseline_does_not_hide_a_shift(rng):
+    x = rng.standard_normal(60)
+    x[3], x[11] = 1000.0, -500.0
+    x[40:] += 6.0
+    chart = make_chart(x, np.zeros(60))
+    assert chart.since == 40 and chart.outside[40:].any()
+
+
+@given(st.lists(st.floats(-100, 100), min_size=12, max_size=30), st.floats(-50, 50),
+       st.sampled_from([0.25, 0.5, 2.0, 8.0]))
+def test_shifted_and_scaled_figures_give_the_same_chart(x, shift, scale):
+    x = np.round(np.array(x), 3)
+    u = np.full(len(x), 0.5)
+    one = make_chart(x, u, baseline=8)
+    other = make_chart(scale * x, scale * u, baseline=8)
+    assert (one.since, one.noticed) == (other.since, other.noticed)
+    assert one.outside.tolist() == other.outside.tolist()
+    assert other.low == pytest.approx(scale * one.low)
+    moved = make_chart(x + shift, u, baseline=8)
+    assert moved.low == pytest.approx(one.low + shift, abs=1e-9)
+
+
+@given(st.integers(9, 40))
+def test_runs_after_do_not_change_the_limits_of_the_baseline(n):
+    """The limits rest on the baseline and the number of runs; the past stays as it was drawn."""
+    x = np.cos(np.arange(60) * 2.3)
+    u = np.full(60, 0.1)
+    assert make_chart(x[:n], u[:n], baseline=8).center == make_chart(x, u, baseline=8).center
+    assert make_chart(x[:n], u[:n], baseline=8).high[0] == pytest.approx(
+        make_chart(x, u, baseline=8).high[0], rel=0.05)
+
+
+def test_equal_figures_without_uncertainty_differ_as_soon_as_one_does():
+    chart = make_chart(np.array([1.0] * 20 + [1.0, 1.1]), np.zeros(22))
+    assert chart.outside.tolist() == [False] * 21 + [True]
+
+
+@pytest.mark.parametrize('n, baseline, why', [
+    (20, 20, '20 runs: a chart needs more than its baseline of 20'),
+    (20, LEAST_BASELINE - 1, 'baseline = 7: must be at least 8 runs')])
+def test_too_few_runs_are_refused(n, baseline, why):
+    with pytest.raises(ValueError, match=why):
+        make_chart(np.zeros(n), np.zeros(n), baseline=baseline)

@@ -1,0 +1,192 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The file: nothing doubled, nothing lost, and each trouble in one line."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+import os
+from pathlib import Path
+import signal
+import sqlite3
+import subprocess
+import sys
+
+import pytest
+
+from heading_intercompare.logbook.logbook_file import (
+    Logbook,
+    LogbookBusy,
+    LogbookError,
+    merge_logbooks,
+    VERSION,
+)
+
+from .made_up_rows import DAY_NS, make_row, T0_NS
+
+HERE = Path(__file__).resolve().parent
+
+
+@pytest.fixture
+def book(tmp_path):
+    return Logbook(tmp_path / 'l.sqlite', timeout_s=0.1)
+
+
+def test_rows_come_back_as_they_were_in_the_order_of_time(book):
+    rows = [make_row(day, mean_deg=day / 7.0, bag=None if day else '/bags/ä') for day in range(5)]
+    book.write(rows[3:])
+    book.write(rows[:3])
+    assert book.read() == rows
+
+
+def test_a_run_that_is_there_is_replaced_and_not_doubled(book):
+    book.write([make_row(0, paired=1, bag='/bags/one'), make_row(1)])
+    with sqlite3.connect(book.path) as connection:
+        before = connection.execute('SELECT id, start_ns FROM runs').fetchall()
+    book.write([make_row(0, paired=2)])
+    assert book.read() == [make_row(0, paired=2, bag='/bags/one'), make_row(1)]
+    with sqlite3.connect(book.path) as connection:
+        assert connection.execute('SELECT id, start_ns FROM runs').fetchall() == before
+
+
+@pytest.mark.parametrize('other', [
+    {'ship': 'MV Other'}, {'settings_sha256': 'b' * 64}, {'end_ns': T0_NS + 5},
+    {'start_ns': T0_NS + 1}])
+def test_another_run_is_added(book, other):
+    book.write([make_row(), make_row(**other)])
+    assert len(book.read()) == 2
+
+
+def test_rows_are_chosen_by_time_and_ship(book):
+    book.write([make_row(0), make_row(1), make_row(1, ship='MV Other')])
+    assert book.read(since_ns=T0_NS + DAY_NS) == [make_row(1), make_row(1, ship='MV Other')]
+    assert book.read(ship='MV Other') == [make_row(1, ship='MV Other')]
+
+
+def test_the_file_names_its_version_and_a_newer_one_is_refused(book):
+    book.write([make_row()])
+    with sqlite3.connect(book.path) as connection:
+        assert connection.execute('PRAGMA user_version').fetchone() == (VERSION,)
+        connection.execute(f'PRAGMA user_version = {VERSION + 1}')
+    for act in (book.read, lambda: book.write([make_row()])):
+        with pytest.raises(LogbookError, match=r'l.sqlite: is a logbook of version 2, .*; '
+                           'install that') as found:
+            act()
+        assert '\n' not in str(found.value)
+
+
+def test_another_file_is_refused_and_left_as_it_is(book):
+    Path(book.path).write_text('not a database, but long enough to be taken for one\n' * 9)
+    before = Path(book.path).read_bytes()
+    for act in (book.read, book.check):
+        with pytest.raises(LogbookError, match='is not a logbook of heading_intercompare'):
+            act()
+    assert Path(book.path).read_bytes() == before
+    Path(book.path).unlink()
+    with sqlite3.connect(book.path) as connection:
+        connection.execute('CREATE TABLE mine (x)')
+    connection.close()
+    for act in (book.read, book.check):
+        with pytest.raises(LogbookError, match='is not a logbook of heading_intercompare'):
+            act()
+
+
+def test_a_logbook_that_is_not_there_is_not_made_by_reading(book):
+    with pytest.raises(LogbookError, match='there is no such logbook'):
+        book.read()
+    assert not Path(book.path).exists()
+
+
+def test_a_folder_that_is_not_there_is_named(tmp_path):
+    with pytest.raises(LogbookError, match='no/l.sqlite: cannot be opened; is there a folder'):
+        Logbook(tmp_path / 'no' / 'l.sqlite').write([])
+
+
+def test_a_locked_logbook_says_so_and_is_written_afterwards(book):
+    book.write([])
+    other = sqlite3.connect(book.path, isolation_level=None)
+    other.execute('BEGIN EXCLUSIVE')
+    for act in (book.read, lambda: book.write([make_row()])):
+        with pytest.raises(LogbookBusy, match='another process is writing'):
+            act()
+    other.execute('COMMIT')
+    other.close()
+    book.write([make_row()])
+    assert book.read() == [make_row()]
+
+
+def test_several_writers_lose_nothing(book):
+    patient = Logbook(book.path, timeout_s=60.0)
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(lambda day: patient.write([make_row(day)]), range(40)))
+    assert [row.start_ns for row in book.read()] == [T0_NS + day * DAY_NS for day in range(40)]
+
+
+@pytest.mark.process
+def test_a_writer_that_is_killed_leaves_whole_transactions(book):
+    """A process writes pairs of rows without end until kill -9; no pair is ever halved."""
+    code = ('import sys\n'
+            'from heading_intercompare.logbook.logbook_file import Logbook\n'
+            'from made_up_rows import make_row\n'
+            'day = int(sys.argv[2])\n'
+            'while True:\n'
+            '    Logbook(sys.argv[1]).write([make_row(day), make_row(day, ship="other")])\n'
+            '    print(day, flush=True)\n'
+            '    day += 1\n')
+    day = 0
+    for _ in range(5):
+        with subprocess.Popen([sys.executable, '-c', code, book.path, str(day)],
+                              stdout=subprocess.PIPE, text=True,
+                              env={**os.environ, 'PYTHONPATH': os.pathsep.join(
+                                  map(str, (HERE, HERE.parents[1])))}) as writer:
+            said = [int(writer.stdout.readline()) for _ in range(3)]
+            writer.send_signal(signal.SIGKILL)
+            said += [int(line) for line in writer.stdout.read().split()]
+        rows = book.read()
+        days = [{row.start_ns for row in rows if row.ship == ship}
+                for ship in ('MV Example', 'other')]
+        assert days[0] == days[1] >= {T0_NS + d * DAY_NS for d in range(said[-1] + 1)}
+        day = said[-1] + 1
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason='root may write everywhere')
+def test_a_folder_that_is_read_only_is_named(book, tmp_path):
+    tmp_path.chmod(0o500)
+    try:
+        with pytest.raises(LogbookError, match='cannot be opened'):
+            book.write([make_row()])
+    finally:
+        tmp_path.chmod(0o700)
+
+
+def test_a_full_disk_is_one_line_and_leaves_the_rows_that_were_there(tmp_path):
+    """SQLite refuses pages above max_page_count just as it does when the disk is full."""
+    class Small(Logbook):
+        def _connect(self, write):
+            connection = super()._connect(write)
+            connection.execute('PRAGMA max_page_count = 6')
+            return connection
+
+    book = Small(tmp_path / 'l.sqlite')
+    book.write([make_row()])
+    with pytest.raises(LogbookError, match='l.sqlite: database or disk is full'):
+        book.write([make_row(day) for day in range(1, 200)])
+    assert book.read() == [make_row()]
+
+
+def test_logbooks_merge_and_merging_again_changes_nothing(tmp_path):
+    fleet, one, two = (Logbook(tmp_path / name) for name in ('f', 'a', 'b'))
+    one.write([make_row(day, ship='A') for day in range(3)])
+    two.write([make_row(day, ship='B') for day in range(2)])
+    assert merge_logbooks(fleet, [one, two]) == 5
+    rows = fleet.read()
+    assert merge_logbooks(fleet, [two, one]) == 5
+    assert fleet.read() == rows and len(rows) == 5
+
+
+def test_a_source_that_cannot_be_read_stops_the_merge_before_it_writes(tmp_path):
+    fleet, one = Logbook(tmp_path / 'f'), Logbook(tmp_path / 'a')
+    one.write([make_row()])
+    with pytest.raises(LogbookError, match='no such logbook'):
+        merge_logbooks(fleet, [one, Logbook(tmp_path / 'b')])
+    assert not Path(fleet.path).exists()

@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The row of a run holds the figures of its verdict."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare.logbook.logbook_file import Logbook
+from heading_intercompare.logbook.run_row import make_rows
+
+S = 1_000_000_000
+
+
+def judge(rng, n=2000, **more):
+    stamps = (1_700_000_000 + np.arange(n)) * S
+    rs = Headings.of(stamps, np.full(n, 90.0) + 0.01 * rng.standard_normal(n))
+    ts = Headings.of(stamps, 90.05 + 0.1 * rng.standard_normal(n))
+    return analyze(ts, rs, Settings.from_mapping(
+        {'norms.sigma_max_deg': 0.2, 'norms.sigma_ref_max_deg': 0.1, **more}))
+
+
+def test_a_row_has_the_figures_of_the_verdict(rng):
+    verdict = judge(rng)
+    run, = verdict.runs
+    row, = make_rows(verdict, ship='MV Example', find_bag=lambda source: f'/bags/{source}')
+    assert (row.ship, row.bag, row.source) == ('MV Example', '/bags/', '')
+    assert (row.start_ns, row.end_ns, row.n) == (run.start_ns, run.end_ns, run.n)
+    assert (row.mean_deg, row.sd_deg, row.nu) == (run.mean_deg, run.std_deg, run.guarded.nu)
+    assert (row.outcome, row.headline) == (run.outcome.value, run.headline)
+    assert (row.paired, row.ts_received) == (run.pairing.paired, run.pairing.ts_received)
+    assert row.settings_sha256 == verdict.settings_sha256
+    # The errors are white, so the mean of n is known to sd / sqrt(n), within a third.
+    assert abs(math.log(row.mean_u_deg / (0.1 / math.sqrt(2000)))) < 0.33
+
+
+def test_conditions_that_bind_are_listed(rng):
+    row, = make_rows(judge(rng, **{'detectors.mean_max_deg': 0.01}))
+    assert row.validity_effect == 'void' and 'mean' in row.conditions
+
+
+def test_the_row_of_a_run_without_figures_can_be_written(rng, tmp_path):
+    rows = make_rows(judge(rng, n=1))
+    assert rows[0].sd_deg is None and rows[0].mean_u_deg is None
+    Logbook(tmp_path / 'l').write(rows)
+    assert Logbook(tmp_path / 'l').read() == rows
+
+
+def test_earlier_runs_come_first(rng):
+    verdict = judge(rng, n=3600, **{'runs.every_h': 0.2, 'runs.keep': 2})
+    rows = make_rows(verdict, earlier=judge(rng, n=300).runs)
+    assert [row.start_ns for row in rows] == sorted(row.start_ns for row in rows)
+    assert len(rows) == len(verdict.runs) + 1
