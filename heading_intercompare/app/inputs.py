@@ -20,13 +20,14 @@ from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pairing.pending_readings import is_rising
 from heading_intercompare.core.pipeline import Compliance, Intercomparison
-from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
 from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
 from heading_intercompare.messages.status_messages import STATUS_TYPE
 
+from .bag_losses import BagLosses
 from .run_table import RunTable
 
 __all__ = ['analyze_input', 'sha256']
@@ -142,7 +143,14 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
     if settings.alignment.skew == 'apply':
         kept = {ts: [], rs: []}
     n = 0
-    for chunk in reader.headings(conventions, helpers):
+    lost: list[tuple[LedgerKey, Losses]] = []
+
+    def lose(key: LedgerKey, losses: Losses) -> None:
+        comparison.lose(key, losses)
+        if kept:
+            lost.append((key, losses))
+    told = BagLosses(reader, {ts: 'ts', rs: 'rs'}, lose)
+    for chunk in reader.headings(conventions, helpers, told.take):
         for topic, chunks in kept.items():
             chunks.append(chunk[topic])
         pairs = comparison.update(ts=chunk[ts], rs=chunk[rs])
@@ -151,15 +159,17 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
             take(pairs)
         progress(f'{n:,} headings')
     start_digest()
+    told.read_told()
+    told.finish(comparison.pairer.ledger.newest_ns)
     pairs = comparison.finish()
     for take in takers:
         take(pairs)
-    lost = tell_missing(reader.metadata().get(RECORDING, {}))
-    notes = [f'{name}: {why}' for why in (reader.incomplete, reader.recovered, lost) if why]
+    missing = tell_missing(reader.metadata().get(RECORDING, {}))
+    notes = [f'{name}: {why}' for why in (reader.incomplete, reader.recovered, missing) if why]
     results = comparison.results()
     if kept:
         results = judge_aligned(Headings.concatenate(kept[ts]), Headings.concatenate(kept[rs]),
-                                results, settings, source=name)
+                                results, settings, source=name, lost=lost)
     return results, notes, comparison.pairer.ledger
 
 

@@ -27,7 +27,7 @@ from heading_intercompare.core.verdict.judge import (
 from heading_intercompare.core.verdict.verdict_document import Input, Verdict
 
 from .outcome import Outcome, worst
-from .records import Headings, Pairs
+from .records import Headings, Losses, Pairs
 from .settings import Settings
 
 __all__ = ['Compliance', 'Intercomparison', 'join']
@@ -191,7 +191,7 @@ class Compliance:
             # The run in progress also has a share, though it is not among the results yet.
             in_progress = [] if self._run is None else [self._run.cut_ns]
             shares = ledger.shares([*self.cuts, *in_progress])
-            inside = [ledger.count_between(cut_ns, r.verdict.end_ns)
+            inside = [ledger.count_between(r.verdict.start_ns, r.verdict.end_ns, cut_ns)
                       for r, cut_ns in self._finished]
         short = (f'{self._n_short} pieces shorter than runs.min_duration_s were left out',) \
             if self._n_short else ()
@@ -262,8 +262,8 @@ class Intercomparison:
         self.compliance = Compliance(settings, source=source, table=table)
         self.pairer = Pairer(settings)
         for start_ns, stop_ns in table or ():
-            self.pairer.ledger.cut(start_ns)
-            self.pairer.ledger.cut(stop_ns)
+            self.pairer.ledger.cut_run(start_ns)
+            self.pairer.ledger.cut_run(stop_ns)
 
     def update(self, ts: Headings | None = None, rs: Headings | None = None) -> Pairs:
         """Take readings; return the pairs that they complete."""
@@ -271,9 +271,13 @@ class Intercomparison:
         self.compliance.update(pairs)
         return pairs
 
+    def lose(self, key: LedgerKey, losses: Losses) -> None:
+        """Count readings that never came; see `Pairer.lose`."""
+        self.pairer.lose(key, losses)
+
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Start or stop a run after the pair with this stamp."""
-        self.pairer.ledger.cut(stamp_ns + 1)
+        self.pairer.ledger.cut_run(stamp_ns + 1)
         self.compliance.mark(kind, stamp_ns)
 
     def finish(self) -> Pairs:

@@ -7,10 +7,11 @@ __all__ = ['RULE_VERSION', 'VERSION']
 #: setup.py reads it here, and bags state it.
 VERSION = '0.1.0'
 
-RULE_VERSION = 2
+RULE_VERSION = 3
 """
 Increased whenever the same readings and settings may give another outcome, bound or limit.
 
 Version 1 had a gate and a choice of estimators (``risk.method``); version 2 has the spectrum of
-the squares and binding findings. ``docs/risk.md`` describes the current version.
+the squares and binding findings; version 3 judges the readings lost on the way and at the source.
+``docs/risk.md`` describes the current version.
 """

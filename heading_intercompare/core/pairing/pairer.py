@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from heading_intercompare.core.angles import wrap180, wrap360
-from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.settings import Settings
 
 from .direction import Direction
@@ -102,6 +102,23 @@ class Pairer:
             self._expire(now_s - self._max_wait_s)
         self._forget()
         return pairs
+
+    def lose(self, key: LedgerKey, losses: Losses) -> None:
+        """
+        Count readings that never came; they may be told before or after the readings around them.
+
+        Parameters
+        ----------
+        key : LedgerKey
+            Whose readings, and where they were lost; or a rejection by the driver.
+        losses : Losses
+            How many are missing in each gap. They count at the stamp of the first reading after
+            the gap, unless the gap is so long that it ends a run: then they count in its middle,
+            between the runs.
+
+        """
+        stream = self._ts if key.stream == 'ts' else self._rs
+        stream.lose(key, losses, self._run_gap_ns)
 
     def flush(self) -> Pairs:
         """End both streams: decide all waiting readings and return the last pairs."""

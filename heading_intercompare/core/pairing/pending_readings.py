@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from heading_intercompare.core.angles import wrap360
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Losses
 
 from .ledger import Ledger, LedgerKey
 
@@ -98,6 +98,14 @@ class Stream:
         if fails.any():
             self.ledger.add(LedgerKey.of_rejected(self.name, reason), stamp[fails] - self.shift_ns)
         return passes if among is None else among & passes
+
+    def lose(self, key: LedgerKey, losses: Losses, run_gap_ns: int) -> None:
+        """Count readings that were lost, each gap where the run is in which it happened."""
+        stamp_ns: np.ndarray = losses.stamp_ns
+        gap_ns = np.where(losses.since_ns > 0, stamp_ns - losses.since_ns, 0)
+        # A gap that ends a run belongs to neither that run nor the next.
+        at_ns = np.where(gap_ns > run_gap_ns, stamp_ns - gap_ns // 2, stamp_ns)
+        self.ledger.lose(key, at_ns - self.shift_ns, losses.count)
 
     def release(self, n: int) -> np.ndarray:
         """Record and drop the n oldest readings; return their stamps."""

@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, is_dataclass, replace
-import math
+from dataclasses import dataclass, field, replace
 import re
 from typing import Any, Callable, Iterable, Mapping, Sequence, TYPE_CHECKING
 
@@ -32,17 +31,18 @@ from heading_intercompare.core.version import RULE_VERSION, VERSION
 
 from .conclusion import campaign_words
 from .headline import compose_headline
-from .typed_reader import is_left_out, leave_out_none, read_plain, VerdictError
+from .typed_reader import leave_out_none, make_plain, read_plain, VerdictError
 from .validity import Finding, gravest
 
 if TYPE_CHECKING:
     import pandas
 
-__all__ = ['Campaign', 'Input', 'make_plain', 'OperatorNote', 'PairingFigures', 'RejectedReadings',
-           'RunVerdict', 'SCHEMA', 'SCHEMA_VERSION', 'Software', 'Verdict', 'VerdictError']
+__all__ = ['Campaign', 'Input', 'LostReadings', 'OperatorNote', 'PairingFigures',
+           'RejectedReadings', 'RunVerdict', 'SCHEMA', 'SCHEMA_VERSION', 'Software', 'Verdict',
+           'VerdictError']
 
 _SCHEMA = 'heading_intercompare/verdict/'
-SCHEMA_VERSION = '2.1'
+SCHEMA_VERSION = '2.2'
 """
 Major and minor version of the mapping.
 
@@ -56,33 +56,17 @@ _VERSION = re.compile(r'([1-9][0-9]{0,8})\.([0-9]{1,9})', re.ASCII)
 _AGAIN = 'judge the recordings again, with `analyze` or `rejudge`'
 
 
-def make_plain(value: Any) -> Any:
-    """
-    Return a value in a form that JSON can hold.
-
-    Dataclasses become dictionaries in the order of their fields, outcomes become words, tuples
-    become lists, and a number that is not finite becomes None. `read_plain` reverses this.
-    """
-    if is_dataclass(value) and not isinstance(value, type):
-        return {f.name: make_plain(getattr(value, f.name)) for f in fields(value)
-                if not is_left_out(f, getattr(value, f.name))}
-    if isinstance(value, Outcome):
-        return value.value
-    if isinstance(value, Mapping):
-        return {str(k): make_plain(v) for k, v in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [make_plain(v) for v in value]
-    if isinstance(value, (bool, str)) or value is None:
-        return value
-    if isinstance(value, int):
-        return int(value)
-    number = float(value)
-    return number if math.isfinite(number) else None
-
-
 @dataclass(frozen=True, slots=True)
 class RejectedReadings:
     """Counts of the readings of each sensor rejected before pairing, by reason."""
+
+    ts: Mapping[str, int]
+    rs: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class LostReadings:
+    """Counts of the readings of each sensor that were sent and never came, by where."""
 
     ts: Mapping[str, int]
     rs: Mapping[str, int]
@@ -105,6 +89,8 @@ class PairingFigures:
     max_lag_s: float | None
     rs_variance_factor: float | None
     ts_variance_factor: float | None
+    #: None in verdicts of version 2.1 and before.
+    lost: LostReadings | None = leave_out_none()
 
     def find_interpolated(self, method: str) -> str | None:
         """Return the sensor, 'ts' or 'rs', that a method interpolated; None for none or both."""
@@ -130,7 +116,8 @@ class PairingFigures:
                    rs_unused=counts.get(LedgerKey.RS_UNUSED, 0),
                    rejected=RejectedReadings(share.rejected('ts'), share.rejected('rs')),
                    mean_lag_s=mean_lag_s, max_lag_s=max_lag_s,
-                   rs_variance_factor=rs_variance_factor, ts_variance_factor=ts_variance_factor)
+                   rs_variance_factor=rs_variance_factor, ts_variance_factor=ts_variance_factor,
+                   lost=LostReadings(share.lost('ts'), share.lost('rs')))
 
 
 @dataclass(frozen=True, slots=True)

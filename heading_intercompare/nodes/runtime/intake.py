@@ -17,6 +17,8 @@ from rclpy.qos import (
 from rclpy.subscription import Subscription
 
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
+from heading_intercompare.core.records import Losses
+from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
 from heading_intercompare.nodes.ros.parameters import resolve_topic
@@ -50,6 +52,8 @@ class Intake:
         More than one publisher is an error.
     needed : bool
         A missing publisher is a warning.
+    stamped : bool
+        The messages begin with a header, so `take_losses` can say where some are missing.
 
     Attributes
     ----------
@@ -82,7 +86,8 @@ class Intake:
 
     def __init__(self, node: Node, topic: str, types: Mapping[str, type], qos: QoSProfile,
                  health: Health, *, unreliable: QoSProfile | None = None,
-                 stale_s: float | None = None, sole: bool = True, needed: bool = True) -> None:
+                 stale_s: float | None = None, sole: bool = True, needed: bool = True,
+                 stamped: bool = False) -> None:
         self._node, self._topic, self._types = node, topic, types
         self._reliable, self._unreliable, self._qos = qos, unreliable, qos
         self._health, self._stale_s, self._sole, self._needed = health, stale_s, sole, needed
@@ -97,7 +102,8 @@ class Intake:
         self.resubscribed = 0
         self._left: list[tuple[bytes, Mapping[str, int]]] = []
         self._why_refused = ''
-        self._numbering = Numbering()
+        self._numbering, self._stamped = Numbering(), stamped
+        self._losses: list[Losses] = []
         health.add_refresher(self._note)
 
     def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
@@ -109,13 +115,22 @@ class Intake:
             taken += take_all(self._subscription)
         if taken:
             numbers = [info['publication_sequence_number'] for _, info in taken]
-            self._numbering.take(numbers)
+            if self._stamped:
+                self._losses.append(self._numbering.take(
+                    numbers, [header_stamp_ns(message) for message, _ in taken]))
+            else:
+                self._numbering.take(numbers)
             self.last_sequence = numbers[-1]
             self.received += len(taken)
             info = taken[-1][1]
             self._newest_s = time.monotonic()
             self._latency_s = (info['received_timestamp'] - info['source_timestamp']) / 1e9
         return taken
+
+    def take_losses(self) -> Losses:
+        """Return the gaps among the messages taken since the last call, at their stamps."""
+        losses, self._losses = Losses.concatenate(self._losses), []
+        return losses
 
     def refuse(self, problems: Sequence[str]) -> None:
         """Count messages that could not be read, given what is wrong with each."""

@@ -18,6 +18,7 @@ from heading_intercompare.bags.rosbag2.provenance import (
 )
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.ledger_messages import lost_topic
 from heading_intercompare.messages.marks import MARKER_TOPIC
 from heading_intercompare.messages.texts import decode_text
 from heading_intercompare.nodes.ros import qos
@@ -76,6 +77,8 @@ def make_intakes(node: Node, settings: Settings, health: Health) -> dict[str, Re
     if resolve_topic(node, TRUTH_TOPIC) not in [resolve_topic(node, topic) for topic in headings]:
         # First: nobody waits for it, but its subscription must be there when the headings start.
         rows.insert(0, (TRUTH_TOPIC, TRUTH_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, False))
+    rows += [(lost_topic(resolve_topic(node, topic)), STATUS_TYPES, qos.LOST, qos.LOST, False)
+             for topic in headings]
     return {topic: Recorded(_offer(offered), Intake(
         node, topic, types, taken, health, sole=False, needed=expected,
         unreliable=qos.HEADINGS_UNRELIABLE if taken is qos.HEADINGS_IN else None), expected)

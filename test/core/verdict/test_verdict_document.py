@@ -133,9 +133,11 @@ def name_of(path: tuple) -> str:
 
 def test_whatever_key_is_missing_is_named():
     mapping = judged(2).to_dict()
-    free = {('campaign', 'runs_by_outcome'), ('runs', 0, 'pairing', 'rejected')}
+    free = {('campaign', 'runs_by_outcome'), ('runs', 0, 'pairing', 'rejected'),
+            ('runs', 0, 'pairing', 'lost')}
     ways = [path for path in keys(mapping) if path[:-1] not in free]
     ways.remove(('schema_version',))  # without it the verdict is one of 2.0
+    ways.remove(('runs', 0, 'pairing', 'lost'))  # without it of 2.1
     assert len(ways) > 250
     for path in ways:
         less = copy.deepcopy(mapping)
