@@ -84,13 +84,15 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
             digest.append(beside.submit(sha256, path))
         if Path(path).suffix == '.csv':
             bag = None
-            results, notes, ledger = _analyze_csv(path, name, settings, runs, takers, progress,
-                                                  start_digest)
+            results, problems, ledger = _analyze_csv(path, name, settings, runs, takers, progress,
+                                                     start_digest)
         else:
             bag = BagReader(path)
-            results, notes, ledger = _analyze_bag(bag, name, settings, runs, takers, progress,
-                                                  start_digest, helpers)
-        described = _describe(bag, name, settings, digest[0].result())
+            results, problems, ledger = _analyze_bag(bag, name, settings, runs, takers, progress,
+                                                     start_digest, helpers)
+        described = replace(_describe(bag, name, settings, digest[0].result()),
+                            ledger_problems=problems or None)
+    notes = [f'{name}: {problem}' for problem in problems]
     if not results:
         described = replace(described, no_run=_say_why_no_run(ledger, settings, runs))
         notes.append(f'{name}: no run: {described.no_run}')
@@ -100,7 +102,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
 def _analyze_csv(path: str, name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
-                 start_digest: Callable[[], None]) -> tuple[list[RunResult], list[str], Ledger]:
+                 start_digest: Callable[[], None],
+                 ) -> tuple[list[RunResult], tuple[str, ...], Ledger]:
     compliance = Compliance(settings, source=name, table=runs)
     ledger = Ledger()
     n, newest_ns = 0, None
@@ -125,14 +128,14 @@ def _analyze_csv(path: str, name: str, settings: Settings,
     compliance.finish()
     for cut_ns in compliance.cuts:
         ledger.cut(cut_ns)
-    return compliance.results(ledger), [], ledger
+    return compliance.results(ledger), (), ledger
 
 
 def _analyze_bag(reader: BagReader, name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                  start_digest: Callable[[], None],
-                 helpers: int) -> tuple[list[RunResult], list[str], Ledger]:
+                 helpers: int) -> tuple[list[RunResult], tuple[str, ...], Ledger]:
     comparison = Intercomparison(settings, source=name, table=runs)
     ts, rs = settings.ts_topic, settings.rs_topic
     conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
@@ -165,12 +168,12 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
     for take in takers:
         take(pairs)
     missing = tell_missing(reader.metadata().get(RECORDING, {}))
-    notes = [f'{name}: {why}' for why in (reader.incomplete, reader.recovered, missing) if why]
+    problems = tuple(why for why in (reader.incomplete, reader.recovered, missing) if why)
     results = comparison.results()
     if kept:
         results = judge_aligned(Headings.concatenate(kept[ts]), Headings.concatenate(kept[rs]),
                                 results, settings, source=name, lost=lost)
-    return results, notes, comparison.pairer.ledger
+    return results, problems, comparison.pairer.ledger
 
 
 def _say_why_no_run(ledger: Ledger, settings: Settings,

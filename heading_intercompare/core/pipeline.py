@@ -191,8 +191,8 @@ class Compliance:
             # The run in progress also has a share, though it is not among the results yet.
             in_progress = [] if self._run is None else [self._run.cut_ns]
             shares = ledger.shares([*self.cuts, *in_progress])
-            inside = [ledger.count_between(r.verdict.start_ns, r.verdict.end_ns, cut_ns)
-                      for r, cut_ns in self._finished]
+            inside = [ledger.count_between(r.start_ns, r.end_ns)
+                      for r in (result.verdict for result in results)]
         short = (f'{self._n_short} pieces shorter than runs.min_duration_s were left out',) \
             if self._n_short else ()
         return [r.with_pairing(share, within, short if at == 0 else ())

@@ -9,7 +9,7 @@ cannot show: the readings that it never published.
 
 from __future__ import annotations
 
-from typing import Iterator, Mapping
+from typing import Iterator, Mapping, NamedTuple
 
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.records import Losses
@@ -17,8 +17,8 @@ from heading_intercompare.core.records import Losses
 from .errors import MessageError
 from .status_messages import decode_statuses, encode_statuses, OK, Status
 
-__all__ = ['decode_ledger', 'decode_losses', 'encode_ledger', 'encode_losses', 'LOST_AS',
-           'lost_topic']
+__all__ = ['decode_ledger', 'decode_losses', 'encode_ledger', 'encode_losses', 'LedgerMessage',
+           'LOST_AS', 'lost_topic']
 
 LOST_AS = ('lost.on_the_way', 'lost.at_source', 'rejected.burst')
 """What may have become of the readings: the keys of the ledger without the sensor."""
@@ -29,10 +29,18 @@ _MOST = 2**63
 _SEGMENT = 'segment'
 
 
-def encode_ledger(ledger: Ledger, final: bool = False) -> bytes:
+class LedgerMessage(NamedTuple):
+    """A ledger, whether it is the final one, and when its synchronizer was started, UTC ns."""
+
+    ledger: Ledger
+    final: bool
+    started_ns: int
+
+
+def encode_ledger(ledger: Ledger, final: bool = False, started_ns: int = 0) -> bytes:
     """Return a ledger as a message: total, then segments, with the stamp of the newest reading."""
     total = Status('ledger', OK, 'final' if final else 'so far',
-                   {'final': final, **_words(ledger.total)})
+                   {'incarnation_ns': started_ns or None, 'final': final, **_words(ledger.total)})
     segments = [Status(f'{_SEGMENT} {number}', OK, '', {'start_ns': s.start_ns, **_words(s)})
                 for number, s in enumerate(ledger.segments)]
     return encode_statuses(ledger.newest_ns or 0, [total, *segments])
@@ -56,9 +64,9 @@ def _key(word: str) -> LedgerKey:
         raise MessageError(f'ledger: {word[:40]!r} is not a key of a ledger') from None
 
 
-def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
+def decode_ledger(data: bytes) -> LedgerMessage:
     """
-    Return the ledger in a message of `encode_ledger`, and whether it is the final one.
+    Return the ledger in a message of `encode_ledger`.
 
     Raises
     ------
@@ -68,10 +76,11 @@ def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
 
     """
     newest_ns, statuses = decode_statuses(data)
-    segments, final = [], False
+    segments, final, started_ns = [], False, 0
     for one in statuses:
         values = dict(one.values)
         final = final or values.pop('final', '') == 'true'
+        started_ns = _integer('incarnation_ns', values.pop('incarnation_ns', str(started_ns)))
         if one.name.startswith(_SEGMENT):
             counts = {key: _integer(key, text) for key, text in values.items()}
             start_ns = counts.pop('start_ns', None)
@@ -79,7 +88,7 @@ def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
                 start_ns, {_key(word): n for word, n in counts.items()}))
     if any(segment.start_ns is None for segment in segments[1:]):
         raise MessageError('ledger: a segment after the first has no start_ns')
-    return Ledger.from_segments(segments, newest_ns or None), final
+    return LedgerMessage(Ledger.from_segments(segments, newest_ns or None), final, started_ns)
 
 
 def lost_topic(heading_topic: str) -> str:

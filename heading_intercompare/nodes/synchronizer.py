@@ -54,6 +54,8 @@ class Synchronizer(Node):
         super().__init__('synchronizer', **OVERRIDES, **kwargs)
         settings, taking, self._own = declare(self, Settings, Taking, SynchronizerNode)
         self.ended = False
+        # Its ledger counts from 0, so it has a name: those of all starts add up.
+        self._started_ns = time.time_ns()
         self._pairer = Pairer(settings)
         self._health = Health(self)
         self._pairs = self.create_publisher(TwistStamped, 'pairs', qos.PAIRS,
@@ -118,7 +120,7 @@ class Synchronizer(Node):
         return headings
 
     def _beat(self) -> None:
-        self._ledger.publish(encode_ledger(self._pairer.ledger, final=self.ended))
+        self._ledger.publish(encode_ledger(self._pairer.ledger, self.ended, self._started_ns))
         counts = self._pairer.ledger.total.counts
         rejected = sum(n for key, n in counts.items() if 'rejected' in key)
         self._health.note('pairing', WARN if rejected else OK,

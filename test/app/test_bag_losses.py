@@ -8,7 +8,7 @@ from mcap.writer import Writer
 import numpy as np
 import pytest
 
-from heading_intercompare import Headings, judge_bags, Settings
+from heading_intercompare import Headings, judge_bags, Settings, Verdict
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import RECORD
@@ -163,3 +163,17 @@ def test_the_rows_are_the_same_however_the_bag_is_decoded(tmp_path, helpers, mon
     gaps = np.flatnonzero(np.diff(kept) > 1)
     assert rows == Losses.of(STAMPS[kept[gaps + 1]], STAMPS[kept[gaps]],
                              np.diff(kept)[gaps] - 1)
+
+
+def test_a_recording_that_lacks_messages_says_so_in_its_ledger(tmp_path):
+    whole = judge_bags([write(tmp_path / 'whole', some(6000))], SETTINGS).verdict
+    assert (whole.ledger_complete, whole.ledger_problems) == (True, ())
+    path = write(tmp_path / 'bag', np.arange(5000), recording={'not_written./rs/heading': 900})
+    found = judge_bags([path], SETTINGS)
+    assert found.verdict.ledger_complete is False
+    assert found.verdict.ledger_problems == (f'{path}: 900 messages received but not written',)
+    assert found.notes == found.verdict.ledger_problems
+    again = Verdict.from_dict(found.verdict.to_dict())
+    assert again.to_dict() == found.verdict.to_dict()
+    for words in ('the ledger is not complete', '900 messages received but not written'):
+        assert words in str(found.verdict) and words in found.verdict._repr_html_()

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 __all__ = ['Ledger', 'LedgerKey', 'LedgerSegment', 'LOSSES', 'REASONS']
 
 REASONS = ('invalid', 'out_of_range', 'no_stamp', 'stamp_not_increasing', 'burst')
-"""Reasons to reject a reading before pairing; `burst`: by its driver, without a stamp of its own."""
+"""Reasons to reject a reading before pairing; its driver rejects a `burst`."""
 
 LOSSES = ('on_the_way', 'at_source')
 """Where a reading was lost: from publisher to subscriber, or before the driver read it."""
@@ -298,8 +298,7 @@ class Ledger:
         total = self.total
         return {s: self._received[s] - total.received(s) for s in ('ts', 'rs')}
 
-    def count_between(self, start_ns: int, end_ns: int,
-                      cut_ns: int | None = None) -> LedgerSegment:
+    def count_between(self, start_ns: int, end_ns: int) -> LedgerSegment:
         """
         Return the counts from the first pair of a run to its last one.
 
@@ -307,19 +306,15 @@ class Ledger:
         ----------
         start_ns, end_ns : int
             Stamps of its first and of its last pair.
-        cut_ns : int, optional
-            Stamp of the cut that opened the run, if that was not at its first pair.
 
         Returns
         -------
         LedgerSegment
-            The counts of the segments that start from `start_ns`, or from the last cut of the run
-            before it, up to `end_ns`; without pending readings.
+            The counts of the segments from the last one that starts at or before `start_ns` to
+            the last one that starts at or before `end_ns`; without pending readings.
 
         """
-        first_ns = start_ns if cut_ns is None else cut_ns
-        first_ns = max((s for s in self._starts.tolist() if first_ns <= s <= start_ns),
-                       default=first_ns)
+        first_ns = max((s for s in self._starts.tolist() if s <= start_ns), default=start_ns)
         counts: Counter[LedgerKey] = Counter()
         for segment in self.segments:
             if segment.start_ns is not None and first_ns <= segment.start_ns <= end_ns:

@@ -254,6 +254,8 @@ class Input:
         Why it gave no run, and the fate of its readings.
     same_as : str or None
         Path of an earlier input with the same data.
+    ledger_problems : tuple of str, or None
+        Why its readings are not all accounted for.
 
     """
 
@@ -265,6 +267,7 @@ class Input:
     error: str | None = leave_out_none()
     no_run: str | None = leave_out_none()
     same_as: str | None = leave_out_none()
+    ledger_problems: tuple[str, ...] | None = leave_out_none()
 
     @property
     def why_no_run(self) -> str | None:
@@ -306,6 +309,8 @@ class Verdict:
         The software that judged.
     rule_version : int or None
         Version of the decision rule, see `RULE_VERSION`; None in verdicts older than that.
+    ledger_problems : sequence of str or None
+        Sentences that say why the ledger is not complete; None if unknown, before 2.2.
     settings_sha256 : str
         Hash of the settings, see the function `settings_sha256`.
 
@@ -321,6 +326,12 @@ class Verdict:
     runs: Sequence[RunVerdict]
     software: Software = field(default_factory=Software)
     rule_version: int | None = RULE_VERSION
+    ledger_problems: Sequence[str] | None = leave_out_none()
+
+    @property
+    def ledger_complete(self) -> bool | None:
+        """Whether the ledger accounts for every reading; None if unknown."""
+        return None if self.ledger_problems is None else not self.ledger_problems
 
     @property
     def settings_sha256(self) -> str:
@@ -339,9 +350,11 @@ class Verdict:
                         for r in runs for f in r.validity]
             why = campaign_words(campaign.reason, [(r.run, r.outcome, r.reason) for r in runs])
             line = compose_headline(outcome, findings, coverage, why)
+        problems = tuple(f'{given.path}: {problem}' for given in inputs
+                         for problem in given.ledger_problems or ())
         return cls(outcome, line, gravest(r.validity_effect for r in runs),
                    worst(r.paper_outcome for r in runs), settings, tuple(inputs), campaign,
-                   tuple(runs))
+                   tuple(runs), ledger_problems=problems)
 
     def __str__(self) -> str:
         """Return the table that the command line prints."""
@@ -384,6 +397,9 @@ class Verdict:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the verdict as plain dictionaries and lists, ready for JSON."""
+        ledger = {} if self.ledger_problems is None else {
+            'ledger_complete': self.ledger_complete,
+            'ledger_problems': make_plain(self.ledger_problems)}
         return {
             'schema': SCHEMA,
             'schema_version': SCHEMA_VERSION,
@@ -396,6 +412,7 @@ class Verdict:
             'settings_sha256': self.settings_sha256,
             'settings': make_plain(self.settings.to_mapping()),
             'inputs': make_plain(self.inputs),
+            **ledger,
             'campaign': make_plain(self.campaign),
             'runs': make_plain(self.runs),
         }
@@ -433,6 +450,10 @@ class Verdict:
             if of_2_0:
                 raise VerdictError(f'{error}; if an earlier version wrote it, {_AGAIN}') from error
             raise
+        if (told := mapping.get('ledger_complete', verdict.ledger_complete)
+                ) is not verdict.ledger_complete:
+            raise VerdictError(f'ledger_complete = {told!r:.70}: must be '
+                               f'{make_plain(verdict.ledger_complete)!r} by ledger_problems')
         if 'settings_sha256' not in mapping and not of_2_0:
             raise VerdictError('settings_sha256 is missing')
         if (found := mapping.get('settings_sha256', verdict.settings_sha256)

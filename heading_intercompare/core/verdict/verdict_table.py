@@ -119,6 +119,8 @@ def _reasons(verdict: Verdict) -> Iterator[tuple[str, list[str]]]:
                   for look in run.looks]
         found += [f'warning: {warning}' for warning in run.warnings]
         yield f'run {run.run}{of}: {REASON_WORDS.get(run.reason, run.reason)}', found
+    if verdict.ledger_problems:
+        yield 'the ledger is not complete:', list(verdict.ledger_problems)
     missing = [f'not judged: {given.path}: {given.why_no_run}' for given in verdict.inputs
                if given.why_no_run]
     for line in missing if missing or verdict.runs else [NO_RUN]:

@@ -143,6 +143,11 @@ class Intake:
         """Messages lost on the way, by their publishers' sequence numbers."""
         return self._numbering.missing
 
+    @property
+    def before(self) -> int:
+        """Messages that the first publisher had sent before the first one that was taken."""
+        return max(0, (self._numbering.first or 1) - 1)
+
     def look(self) -> str:
         """Look for publishers and subscribe to their type; return what is wrong, '' if nothing."""
         self.publishers = self._node.count_publishers(self.full_name)
