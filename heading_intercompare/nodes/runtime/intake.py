@@ -54,6 +54,8 @@ class Intake:
         A missing publisher is a warning.
     stamped : bool
         The messages begin with a header, so `take_losses` can say where some are missing.
+    counted : bool
+        Count what is missing; not where any number of publishers may come and go.
 
     Attributes
     ----------
@@ -69,6 +71,8 @@ class Intake:
         Publishers seen at the last `look`.
     resubscribed : int
         How often the subscription was made again for a best-effort publisher that joined.
+    counted : bool
+        Messages that are missing are counted.
     open : bool
         Subscribe when a publisher is seen. While this is False, no subscription is made.
 
@@ -87,7 +91,7 @@ class Intake:
     def __init__(self, node: Node, topic: str, types: Mapping[str, type], qos: QoSProfile,
                  health: Health, *, unreliable: QoSProfile | None = None,
                  stale_s: float | None = None, sole: bool = True, needed: bool = True,
-                 stamped: bool = False) -> None:
+                 stamped: bool = False, counted: bool = True) -> None:
         self._node, self._topic, self._types = node, topic, types
         self._reliable, self._unreliable, self._qos = qos, unreliable, qos
         self._health, self._stale_s, self._sole, self._needed = health, stale_s, sole, needed
@@ -102,7 +106,7 @@ class Intake:
         self.resubscribed = 0
         self._left: list[tuple[bytes, Mapping[str, int]]] = []
         self._why_refused = ''
-        self._numbering, self._stamped = Numbering(), stamped
+        self._numbering, self._stamped, self.counted = Numbering(), stamped, counted
         self._losses: list[Losses] = []
         health.add_refresher(self._note)
 
@@ -118,7 +122,7 @@ class Intake:
             if self._stamped:
                 self._losses.append(self._numbering.take(
                     numbers, [header_stamp_ns(message) for message, _ in taken]))
-            else:
+            elif self.counted:
                 self._numbering.take(numbers)
             self.last_sequence = numbers[-1]
             self.received += len(taken)

@@ -5,12 +5,13 @@
 from __future__ import annotations
 
 import json
-from typing import NamedTuple
+from typing import Mapping, NamedTuple
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
+from heading_intercompare.bags.rosbag2.part_states import DIAGNOSTICS_TOPIC, PartStates
 from heading_intercompare.bags.rosbag2.provenance import (
     NOTE_TOPIC,
     REPORT_TOPIC,
@@ -62,8 +63,28 @@ def _offer(profile: QoSProfile) -> Qos:
     return Qos(depth=profile.depth, durability='transient_local' if kept else 'volatile')
 
 
-def make_intakes(node: Node, settings: Settings, health: Health) -> dict[str, Recorded]:
-    """Return the topics by name: those of the graph, the true heading if there is one, notes."""
+class _Diagnostics(Intake):
+    """The states of all nodes: what is new, and now and then what is not."""
+
+    def __init__(self, node: Node, health: Health, states: PartStates) -> None:
+        super().__init__(node, DIAGNOSTICS_TOPIC, STATUS_TYPES, qos.DIAGNOSTICS_IN, health,
+                         unreliable=qos.HEADINGS_UNRELIABLE, sole=False, needed=False,
+                         counted=False)
+        self._states = states
+
+    def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
+        """Return the messages to record, without numbers: what is left out is not lost."""
+        return [(data, {**info, 'publication_sequence_number': 0}) for data, info in super().take()
+                if self._states.take(data, info['received_timestamp'])]
+
+
+def make_intakes(node: Node, settings: Settings, health: Health,
+                 states: PartStates) -> dict[str, Recorded]:
+    """
+    Return the topics by name.
+
+    Those of the graph, the true heading if there is one, notes, and the diagnostics if wanted.
+    """
     rows = [
         (settings.ts_topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True),
         (settings.rs_topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True),
@@ -79,10 +100,14 @@ def make_intakes(node: Node, settings: Settings, health: Health) -> dict[str, Re
         rows.insert(0, (TRUTH_TOPIC, TRUTH_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, False))
     rows += [(lost_topic(resolve_topic(node, topic)), STATUS_TYPES, qos.LOST, qos.LOST, False)
              for topic in headings]
-    return {topic: Recorded(_offer(offered), Intake(
+    found = {topic: Recorded(_offer(offered), Intake(
         node, topic, types, taken, health, sole=False, needed=expected,
         unreliable=qos.HEADINGS_UNRELIABLE if taken is qos.HEADINGS_IN else None), expected)
         for topic, types, taken, offered, expected in rows}
+    if states.kept:
+        found[DIAGNOSTICS_TOPIC] = Recorded(_offer(qos.STATUS), _Diagnostics(node, health, states),
+                                            False)
+    return found
 
 
 def text_of(data: bytes) -> str:
