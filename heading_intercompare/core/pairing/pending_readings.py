@@ -71,7 +71,7 @@ class Stream:
         stamp: np.ndarray = headings.stamp_ns
         heading = headings.heading_deg
         self.ledger.receive(self.name, stamp)
-        good = self._reject('no_stamp', stamp > 0, stamp)
+        good = self._reject('no_stamp', stamp > 0, self._place_unstamped(stamp, heading))
         good = self._reject('invalid', np.isfinite(heading), stamp, good)
         good = self._reject('out_of_range', (heading >= 0.0) & (heading <= 360.0), stamp, good)
         stamp, heading = stamp[good] - self.shift_ns, heading[good]
@@ -91,6 +91,15 @@ class Stream:
             broken[0], self._lost = self._lost, False
             self.broken = np.concatenate((self.broken, broken))
         return stamp
+
+    def _place_unstamped(self, stamp: np.ndarray, heading: np.ndarray) -> np.ndarray:
+        """Return where to count readings: those without a stamp at the last accepted one."""
+        if (stamp > 0).all():
+            return stamp
+        usable = (stamp > 0) & (heading >= 0.0) & (heading <= 360.0)
+        before = np.concatenate(([self.last_ns], np.where(usable, stamp - self.shift_ns, NEVER)))
+        newest = np.maximum.accumulate(before)[:-1]
+        return np.where((stamp > 0) | (newest == NEVER), stamp, newest + self.shift_ns)
 
     def _reject(self, reason: str, passes: np.ndarray, stamp: np.ndarray,
                 among: np.ndarray | None = None) -> np.ndarray:

@@ -164,3 +164,26 @@ def test_a_sensor_that_starts_earlier_and_goes_on_later_is_no_loss(rng, how, ear
     run, = comparison.verdict().runs
     assert run.n == 12_000
     assert losses_of(run).effect == 'holds', losses_of(run)
+
+
+@pytest.mark.parametrize('size', [1, 7, 12_000])
+@pytest.mark.parametrize('share, effect', [(0.05, 'holds'), (0.2, 'doubtful'), (0.6, 'void')])
+def test_readings_without_a_stamp_count_in_the_run_in_which_they_came(rng, size, share, effect):
+    """They fell before all runs, so an RS that stamps 4 of 10 readings was without doubt."""
+    stamps = np.arange(1, 12_001) * STEP_NS
+    unstamped = rng.permutation(12_000) < round(12_000 * share)
+    unstamped[0] = False
+    if size < 12_000:
+        stamps, unstamped = stamps[:1500], unstamped[:1500]
+    rs = noisy(rng, stamps, 0.05)
+    rs = Headings.of(np.where(unstamped, 0, stamps), rs.heading_deg)
+    ts = noisy(rng, stamps)
+    comparison = Intercomparison(RULE)
+    for lo in range(0, len(stamps), size):
+        comparison.update(ts[lo:lo + size], rs[lo:lo + size])
+    comparison.finish()
+    run, = comparison.verdict().runs
+    ledger = comparison.pairer.ledger
+    assert ledger.segments[0].counts == {} and ledger.balance() == {'ts': 0, 'rs': 0}
+    assert run.pairing.rejected.rs == {'no_stamp': int(unstamped.sum())}
+    assert losses_of(run).effect == effect
