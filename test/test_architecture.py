@@ -92,7 +92,7 @@ TESTS_OF_SEVERAL = {
     'bags/rosbag2/test_third_parties', 'bags/test_fuzz', 'cli/test_bag_commands',
     'cli/test_catalogue', 'cli/test_former_files', 'cli/test_origin', 'cli/test_outputs',
     'cli/test_real_logs', 'cli/test_usage', 'cli/test_without_extras',
-    'core/test_pipeline_over_days',
+    'core/test_pipeline_over_days', 'core/pairing/test_lost_readings',
     'messages/test_against_rclpy',
     'nodes/test_graph_processes', 'nodes/test_launch', 'nodes/test_real_logs_over_udp',
     'nodes/test_recorder_process', 'nodes/test_soak',

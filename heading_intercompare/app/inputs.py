@@ -20,19 +20,20 @@ from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pairing.stamp_jumps import Decided, JumpFilter
 from heading_intercompare.core.pipeline import Compliance, Intercomparison
-from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
 from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
 from heading_intercompare.messages.status_messages import STATUS_TYPE
 
+from .bag_losses import BagLosses
 from .run_table import RunTable
 
 __all__ = ['analyze_input', 'sha256']
 
 #: Runs of the verdict, earlier runs, notes, and the ledger.
-_Found = tuple[list[RunResult], list[RunResult], list[str], Ledger]
+_Found = tuple[list[RunResult], list[RunResult], tuple[str, ...], Ledger]
 
 
 def analyze_input(path: str, settings: Settings, table: RunTable | None,
@@ -88,13 +89,15 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
             digest.append(beside.submit(sha256, path))
         if Path(path).suffix == '.csv':
             bag = None
-            results, earlier, notes, ledger = _analyze_csv(
+            results, earlier, problems, ledger = _analyze_csv(
                 path, name, settings, runs, takers, progress, start_digest)
         else:
             bag = BagReader(path)
-            results, earlier, notes, ledger = _analyze_bag(
+            results, earlier, problems, ledger = _analyze_bag(
                 bag, name, settings, runs, takers, progress, start_digest, helpers)
-        described = _describe(bag, name, settings, digest[0].result())
+        described = replace(_describe(bag, name, settings, digest[0].result()),
+                            ledger_problems=problems or None)
+    notes = [f'{name}: {problem}' for problem in problems]
     if not results:
         described = replace(described, no_run=_say_why_no_run(ledger, settings, runs))
         notes.append(f'{name}: no run: {described.no_run}')
@@ -129,7 +132,7 @@ def _analyze_csv(path: str, name: str, settings: Settings,
     compliance.finish()
     for cut_ns in compliance.cuts:
         ledger.cut(cut_ns)
-    return compliance.results(ledger), compliance.take_earlier(), [], ledger
+    return compliance.results(ledger), compliance.take_earlier(), (), ledger
 
 
 def _book_rows(decided: Decided[Pairs], ledger: Ledger) -> None:
@@ -156,7 +159,14 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
     if settings.alignment.skew == 'apply':
         kept = {ts: [], rs: []}
     n = 0
-    for chunk in reader.headings(conventions, helpers):
+    lost: list[tuple[LedgerKey, Losses]] = []
+
+    def lose(key: LedgerKey, losses: Losses) -> None:
+        comparison.lose(key, losses)
+        if kept:
+            lost.append((key, losses))
+    told = BagLosses(reader, {ts: 'ts', rs: 'rs'}, lose)
+    for chunk in reader.headings(conventions, helpers, told.take):
         for topic, chunks in kept.items():
             chunks.append(chunk[topic])
         pairs = comparison.update(ts=chunk[ts], rs=chunk[rs])
@@ -165,16 +175,18 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
             take(pairs)
         progress(f'{n:,} headings')
     start_digest()
+    told.read_told()
+    told.finish(comparison.pairer.ledger.newest_ns)
     pairs = comparison.finish()
     for take in takers:
         take(pairs)
-    lost = tell_missing(reader.metadata().get(RECORDING, {}))
-    notes = [f'{name}: {why}' for why in (reader.incomplete, reader.recovered, lost) if why]
+    missing = tell_missing(reader.metadata().get(RECORDING, {}))
+    problems = tuple(why for why in (reader.incomplete, reader.recovered, missing) if why)
     results = comparison.results()
     if kept:
         results = judge_aligned(Headings.concatenate(kept[ts]), Headings.concatenate(kept[rs]),
-                                results, settings, source=name)
-    return results, comparison.compliance.take_earlier(), notes, comparison.pairer.ledger
+                                results, settings, source=name, lost=lost)
+    return results, comparison.compliance.take_earlier(), problems, comparison.pairer.ledger
 
 
 def _say_why_no_run(ledger: Ledger, settings: Settings,

@@ -7,19 +7,21 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Sequence
 
+from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.timing.skew_scan import Scan, scan_skew
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
 from .pipeline import Intercomparison, join
-from .records import Headings
+from .records import Headings, Losses
 from .settings import Pairing, Settings
 
 __all__ = ['analyze', 'judge_aligned']
 
 
 def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], settings: Settings, *,
-                  source: str = '') -> list[RunResult]:
+                  source: str = '', lost: Sequence[tuple[LedgerKey, Losses]] = (),
+                  ) -> list[RunResult]:
     """
     Remove the time skew of each run, then pair and judge it again.
 
@@ -33,6 +35,8 @@ def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], sett
         The search covers `alignment.skew_range_s` on both sides of `alignment.skew_s`.
     source : str
         Name of the input.
+    lost : sequence of (LedgerKey, Losses)
+        What is missing from it, and how it was lost.
 
     Returns
     -------
@@ -52,11 +56,11 @@ def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], sett
     ``docs/verdict.md``, time skew.
 
     """
-    return [_judge_again(ts, rs, result, settings, source) for result in results]
+    return [_judge_again(ts, rs, result, settings, source, lost) for result in results]
 
 
 def _judge_again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
-                 source: str) -> RunResult:
+                 source: str, lost: Sequence[tuple[LedgerKey, Losses]]) -> RunResult:
     estimate = result.verdict.skew.estimate
     ts, rs = _readings_of(ts, rs, result, settings)
     found = scan_skew(ts, rs, settings.alignment.skew_range_s)
@@ -72,6 +76,10 @@ def _judge_again(ts: Headings, rs: Headings, result: RunResult, settings: Settin
                     runs=replace(settings.runs, stabilization_s=result.stabilization_s))
     comparison = Intercomparison(moved, source=source, table=table)
     comparison.update(ts, rs)
+    for key, losses in lost:
+        within = (losses.stamp_ns >= result.verdict.start_ns) & (
+            losses.stamp_ns <= result.verdict.end_ns)
+        comparison.lose(key, losses[within])
     comparison.finish()
     now = comparison.results()
     if len(now) != 1:

@@ -28,7 +28,7 @@ from heading_intercompare.core.verdict.judge import (
 from heading_intercompare.core.verdict.verdict_document import Input, Verdict
 
 from .outcome import Outcome, worst
-from .records import Headings, Pairs
+from .records import Headings, Losses, Pairs
 from .settings import Settings
 
 __all__ = ['Compliance', 'Intercomparison', 'join']
@@ -210,8 +210,8 @@ class Compliance:
             starts = [*before, *self.cuts, *in_progress]
             shares = ledger.shares(starts)[len(before):]
             set_backs = ledger.share_set_backs(starts)[len(before):]
-            inside = [ledger.count_between(cut_ns, r.verdict.end_ns)
-                      for r, cut_ns in self._finished]
+            inside = [ledger.count_between(r.start_ns, r.end_ns)
+                      for r in (result.verdict for result in results)]
         n = self._leave_earlier()
         rows = [*zip(results, shares, inside, set_backs)]
         self._earlier += [r.with_pairing(share, within).with_set_backs(steps)
@@ -306,8 +306,8 @@ class Intercomparison:
         self.compliance = Compliance(settings, source=source, table=table)
         self.pairer = Pairer(settings)
         for start_ns, stop_ns in table or ():
-            self.pairer.ledger.cut(start_ns)
-            self.pairer.ledger.cut(stop_ns)
+            self.pairer.ledger.cut_run(start_ns)
+            self.pairer.ledger.cut_run(stop_ns)
 
     def update(self, ts: Headings | None = None, rs: Headings | None = None) -> Pairs:
         """Take readings; return the pairs that they complete."""
@@ -315,9 +315,13 @@ class Intercomparison:
         self.compliance.update(pairs)
         return pairs
 
+    def lose(self, key: LedgerKey, losses: Losses) -> None:
+        """Count readings that never came; see `Pairer.lose`."""
+        self.pairer.lose(key, losses)
+
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Start or stop a run after the pair with this stamp."""
-        self.pairer.ledger.cut(stamp_ns + 1)
+        self.pairer.ledger.cut_run(stamp_ns + 1)
         self.compliance.mark(kind, stamp_ns)
 
     def finish(self) -> Pairs:

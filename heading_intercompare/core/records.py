@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The arrays that flow through the package: headings, pairs, differences.
+The arrays that flow through the package: headings, losses, pairs, differences.
 
 Each is a chunk: n >= 0 samples in columns of equal length. No sample travels alone.
 """
@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .utc_text import utc
 
-__all__ = ['Differences', 'Headings', 'Integers', 'Pairs', 'Reals']
+__all__ = ['Differences', 'Headings', 'Integers', 'Losses', 'Pairs', 'Reals']
 
 Reals = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -127,6 +127,38 @@ class Headings(_Columns):
     def of(cls, stamp_ns: ArrayLike, heading_deg: ArrayLike) -> 'Headings':
         """Build a chunk from these columns; stamps must be integers."""
         return cls(_stamps(stamp_ns), _reals(heading_deg))
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Losses(_Columns):
+    """
+    Readings that were sent but did not come as readings, gap by gap.
+
+    Attributes
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamp of the first reading after the gap, nanoseconds: a lost reading has none.
+    since_ns : ndarray of int64, shape (n,)
+        Stamp of the last reading before the gap, nanoseconds; 0 if unknown.
+    count : ndarray of int64, shape (n,)
+        Readings lost in the gap. A negative count takes back an earlier one: later readings
+        showed that nothing was missing there.
+
+    """
+
+    stamp_ns: Integers
+    since_ns: Integers
+    count: Integers
+
+    @classmethod
+    def empty(cls) -> 'Losses':
+        """Return the empty chunk."""
+        return cls.of([], [], [])
+
+    @classmethod
+    def of(cls, stamp_ns: ArrayLike, since_ns: ArrayLike, count: ArrayLike) -> 'Losses':
+        """Build a chunk from these columns, all of integers."""
+        return cls(_stamps(stamp_ns), _stamps(since_ns), _stamps(count))
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -12,6 +12,7 @@ RULE_VERSION = 3
 Increased whenever the same readings and settings may give another outcome, bound or limit.
 
 Version 1 had a gate and a choice of estimators (``risk.method``); version 2 has the spectrum of
-the squares and binding findings; version 3 rejects single stamps that jump, and names clocks that
-were set back. ``docs/risk.md`` describes the current version.
+the squares and binding findings; version 3 judges the readings lost on the way and at the
+source, rejects single stamps that jump, and names clocks that were set back. ``docs/risk.md``
+describes the current version.
 """

@@ -128,6 +128,10 @@ class NmeaDecoder:
         """
         return dict(sorted(self._counts.items()))
 
+    def count(self, reason: str) -> int:
+        """Return how many sentences or lines gave no heading for one reason."""
+        return self._counts[reason]
+
     @property
     def lines(self) -> int:
         """Sentences, and lines without one, seen so far."""

@@ -19,7 +19,8 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'heading_messages': ('decode_headings', 'encode_imu', 'encode_pairs', 'HEADING_TYPES',
                          'IMU', 'imu_messages', 'pair_messages', 'PAIRS_TYPE', 'read_headings',
                          'read_pairs'),
-    'ledger_messages': ('decode_ledger', 'encode_ledger'),
+    'ledger_messages': ('decode_ledger', 'decode_losses', 'encode_ledger', 'encode_losses',
+                        'LOST_AS', 'lost_topic'),
     'marks': ('decode_marks', 'encode_mark', 'MARKER_TOPIC', 'MARKS'),
     'schemas': ('layout_problem', 'Schema', 'schema_of'),
     'stamps': ('encode_clock',),
@@ -47,7 +48,14 @@ if TYPE_CHECKING:
         read_headings as read_headings,
         read_pairs as read_pairs,
     )
-    from .ledger_messages import decode_ledger as decode_ledger, encode_ledger as encode_ledger
+    from .ledger_messages import (
+        decode_ledger as decode_ledger,
+        decode_losses as decode_losses,
+        encode_ledger as encode_ledger,
+        encode_losses as encode_losses,
+        LOST_AS as LOST_AS,
+        lost_topic as lost_topic,
+    )
     from .marks import (
         decode_marks as decode_marks,
         encode_mark as encode_mark,

@@ -1,26 +1,47 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The ledger of a pairing, to a message and back."""
+"""
+The ledger of a pairing, and what a source lost of its readings, to messages and back.
+
+A driver, or a replayer in its place, says on a topic of its own what the numbers of the headings
+cannot show: the readings that it never published.
+"""
 
 from __future__ import annotations
 
-from typing import Mapping
+from typing import Iterator, Mapping, NamedTuple
 
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
+from heading_intercompare.core.records import Losses
 
 from .errors import MessageError
 from .status_messages import decode_statuses, encode_statuses, OK, Status, WARN
 
-__all__ = ['decode_ledger', 'encode_ledger']
+__all__ = ['decode_ledger', 'decode_losses', 'encode_ledger', 'encode_losses', 'LedgerMessage',
+           'LOST_AS', 'lost_topic']
+
+LOST_AS = ('lost.on_the_way', 'lost.at_source', 'rejected.burst')
+"""What may have become of the readings: the keys of the ledger without the sensor."""
+
+_FIGURES = ('stamp_ns', 'since_ns', 'count')
+_MOST = 2**63
 
 _SEGMENT, _SET_BACK = 'segment', 'clock set back'
 
 
-def encode_ledger(ledger: Ledger, final: bool = False) -> bytes:
+class LedgerMessage(NamedTuple):
+    """A ledger, whether it is the final one, and when its synchronizer was started, UTC ns."""
+
+    ledger: Ledger
+    final: bool
+    started_ns: int
+
+
+def encode_ledger(ledger: Ledger, final: bool = False, started_ns: int = 0) -> bytes:
     """Return a ledger as a message: total, segments, clocks that were set back; newest stamp."""
     total = Status('ledger', OK, 'final' if final else 'so far',
-                   {'final': final, **_words(ledger.total)})
+                   {'incarnation_ns': started_ns or None, 'final': final, **_words(ledger.total)})
     segments = [Status(f'{_SEGMENT} {number}', OK, '', {'start_ns': s.start_ns, **_words(s)})
                 for number, s in enumerate(ledger.segments)]
     set_backs = [Status(f'{_SET_BACK} {number}', WARN, '', {
@@ -56,9 +77,9 @@ def _set_back(values: Mapping[str, str]) -> SetBack:
     return SetBack(stream, stamp_ns, size_ns)
 
 
-def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
+def decode_ledger(data: bytes) -> LedgerMessage:
     """
-    Return the ledger in a message of `encode_ledger`, and whether it is the final one.
+    Return the ledger in a message of `encode_ledger`.
 
     Raises
     ------
@@ -68,10 +89,11 @@ def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
 
     """
     newest_ns, statuses = decode_statuses(data)
-    segments, set_backs, final = [], [], False
+    segments, set_backs, final, started_ns = [], [], False, 0
     for one in statuses:
         values = dict(one.values)
         final = final or values.pop('final', '') == 'true'
+        started_ns = _integer('incarnation_ns', values.pop('incarnation_ns', str(started_ns)))
         if one.name.startswith(_SEGMENT):
             counts = {key: _integer(key, text) for key, text in values.items()}
             start_ns = counts.pop('start_ns', None)
@@ -81,4 +103,53 @@ def decode_ledger(data: bytes) -> tuple[Ledger, bool]:
             set_backs.append(_set_back(values))
     if any(segment.start_ns is None for segment in segments[1:]):
         raise MessageError('ledger: a segment after the first has no start_ns')
-    return Ledger.from_segments(segments, newest_ns or None, set_backs), final
+    ledger = Ledger.from_segments(segments, newest_ns or None, set_backs)
+    return LedgerMessage(ledger, final, started_ns)
+
+
+def lost_topic(heading_topic: str) -> str:
+    """Return the topic of the losses beside a topic of headings."""
+    return f'{heading_topic}/lost'
+
+
+def encode_losses(found: Mapping[str, Losses]) -> bytes:
+    """Return losses, by one of `LOST_AS`, as a message with the stamp of the newest."""
+    statuses = list(_statuses(found))
+    return encode_statuses(max((one.values['stamp_ns'] for one in statuses), default=0), statuses)
+
+
+def _statuses(found: Mapping[str, Losses]) -> Iterator[Status]:
+    for lost_as, losses in found.items():
+        columns = (getattr(losses, name).tolist() for name in _FIGURES)
+        for row in zip(*columns):
+            yield Status(lost_as, OK, '', dict(zip(_FIGURES, row)))
+
+
+def decode_losses(data: bytes) -> dict[str, Losses]:
+    """
+    Return the losses in a message of `encode_losses`.
+
+    Raises
+    ------
+    MessageError
+        If the message is damaged, or a figure is absent or no integer.
+
+    """
+    _, statuses = decode_statuses(data)
+    rows: dict[str, list[list[int]]] = {}
+    for one in statuses:
+        if one.name not in LOST_AS:
+            raise MessageError(f'losses: {one.name[:40]!r} must be one of {", ".join(LOST_AS)}')
+        rows.setdefault(one.name, []).append([_figure(one, name) for name in _FIGURES])
+    return {lost_as: Losses.of(*zip(*of)) for lost_as, of in rows.items()}
+
+
+def _figure(status: Status, name: str) -> int:
+    text = status.values.get(name, '')
+    try:
+        value = int(text)
+    except ValueError:
+        value = _MOST
+    if not -_MOST < value < _MOST:
+        raise MessageError(f'losses: {name} = {text[:40]!r} must be an integer of 64 bits')
+    return value

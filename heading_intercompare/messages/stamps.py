@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+import struct
 from typing import Mapping
 
 from .cdr import encode
 
-__all__ = ['CLOCK_TYPE', 'encode_clock', 'stamp_fields', 'stamp_ns', 'TIME_LIMIT_NS']
+__all__ = ['CLOCK_TYPE', 'encode_clock', 'header_stamp_ns', 'stamp_fields', 'stamp_ns',
+           'TIME_LIMIT_NS']
 
 CLOCK_TYPE = 'rosgraph_msgs/msg/Clock'
 
@@ -21,6 +23,22 @@ _SECOND_NS = 1_000_000_000
 def stamp_ns(fields: Mapping[str, int]) -> int:
     """Return the fields of a stamp in nanoseconds."""
     return fields['sec'] * _SECOND_NS + fields['nanosec']
+
+
+def header_stamp_ns(data: bytes) -> int:
+    """
+    Return the stamp of a message that begins with a header, nanoseconds; 0 if it is cut.
+
+    Examples
+    --------
+    >>> header_stamp_ns(bytes.fromhex('00010000' '02000000' '03000000'))
+    2000000003
+
+    """
+    if len(data) < 12:
+        return 0
+    sec, nanosec = struct.unpack_from('<iI' if data[1] & 1 else '>iI', data, 4)
+    return int(sec * _SECOND_NS + nanosec)
 
 
 def stamp_fields(ns: int) -> dict[str, int]:

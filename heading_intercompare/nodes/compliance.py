@@ -50,16 +50,16 @@ class Compliance(Node):
         self._compliance = PureCompliance(self._settings, source='live',
                                           keeper=lambda: Spool(self._warn_of_memory).keep)
         self.get_logger().info(least_duration_words(self._settings.risk))
-        self._reporting = Reporting(self, self._compliance, self._own, self._health)
         self._pairs = Intake(self, 'pairs', PAIRS_TYPES, qos.PAIRS, self._health,
                              stale_s=taking.stale_s)
+        self._reporting = Reporting(self, self._compliance, self._own, self._health, self._pairs)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
         self._rolling = self.create_publisher(DiagnosticArray, 'compliance/rolling', qos.STATUS)
         self._run = self.create_publisher(DiagnosticArray, 'compliance/run', qos.STATUS)
         for topic, profile, read, act in (
                 (MARKER_TOPIC, qos.MARKER, decode_marks, self._mark),
                 ('pairs/ledger', qos.LEDGER, decode_ledger,
-                 lambda found: self._reporting.book(*found))):
+                 self._reporting.book)):
             subscribe(self, DiagnosticArray, topic, profile, self._health, read, act)
         for name in ('start', 'stop'):
             self.create_service(Trigger, f'~/{name}_run',

@@ -22,6 +22,7 @@ from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolv
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.loss_publisher import LossPublisher
 from heading_intercompare.nodes.runtime.publishing import (
     Allowance,
     Audience,
@@ -47,7 +48,7 @@ class NmeaDriver(Node):
             self, Settings, DriverSettings, Sending, Taking, DriverNode)
         self.done = self.ended = False
         self._frame_id = own.frame_id or settings.topic.strip('/').replace('/', '_')
-        resolve_topic(self, settings.topic)
+        self._lost = LossPublisher(self, resolve_topic(self, settings.topic))
         self._decoder = NmeaDecoder(settings)
         wake = self.create_guard_condition(self._pass_on)
         self._reading = Reading(settings, sending.max_rate_hz, wake.trigger)
@@ -90,10 +91,11 @@ class NmeaDriver(Node):
         """Publish the headings in the bytes received."""
         if self.ended:
             return
-        self._take([self._decoder.feed(*received) for received in self._reading.take()])
+        for received in self._reading.take():
+            self._take(self._decoder.feed(*received))
         if self._reading.over and not self._flushed:
             self._flushed = True
-            self._take([self._decoder.flush()])
+            self._take(self._decoder.flush())
         while self._waiting and self._allowance.has_left() and self._flow.has_room():
             self._publish(self._waiting.popleft())
         if self._waiting:
@@ -104,8 +106,9 @@ class NmeaDriver(Node):
             await_acknowledgement([self._publisher], 2.0 if self._ending else 5.0)
             self.done, self.ended = self._flushed, self._ending
 
-    def _take(self, chunks: Sequence[Headings]) -> None:
-        headings = Headings.concatenate(chunks)
+    def _take(self, headings: Headings) -> None:
+        self._lost.count({'lost.at_source': self._reading.source.counts.get('kernel_dropped', 0),
+                          'rejected.burst': self._decoder.count('burst')}, headings)
         self._waiting += [headings[lo:lo + _PIECE] for lo in range(0, len(headings), _PIECE)]
 
     def _publish(self, headings: Headings) -> None:
@@ -122,7 +125,7 @@ class NmeaDriver(Node):
     def _note(self) -> None:
         if self._reading.started and not self.done:
             # On a silent line this makes the time of listening pass.
-            self._take([self._decoder.feed(b'', time.time_ns())])
+            self._take(self._decoder.feed(b'', time.time_ns()))
             self._pass_on()
         now_s = time.monotonic()
         age_s = now_s - self._newest_s
@@ -140,6 +143,7 @@ class NmeaDriver(Node):
         self._reading.stop()
         self._ending = True
         self._pass_on()
+        self._lost.end()
 
     def destroy_node(self) -> None:
         """Stop reading and destroy the node."""

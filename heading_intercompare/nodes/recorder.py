@@ -20,6 +20,7 @@ from heading_intercompare.bags.recording.recorder_losses import (
     tell_missing,
 )
 from heading_intercompare.bags.recording.resilient_recording import Recording
+from heading_intercompare.bags.rosbag2.part_states import PartStates, STATES
 from heading_intercompare.bags.rosbag2.provenance import (
     describe_origin,
     NOTE_TOPIC,
@@ -57,7 +58,8 @@ class Recorder(Node):
         self.path = self._own.output or f'heading_{datetime.now(timezone.utc):%Y%m%dT%H%M%SZ}'
         file = self._own.parameter_file
         copy = None if file is None else Path(file).read_bytes()
-        self._topics = make_intakes(self, self._settings, self._health)
+        self._states = PartStates(self._own.diagnostics_period_s)
+        self._topics = make_intakes(self, self._settings, self._health, self._states)
         self._bag = Recording(self.path, bag_settings)
         self.state_sources({})
         if copy is not None:
@@ -136,6 +138,7 @@ class Recorder(Node):
         losses = self._losses()
         if loss_words(losses):
             self.get_logger().warning(f'bag: {loss_words(losses)}')
+        self._bag.metadata(STATES, self._states.record())
         self._bag.metadata(RECORDING, losses)
         self._bag.close()
         self._note()
@@ -145,7 +148,8 @@ class Recorder(Node):
         """Return the counts of messages received and lost, by topic."""
         topics = {intake.full_name: Counts(intake.received, intake.lost,
                                            self._bag.lost.get(intake.full_name, 0))
-                  for _, intake, expected in self._topics.values() if expected or intake.received}
+                  for _, intake, expected in self._topics.values()
+                  if expected or (intake.received and intake.counted)}
         return loss_record(self._bag.faults, self._bag.absent, topics)
 
 

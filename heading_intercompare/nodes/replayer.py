@@ -26,6 +26,7 @@ from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.remapping import published_names
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.loss_publisher import ReplayedLosses
 from heading_intercompare.nodes.runtime.publishing import (
     Allowance,
     Audience,
@@ -38,9 +39,8 @@ from .settings import ReplayerNode, Sending
 __all__ = ['main', 'Replayer']
 
 _TICK_S = 0.02
-# Synchronizer and compliance; without them the replay starts after this time.
-_MARK_READERS = 2
-_MARK_WAIT_S = 5.0
+# Synchronizer and compliance; without them the replay starts after this time, seconds.
+_MARK_READERS, _MARK_WAIT_S = 2, 5.0
 _PAUSED_BY = {'pause': True, 'resume': False, 'toggle_paused': None}
 
 
@@ -66,8 +66,9 @@ class Replayer(Node):
             self._headings[in_bag] = self.create_publisher(
                 HEADING_TYPES[self._reader.topics[in_bag].type_name], topic, qos.HEADINGS_OUT,
                 event_callbacks=self._health.of_publisher(name))
+        self._lost = ReplayedLosses(self, self._reader, dict(zip(self._headings, names)))
         self._replay = Replay(
-            self._reader, [*self._headings], rate=own.rate, start_s=own.start_s,
+            self._reader, self._lost.topics, rate=own.rate, start_s=own.start_s,
             duration_s=own.duration_s, loop=own.loop, paused=own.start_paused, clock_ns=clock_ns)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
         self._time = self.create_publisher(Clock, '/clock', qos.CLOCK) if own.clock else None
@@ -130,10 +131,12 @@ class Replayer(Node):
         until_s = time.monotonic() + _TICK_S
         while (self._begun and time.monotonic() < until_s and self._allowance.has_left()
                and self._flow.has_room() and (message := self._replay.take()) is not None):
-            self._headings[message.topic].publish(message.data)
-            self._allowance.spend(1)
-            self._flow.spend(1)
-            self.published += 1
+            if not self._lost.take(message, self._replay.round):
+                self._headings[message.topic].publish(message.data)
+                for budget in (self._allowance, self._flow):
+                    budget.spend(1)
+                self.published += 1
+        self._lost.publish()
         if self._time:
             self._time.publish(encode_clock(self._replay.shown_ns))
         if self._replay.over:

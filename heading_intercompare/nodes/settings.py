@@ -98,6 +98,9 @@ class RecorderNode(Checked):
     parameter_file: str | None = setting(
         None, 'file to copy into the bag; the commands record and live, and the launch file, give '
         'the parameter file')
+    diagnostics_period_s: float = setting(
+        10.0, 'record /diagnostics when a state changes, and once in this time; 0: never [s]',
+        0.0, 3600.0)
     end_wait_s: float = setting(
         6.0, 'at the end: how long to wait for the last verdict while other nodes run [s]', 0.0,
         8.0)

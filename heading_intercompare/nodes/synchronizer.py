@@ -5,19 +5,21 @@
 from __future__ import annotations
 
 from collections import deque
+from functools import partial
 import time
-from typing import Any, Sequence
+from typing import Any, Mapping, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 from rclpy.node import Node
 
+from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pairing.pairing_watch import PairingWatch
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import pair_messages, read_headings
-from heading_intercompare.messages.ledger_messages import encode_ledger
+from heading_intercompare.messages.ledger_messages import decode_losses, encode_ledger, lost_topic
 from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC, MARKS
 from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.ros import qos
@@ -53,6 +55,8 @@ class Synchronizer(Node):
         super().__init__('synchronizer', **OVERRIDES, **kwargs)
         settings, taking, self._own = declare(self, Settings, Taking, SynchronizerNode)
         self.ended = False
+        # Its ledger counts from 0, so it has a name: those of all starts add up.
+        self._started_ns = time.time_ns()
         self._pairer = Pairer(settings)
         self._watch = PairingWatch(settings.pairing)
         self._health = Health(self)
@@ -61,11 +65,15 @@ class Synchronizer(Node):
         self._ledger = self.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
         self._inputs = [
             (Intake(self, topic, HEADING_TYPES, qos.HEADINGS_IN, self._health,
-                    unreliable=qos.HEADINGS_UNRELIABLE, stale_s=taking.stale_s), convention)
+                    unreliable=qos.HEADINGS_UNRELIABLE, stale_s=taking.stale_s, stamped=True),
+             convention)
             for topic, convention in ((settings.ts_topic, settings.ts_convention),
                                       (settings.rs_topic, settings.rs_convention))]
         subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self._health, decode_marks,
                   self._mark)
+        for stream, (intake, _) in zip(('ts', 'rs'), self._inputs):
+            subscribe(self, DiagnosticArray, lost_topic(intake.full_name), qos.LOST, self._health,
+                      decode_losses, partial(self._lose, stream))
         self._open_at_s = time.monotonic() + self._own.startup_wait_s
         for intake, _ in self._inputs:
             intake.open = False
@@ -97,7 +105,14 @@ class Synchronizer(Node):
                 intake.open = True
 
     def _take(self) -> Sequence[Headings]:
-        return [self._read(intake, convention) for intake, convention in self._inputs]
+        taken = [self._read(intake, convention) for intake, convention in self._inputs]
+        for stream, (intake, _) in zip(('ts', 'rs'), self._inputs):
+            self._lose(stream, {'lost.on_the_way': intake.take_losses()})
+        return taken
+
+    def _lose(self, stream: str, found: Mapping[str, Losses]) -> None:
+        for lost_as, losses in found.items():
+            self._pairer.lose(LedgerKey(f'{stream}_{lost_as}'), losses)
 
     @staticmethod
     def _read(intake: Intake, convention: str) -> Headings:
@@ -109,7 +124,7 @@ class Synchronizer(Node):
     def _beat(self) -> None:
         self._pairer.forget_earlier()
         ledger = self._pairer.ledger
-        self._ledger.publish(encode_ledger(ledger, final=self.ended))
+        self._ledger.publish(encode_ledger(ledger, self.ended, self._started_ns))
         state = self._watch.look(ledger, *self._pairer.heard_ns, time.monotonic())
         troubles = [state.trouble, *ledger.troubles]
         self._health.note('pairing', WARN if any(troubles) else OK,
@@ -120,7 +135,7 @@ class Synchronizer(Node):
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
         for kind, stamp_ns in marks:
             if kind in MARKS:
-                self._pairer.ledger.cut(stamp_ns + 1)
+                self._pairer.ledger.cut_run(stamp_ns + 1)
         self._beat()
 
     def end(self) -> None:

@@ -8,7 +8,7 @@ import math
 from typing import Any, Iterator, Mapping
 
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.verdict.verdict_document import make_plain
+from heading_intercompare.core.verdict.typed_reader import make_plain
 from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS
 
 __all__ = ['ABSENT', 'exact', 'flatten', 'interval', 'number', 'outcome', 'value']

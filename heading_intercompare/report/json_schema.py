@@ -45,13 +45,15 @@ def make_schema() -> dict[str, Any]:
         **whole['properties'],
     }
     properties['settings'] = _describe_settings()
+    required = [*properties.keys() - whole['properties'].keys(), *whole['required']]
+    properties['ledger_complete'] = {'type': 'boolean'}
     del kinds[Settings.__name__]
     return {
         '$schema': 'https://json-schema.org/draft/2020-12/schema',
         '$id': f'urn:heading_intercompare:verdict:{SCHEMA_VERSION}',
         'title': f'Verdict of heading_intercompare, version {SCHEMA_VERSION}',
         'description': 'The keys are explained in docs/verdict_json.md.',
-        'type': 'object', 'required': sorted(properties),
+        'type': 'object', 'required': sorted(required),
         'properties': properties, '$defs': {name: kinds[name] for name in sorted(kinds)}}
 
 

@@ -9,7 +9,11 @@ from typing import Any, Callable, Generic, Mapping, Sequence, TypeVar
 
 from heading_intercompare.core.decision.campaign import Together
 from heading_intercompare.core.utc_text import utc
-from heading_intercompare.core.verdict.verdict_document import Campaign, RunVerdict
+from heading_intercompare.core.verdict.verdict_document import (
+    Campaign,
+    LostReadings,
+    RunVerdict,
+)
 
 from .formatting import ABSENT, interval, number, value
 
@@ -53,6 +57,13 @@ def _list_reasons(reasons: Mapping[str, int]) -> str:
     return ', '.join(f'{n} {reason}' for reason, n in reasons.items()) or '0'
 
 
+def _lost(lost: LostReadings | None, sensor: str) -> str:
+    if lost is None:
+        return ABSENT
+    wheres = {'ts': lost.ts, 'rs': lost.rs}[sensor]
+    return ', '.join(f'{n} {where.replace("_", " ")}' for where, n in wheres.items()) or '0'
+
+
 LEDGER: tuple[Row[RunVerdict], ...] = (
     Row('pairs', '1', lambda run: run.pairing.paired),
     Row('TS readings received', '1', lambda run: run.pairing.ts_received),
@@ -60,10 +71,12 @@ LEDGER: tuple[Row[RunVerdict], ...] = (
     Row('of these only interpolated between', '1', lambda run: run.pairing.ts_used),
     Row('of these without a partner', '1', lambda run: run.pairing.ts_unpaired),
     Row('of these rejected, by reason', '1', lambda run: _list_reasons(run.pairing.rejected.ts)),
+    Row('TS readings lost besides', '1', lambda run: _lost(run.pairing.lost, 'ts')),
     Row('RS readings received', '1', lambda run: run.pairing.rs_received),
     Row('of these paired or interpolated between', '1', lambda run: run.pairing.rs_used),
     Row('of these not used', '1', lambda run: run.pairing.rs_unused),
     Row('of these rejected, by reason', '1', lambda run: _list_reasons(run.pairing.rejected.rs)),
+    Row('RS readings lost besides', '1', lambda run: _lost(run.pairing.lost, 'rs')),
     Row('mean lag RS - TS', 's', lambda run: run.pairing.mean_lag_s),
     Row('largest |lag|', 's', lambda run: run.pairing.max_lag_s),
     Row('factor of the RS noise variance by interpolation', '1',

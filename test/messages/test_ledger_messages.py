@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Ledgers as messages."""
+"""Ledgers and losses as messages."""
 
 from __future__ import annotations
 
@@ -8,12 +8,20 @@ import numpy as np
 import pytest
 
 from heading_intercompare import analyze, Headings, Settings
-from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment, REASONS
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment, LOSSES, REASONS
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.pipeline import Compliance
+from heading_intercompare.core.records import Losses
 from heading_intercompare.messages.errors import MessageError
-from heading_intercompare.messages.ledger_messages import decode_ledger, encode_ledger
+from heading_intercompare.messages.ledger_messages import (
+    decode_ledger,
+    decode_losses,
+    encode_ledger,
+    encode_losses,
+    LOST_AS,
+    lost_topic,
+)
 from heading_intercompare.messages.status_messages import (
     decode_statuses,
     encode_statuses,
@@ -26,7 +34,9 @@ st = hypothesis.strategies
 
 KEYS = ['paired', 'ts_paired', 'ts_used', 'ts_unpaired', 'ts_pending', 'rs_used', 'rs_unused',
         'rs_pending',
-        *(f'{s}_rejected.{r}' for s in ('ts', 'rs') for r in REASONS)]
+        *(f'{s}_rejected.{r}' for s in ('ts', 'rs') for r in REASONS),
+        *(f'{s}_lost.{where}' for s in ('ts', 'rs') for where in LOSSES)]
+T_NS = 1_700_000_000_123_456_789
 COUNTS = st.dictionaries(st.sampled_from(KEYS), st.integers(1, 2 ** 40), max_size=6)
 
 
@@ -38,7 +48,8 @@ def test_a_ledger_arrives_as_it_was(first, others, newest_ns, final):
                 *(LedgerSegment(ns, dict(sorted(counts.items())))
                   for ns, counts in sorted(others, key=lambda s: s[0])))
     ledger = Ledger.from_segments(segments, newest_ns)
-    back, said_final = decode_ledger(encode_ledger(ledger, final))
+    back, said_final, started_ns = decode_ledger(encode_ledger(ledger, final, newest_ns + 7))
+    assert started_ns == newest_ns + 7
     assert back.segments == segments
     assert (back.newest_ns, said_final) == (newest_ns, final)
     assert back.paired == ledger.paired
@@ -85,7 +96,7 @@ def test_a_set_back_that_cannot_be_read_is_refused(values, why):
 
 
 def test_a_ledger_of_nothing_arrives_as_it_was():
-    back, final = decode_ledger(encode_ledger(Ledger()))
+    back, final, _ = decode_ledger(encode_ledger(Ledger()))
     assert (back.segments, back.newest_ns, final) == (Ledger().segments, None, False)
 
 
@@ -119,3 +130,26 @@ def test_a_segment_that_does_not_say_where_it_starts_is_refused():
     data = encode_statuses(1, [Status(f'segment {i}', OK, '', {'paired': 1}) for i in range(2)])
     with pytest.raises(MessageError, match='has no start_ns'):
         decode_ledger(data)
+
+
+def test_losses_come_back_to_the_bit():
+    found = {lost_as: Losses.of([T_NS + at, T_NS + at + 7], [0, T_NS], [1 + at, -5])
+             for at, lost_as in enumerate(LOST_AS)}
+    assert decode_losses(encode_losses(found)) == found
+    assert decode_losses(encode_losses({})) == {}
+
+
+def test_the_topic_stands_beside_that_of_the_headings():
+    assert lost_topic('/ts/heading') == '/ts/heading/lost'
+
+
+@pytest.mark.parametrize('status, words', [
+    (Status('lost.in_thought', OK, '', {}), "'lost.in_thought' must be one of lost.on_the_way"),
+    (Status('lost.at_source', OK, '', {'stamp_ns': 1, 'since_ns': 0}), "count = ''"),
+    (Status('lost.at_source', OK, '', {'stamp_ns': 'x', 'since_ns': 0, 'count': 1}),
+     "stamp_ns = 'x': must be|stamp_ns = 'x' must be an integer"),
+    (Status('lost.at_source', OK, '', {'stamp_ns': 1, 'since_ns': 0, 'count': 2**63}),
+     'count = .* must be an integer of 64 bits')])
+def test_what_is_no_loss_is_refused(status, words):
+    with pytest.raises(MessageError, match=words):
+        decode_losses(encode_statuses(1, [status]))

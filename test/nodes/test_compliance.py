@@ -10,19 +10,21 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 import numpy as np
 import pytest
+from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from heading_intercompare.core import pipeline
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
-from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.logbook.logbook_file import Logbook
-from heading_intercompare.messages.heading_messages import pair_messages
+from heading_intercompare.messages.heading_messages import imu_messages, pair_messages
 from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.messages.status_messages import encode_statuses, OK, Status
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.synchronizer import Synchronizer
 
 from .conftest import NORMS
 from .rclpy_objects import marker_message, marks_from
@@ -65,10 +67,11 @@ class Graph:
                 self.pairs.publish(message)
             self.ros.spin_until(lambda n=n: self.node.n_pairs == n)
 
-    def book(self, counts, final=False, more=()):
+    def book(self, counts, final=False, more=(), started_ns=1):
         """Publish a ledger."""
         segments = [LedgerSegment(None, counts), *(LedgerSegment(ns, c) for ns, c in more)]
-        self.ledger.publish(encode_ledger(Ledger.from_segments(segments, T0_NS), final))
+        self.ledger.publish(encode_ledger(Ledger.from_segments(segments, T0_NS), final,
+                                          started_ns))
 
     def call(self, name):
         """Call a service of the node."""
@@ -330,3 +333,97 @@ def test_a_logbook_that_cannot_be_written_does_not_end_the_trial(ros, rng, tmp_p
         for message in diagnostics for status in message.status))
     graph.book({'paired': 100, 'ts_paired': 100, 'rs_used': 100}, final=True)
     assert len(graph.end()['runs']) == 1
+def test_after_a_restart_of_the_synchronizer_the_ledgers_add_up_and_the_report_says_so(ros, rng):
+    """Before, 5693 pairs were judged, 2694 of them were in the ledger, and that was complete."""
+    graph, pairs = Graph(ros), some_pairs(rng, 0, 5693)
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    graph.send(pairs[:2999])
+    graph.book({'paired': 2999, 'ts_paired': 2999, 'rs_used': 2999, 'ts_pending': 1})
+    ros.plain.destroy_publisher(graph.pairs)
+    graph.pairs = ros.plain.create_publisher(TwistStamped, 'pairs', qos.PAIRS)
+    ros.spin_until(lambda: graph.pairs.get_subscription_count() == 1)
+    graph.send(pairs[2999:])
+    graph.book({'paired': 2694, 'ts_paired': 2694, 'rs_used': 2694}, final=True,
+               started_ns=1_700_003_000 * S_NS)
+    report = graph.end()
+    run, = report['runs']
+    assert (run['n_input'], run['pairing']['paired'], run['pairing']['ts_received']) == (
+        5693, 5693, 5694)
+    assert run['pairing']['ts_unpaired'] == 1
+    assert report['ledger_complete'] is False
+    assert report['ledger_problems'] == [
+        'the synchronizer was restarted at 2023-11-14 23:03:20.000 UTC; its last ledger was not '
+        'final: up to 1 s of readings is missing, and those that came while it was down']
+    ros.spin_until(lambda: any('incomplete: the synchronizer was restarted' in s.message
+                               for m in states for s in m.status))
+
+
+def test_a_compliance_that_was_restarted_says_how_many_pairs_it_missed(ros, rng):
+    graph, pairs = Graph(ros), some_pairs(rng, 0, 1500)
+    graph.send(pairs[:1200])
+    graph.book({'paired': 1200, 'ts_paired': 1200, 'rs_used': 1200})
+    ros.executor.remove_node(graph.node)
+    ros.nodes.remove(graph.node)
+    graph.node.destroy_node()
+    ros.spin_until(lambda: graph.pairs.get_subscription_count() == 0)
+    graph.node = ros.ours(Compliance)
+    ros.spin_until(lambda: graph.pairs.get_subscription_count() == 1
+                   and graph.ledger.get_subscription_count() == 1)
+    graph.send(pairs[1200:])
+    graph.book({'paired': 1500, 'ts_paired': 1500, 'rs_used': 1500}, final=True)
+    report = graph.end()
+    assert (report['runs'][0]['n'], report['ledger_complete']) == (300, False)
+    assert report['ledger_problems'] == ['1200 pairs were published before this node started']
+
+
+def test_a_complete_ledger_is_called_so(ros, rng):
+    graph = Graph(ros)
+    graph.send(some_pairs(rng, 0, 100))
+    graph.book({'paired': 100, 'ts_paired': 100, 'rs_used': 100}, final=True)
+    report = graph.end()
+    assert (report['ledger_complete'], report['ledger_problems']) == (True, [])
+
+
+def test_a_ledger_that_did_not_come_is_told(ros, rng):
+    graph = Graph(ros)
+    graph.send(some_pairs(rng, 0, 100))
+    ros.plain.destroy_publisher(graph.pairs)
+    report = graph.end()
+    assert report['ledger_problems'] == ['the ledger that covers the last pairs did not come']
+
+
+def test_with_a_real_synchronizer_that_is_killed_the_sums_hold(ros, rng):
+    """The driver goes on: each of its readings stands in one row, or the report says why not."""
+    values_of = {'pairing.method': 'interpolate', 'runs.min_duration_s': 0.0}
+    sensors = [ros.plain.create_publisher(Imu, f'{role}/heading', qos.HEADINGS_OUT)
+               for role in ('ts', 'rs')]
+    compliance = ros.ours(Compliance, **values_of)
+    stamps = T0_NS + np.arange(400) * S_NS // 10
+    readings = Headings.of(stamps, 90.0 + rng.normal(0.0, 0.1, 400))
+
+    def send(synchronizer, lo, hi):
+        ros.spin_until(lambda: all(s.get_subscription_count() == 1 for s in sensors))
+        for sensor in sensors:
+            for message in imu_messages(readings[lo:hi], 'x'):
+                sensor.publish(message)
+        last = int(stamps[hi - 1])
+        ros.spin_until(lambda: synchronizer._pairer.ledger.paired == hi - lo
+                       and synchronizer._pairer.ledger.newest_ns == last)
+    first = ros.ours(Synchronizer, **values_of)
+    send(first, 0, 150)
+    ros.spin_until(lambda: compliance._reporting.paired == 150 and compliance.n_pairs == 150)
+    ros.executor.remove_node(first)
+    ros.nodes.remove(first)
+    first.destroy_node()
+    ros.spin_until(lambda: all(s.get_subscription_count() == 0 for s in sensors))
+    second = ros.ours(Synchronizer, **values_of)
+    send(second, 160, 400)
+    for sensor in sensors:
+        ros.plain.destroy_publisher(sensor)
+    ros.end(second, compliance)
+    report = compliance.verdict.to_dict()
+    run, = report['runs']
+    pairing = run['pairing']
+    assert (run['n'], pairing['paired'], pairing['ts_received'], pairing['rs_received']) == (
+        390, 390, 390, 390)
+    assert not report['ledger_complete'] and 'was restarted at' in report['ledger_problems'][0]

@@ -9,10 +9,12 @@ import time
 
 from diagnostic_msgs.msg import DiagnosticArray
 import pytest
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Imu
 
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.drivers.settings import DriverError
+from heading_intercompare.messages.ledger_messages import decode_losses
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.ros import qos
 
@@ -173,3 +175,51 @@ def test_an_error_of_the_source_reaches_the_process(ros, tmp_path):
     ros.listen(Imu, 'ts/heading', qos.PAIRS)
     with pytest.raises(OSError, match='Input/output error'):
         ros.spin_until(lambda: node.done)
+
+
+def losses_from(messages):
+    """Return the losses in messages, each with stamp, stamp before and count, by kind."""
+    rows = [(lost_as, row) for message in messages
+            for lost_as, losses in decode_losses(serialize_message(message)).items()
+            for row in zip(losses.stamp_ns.tolist(), losses.since_ns.tolist(),
+                           losses.count.tolist())]
+    return sorted(rows)
+
+
+def test_what_the_kernel_dropped_is_told_with_the_stamp_of_the_next_heading(ros):
+    port = free_port()
+    node = ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{port}', sentence='HDT')
+    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    told = ros.listen(DiagnosticArray, 'ts/heading/lost', qos.LOST)
+    ros.spin_until(lambda: node.count_subscribers('ts/heading/lost'))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        for n in range(3):
+            sender.sendto(sentence(10.0 + n).encode(), ('127.0.0.1', port))
+            ros.spin_until(lambda n=n: len(heard) == n + 1)
+            node._reading.source.counts['kernel_dropped'] += 100 * n
+    ros.end(node)
+    ros.spin_until(lambda: len(told) == 2)
+    stamps = headings_from(heard, 'enu').stamp_ns.tolist()
+    # The last ones were dropped after the last heading.
+    assert losses_from(told) == [('lost.at_source', (stamps[2], stamps[1], 100)),
+                                 ('lost.at_source', (stamps[2], stamps[2], 200))]
+
+
+def test_a_burst_is_told_with_the_stamp_of_the_next_heading(ros):
+    with socket.create_server(('127.0.0.1', 0)) as server:
+        node = ros.ours(NmeaDriver, source=f'tcp://127.0.0.1:{server.getsockname()[1]}',
+                        sentence='HDT')
+        heard = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+        told = ros.listen(DiagnosticArray, 'ts/heading/lost', qos.LOST)
+        server.settimeout(10.0)
+        line, _ = server.accept()
+        ros.spin_until(lambda: node.count_subscribers('ts/heading/lost'))
+        with line:
+            line.sendall(sentence(1.0).encode())
+            ros.spin_until(lambda: len(heard) == 1)
+            line.sendall(''.join(sentence(2.0 + n) for n in range(4)).encode())
+            ros.spin_until(lambda: node._decoder.counts.get('burst') == 4)
+            line.sendall(sentence(7.0).encode())
+            ros.spin_until(lambda: len(heard) == 2 and told)
+    first, second = headings_from(heard, 'enu').stamp_ns.tolist()
+    assert losses_from(told) == [('rejected.burst', (second, first, 4))]

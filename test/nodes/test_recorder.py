@@ -11,7 +11,7 @@ import time
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import QuaternionStamped
 import pytest
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
@@ -20,9 +20,17 @@ from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
+from heading_intercompare.cli import main
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.version import VERSION
-from heading_intercompare.messages.status_messages import ERROR, OK, WARN
+from heading_intercompare.messages.status_messages import (
+    decode_statuses,
+    encode_statuses,
+    ERROR,
+    OK,
+    Status,
+    WARN,
+)
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.ros import qos
 
@@ -54,6 +62,12 @@ def figures(state):
     return {value.key: value.value for value in state.values}
 
 
+def recorder_of(ros, tmp_path, **values):
+    """Return a recorder that leaves out the diagnostics, unless it is asked for them."""
+    return ros.ours(Recorder, output=str(tmp_path / 'bag'),
+                    **{'diagnostics_period_s': 0.0, **values})
+
+
 def finish(ros, node, *publishers):
     """Let the publishers go, then end the recorder; return the bag."""
     for publisher in publishers:
@@ -63,7 +77,7 @@ def finish(ros, node, *publishers):
 
 
 def test_headings_are_written_as_they_were_sent(ros, tmp_path):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    node = recorder_of(ros, tmp_path)
     sensor, sent = sensor_of(ros), some_headings(300)
     for message in sent:
         sensor.publish(message)
@@ -78,7 +92,7 @@ def test_headings_are_written_as_they_were_sent(ros, tmp_path):
 
 
 def test_a_type_that_is_accepted_is_recorded_as_it_is(ros, tmp_path):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    node = recorder_of(ros, tmp_path)
     sensor = sensor_of(ros, 'rs/heading', QuaternionStamped)
     sensor.publish(QuaternionStamped())
     ros.spin_until(lambda: node.written == 1)
@@ -87,7 +101,7 @@ def test_a_type_that_is_accepted_is_recorded_as_it_is(ros, tmp_path):
 
 
 def test_what_comes_of_the_comparison_is_written_too(ros, tmp_path):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    node = recorder_of(ros, tmp_path)
     made = [(ros.plain.create_publisher(kind, topic, profile), message)
             for kind, topic, profile, message in (
                 (DiagnosticArray, 'pairs/ledger', qos.LEDGER, DiagnosticArray()),
@@ -107,7 +121,7 @@ def test_what_comes_of_the_comparison_is_written_too(ros, tmp_path):
 
 
 def test_a_report_that_is_none_does_not_keep_the_bag_from_being_closed(ros, tmp_path):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    node = recorder_of(ros, tmp_path)
     report = ros.plain.create_publisher(String, 'compliance/report', qos.REPORT)
     report.publish(String(data='none'))
     ros.spin_until(lambda: node.written == 1)
@@ -117,8 +131,7 @@ def test_a_report_that_is_none_does_not_keep_the_bag_from_being_closed(ros, tmp_
 
 
 def test_notes_given_at_the_start_and_while_recording_are_in_the_bag(ros, tmp_path):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'),
-                    note='MV Example\n2014-08-01T00:05:00Z left port')
+    node = recorder_of(ros, tmp_path, note='MV Example\n2014-08-01T00:05:00Z left port')
     before_ns = time.time_ns()
     notes = ros.plain.create_publisher(String, 'operator/note', qos.NOTE)
     ros.spin_until(lambda: notes.get_subscription_count() == 1)
@@ -136,7 +149,7 @@ def test_notes_given_at_the_start_and_while_recording_are_in_the_bag(ros, tmp_pa
 
 
 def test_a_note_that_is_no_text_is_recorded_and_does_no_harm(ros, tmp_path):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    node = recorder_of(ros, tmp_path)
     notes = ros.plain.create_publisher(String, 'operator/note', qos.NOTE)
     ros.spin_until(lambda: notes.get_subscription_count() == 1)
     data = serialize_message(String(data='wind XX'))
@@ -147,7 +160,7 @@ def test_a_note_that_is_no_text_is_recorded_and_does_no_harm(ros, tmp_path):
 
 
 def test_the_true_heading_is_recorded_and_nothing_is_wrong_without_it(ros, tmp_path):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    node = recorder_of(ros, tmp_path)
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
     ros.spin_until(lambda: any('operator/note' in s.name for m in states for s in m.status))
     levels = {s.name.partition(': ')[2]: s.level[0] for m in states for s in m.status}
@@ -164,7 +177,7 @@ def test_the_true_heading_is_recorded_and_nothing_is_wrong_without_it(ros, tmp_p
 
 
 def test_a_sensor_on_the_topic_of_the_truth_is_recorded_once(ros, tmp_path):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'), rs_topic='/truth/heading')
+    node = recorder_of(ros, tmp_path, rs_topic='/truth/heading')
     sensor = sensor_of(ros, 'truth/heading')
     sensor.publish(some_headings(1)[0])
     ros.spin_until(lambda: node.written == 1)
@@ -173,21 +186,19 @@ def test_a_sensor_on_the_topic_of_the_truth_is_recorded_once(ros, tmp_path):
 
 def test_a_copy_of_the_parameter_file_is_kept(ros, tmp_path):
     (tmp_path / 'mine.yaml').write_text('# MV Example, gyro 4711\n')
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'),
-                    parameter_file=str(tmp_path / 'mine.yaml'))
+    node = recorder_of(ros, tmp_path, parameter_file=str(tmp_path / 'mine.yaml'))
     kept, = finish(ros, node).attachments()
     assert (kept.name, kept.data) == ('mine.yaml', b'# MV Example, gyro 4711\n')
 
 
 def test_a_parameter_file_that_is_not_there_is_a_mistake_and_leaves_no_bag(ros, tmp_path):
     with pytest.raises(FileNotFoundError, match='nowhere.yaml'):
-        ros.ours(Recorder, output=str(tmp_path / 'bag'),
-                 parameter_file=str(tmp_path / 'nowhere.yaml'))
+        recorder_of(ros, tmp_path, parameter_file=str(tmp_path / 'nowhere.yaml'))
     assert not (tmp_path / 'bag').exists()
 
 
 def test_sources_are_stated_in_the_bag(ros, tmp_path):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    node = recorder_of(ros, tmp_path)
     node.state_sources({'ts_driver': {'source': 'udp://:10110', 'talker': None}})
     stated = finish(ros, node).metadata()['heading_intercompare']
     assert stated['source.ts_driver.source'] == 'udp://:10110'
@@ -195,7 +206,7 @@ def test_sources_are_stated_in_the_bag(ros, tmp_path):
 
 
 def test_settings_and_version_are_in_the_bag(ros, tmp_path):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'), variant='C')
+    node = recorder_of(ros, tmp_path, variant='C')
     stated = finish(ros, node).metadata()['heading_intercompare']
     assert stated['version'] == VERSION
     assert stated['settings.variant'] == 'C'
@@ -204,7 +215,7 @@ def test_settings_and_version_are_in_the_bag(ros, tmp_path):
 
 def test_after_a_second_what_came_is_on_the_disk(ros, tmp_path):
     """The test reads the files as a killed process would leave them."""
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    node = recorder_of(ros, tmp_path)
     sensor, sent = sensor_of(ros), some_headings(50)
     for message in sent:
         sensor.publish(message)
@@ -218,7 +229,7 @@ def test_after_a_second_what_came_is_on_the_disk(ros, tmp_path):
 
 
 def test_the_end_waits_for_the_last_verdict(ros, tmp_path):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    node = recorder_of(ros, tmp_path)
     report = ros.plain.create_publisher(String, 'compliance/report', qos.REPORT)
     ros.spin_until(lambda: report.get_subscription_count() == 1)
     node.end()
@@ -232,7 +243,7 @@ def test_the_end_waits_for_the_last_verdict(ros, tmp_path):
 
 def test_a_disk_that_fails_is_an_error_and_nothing_is_lost_when_it_works_again(
         ros, tmp_path, monkeypatch):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    node = recorder_of(ros, tmp_path)
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
     sensor = sensor_of(ros)
 
@@ -256,7 +267,7 @@ def test_a_disk_that_fails_is_an_error_and_nothing_is_lost_when_it_works_again(
 
 def test_what_waits_at_the_end_and_cannot_be_written_is_in_the_bag_as_not_written(
         ros, tmp_path, monkeypatch, capfd):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    node = recorder_of(ros, tmp_path)
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
     sensor = sensor_of(ros)
     end_chunk = ChunkWriter.end_chunk
@@ -276,7 +287,7 @@ def test_what_waits_at_the_end_and_cannot_be_written_is_in_the_bag_as_not_writte
 
 def test_a_folder_that_is_removed_is_an_error_at_once_and_recording_goes_on(
         ros, tmp_path, capfd):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    node = recorder_of(ros, tmp_path)
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
     sensor, sent = sensor_of(ros), some_headings(20)
     for message in sent[:10]:
@@ -308,7 +319,7 @@ def test_a_bag_is_never_overwritten(ros, tmp_path):
 
 
 def test_the_recorded_message_is_the_one_that_was_published(ros, tmp_path):
-    node = ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    node = recorder_of(ros, tmp_path)
     marker = ros.plain.create_publisher(DiagnosticArray, 'compliance/marker', qos.MARKER)
     message = marker_message('stop', 123_456_789_000)
     marker.publish(message)
@@ -317,3 +328,33 @@ def test_the_recorded_message_is_the_one_that_was_published(ros, tmp_path):
     assert len(stored.data) == len(serialize_message(message))
     from heading_intercompare.messages.cdr import decode
     assert decode(stored.type_name, stored.data)['status'][0]['message'] == 'stop'
+
+
+def test_the_diagnostics_are_in_the_bag_kept_small_with_the_last_state_of_each_part(
+        ros, tmp_path, capsys):
+    """A state once a second, which changes once: of more than twenty messages, two."""
+    node = recorder_of(ros, tmp_path, diagnostics_period_s=3600.0)
+    driver = ros.plain.create_publisher(DiagnosticArray, '/diagnostics', qos.STATUS)
+    ros.spin_until(lambda: driver.get_subscription_count() == 1)
+
+    def say(level, dropped):
+        driver.publish(deserialize_message(encode_statuses(0, [
+            Status('ts_driver: source', level, 'listening', {'kernel_dropped': dropped})]),
+            DiagnosticArray))
+    for n in range(21):
+        say(WARN if n == 20 else OK, n)
+    ros.spin_until(lambda: 'WARN' in node._states.record().get('ts_driver: source', ''))
+    bag = finish(ros, node, driver)
+    said = [values for message in bag.messages(['/diagnostics'])
+            for status in decode_statuses(message.data)[1]
+            if status.name == 'ts_driver: source' for values in [status.values]]
+    assert said[0] == {'kernel_dropped': '0'} and said[-1] == {'kernel_dropped': '20'}
+    # The recorder speaks too, on messages of its own.
+    assert len(said) == 2
+    assert {message.sequence for message in bag.messages(['/diagnostics'])} == {0}
+    assert not any('diagnostics' in key for key in bag.metadata()['recording'])
+    assert main(['info', node.path]) == 0
+    printed = capsys.readouterr().out
+    assert 'last state of each part:' in printed
+    line, = [line for line in printed.splitlines() if line.startswith('  ts_driver: source ')]
+    assert 'WARN' in line and line.endswith('listening')

@@ -18,13 +18,15 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 from std_srvs.srv import Trigger
 
+from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.cli import main
-from heading_intercompare.core.records import Headings
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.records import Headings, Losses
+from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.messages.heading_messages import encode_imu
+from heading_intercompare.messages.ledger_messages import encode_losses
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.replayer import Replayer
 from heading_intercompare.nodes.ros import qos
@@ -78,6 +80,34 @@ def test_headings_come_as_they_were_recorded_and_then_the_node_is_done(ros, tmp_
     assert chunk_ns == HEADINGS.stamp_ns.tolist()
     assert headings_from(ts, 'enu') == headings_from(rs, 'enu')
     assert node.published == 600
+
+
+def test_a_replay_counts_what_its_recording_lacks_as_the_analysis_does(ros, tmp_path):
+    """A third of the RS is missing by its numbers, and its driver dropped some."""
+    kept = np.sort(np.random.default_rng(3).choice(300, 200, replace=False))
+    with BagWriter(tmp_path / 'bag') as bag:
+        bag.metadata('heading_intercompare', {})
+        for topic in ('/ts/heading', '/rs/heading'):
+            bag.add_topic(topic, 'sensor_msgs/msg/Imu')
+            mine = kept if topic == '/rs/heading' else np.arange(300)
+            bag.write_rows([Rows(topic, encode_imu(HEADINGS[mine], 'gyro'),
+                                 HEADINGS.stamp_ns[mine] + 5, sequence=mine + 1)])
+        bag.add_topic('/rs/heading/lost', 'diagnostic_msgs/msg/DiagnosticArray')
+        bag.write('/rs/heading/lost', encode_losses({'lost.at_source': Losses.of(
+            [HEADINGS.stamp_ns[100]], [HEADINGS.stamp_ns[99]], [11])}), T0_NS + 10 ** 10)
+    settings = {'runs.min_duration_s': 0.0, 'pairing.method': 'interpolate'}
+    offline = judge_bags([tmp_path / 'bag'],
+                         Settings.from_mapping({**NORMS, **settings})).verdict.to_dict()
+    synchronizer = ros.ours(Synchronizer, **settings)
+    compliance = ros.ours(Compliance, **settings)
+    replayer = ros.ours(Replayer, bag=str(tmp_path / 'bag'), rate=100.0)
+    ros.spin_until(lambda: replayer.done)
+    ros.end(replayer, synchronizer, compliance)
+    live = compliance.verdict.to_dict()
+    missing = int(kept[-1] - kept[0] + 1 - 200)
+    assert live['runs'][0]['pairing']['lost'] == {
+        'ts': {}, 'rs': {'on_the_way': missing, 'at_source': 11}}
+    assert_same(live, offline)
 
 
 def test_the_rate_is_kept(ros, tmp_path):

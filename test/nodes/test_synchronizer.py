@@ -9,12 +9,15 @@ from geometry_msgs.msg import QuaternionStamped, TwistStamped
 import numpy as np
 import pytest
 from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import Imu
 
 from heading_intercompare.core.pairing.pairer import pair
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.messages.heading_messages import IMU, imu_messages
+from heading_intercompare.messages.ledger_messages import encode_losses
 from heading_intercompare.messages.marks import encode_mark
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
@@ -323,3 +326,42 @@ def test_a_mark_that_cannot_be_read_is_counted_and_changes_nothing(ros):
     ros.spin_until(lambda: any(s.message.startswith('1 messages refused: diagnostic_msgs/msg/')
                                for m in states for s in m.status))
     assert len(node._pairer.ledger.segments) == 1
+
+
+def test_messages_lost_on_the_way_are_in_the_ledger_at_the_reading_after_them(
+        ros, rng, monkeypatch):
+    """The subscription keeps the last ten: of 30 messages that it is not there for, 20 go."""
+    monkeypatch.setattr(qos, 'HEADINGS_UNRELIABLE', QoSProfile(
+        depth=10, reliability=ReliabilityPolicy.BEST_EFFORT))
+    sensor = ros.plain.create_publisher(Imu, 'ts/heading', qos.HEADINGS_UNRELIABLE)
+    marker = ros.plain.create_publisher(DiagnosticArray, 'compliance/marker', qos.MARKER)
+    ros.listen(TwistStamped, 'pairs', qos.PAIRS)
+    ledgers = ros.listen(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
+    node = ros.ours(Synchronizer)
+    ros.spin_until(lambda: sensor.get_subscription_count() == 1)
+    headings = stream(rng, 10.0, 4.0)
+    marker.publish(marker_message('start', int(headings.stamp_ns[30]) - 1))
+    for lo, hi in ((0, 5), (5, 35), (35, 40)):
+        send(sensor, headings[lo:hi])
+        last = int(headings.stamp_ns[hi - 1])
+        ros.spin_until(lambda last=last: node._pairer.ledger.newest_ns == last)
+    ledger = finish(ros, node, [sensor], ledgers)
+    # The first one after the gap is number 25, before the mark.
+    assert [s.lost('ts') for s in ledger.segments] == [{'on_the_way': 20}, {}]
+    total = ledger.total
+    assert total.received('ts') + total.lost('ts')['on_the_way'] == 40
+
+
+def test_what_a_driver_lost_is_in_the_ledger(ros, rng):
+    told = ros.plain.create_publisher(DiagnosticArray, 'rs/heading/lost', qos.LOST)
+    node, sensors, _, ledgers = graph(ros)
+    ros.spin_until(lambda: told.get_subscription_count() == 1)
+    send(sensors[1], stream(rng, 10.0, 1.0))
+    told.publish(deserialize_message(encode_losses({
+        'lost.at_source': Losses.of([T0_NS], [0], [7]),
+        'rejected.burst': Losses.of([T0_NS], [0], [3])}), DiagnosticArray))
+    ros.spin_until(lambda: node._pairer.ledger.total.lost('rs')
+                   and node._pairer.ledger.total.received('rs') == 13)
+    ledger = finish(ros, node, [*sensors, told], ledgers)
+    assert ledger.total.counts == {'rs_lost.at_source': 7, 'rs_rejected.burst': 3,
+                                   'rs_unused': 10}

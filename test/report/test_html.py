@@ -272,6 +272,15 @@ def test_the_protocol_names_the_rule_and_the_hash_of_the_settings(made):
     assert f'decision rule</th><td>{ABSENT}</td>' in page
 
 
+def test_the_protocol_says_whether_the_ledger_is_complete(made):
+    verdict, sketches = made(1)
+    assert 'The ledger is complete.' in html.render(verdict, sketches)
+    page = html.render(replace(verdict, ledger_problems=('it was <restarted>',)))
+    assert 'The ledger is not complete:' in page and '<li>it was &lt;restarted&gt;</li>' in page
+    page = html.render(replace(verdict, ledger_problems=None))
+    assert 'ledger is' not in page
+
+
 def test_the_findings_are_shown_by_their_names(made):
     verdict, _ = made(1)
     run = verdict.runs[0]

@@ -31,7 +31,7 @@ __all__ = ['can_fork', 'decode_stretches', 'Task']
 
 #: Stretches that a helper holds, waiting, in work or done, and the memory for each.
 _SLOTS = 4
-_SLOT_BYTES = 22 * 2**20
+_SLOT_BYTES = 26 * 2**20
 #: Stretches per helper that this process decodes ahead of their turn instead of waiting.
 _AHEAD = 3
 #: With fewer stretches, forking takes longer than the work.
@@ -39,7 +39,7 @@ _FEWEST = 12
 #: All processes together decode at most this many bytes of records at once.
 _MOST_BYTES = 2**27
 
-_COLUMNS = ('<i8', '<i2', '<i8', '<f8')
+_COLUMNS = ('<i8', '<i2', '<u4', '<i8', '<f8')
 #: For each block, the number of messages, and the number of headings of each kind.
 _Layout = list[tuple[int, list[int]]]
 
@@ -75,7 +75,8 @@ def _put(blocks: Sequence[Decoded], memory: memoryview) -> _Layout | None:
         return None
     found = [each for block in blocks for each in block.found]
     for each, columns in zip(found, _places(layout)):
-        values = (each.log_time_ns, each.place, each.headings.stamp_ns, each.headings.heading_deg)
+        values = (each.log_time_ns, each.place, each.sequence, each.headings.stamp_ns,
+                  each.headings.heading_deg)
         for value, (kind, length, at) in zip(values, columns):
             np.frombuffer(memory, kind, length, at)[:] = value
     return layout
@@ -88,8 +89,9 @@ def _take(layout: _Layout, memory: bytes) -> list[Decoded]:
     for count, lengths in layout:
         found = []
         for _ in lengths:
-            log_time_ns, place, *heading = (np.frombuffer(memory, *each) for each in next(columns))
-            found.append(Found(log_time_ns, place, Headings(*heading)))
+            *head, stamp_ns, heading_deg = (np.frombuffer(memory, *each)
+                                            for each in next(columns))
+            found.append(Found(*head, Headings(stamp_ns, heading_deg)))
         blocks.append(Decoded(count, found))
     return blocks
 

@@ -33,10 +33,11 @@ class Kind(NamedTuple):
 
 
 class Found(NamedTuple):
-    """Headings of a kind in file order: log time in nanoseconds, index of the topic, reading."""
+    """Headings of a kind in file order: log time in ns, index of the topic, number, reading."""
 
     log_time_ns: np.ndarray
     place: np.ndarray
+    sequence: np.ndarray
     headings: Headings
 
 
@@ -56,7 +57,8 @@ def _find_headings(block: Block, kind: Kind, place_of: np.ndarray) -> Found:
         place = place[which]
     headings = decode_headings(kind.type_name, kind.convention, block.data, block.start[which],
                                block.stop[which])
-    return Found(block.heads['log_time'][which].copy(), place, headings)
+    heads = block.heads[which]
+    return Found(heads['log_time'].copy(), place, heads['sequence'].copy(), headings)
 
 
 class Decoder:

@@ -9,22 +9,31 @@ from dataclasses import dataclass
 from itertools import groupby
 import os
 from pathlib import Path
-from typing import Iterable, Iterator, Mapping, NamedTuple, Sequence
+from typing import Callable, Iterable, Iterator, Mapping, NamedTuple, Sequence
+
+import numpy as np
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import mcap_files, NeverBegun, Part
 from heading_intercompare.bags.parallel.by_minute import Window
 from heading_intercompare.bags.parallel.decode_workers import can_fork, decode_stretches, Task
-from heading_intercompare.bags.parallel.decoding import Decoded, Decoder, Kind
+from heading_intercompare.bags.parallel.decoding import Decoded, Decoder, Found, Kind
 from heading_intercompare.bags.parallel.prefetch import run_ahead
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.fields import full_name
 from heading_intercompare.messages.heading_messages import HEADING_TYPES
 from heading_intercompare.messages.schemas import layout_problem
 
 from .bag_yaml import find_absent_parts, Qos
+from .provenance import RECORD
+from .sequence_gaps import Numbering
 
 __all__ = ['Attachment', 'BagMessage', 'BagReader', 'TopicInfo']
+
+
+#: Records of the programs that keep the numbers of the publishers. Others may number the messages
+#: of all topics together, or in any other way.
+_NUMBERED_BY = (RECORD, 'rosbag2')
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +96,17 @@ def _open_files(path: Path) -> tuple[list[Part], list[str]]:
     if not parts:
         raise BagError(f'no file of it can be read: {"; ".join(absent)}', path)
     return parts, absent
+
+
+def _find_gaps(found: Sequence[Found],
+               numbers: Sequence[Numbering]) -> Iterator[tuple[int, Losses]]:
+    """Yield the gaps among the numbers of a block, each with the index of its topic."""
+    for each in found:
+        for place in np.unique(each.place).tolist():
+            mine = np.flatnonzero(each.place == place)
+            losses = numbers[place].take(each.sequence[mine], each.headings.stamp_ns[mine])
+            if len(losses):
+                yield place, losses
 
 
 class BagReader:
@@ -162,8 +182,9 @@ class BagReader:
         cut = f' ({self.incomplete})' if self.incomplete else ''
         raise BagError(f'has no topic {topic!r}; it has {present or "no topics"}{cut}', self.path)
 
-    def headings(self, conventions: Mapping[str, str],
-                 helpers: int = 0) -> Iterator[dict[str, Headings]]:
+    def headings(self, conventions: Mapping[str, str], helpers: int = 0,
+                 lost: Callable[[str, Losses], None] | None = None,
+                 ) -> Iterator[dict[str, Headings]]:
         """
         Return an iterator over the headings of some topics.
 
@@ -175,6 +196,10 @@ class BagReader:
             Processes to decode in parallel with this one, for large bags; the result is the
             same. None are started where a fork is unsafe: while other threads run, in a worker of
             `multiprocessing`, or outside Linux.
+        lost : callable, optional
+            Called with a requested topic and the messages missing among the numbers of its
+            publisher, before the chunk with the reading after the gap is yielded or later. Never
+            called for a bag of a program that does not keep these numbers.
 
         Returns
         -------
@@ -194,7 +219,7 @@ class BagReader:
             if convention not in ('enu', 'ned'):
                 raise BagError(f"convention of topic {topic} = {convention!r}: use 'enu' or "
                                "'ned'", self.path)
-        return self._headings(conventions, helpers)
+        return self._headings(conventions, helpers, lost)
 
     def _check_heading(self, asked: str, topic: str) -> None:
         kind = self.topics[topic].type_name
@@ -213,28 +238,53 @@ class BagReader:
                 if problem:
                     raise BagError(f'topic {topic} ({kind}) cannot be read: {problem}', part.path)
 
-    def _headings(self, conventions: Mapping[str, str],
-                  helpers: int) -> Iterator[dict[str, Headings]]:
+    def _headings(self, conventions: Mapping[str, str], helpers: int,
+                  lost: Callable[[str, Losses], None] | None) -> Iterator[dict[str, Headings]]:
         wanted = {asked: (self.resolve(asked), convention)
                   for asked, convention in conventions.items()}
         once = list(dict.fromkeys(wanted.values()))
         helpers = helpers if can_fork() else 0
-        minutes = self._minutes(once, helpers)
+        numbers = None
+        if lost is not None and self.keeps_numbers():
+            numbers = [Numbering() for _ in once]
+        minutes = self._minutes(once, helpers, numbers)
         # Without helpers, decode ahead in a prefetch thread.
-        for minute in minutes if helpers else run_ahead(minutes):
+        for minute, gaps in minutes if helpers else run_ahead(minutes):
             found = dict(zip(once, minute))
+            for place, losses in gaps if lost else ():
+                for asked in (asked for asked, each in wanted.items() if each == once[place]):
+                    lost(asked, losses)
             yield {asked: found[each] for asked, each in wanted.items()}
 
-    def _minutes(self, wanted: Sequence[tuple[str, str]],
-                 helpers: int) -> Iterator[list[Headings]]:
-        """Yield the headings minute by minute; topics of one type and convention decode as one."""
+    def keeps_numbers(self) -> bool:
+        """Tell whether the numbers of the messages are those of their publishers."""
+        try:
+            return any(name in self.metadata() for name in _NUMBERED_BY)
+        except BagError:
+            # The reading of the messages says what is damaged.
+            return False
+
+    def _minutes(self, wanted: Sequence[tuple[str, str]], helpers: int,
+                 numbers: Sequence[Numbering] | None,
+                 ) -> Iterator[tuple[list[Headings], list[tuple[int, Losses]]]]:
+        """
+        Yield the headings minute by minute, with the gaps found among their numbers.
+
+        Topics of one type and convention decode as one.
+        """
         places: dict[tuple[str, str], dict[str, int]] = {}
         for place, (topic, convention) in enumerate(wanted):
             places.setdefault((self.topics[topic].type_name, convention), {})[topic] = place
         window = Window(len(wanted))
+        gaps: list[tuple[int, Losses]] = []
         for block in self._decode([Kind(*alike, of) for alike, of in places.items()], helpers):
-            yield from window.add(block.found)
-        yield from window.rest()
+            if numbers is not None:
+                gaps += _find_gaps(block.found, numbers)
+            for minute in window.add(block.found):
+                yield minute, gaps
+                gaps = []
+        for minute in window.rest():
+            yield minute, gaps
 
     def _decode(self, kinds: Sequence[Kind], helpers: int) -> Iterator[Decoded]:
         """Yield the decoded blocks of all files."""

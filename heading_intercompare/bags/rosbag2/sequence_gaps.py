@@ -6,14 +6,24 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from heading_intercompare.core.records import Losses
 
 __all__ = ['Numbering']
 
 #: Publishers and gaps remembered per topic; no topic has more at once.
 _PUBLISHERS, _GAPS = 8, 16
+
+
+class _Message(NamedTuple):
+    """Number and stamp of a message."""
+
+    number: int
+    stamp_ns: int
 
 
 def _beyond(number: int, other: int) -> int:
@@ -39,7 +49,8 @@ class Numbering:
     restarts : int
         How often a number followed no other: a publisher restarted, or another one joined.
     first : int or None
-        The first number; messages that a publisher sent earlier do not count as missing.
+        The first number that is not 0; messages that a publisher sent earlier do not count as
+        missing.
 
     """
 
@@ -47,53 +58,84 @@ class Numbering:
     missing: int = 0
     restarts: int = 0
     first: int | None = None
-    _newest: list[int] = field(default_factory=list)
-    _gaps: deque[tuple[int, int]] = field(default_factory=lambda: deque(maxlen=_GAPS))
+    _newest: list[_Message] = field(default_factory=list)
+    _gaps: deque[tuple[_Message, _Message]] = field(default_factory=lambda: deque(maxlen=_GAPS))
+    _found: list[tuple[int, int, int]] = field(default_factory=list)
 
-    def take(self, numbers: ArrayLike) -> None:
-        """Take the numbers of the next messages, n >= 1; only their lowest 32 bits count."""
+    def take(self, numbers: ArrayLike, stamp_ns: ArrayLike | None = None) -> Losses:
+        """
+        Take the numbers of the next messages; only their lowest 32 bits count.
+
+        Parameters
+        ----------
+        numbers : array_like of int, shape (n,)
+            Sequence numbers, n >= 0, in order of arrival.
+        stamp_ns : array_like of int, shape (n,), optional
+            Stamps of the messages, nanoseconds.
+
+        Returns
+        -------
+        Losses
+            The gaps found, at the stamps of the messages around them; 0 without stamps. The gaps
+            are the same however the messages are cut into chunks.
+
+        """
         numbers = np.asarray(numbers).astype(np.uint32)
-        self.numbered = self.numbered or bool(numbers.any())
+        stamps = (np.zeros(len(numbers), np.int64) if stamp_ns is None
+                  else np.asarray(stamp_ns, np.int64))
         if not self.numbered:
-            return
+            begin = int(np.argmax(numbers > 0)) if numbers.any() else len(numbers)
+            numbers, stamps = numbers[begin:], stamps[begin:]
+        if not len(numbers):
+            return Losses.empty()
         if self.first is None:
-            self.first = int(numbers[0])
-            self._newest.append(self.first)
-            numbers = numbers[1:]
-        steps = np.diff(np.append(np.uint32(self._newest[-1]), numbers)).view(np.int32)
+            self.numbered, self.first = True, int(numbers[0])
+            self._newest.append(_Message(self.first, int(stamps[0])))
+            numbers, stamps = numbers[1:], stamps[1:]
+        before = self._newest[-1]
+        steps = np.diff(np.append(np.uint32(before.number), numbers)).view(np.int32)
         if len(self._newest) > 1 or (steps < 1).any():
-            for number in numbers.tolist():
-                self._take(number)
-            return
-        for at in np.flatnonzero(steps > 1).tolist():
-            self._miss(int(numbers[at]) - int(steps[at]), int(numbers[at]))
-        self._newest[-1:] = numbers[-1:].tolist() or self._newest[-1:]
+            for number, stamp in zip(numbers.tolist(), stamps.tolist()):
+                self._take(_Message(number, stamp))
+        elif len(numbers):
+            since = np.append(before.stamp_ns, stamps)
+            for at in np.flatnonzero(steps > 1).tolist():
+                self._miss(_Message(int(numbers[at]) - int(steps[at]), int(since[at])),
+                           _Message(int(numbers[at]), int(stamps[at])))
+            self._newest[-1] = _Message(int(numbers[-1]), int(stamps[-1]))
+        found, self._found = self._found, []
+        return Losses.of(*zip(*found)) if found else Losses.empty()
 
-    def _take(self, number: int) -> None:
+    def _take(self, message: _Message) -> None:
         steps = [(step, at) for at, newest in enumerate(self._newest)
-                 if (step := _beyond(number, newest)) > 0]
+                 if (step := _beyond(message.number, newest.number)) > 0]
         if steps:
             _, at = min(steps)
-            self._miss(self._newest.pop(at), number)
+            self._miss(self._newest.pop(at), message)
         else:
-            self._begin(number)
-        self._newest = [*self._newest[1 - _PUBLISHERS:], number]
+            self._begin(message)
+        self._newest = [*self._newest[1 - _PUBLISHERS:], message]
 
-    def _miss(self, before: int, number: int) -> None:
+    def _miss(self, before: _Message, message: _Message) -> None:
         """Count the numbers missing between two."""
-        before %= 2**32
-        step = _beyond(number, before)
-        self.missing += step - 1
+        before = before._replace(number=before.number % 2**32)
+        step = _beyond(message.number, before.number)
         if step > 1:
-            self._gaps.append((before, number))
+            self._count(before, message, step - 1)
+            self._gaps.append((before, message))
 
-    def _begin(self, number: int) -> None:
+    def _count(self, before: _Message, behind: _Message, count: int) -> None:
+        self.missing += count
+        self._found.append((behind.stamp_ns, before.stamp_ns, count))
+
+    def _begin(self, message: _Message) -> None:
         """Take a number that follows none."""
         for before, behind in self._gaps:
-            if 0 < _beyond(number, before) < _beyond(behind, before):
+            gap = _beyond(behind.number, before.number)
+            if 0 < _beyond(message.number, before.number) < gap:
                 # Nothing was missing there: the number after the gap was another publisher's.
                 self._gaps.remove((before, behind))
-                self.missing -= _beyond(behind, before) - 1
-                self._miss(before, number)
+                self._count(before, behind, 1 - gap)
+                self._miss(before, message)
                 break
         self.restarts += 1

@@ -12,6 +12,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.recorder_losses import RECORDING, tell_missing
 from heading_intercompare.bags.rosbag2.bag_check import BagCheck, check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import Attachment, BagReader
+from heading_intercompare.bags.rosbag2.part_states import read_states, STATES
 from heading_intercompare.bags.rosbag2.provenance import (
     is_note,
     read_notes,
@@ -60,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     reader = BagReader(arguments.bag)
     attachments = reader.attachments()
     lines = [*_whole(reader), *_topics(reader, checked), *_notes(reader),
-             *_records(reader.metadata()), *_files(attachments),
+             *_states(reader), *_records(reader.metadata()), *_files(attachments),
              *_report_verdict(reader, attachments)]
     if arguments.extract is not None:
         lines += ['', *_extract(attachments, Path(arguments.extract))]
@@ -130,7 +131,7 @@ def _entry(name: str, value: str) -> Iterator[str]:
 def _records(metadata: Mapping[str, Mapping[str, str]]) -> Iterator[str]:
     """Yield the metadata records, ours first and by groups: version, sources, settings."""
     for name, entries in sorted(metadata.items(), key=lambda item: item[0] != RECORD):
-        if name == 'rosbag2' or is_note(name):
+        if name in ('rosbag2', STATES) or is_note(name):
             continue
         yield ''
         if name == RECORD:
@@ -175,6 +176,15 @@ def _notes(reader: BagReader) -> Iterator[str]:
         yield ''
         yield "operator's notes:"
         yield from (f'  {utc(note.stamp_ns)} UTC  {note.text}' for note in notes)
+
+
+def _states(reader: BagReader) -> Iterator[str]:
+    """Yield what each part of the graph said of itself at last."""
+    states = read_states(reader)
+    if states:
+        yield ''
+        yield 'last state of each part:'
+        yield from _columns([(f'  {name}', state) for name, state in states.items()])
 
 
 def _files(attachments: Sequence[Attachment]) -> Iterator[str]:

@@ -1,14 +1,16 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The fate of every reading: paired, unpaired, used, unused or rejected, with the reason.
+The fate of every reading: paired, unpaired, used, unused, rejected with the reason, or lost.
 
 The ledger is kept in segments, so that each run can get its own share. A reading belongs to the
-last segment that starts at or before its stamp, otherwise to the first.
+last segment that starts at or before its stamp, otherwise to the first. Per sensor, the readings
+sent are those received and those lost.
 """
 
 from __future__ import annotations
 
+from bisect import insort
 from collections import Counter
 from dataclasses import dataclass, field
 from enum import Enum
@@ -19,10 +21,13 @@ from numpy.typing import ArrayLike
 
 from .stamp_jumps import SetBack
 
-__all__ = ['Ledger', 'LedgerKey', 'LedgerSegment', 'REASONS']
+__all__ = ['Ledger', 'LedgerKey', 'LedgerSegment', 'LOSSES', 'REASONS']
 
-REASONS = ('invalid', 'out_of_range', 'no_stamp', 'stamp_not_increasing', 'jump')
-"""Reasons to reject a reading before pairing."""
+REASONS = ('invalid', 'out_of_range', 'no_stamp', 'stamp_not_increasing', 'jump', 'burst')
+"""Reasons to reject a reading before pairing; its driver rejects a `burst`."""
+
+LOSSES = ('on_the_way', 'at_source')
+"""Where a reading was lost: from publisher to subscriber, or before the driver read it."""
 
 
 class LedgerKey(str, Enum):
@@ -31,7 +36,8 @@ class LedgerKey(str, Enum):
 
     `PAIRED` counts pairs. Every other key counts readings of one sensor: in a pair without
     interpolation (`TS_PAIRED`), only used for interpolation (`TS_USED`), either (`RS_USED`),
-    neither (`TS_UNPAIRED`, `RS_UNUSED`), undecided (`TS_PENDING`, `RS_PENDING`), or rejected.
+    neither (`TS_UNPAIRED`, `RS_UNUSED`), undecided (`TS_PENDING`, `RS_PENDING`), rejected, or
+    lost. Lost readings are not received.
     """
 
     PAIRED = 'paired'
@@ -44,6 +50,9 @@ class LedgerKey(str, Enum):
     TS_NO_STAMP = 'ts_rejected.no_stamp'
     TS_STAMP_NOT_INCREASING = 'ts_rejected.stamp_not_increasing'
     TS_JUMP = 'ts_rejected.jump'
+    TS_BURST = 'ts_rejected.burst'
+    TS_LOST_ON_THE_WAY = 'ts_lost.on_the_way'
+    TS_LOST_AT_SOURCE = 'ts_lost.at_source'
     RS_USED = 'rs_used'
     RS_UNUSED = 'rs_unused'
     RS_PENDING = 'rs_pending'
@@ -52,6 +61,9 @@ class LedgerKey(str, Enum):
     RS_NO_STAMP = 'rs_rejected.no_stamp'
     RS_STAMP_NOT_INCREASING = 'rs_rejected.stamp_not_increasing'
     RS_JUMP = 'rs_rejected.jump'
+    RS_BURST = 'rs_rejected.burst'
+    RS_LOST_ON_THE_WAY = 'rs_lost.on_the_way'
+    RS_LOST_AT_SOURCE = 'rs_lost.at_source'
 
     def __str__(self) -> str:
         return self.value
@@ -74,6 +86,11 @@ class LedgerKey(str, Enum):
         """Return the key of readings of ``'ts'`` or ``'rs'`` that still wait for a partner."""
         return cls(f'{stream}_pending')
 
+    @classmethod
+    def of_lost(cls, stream: str, where: str) -> 'LedgerKey':
+        """Return the key of readings of ``'ts'`` or ``'rs'`` lost at one of `LOSSES`."""
+        return cls(f'{stream}_lost.{where}')
+
     @property
     def stream(self) -> str:
         """The sensor of these readings, ``'ts'`` or ``'rs'``; '' for pairs."""
@@ -83,6 +100,12 @@ class LedgerKey(str, Enum):
     def reason(self) -> str:
         """Reason of a rejection; '' for any other key."""
         return self.value.partition('_rejected.')[2]
+
+    @property
+    def lost(self) -> str:
+        """Where these readings were lost; '' if they were received."""
+        return self.value.partition('_lost.')[2]
+
 
 _PENDING = (LedgerKey.TS_PENDING, LedgerKey.RS_PENDING)
 
@@ -112,21 +135,27 @@ class LedgerSegment:
         object.__setattr__(self, 'counts', {LedgerKey(k): n for k, n in self.counts.items()})
 
     def received(self, stream: str) -> int:
-        """Return how many readings of ``'ts'`` or ``'rs'`` the segment accounts for."""
-        return sum(n for key, n in self.counts.items() if key.stream == stream)
+        """Return how many readings of ``'ts'`` or ``'rs'`` came, whatever became of them."""
+        return sum(n for key, n in self.counts.items() if key.stream == stream and not key.lost)
 
     def rejected(self, stream: str) -> dict[str, int]:
         """Return how many readings of ``'ts'`` or ``'rs'`` were rejected, by reason."""
         return {reason: n for reason in REASONS
                 if (n := self.counts.get(LedgerKey.of_rejected(stream, reason)))}
 
+    def lost(self, stream: str) -> dict[str, int]:
+        """Return how many readings of ``'ts'`` or ``'rs'`` were lost, by where."""
+        return {where: n for where in LOSSES
+                if (n := self.counts.get(LedgerKey.of_lost(stream, where)))}
+
 
 class Ledger:
     """
     Counts of readings by fate.
 
-    `add` counts, `cut` opens a segment, and `settle` gives the stamp up to which no more readings
-    will come. Up to there the ledger can forget single stamps, so its memory does not grow.
+    `add` and `lose` count, `cut` opens a segment, and `settle` gives the stamp up to which no
+    more readings will come. Up to there the ledger can forget single stamps, so its memory does
+    not grow.
 
     Attributes
     ----------
@@ -139,8 +168,10 @@ class Ledger:
 
     def __init__(self) -> None:
         self._starts = np.empty(0, np.int64)
+        self._bounds: list[int] = []
         self._counts: list[Counter[LedgerKey]] = [Counter()]
         self._recent: dict[LedgerKey, list[np.ndarray]] = {}
+        self._gaps: dict[LedgerKey, list[tuple[np.ndarray, np.ndarray]]] = {}
         self._received: Counter[str] = Counter()
         self._pending: Counter[LedgerKey] = Counter()
         self.set_backs: dict[str, Sequence[SetBack]] = {}
@@ -158,6 +189,15 @@ class Ledger:
         """Count readings under a key; every reading is added exactly once."""
         if len(stamp_ns):
             self._recent.setdefault(key, []).append(stamp_ns)
+            if key is LedgerKey.PAIRED:
+                self._cut_at_pairs()
+
+    def lose(self, key: LedgerKey, stamp_ns: np.ndarray, n: np.ndarray) -> None:
+        """Count `n` readings at each stamp that were lost, or rejected before they were sent."""
+        if len(stamp_ns):
+            self._gaps.setdefault(key, []).append((stamp_ns, n))
+            if not key.lost:
+                self._received[key.stream] += int(n.sum())
 
     def set_pending(self, stream: str, n: int) -> None:
         """Set the number of readings that still wait for a partner."""
@@ -177,6 +217,28 @@ class Ledger:
         if n > 0:
             self._counts[:n + 1] = [sum(self._counts[:n + 1], Counter())]
             self._starts = self._starts[n:]
+    def cut_run(self, stamp_ns: int) -> None:
+        """
+        Open a segment where a run starts or stops, and at the pairs around that stamp.
+
+        What comes between the last pair before the stamp and the first one from there on lies in
+        no run: one sensor may have started earlier, or gone on later, than the other.
+        """
+        self.cut(stamp_ns)
+        insort(self._bounds, stamp_ns)
+        self._cut_at_pairs()
+
+    def _cut_at_pairs(self) -> None:
+        """Cut at the pairs around the bounds that the newest pair has reached."""
+        chunks = self._recent.get(LedgerKey.PAIRED)
+        if not (self._bounds and chunks and chunks[-1][-1] >= self._bounds[0]):
+            return
+        stamps = np.concatenate(chunks)
+        while self._bounds and self._bounds[0] <= stamps[-1]:
+            at = int(np.searchsorted(stamps, self._bounds.pop(0)))
+            self.cut(int(stamps[at]))
+            if at:
+                self.cut(int(stamps[at - 1]) + 1)
 
     def settle(self, stamp_ns: int) -> None:
         """Add the stamps that no later cut can divide to the counts of their segments."""
@@ -188,13 +250,24 @@ class Ledger:
                 old = stamps < limit
                 self._fold(self._counts, key, stamps[old])
                 self._recent[key] = [stamps[~old]] if not old.all() else []
+        for key, gaps in self._gaps.items():
+            if gaps and gaps[0][0][0] < limit - _SLACK_NS:
+                stamps, n = (np.concatenate(column) for column in zip(*gaps))
+                old = stamps < limit
+                self._fold(self._counts, key, stamps[old], n[old])
+                self._gaps[key] = [(stamps[~old], n[~old])] if not old.all() else []
 
     def _fold(self, counts: list[Counter[LedgerKey]], key: LedgerKey,
-              stamp_ns: np.ndarray) -> None:
+              stamp_ns: np.ndarray, n: np.ndarray | None = None) -> None:
         where = np.searchsorted(self._starts, stamp_ns, side='right')
-        for at, n in enumerate(np.bincount(where, minlength=len(counts)).tolist()):
-            if n:
-                counts[at][key] += n
+        sums = np.bincount(where, minlength=len(counts))
+        if n is not None:
+            # Whole numbers, unlike the weights of bincount.
+            sums = np.zeros(len(counts), np.int64)
+            np.add.at(sums, where, n)
+        for at, count in enumerate(sums.tolist()):
+            if count:
+                counts[at][key] += count
 
     @property
     def segments(self) -> tuple[LedgerSegment, ...]:
@@ -203,9 +276,14 @@ class Ledger:
         for key, chunks in self._recent.items():
             if chunks:
                 self._fold(counts, key, np.concatenate(chunks))
+        for key, gaps in self._gaps.items():
+            for stamp_ns, n in gaps:
+                self._fold(counts, key, stamp_ns, n)
         counts[-1].update({key: n for key, n in self._pending.items() if n})
         starts = [None, *self._starts.tolist()]
-        return tuple(LedgerSegment(s, dict(sorted(c.items()))) for s, c in zip(starts, counts))
+        # A loss that was taken back leaves a zero.
+        return tuple(LedgerSegment(s, {key: n for key, n in sorted(c.items()) if n})
+                     for s, c in zip(starts, counts))
 
     @classmethod
     def from_segments(cls, segments: Iterable[LedgerSegment],
@@ -251,13 +329,28 @@ class Ledger:
         return {s: self._received[s] - total.received(s) for s in ('ts', 'rs')}
 
     def count_between(self, start_ns: int, end_ns: int) -> LedgerSegment:
-        """Return the counts of the segments that start between two stamps, both included."""
+        """
+        Return the counts from the first pair of a run to its last one.
+
+        Parameters
+        ----------
+        start_ns, end_ns : int
+            Stamps of its first and of its last pair.
+
+        Returns
+        -------
+        LedgerSegment
+            The counts of the segments from the last one that starts at or before `start_ns` to
+            the last one that starts at or before `end_ns`; without pending readings.
+
+        """
+        first_ns = max((s for s in self._starts.tolist() if s <= start_ns), default=start_ns)
         counts: Counter[LedgerKey] = Counter()
         for segment in self.segments:
-            if segment.start_ns is not None and start_ns <= segment.start_ns <= end_ns:
+            if segment.start_ns is not None and first_ns <= segment.start_ns <= end_ns:
                 counts.update({key: n for key, n in segment.counts.items()
                                if key not in _PENDING})
-        return LedgerSegment(start_ns, dict(counts))
+        return LedgerSegment(first_ns, dict(counts))
 
     def shares(self, start_ns: ArrayLike) -> list[LedgerSegment]:
         """

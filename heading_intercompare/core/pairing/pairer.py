@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from heading_intercompare.core.angles import wrap180, wrap360
-from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.settings import Settings
 
 from .direction import Direction
@@ -116,6 +116,22 @@ class Pairer:
     def heard_ns(self) -> tuple[int | None, int | None]:
         """Stamps of the last readings of the TS and of the RS; None before the first."""
         return self._ts.heard_ns, self._rs.heard_ns
+    def lose(self, key: LedgerKey, losses: Losses) -> None:
+        """
+        Count readings that never came; they may be told before or after the readings around them.
+
+        Parameters
+        ----------
+        key : LedgerKey
+            Whose readings, and where they were lost; or a rejection by the driver.
+        losses : Losses
+            How many are missing in each gap. They count at the stamp of the first reading after
+            the gap, unless the gap is so long that it ends a run: then they count in its middle,
+            between the runs.
+
+        """
+        stream = self._ts if key.stream == 'ts' else self._rs
+        stream.lose(key, losses, self._run_gap_ns)
 
     def flush(self) -> Pairs:
         """End both streams: decide all waiting readings and return the last pairs."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from heading_intercompare.core.angles import wrap360
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Losses
 
 from .ledger import Ledger, LedgerKey
 from .stamp_jumps import Decided, JumpFilter, NEVER
@@ -52,7 +52,7 @@ class Stream:
         heading = headings.heading_deg
         self.ledger.receive(self.name, stamp)
         self.heard_ns = int(stamp[-1]) - self.shift_ns
-        good = self._reject('no_stamp', stamp > 0, stamp)
+        good = self._reject('no_stamp', stamp > 0, self._place_unstamped(stamp, heading))
         good = self._reject('invalid', np.isfinite(heading), stamp, good)
         good = self._reject('out_of_range', (heading >= 0.0) & (heading <= 360.0), stamp, good)
         self._heard_s = now_s
@@ -88,6 +88,14 @@ class Stream:
     def reach_ns(self, since_s: float) -> int:
         """Return the newest stamp, also of readings held, if the sensor has been heard since."""
         return max(self.last_ns, self._jumps.held_ns) if self._heard_s >= since_s else self.last_ns
+    def _place_unstamped(self, stamp: np.ndarray, heading: np.ndarray) -> np.ndarray:
+        """Return where to count readings: those without a stamp at the last accepted one."""
+        if (stamp > 0).all():
+            return stamp
+        usable = (stamp > 0) & (heading >= 0.0) & (heading <= 360.0)
+        before = np.concatenate(([self.last_ns], np.where(usable, stamp - self.shift_ns, NEVER)))
+        newest = np.maximum.accumulate(before)[:-1]
+        return np.where((stamp > 0) | (newest == NEVER), stamp, newest + self.shift_ns)
 
     def _reject(self, reason: str, passes: np.ndarray, stamp: np.ndarray,
                 among: np.ndarray | None = None) -> np.ndarray:
@@ -95,6 +103,14 @@ class Stream:
         if fails.any():
             self.ledger.add(LedgerKey.of_rejected(self.name, reason), stamp[fails] - self.shift_ns)
         return passes if among is None else among & passes
+
+    def lose(self, key: LedgerKey, losses: Losses, run_gap_ns: int) -> None:
+        """Count readings that were lost, each gap where the run is in which it happened."""
+        stamp_ns: np.ndarray = losses.stamp_ns
+        gap_ns = np.where(losses.since_ns > 0, stamp_ns - losses.since_ns, 0)
+        # A gap that ends a run belongs to neither that run nor the next.
+        at_ns = np.where(gap_ns > run_gap_ns, stamp_ns - gap_ns // 2, stamp_ns)
+        self.ledger.lose(key, at_ns - self.shift_ns, losses.count)
 
     def release(self, n: int) -> np.ndarray:
         """Record and drop the n oldest readings; return their stamps."""

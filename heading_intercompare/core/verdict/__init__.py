@@ -11,9 +11,10 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'conclusion': ('ALL_REASONS',),
     'headline': ('OUTCOME_WORDS',),
     'judge': ('compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult'),
+    'typed_reader': ('make_plain',),
     'validity': ('DOUBTFUL', 'VOID'),
-    'verdict_document': ('Input', 'make_plain', 'OperatorNote', 'RunVerdict', 'SCHEMA',
-                         'SCHEMA_VERSION', 'Verdict', 'VerdictError'),
+    'verdict_document': ('Input', 'OperatorNote', 'RunVerdict', 'SCHEMA', 'SCHEMA_VERSION',
+                         'Verdict', 'VerdictError'),
     'verdict_table': ('summary_text', 'verdict_html', 'verdict_text'),
 })
 
@@ -29,10 +30,10 @@ if TYPE_CHECKING:
         look_at as look_at,
         RunResult as RunResult,
     )
+    from .typed_reader import make_plain as make_plain
     from .validity import DOUBTFUL as DOUBTFUL, VOID as VOID
     from .verdict_document import (
         Input as Input,
-        make_plain as make_plain,
         OperatorNote as OperatorNote,
         RunVerdict as RunVerdict,
         SCHEMA as SCHEMA,

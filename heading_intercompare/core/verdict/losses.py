@@ -46,25 +46,38 @@ def _lost_shares(run: RunVerdict) -> Iterator[tuple[str, float]]:
 
 def _ledger_shares(run: RunVerdict, share: LedgerSegment, inside: LedgerSegment,
                    settings: Settings) -> Iterator[tuple[str, float]]:
-    """Yield each kind of loss in the ledger, in words, and its share of the readings."""
+    """Yield each kind of loss in the ledger, in words, and its share of the readings sent."""
     counts = inside.counts
-    received = {stream: inside.received(stream) for stream in ('ts', 'rs')}
-    for stream, n in received.items():
+    unpaired = _unpaired(run, inside, settings)
+    for stream in ('ts', 'rs'):
         # After a clock was set back no later reading is paired until it has caught up. The run
         # ends there, although readings keep coming.
         late = [LedgerKey.of_rejected(stream, why) for why in ('stamp_not_increasing', 'jump')]
         after = sum(share.counts.get(key, 0) - counts.get(key, 0) for key in late)
-        if n + after:
-            rejected = sum(inside.rejected(stream).values())
-            yield f'of the {stream.upper()} rejected', (rejected + after) / (n + after)
-    unpaired = {stream: counts.get(key, 0) / received[stream]
+        lost = inside.lost(stream)
+        missing = {'lost on the way': lost.get('on_the_way', 0),
+                   'lost at the source': lost.get('at_source', 0),
+                   'rejected': sum(inside.rejected(stream).values()) + after,
+                   'without partner': unpaired.get(stream, 0)}
+        sent = inside.received(stream) + sum(lost.values()) + after
+        if sent:
+            kinds = [kind for kind, n in missing.items() if n] or ['rejected']
+            yield (f'of the {stream.upper()} {" or ".join(kinds)}',
+                   sum(missing.values()) / sent)
+
+
+def _unpaired(run: RunVerdict, inside: LedgerSegment, settings: Settings) -> dict[str, int]:
+    """Return the readings without partner of the sensor that should have one for each."""
+    unpaired = {stream: inside.counts.get(key, 0)
                 for stream, key in (('ts', LedgerKey.TS_UNPAIRED), ('rs', LedgerKey.RS_UNUSED))
-                if received[stream]}
-    if unpaired:
-        # Most readings of an interpolated sensor may lie between two stamps of the other.
-        interpolated = run.pairing.find_interpolated(settings.pairing.method)
-        kept = [part for stream, part in unpaired.items() if stream != interpolated]
-        yield 'without partner', min(kept or unpaired.values())
+                if inside.received(stream)}
+    # Most readings of an interpolated sensor may lie between two stamps of the other.
+    interpolated = run.pairing.find_interpolated(settings.pairing.method)
+    kept = {stream: n for stream, n in unpaired.items() if stream != interpolated} or unpaired
+    if not kept:
+        return {}
+    least = min(kept, key=lambda stream: kept[stream] / inside.received(stream))
+    return {least: kept[least]}
 
 
 def judge_losses(shares: Sequence[tuple[str, float]], settings: Settings) -> Finding:

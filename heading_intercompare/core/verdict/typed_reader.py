@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Turns plain mappings and lists, as in JSON, back into dataclasses, guided by annotations."""
+"""Turns dataclasses into plain mappings and lists, as in JSON, and back, by annotations."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ import math
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints, Literal, TypeGuard, Union
 
-__all__ = ['is_left_out', 'leave_out_none', 'read_plain', 'VerdictError']
+from heading_intercompare.core.outcome import Outcome
+
+__all__ = ['is_left_out', 'leave_out_none', 'make_plain', 'read_plain', 'VerdictError']
 
 _WORDS = {bool: 'true or false', float: 'a number', int: 'an integer', str: 'text',
           NoneType: 'null'}
@@ -37,6 +39,30 @@ def leave_out_none() -> Any:
 def is_left_out(declared: Any, value: Any) -> bool:
     """Tell whether the key of a field, from `dataclasses.fields`, is left out."""
     return value is None and declared.metadata.get(_LEFT_OUT, False)
+
+
+def make_plain(value: Any) -> Any:
+    """
+    Return a value in a form that JSON can hold.
+
+    Dataclasses become dictionaries in the order of their fields, outcomes become words, tuples
+    become lists, and a number that is not finite becomes None. `read_plain` reverses this.
+    """
+    if is_dataclass(value) and not isinstance(value, type):
+        return {f.name: make_plain(getattr(value, f.name)) for f in fields(value)
+                if not is_left_out(f, getattr(value, f.name))}
+    if isinstance(value, Outcome):
+        return value.value
+    if isinstance(value, Mapping):
+        return {str(k): make_plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [make_plain(v) for v in value]
+    if isinstance(value, (bool, str)) or value is None:
+        return value
+    if isinstance(value, int):
+        return int(value)
+    number = float(value)
+    return number if math.isfinite(number) else None
 
 
 def read_plain(kind: Any, value: Any, where: str = '') -> Any:

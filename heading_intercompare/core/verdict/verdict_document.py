@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, is_dataclass, replace
-import math
+from dataclasses import dataclass, field, replace
 import re
 from typing import Any, Callable, Iterable, Mapping, Sequence, TYPE_CHECKING
 
@@ -37,14 +36,15 @@ from heading_intercompare.core.version import RULE_VERSION, VERSION
 
 from .conclusion import campaign_words
 from .headline import compose_headline
-from .typed_reader import is_left_out, leave_out_none, read_plain, VerdictError
+from .typed_reader import leave_out_none, make_plain, read_plain, VerdictError
 from .validity import Finding, gravest
 
 if TYPE_CHECKING:
     import pandas
 
-__all__ = ['Campaign', 'Input', 'make_plain', 'OperatorNote', 'PairingFigures', 'RejectedReadings',
-           'RunVerdict', 'SCHEMA', 'SCHEMA_VERSION', 'Software', 'Verdict', 'VerdictError']
+__all__ = ['Campaign', 'Input', 'LostReadings', 'OperatorNote', 'PairingFigures',
+           'RejectedReadings', 'RunVerdict', 'SCHEMA', 'SCHEMA_VERSION', 'Software', 'Verdict',
+           'VerdictError']
 
 _SCHEMA = 'heading_intercompare/verdict/'
 SCHEMA_VERSION = '2.2'
@@ -61,33 +61,17 @@ _VERSION = re.compile(r'([1-9][0-9]{0,8})\.([0-9]{1,9})', re.ASCII)
 _AGAIN = 'judge the recordings again, with `analyze` or `rejudge`'
 
 
-def make_plain(value: Any) -> Any:
-    """
-    Return a value in a form that JSON can hold.
-
-    Dataclasses become dictionaries in the order of their fields, outcomes become words, tuples
-    become lists, and a number that is not finite becomes None. `read_plain` reverses this.
-    """
-    if is_dataclass(value) and not isinstance(value, type):
-        return {f.name: make_plain(getattr(value, f.name)) for f in fields(value)
-                if not is_left_out(f, getattr(value, f.name))}
-    if isinstance(value, Outcome):
-        return value.value
-    if isinstance(value, Mapping):
-        return {str(k): make_plain(v) for k, v in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [make_plain(v) for v in value]
-    if isinstance(value, (bool, str)) or value is None:
-        return value
-    if isinstance(value, int):
-        return int(value)
-    number = float(value)
-    return number if math.isfinite(number) else None
-
-
 @dataclass(frozen=True, slots=True)
 class RejectedReadings:
     """Counts of the readings of each sensor rejected before pairing, by reason."""
+
+    ts: Mapping[str, int]
+    rs: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class LostReadings:
+    """Counts of the readings of each sensor that were sent and never came, by where."""
 
     ts: Mapping[str, int]
     rs: Mapping[str, int]
@@ -110,6 +94,8 @@ class PairingFigures:
     max_lag_s: float | None
     rs_variance_factor: float | None
     ts_variance_factor: float | None
+    #: None in verdicts of version 2.1 and before.
+    lost: LostReadings | None = leave_out_none()
 
     def find_interpolated(self, method: str) -> str | None:
         """Return the sensor, 'ts' or 'rs', that a method interpolated; None for none or both."""
@@ -135,7 +121,8 @@ class PairingFigures:
                    rs_unused=counts.get(LedgerKey.RS_UNUSED, 0),
                    rejected=RejectedReadings(share.rejected('ts'), share.rejected('rs')),
                    mean_lag_s=mean_lag_s, max_lag_s=max_lag_s,
-                   rs_variance_factor=rs_variance_factor, ts_variance_factor=ts_variance_factor)
+                   rs_variance_factor=rs_variance_factor, ts_variance_factor=ts_variance_factor,
+                   lost=LostReadings(share.lost('ts'), share.lost('rs')))
 
 
 @dataclass(frozen=True, slots=True)
@@ -272,6 +259,8 @@ class Input:
         Why it gave no run, and the fate of its readings.
     same_as : str or None
         Path of an earlier input with the same data.
+    ledger_problems : tuple of str, or None
+        Why its readings are not all accounted for.
 
     """
 
@@ -283,6 +272,7 @@ class Input:
     error: str | None = leave_out_none()
     no_run: str | None = leave_out_none()
     same_as: str | None = leave_out_none()
+    ledger_problems: tuple[str, ...] | None = leave_out_none()
 
     @property
     def why_no_run(self) -> str | None:
@@ -324,6 +314,8 @@ class Verdict:
         The software that judged.
     rule_version : int or None
         Version of the decision rule, see `RULE_VERSION`; None in verdicts older than that.
+    ledger_problems : sequence of str or None
+        Sentences that say why the ledger is not complete; None if unknown, before 2.2.
     settings_sha256 : str
         Hash of the settings, see the function `settings_sha256`.
 
@@ -339,6 +331,12 @@ class Verdict:
     runs: Sequence[RunVerdict]
     software: Software = field(default_factory=Software)
     rule_version: int | None = RULE_VERSION
+    ledger_problems: Sequence[str] | None = leave_out_none()
+
+    @property
+    def ledger_complete(self) -> bool | None:
+        """Whether the ledger accounts for every reading; None if unknown."""
+        return None if self.ledger_problems is None else not self.ledger_problems
 
     @property
     def settings_sha256(self) -> str:
@@ -357,9 +355,11 @@ class Verdict:
                         for r in runs for f in r.validity]
             why = campaign_words(campaign.reason, [(r.run, r.outcome, r.reason) for r in runs])
             line = compose_headline(outcome, findings, coverage, why)
+        problems = tuple(f'{given.path}: {problem}' for given in inputs
+                         for problem in given.ledger_problems or ())
         return cls(outcome, line, gravest(r.validity_effect for r in runs),
                    worst(r.paper_outcome for r in runs), settings, tuple(inputs), campaign,
-                   tuple(runs))
+                   tuple(runs), ledger_problems=problems)
 
     def __str__(self) -> str:
         """Return the table that the command line prints."""
@@ -402,6 +402,9 @@ class Verdict:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the verdict as plain dictionaries and lists, ready for JSON."""
+        ledger = {} if self.ledger_problems is None else {
+            'ledger_complete': self.ledger_complete,
+            'ledger_problems': make_plain(self.ledger_problems)}
         return {
             'schema': SCHEMA,
             'schema_version': SCHEMA_VERSION,
@@ -414,6 +417,7 @@ class Verdict:
             'settings_sha256': self.settings_sha256,
             'settings': make_plain(leave_out_added(self.settings.to_mapping())),
             'inputs': make_plain(self.inputs),
+            **ledger,
             'campaign': make_plain(self.campaign),
             'runs': make_plain(self.runs),
         }
@@ -451,6 +455,10 @@ class Verdict:
             if of_2_0:
                 raise VerdictError(f'{error}; if an earlier version wrote it, {_AGAIN}') from error
             raise
+        if (told := mapping.get('ledger_complete', verdict.ledger_complete)
+                ) is not verdict.ledger_complete:
+            raise VerdictError(f'ledger_complete = {told!r:.70}: must be '
+                               f'{make_plain(verdict.ledger_complete)!r} by ledger_problems')
         if 'settings_sha256' not in mapping and not of_2_0:
             raise VerdictError('settings_sha256 is missing')
         if (found := mapping.get('settings_sha256', verdict.settings_sha256)

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from typing import Any, Iterator, Mapping, TYPE_CHECKING
 
-from .verdict_document import make_plain, Verdict
+from .typed_reader import make_plain
+from .verdict_document import Verdict
 
 if TYPE_CHECKING:
     import pandas

@@ -39,6 +39,15 @@ def _describe_rejected(run: RunVerdict) -> str:
     return ', '.join(parts) or '0'
 
 
+def _describe_lost(run: RunVerdict) -> str:
+    lost = run.pairing.lost
+    if lost is None:
+        return '-'
+    parts = [f'{n} {sensor} {where.replace("_", " ")}' for sensor, wheres in (
+        ('TS', lost.ts), ('RS', lost.rs)) for where, n in wheres.items()]
+    return ', '.join(parts) or '0'
+
+
 def _counts(run: RunVerdict) -> str:
     counts = run.count_criterion
     return f'{counts.n_plus} / {counts.n_plus_plus} / {counts.allowed:.2f}'
@@ -58,6 +67,7 @@ _ROWS: tuple[tuple[str, Callable[[RunVerdict], str]], ...] = (
     ('  paired or interpolated between', lambda r: _number(r.pairing.rs_used)),
     ('  not used', lambda r: _number(r.pairing.rs_unused)),
     ('rejected', _describe_rejected),
+    ('lost', _describe_lost),
     ('analysed n', lambda r: _number(r.n)),
     ('effective size nu', lambda r: _number(r.guarded.nu, 1)),
     ('mean difference [deg]', lambda r: _number(r.mean_deg)),
@@ -109,6 +119,8 @@ def _reasons(verdict: Verdict) -> Iterator[tuple[str, list[str]]]:
                   for look in run.looks]
         found += [f'warning: {warning}' for warning in run.warnings]
         yield f'run {run.run}{of}: {REASON_WORDS.get(run.reason, run.reason)}', found
+    if verdict.ledger_problems:
+        yield 'the ledger is not complete:', list(verdict.ledger_problems)
     missing = [f'not judged: {given.path}: {given.why_no_run}' for given in verdict.inputs
                if given.why_no_run]
     for line in missing if missing or verdict.runs else [NO_RUN]:

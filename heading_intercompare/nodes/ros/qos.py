@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-__all__ = ['CLOCK', 'HEADINGS_IN', 'HEADINGS_OUT', 'HEADINGS_UNRELIABLE', 'LEDGER', 'MARKER',
-           'NOTE', 'PAIRS', 'REPORT', 'STATUS', 'VERDICT']
+__all__ = ['CLOCK', 'DIAGNOSTICS_IN', 'HEADINGS_IN', 'HEADINGS_OUT', 'HEADINGS_UNRELIABLE',
+           'LEDGER', 'LOST', 'MARKER', 'NOTE', 'PAIRS', 'REPORT', 'STATUS', 'VERDICT']
 
 
 def _keep_last(depth: int) -> QoSProfile:
@@ -25,7 +25,10 @@ HEADINGS_IN = QoSProfile(depth=_MOST)
 HEADINGS_UNRELIABLE = QoSProfile(depth=_MOST, reliability=ReliabilityPolicy.BEST_EFFORT)
 PAIRS = QoSProfile(depth=_MOST)
 LEDGER = QoSProfile(depth=10)
+LOST = QoSProfile(depth=1000)
 STATUS = QoSProfile(depth=10)
+# All nodes of a ship may say their state within one batch.
+DIAGNOSTICS_IN = QoSProfile(depth=1000)
 MARKER = _keep_last(100)
 # Any reliable publisher will do, including `ros2 topic pub`.
 NOTE = QoSProfile(depth=10)

@@ -17,6 +17,8 @@ from rclpy.qos import (
 from rclpy.subscription import Subscription
 
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
+from heading_intercompare.core.records import Losses
+from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
 from heading_intercompare.nodes.ros.parameters import resolve_topic
@@ -50,6 +52,10 @@ class Intake:
         More than one publisher is an error.
     needed : bool
         A missing publisher is a warning.
+    stamped : bool
+        The messages begin with a header, so `take_losses` can say where some are missing.
+    counted : bool
+        Count what is missing; not where any number of publishers may come and go.
 
     Attributes
     ----------
@@ -65,6 +71,8 @@ class Intake:
         Publishers seen at the last `look`.
     resubscribed : int
         How often the subscription was made again for a best-effort publisher that joined.
+    counted : bool
+        Messages that are missing are counted.
     open : bool
         Subscribe when a publisher is seen. While this is False, no subscription is made.
 
@@ -82,7 +90,8 @@ class Intake:
 
     def __init__(self, node: Node, topic: str, types: Mapping[str, type], qos: QoSProfile,
                  health: Health, *, unreliable: QoSProfile | None = None,
-                 stale_s: float | None = None, sole: bool = True, needed: bool = True) -> None:
+                 stale_s: float | None = None, sole: bool = True, needed: bool = True,
+                 stamped: bool = False, counted: bool = True) -> None:
         self._node, self._topic, self._types = node, topic, types
         self._reliable, self._unreliable, self._qos = qos, unreliable, qos
         self._health, self._stale_s, self._sole, self._needed = health, stale_s, sole, needed
@@ -97,7 +106,8 @@ class Intake:
         self.resubscribed = 0
         self._left: list[tuple[bytes, Mapping[str, int]]] = []
         self._why_refused = ''
-        self._numbering = Numbering()
+        self._numbering, self._stamped, self.counted = Numbering(), stamped, counted
+        self._losses: list[Losses] = []
         health.add_refresher(self._note)
 
     def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
@@ -109,13 +119,22 @@ class Intake:
             taken += take_all(self._subscription)
         if taken:
             numbers = [info['publication_sequence_number'] for _, info in taken]
-            self._numbering.take(numbers)
+            if self._stamped:
+                self._losses.append(self._numbering.take(
+                    numbers, [header_stamp_ns(message) for message, _ in taken]))
+            elif self.counted:
+                self._numbering.take(numbers)
             self.last_sequence = numbers[-1]
             self.received += len(taken)
             info = taken[-1][1]
             self._newest_s = time.monotonic()
             self._latency_s = (info['received_timestamp'] - info['source_timestamp']) / 1e9
         return taken
+
+    def take_losses(self) -> Losses:
+        """Return the gaps among the messages taken since the last call, at their stamps."""
+        losses, self._losses = Losses.concatenate(self._losses), []
+        return losses
 
     def refuse(self, problems: Sequence[str]) -> None:
         """Count messages that could not be read, given what is wrong with each."""
@@ -127,6 +146,11 @@ class Intake:
     def lost(self) -> int:
         """Messages lost on the way, by their publishers' sequence numbers."""
         return self._numbering.missing
+
+    @property
+    def before(self) -> int:
+        """Messages that the first publisher had sent before the first one that was taken."""
+        return max(0, (self._numbering.first or 1) - 1)
 
     def look(self) -> str:
         """Look for publishers and subscribe to their type; return what is wrong, '' if nothing."""

@@ -5,12 +5,13 @@
 from __future__ import annotations
 
 import json
-from typing import NamedTuple
+from typing import Mapping, NamedTuple
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
+from heading_intercompare.bags.rosbag2.part_states import DIAGNOSTICS_TOPIC, PartStates
 from heading_intercompare.bags.rosbag2.provenance import (
     NOTE_TOPIC,
     REPORT_TOPIC,
@@ -18,6 +19,7 @@ from heading_intercompare.bags.rosbag2.provenance import (
 )
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.ledger_messages import lost_topic
 from heading_intercompare.messages.marks import MARKER_TOPIC
 from heading_intercompare.messages.texts import decode_text
 from heading_intercompare.nodes.ros import qos
@@ -61,8 +63,28 @@ def _offer(profile: QoSProfile) -> Qos:
     return Qos(depth=profile.depth, durability='transient_local' if kept else 'volatile')
 
 
-def make_intakes(node: Node, settings: Settings, health: Health) -> dict[str, Recorded]:
-    """Return the topics by name: those of the graph, the true heading if there is one, notes."""
+class _Diagnostics(Intake):
+    """The states of all nodes: what is new, and now and then what is not."""
+
+    def __init__(self, node: Node, health: Health, states: PartStates) -> None:
+        super().__init__(node, DIAGNOSTICS_TOPIC, STATUS_TYPES, qos.DIAGNOSTICS_IN, health,
+                         unreliable=qos.HEADINGS_UNRELIABLE, sole=False, needed=False,
+                         counted=False)
+        self._states = states
+
+    def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
+        """Return the messages to record, without numbers: what is left out is not lost."""
+        return [(data, {**info, 'publication_sequence_number': 0}) for data, info in super().take()
+                if self._states.take(data, info['received_timestamp'])]
+
+
+def make_intakes(node: Node, settings: Settings, health: Health,
+                 states: PartStates) -> dict[str, Recorded]:
+    """
+    Return the topics by name.
+
+    Those of the graph, the true heading if there is one, notes, and the diagnostics if wanted.
+    """
     rows = [
         (settings.ts_topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True),
         (settings.rs_topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True),
@@ -76,10 +98,16 @@ def make_intakes(node: Node, settings: Settings, health: Health) -> dict[str, Re
     if resolve_topic(node, TRUTH_TOPIC) not in [resolve_topic(node, topic) for topic in headings]:
         # First: nobody waits for it, but its subscription must be there when the headings start.
         rows.insert(0, (TRUTH_TOPIC, TRUTH_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, False))
-    return {topic: Recorded(_offer(offered), Intake(
+    rows += [(lost_topic(resolve_topic(node, topic)), STATUS_TYPES, qos.LOST, qos.LOST, False)
+             for topic in headings]
+    found = {topic: Recorded(_offer(offered), Intake(
         node, topic, types, taken, health, sole=False, needed=expected,
         unreliable=qos.HEADINGS_UNRELIABLE if taken is qos.HEADINGS_IN else None), expected)
         for topic, types, taken, offered, expected in rows}
+    if states.kept:
+        found[DIAGNOSTICS_TOPIC] = Recorded(_offer(qos.STATUS), _Diagnostics(node, health, states),
+                                            False)
+    return found
 
 
 def text_of(data: bytes) -> str:

@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import datetime, timezone
 import os
 from pathlib import Path
 import time
+from typing import Iterator
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
@@ -16,9 +18,10 @@ from std_msgs.msg import String
 
 from heading_intercompare.bags.recording.disk_sync import replace_file
 from heading_intercompare.core.decision.sequential import LookVerdict
-from heading_intercompare.core.pairing.ledger import Ledger
+from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.messages.texts import encode_text
 from heading_intercompare.messages.verdict_messages import (
@@ -31,6 +34,7 @@ from heading_intercompare.nodes.settings import ComplianceNode
 from heading_intercompare.report.json import render
 
 from .health import Health
+from .intake import Intake
 from .run_log import RunLog
 
 __all__ = ['Reporting']
@@ -50,13 +54,11 @@ class Reporting:
         Settings.
     health : Health
         Shows alerts.
+    pairs : Intake
+        The pairs, whose numbers say what is missing.
 
     Attributes
     ----------
-    final : bool
-        The ledger is the final one.
-    paired : int
-        Number of pairs in the ledger.
     verdict : Verdict or None
         The verdict of the last report; None before the first.
     closed : bool
@@ -65,26 +67,35 @@ class Reporting:
     """
 
     def __init__(self, node: Node, compliance: Compliance, own: ComplianceNode,
-                 health: Health) -> None:
+                 health: Health, pairs: Intake) -> None:
         self._node, self._compliance, self._own, self._health = node, compliance, own, health
+        self._pairs, self._ledgers = pairs, Incarnations()
         self._verdict = node.create_publisher(
             DiagnosticArray, 'compliance/verdict', qos.VERDICT,
             event_callbacks=health.of_publisher('compliance/verdict'))
         self._report = node.create_publisher(String, 'compliance/report', qos.REPORT)
-        self._ledger: Ledger | None = None
         self._seen: tuple[int, LookVerdict | None] = (0, None)
         self._due: tuple[int, float] | None = None
-        self.final, self.paired, self.closed = False, 0, False
+        self.closed = False
         self.verdict: Verdict | None = None
         self._said = ''
         self._run_log = RunLog(own, health)
         if own.report_dir is not None:
             os.makedirs(own.report_dir, exist_ok=True)
 
-    def book(self, ledger: Ledger, final: bool) -> None:
+    def book(self, newest: LedgerMessage) -> None:
         """Take the newest ledger."""
-        self._ledger, self.paired = ledger, ledger.paired
-        self.final = self.final or final
+        self._ledgers.take(*newest)
+
+    @property
+    def final(self) -> bool:
+        """Whether the ledger is the final one."""
+        return self._ledgers.final
+
+    @property
+    def paired(self) -> int:
+        """Number of pairs in the ledger of the synchronizer as last started."""
+        return self._ledgers.paired
 
     def look(self, n_pairs: int) -> None:
         """Publish changes; a report waits for a ledger that covers the `n_pairs` received."""
@@ -92,7 +103,7 @@ class Reporting:
         if seen[0] != self._seen[0]:
             self._due = n_pairs, time.monotonic() + self._own.ledger_wait_s
         elif seen[1] != self._seen[1]:
-            self._announce(self._compliance.verdict(self._ledger))
+            self._announce(self._compliance.verdict(self._ledgers.total))
         self._seen = seen
         if self._due is not None:
             n_due, until_s = self._due
@@ -112,20 +123,31 @@ class Reporting:
     def _conclude(self, complete: bool) -> None:
         """Publish and write the report, unless it is unchanged."""
         self._due = None
+        problems = tuple(self._problems(complete))
         # `verdict` hands out the runs that are too old for it.
-        verdict = self._compliance.verdict(self._ledger)
+        verdict = replace(self._compliance.verdict(self._ledgers.total), ledger_problems=problems)
         earlier = [result.verdict for result in self._compliance.take_earlier()]
         self._run_log.take(verdict, earlier)
         report = render(verdict)
         if report == self._said:
             return
         self.verdict, self._said = verdict, report
-        self._health.note('ledger', OK if complete else WARN,
-                          'complete' if complete else
-                          'the ledger of the last report is incomplete')
+        self._health.note('ledger', WARN if problems else OK,
+                          'the ledger of the last report is incomplete: ' + '; '.join(problems)
+                          if problems else 'complete')
         self._announce(verdict)
         self._report.publish(encode_text(report))
         self._write(report)
+
+    def _problems(self, complete: bool) -> Iterator[str]:
+        """Yield what the ledger does not count, in plain sentences."""
+        yield from self._ledgers.problems()
+        if self._pairs.before:
+            yield f'{self._pairs.before} pairs were published before this node started'
+        if self._pairs.lost:
+            yield f'{self._pairs.lost} pairs were lost on the way to this node'
+        if not complete:
+            yield 'the ledger that covers the last pairs did not come'
 
     def _announce(self, verdict: Verdict) -> None:
         """Publish the verdict."""

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
+from heading_intercompare.core.records import Losses
 
 
 def counted(*chunks):
@@ -50,3 +51,28 @@ def test_where_the_numbers_begin_is_kept():
     found = Numbering()
     found.take(np.array([1147, 1148], np.uint32))
     assert (found.first, found.missing) == (1147, 0)
+
+
+def rows(numbers, size):
+    """Return the gaps among numbers that are also the stamps, in seconds."""
+    found = Numbering()
+    return Losses.concatenate(found.take(numbers[lo:lo + size], numbers[lo:lo + size])
+                              for lo in range(0, len(numbers), size))
+
+
+@pytest.mark.parametrize('size', [1, 2, 3, 100])
+def test_a_gap_is_at_the_stamps_around_it(size):
+    assert rows([3, 4, 9, 10, 12], size) == Losses.of([9, 12], [4, 10], [4, 1])
+
+
+@pytest.mark.parametrize('size', [1, 2, 100])
+def test_a_gap_that_another_publisher_explains_is_taken_back(size):
+    """The second publisher is first heard at 90; then the first one goes on, without 8."""
+    assert rows([5, 6, 90, 7, 91, 9], size) == Losses.of(
+        [90, 90, 9], [6, 6, 7], [83, -83, 1])
+
+
+@pytest.mark.parametrize('size', [1, 2, 100])
+def test_zeros_before_the_first_number_are_none(size):
+    """Whether they come in the same chunk as the first number or before it."""
+    assert rows([0, 0, 0, 7, 9], size) == Losses.of([9], [7], [1])

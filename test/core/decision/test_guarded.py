@@ -35,7 +35,7 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
     lower_bound,
     upper_bound,
 )
-from heading_intercompare.core.verdict.verdict_document import make_plain
+from heading_intercompare.core.verdict.typed_reader import make_plain
 
 pytestmark = pytest.mark.filterwarnings('error')
 

@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is missing from a recording, gap by gap: as numbers, drivers and the recorder tell it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Callable, Mapping
+
+from heading_intercompare.bags.checked_text import decimal
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.recording.recorder_losses import RECORDING
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.core.pairing.ledger import LedgerKey
+from heading_intercompare.core.records import Losses
+from heading_intercompare.messages.ledger_messages import decode_losses, lost_topic
+from heading_intercompare.messages.status_messages import STATUS_TYPE
+
+__all__ = ['BagLosses']
+
+
+class BagLosses:
+    """
+    Collects the readings that a bag says were sent but that it does not hold.
+
+    Parameters
+    ----------
+    reader : BagReader
+        The bag.
+    streams : mapping of str to {'ts', 'rs'}
+        The sensors, by topic as requested.
+    count : callable
+        Called with the key of the ledger and the losses.
+
+    """
+
+    def __init__(self, reader: BagReader, streams: Mapping[str, str],
+                 count: Callable[[LedgerKey, Losses], None]) -> None:
+        self._reader, self._streams, self._count = reader, streams, count
+        self._by_numbers: Counter[str] = Counter()
+
+    def take(self, topic: str, losses: Losses) -> None:
+        """Take the messages of a topic that are missing among the numbers of its publisher."""
+        self._by_numbers[topic] += int(losses.count.sum())
+        self._count(LedgerKey.of_lost(self._streams[topic], 'on_the_way'), losses)
+
+    def read_told(self) -> None:
+        """
+        Take what the drivers said beside their headings.
+
+        Raises
+        ------
+        OSError, BagError
+            If the bag cannot be read, or a message is damaged.
+
+        """
+        told: dict[str, list[str]] = {}
+        for topic, stream in self._streams.items():
+            name = lost_topic(self._reader.resolve(topic))
+            info = self._reader.topics.get(name)
+            if info is not None and info.count and info.type_name == STATUS_TYPE:
+                told.setdefault(name, []).append(stream)
+        for message in self._reader.messages(told) if told else ():
+            try:
+                found = decode_losses(message.data)
+            except ValueError as error:
+                raise BagError(f'topic {message.topic!r}: {error}', self._reader.path) from error
+            for stream in told[message.topic]:
+                for lost_as, losses in found.items():
+                    self._count(LedgerKey(f'{stream}_{lost_as}'), losses)
+
+    def finish(self, newest_ns: int | None) -> None:
+        """Take what the recorder missed after the last messages, given the newest stamp."""
+        record = self._reader.metadata().get(RECORDING, {})
+        for topic, stream in self._streams.items():
+            name = self._reader.resolve(topic)
+            told = sum(decimal(record.get(f'{kind}.{name}', '')) or 0
+                       for kind in ('lost_on_the_way', 'not_written'))
+            rest = told - self._by_numbers[topic]
+            if rest > 0 and newest_ns is not None:
+                # After all readings, so in no run.
+                self._count(LedgerKey.of_lost(stream, 'on_the_way'),
+                            Losses.of([newest_ns + 1], [0], [rest]))

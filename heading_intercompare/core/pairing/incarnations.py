@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The ledgers of a synchronizer that was restarted, added up to one."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Iterator
+
+from heading_intercompare.core.utc_text import utc
+
+from .ledger import Ledger, LedgerKey, LedgerSegment
+
+__all__ = ['Incarnations']
+
+#: What becomes of readings that waited for a partner when their synchronizer went.
+_LEFT = {LedgerKey.TS_PENDING: LedgerKey.TS_UNPAIRED, LedgerKey.RS_PENDING: LedgerKey.RS_UNUSED}
+
+
+@dataclass(frozen=True, slots=True)
+class _Last:
+    """The last ledger of an incarnation, and whether it was the final one."""
+
+    ledger: Ledger
+    final: bool
+
+
+class Incarnations:
+    """
+    The last ledger of each start of the synchronizer.
+
+    Each start is an incarnation, with its time as its name. It counts from 0.
+    """
+
+    def __init__(self) -> None:
+        self._last: dict[int, _Last] = {}
+
+    def take(self, ledger: Ledger, final: bool, started_ns: int) -> None:
+        """Take the newest ledger of the incarnation that was started at a time, UTC ns."""
+        before = self._last.get(started_ns)
+        if before is None or not before.final:
+            self._last[started_ns] = _Last(ledger, final)
+
+    @property
+    def _in_order(self) -> list[tuple[int, _Last]]:
+        return sorted(self._last.items(), key=lambda one: one[0])
+
+    @property
+    def paired(self) -> int:
+        """Number of pairs of the newest incarnation."""
+        return self._in_order[-1][1].ledger.paired if self._last else 0
+
+    @property
+    def final(self) -> bool:
+        """Whether the newest incarnation has ended, and this is its last word."""
+        return bool(self._last) and self._in_order[-1][1].final
+
+    @property
+    def total(self) -> Ledger | None:
+        """The ledgers of all incarnations added up; None before the first ledger."""
+        if len(self._last) < 2:
+            return next((last.ledger for last in self._last.values()), None)
+        counts: dict[int | None, Counter[LedgerKey]] = {None: Counter()}
+        newest_ns: int | None = None
+        ledgers = [last.ledger for _, last in self._in_order]
+        for ledger in ledgers:
+            for segment in ledger.segments:
+                start_ns = segment.start_ns
+                if start_ns is None and newest_ns is not None:
+                    # What an incarnation received before its first cut came after the one before.
+                    start_ns = newest_ns + 1
+                left = {} if ledger is ledgers[-1] else _LEFT
+                for key, n in segment.counts.items():
+                    counts.setdefault(start_ns, Counter())[left.get(key, key)] += n
+                counts.setdefault(start_ns, Counter())
+            newest_ns = max((ns for ns in (newest_ns, ledger.newest_ns) if ns is not None),
+                            default=None)
+        starts = [None, *sorted(start for start in counts if start is not None)]
+        set_backs = [one for ledger in ledgers for steps in ledger.set_backs.values()
+                     for one in steps]
+        return Ledger.from_segments([LedgerSegment(start, dict(counts[start]))
+                                     for start in starts], newest_ns, set_backs)
+
+    def problems(self) -> Iterator[str]:
+        """Yield, in plain sentences, what restarts of the synchronizer have left uncounted."""
+        ordered = self._in_order
+        for (_, before), (started_ns, _) in zip(ordered, ordered[1:]):
+            if before.final:
+                yield (f'the synchronizer was stopped, and started again at {utc(started_ns)} '
+                       'UTC: readings that came in between are not counted')
+            else:
+                yield (f'the synchronizer was restarted at {utc(started_ns)} UTC; its last ledger '
+                       'was not final: up to 1 s of readings is missing, and those that came '
+                       'while it was down')

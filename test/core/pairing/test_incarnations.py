@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Ledgers of several starts of the synchronizer add up."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heading_intercompare import Headings, Settings
+from heading_intercompare.core.pairing.incarnations import Incarnations
+from heading_intercompare.core.pairing.pairer import Pairer
+
+STEP_NS = 10 ** 8
+STAMPS = 1_700_000_000 * 10 ** 9 + np.arange(1, 301) * STEP_NS
+RULE = Settings.from_mapping({'pairing': {'method': 'interpolate'}})
+
+
+def pairer_of(lo, hi, *, ends=True):
+    """Return a pairer that took some of the readings; an RS reading is there for every other."""
+    pairer = Pairer(RULE)
+    pairer.update(Headings.of(STAMPS[lo:hi], np.full(hi - lo, 90.0)),
+                  Headings.of(STAMPS[lo:hi:2], np.full(len(STAMPS[lo:hi:2]), 90.0)))
+    if ends:
+        pairer.flush()
+    return pairer
+
+
+def received(counts, stream):
+    """Return how many readings of a sensor a mapping of counts has."""
+    return sum(n for key, n in counts.items() if key.stream == stream and not key.lost)
+
+
+def test_before_the_first_ledger_there_is_none():
+    found = Incarnations()
+    assert (found.total, found.paired, found.final, [*found.problems()]) == (None, 0, False, [])
+
+
+def test_one_incarnation_is_its_last_ledger():
+    found, pairer = Incarnations(), pairer_of(0, 100)
+    found.take(pairer_of(0, 50).ledger, False, 7)
+    found.take(pairer.ledger, True, 7)
+    assert found.total is pairer.ledger and found.final and [*found.problems()] == []
+
+
+@pytest.mark.parametrize('final', [False, True])
+def test_incarnations_add_up_and_the_restart_is_told(final):
+    first, second = pairer_of(0, 100, ends=final), pairer_of(120, 300)
+    found = Incarnations()
+    found.take(second.ledger, True, 1_700_000_030 * 10 ** 9)
+    found.take(first.ledger, final, 1_700_000_001 * 10 ** 9)
+    total = found.total.total.counts
+    assert found.paired == second.ledger.paired and found.final
+    assert found.total.paired == first.ledger.paired + second.ledger.paired
+    for stream, n in (('ts', 280), ('rs', 140)):
+        assert received(total, stream) == n
+    # What waited when the first one was killed will never be decided.
+    assert 'ts_pending' not in total and 'rs_pending' not in total
+    problem, = found.problems()
+    assert '2023-11-14 22:13:50.000 UTC' in problem
+    assert ('up to 1 s of readings is missing' in problem) == (not final)
+
+
+def test_what_the_second_one_received_first_does_not_fall_before_the_first():
+    first, second = pairer_of(0, 100), Pairer(RULE)
+    second.update(ts=Headings.of(STAMPS[120:140], np.full(20, 90.0)))
+    second.flush()
+    found = Incarnations()
+    found.take(first.ledger, True, 1)
+    found.take(second.ledger, True, 2)
+    late = [s for s in found.total.segments if s.counts.get('ts_unpaired') == 20]
+    assert [s.start_ns for s in late] == [int(STAMPS[99]) + 1]
+
+
+def test_a_late_copy_does_not_replace_the_final_ledger():
+    found = Incarnations()
+    found.take(pairer_of(0, 100).ledger, True, 1)
+    found.take(pairer_of(0, 50).ledger, False, 1)
+    assert found.final and found.total.total.received('ts') == 100
