@@ -13,6 +13,7 @@ from typing import Callable, Sequence
 from heading_intercompare.bags.csv.pairs_csv import read_pairs_csv
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import mcap_files
+from heading_intercompare.bags.recording.bag_losses import BagLosses
 from heading_intercompare.bags.recording.recorder_losses import RECORDING, tell_missing
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
@@ -27,7 +28,6 @@ from heading_intercompare.core.verdict.verdict_document import Input, OperatorNo
 from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
 from heading_intercompare.messages.status_messages import STATUS_TYPE
 
-from .bag_losses import BagLosses
 from .run_table import RunTable
 
 __all__ = ['analyze_input', 'sha256']

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from functools import partial
 import time
 from typing import Any, Mapping, Sequence
@@ -29,15 +28,13 @@ from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
-from heading_intercompare.nodes.runtime.publishing import await_acknowledgement, FlowControl
+from heading_intercompare.nodes.runtime.publishing import await_acknowledgement, Backlog
 from heading_intercompare.nodes.runtime.raw_subscription import subscribe
 
 from .settings import SynchronizerNode, Taking
 
 __all__ = ['main', 'Synchronizer']
 
-# Most pairs published at once.
-_BURST = 200
 # A subscriber of the pairs that hangs holds up the others no longer than this.
 _PATIENCE_S = 10.0
 
@@ -77,8 +74,7 @@ class Synchronizer(Node):
         self._open_at_s = time.monotonic() + self._own.startup_wait_s
         for intake, _ in self._inputs:
             intake.open = False
-        self._waiting: deque[bytes] = deque()
-        self._flow = FlowControl([self._pairs], self._health, patience_s=_PATIENCE_S)
+        self._waiting = Backlog(self._pairs, self._health, patience_s=_PATIENCE_S)
         self._flushed = False
         self._end_s: float | None = None
         every(self, taking.drain_period_s, self._drain)
@@ -87,13 +83,9 @@ class Synchronizer(Node):
     def _drain(self) -> None:
         self._open_when_wanted()
         if not self._flushed:
-            self._waiting += pair_messages(
-                self._pairer.update(*self._take(), now_s=time.monotonic()))
-        n = min(_BURST, len(self._waiting))
-        if n and self._flow.has_room():
-            for _ in range(n):
-                self._pairs.publish(self._waiting.popleft())
-            self._flow.spend(n)
+            self._waiting.add(pair_messages(
+                self._pairer.update(*self._take(), now_s=time.monotonic())))
+        self._waiting.publish()
         if self._end_s is not None and not self.ended:
             self._finish_if_quiet()
 
@@ -152,8 +144,8 @@ class Synchronizer(Node):
             return
         if not self._flushed:
             self._flushed = True
-            self._waiting += pair_messages(self._pairer.update(*self._take()))
-            self._waiting += pair_messages(self._pairer.flush())
+            self._waiting.add(pair_messages(self._pairer.update(*self._take())))
+            self._waiting.add(pair_messages(self._pairer.flush()))
         if not self._waiting:
             self.ended = True
             self._beat()

@@ -59,7 +59,7 @@ def test_clocks_that_were_set_back_arrive_with_their_ledger():
     steps = [SetBack('ts', 5, 3600), SetBack('ts', 9, 1), SetBack('rs', 7, 2)]
     ledger = Ledger.from_segments([LedgerSegment(None), LedgerSegment(6), LedgerSegment(8)], 9,
                                   steps)
-    back, _ = decode_ledger(encode_ledger(ledger))
+    back = decode_ledger(encode_ledger(ledger)).ledger
     assert back.set_backs == ledger.set_backs
     assert back.segments == ledger.segments
     assert back.share_set_backs([1, 6, 8]) == [(steps[0],), (steps[2],), (steps[1],)]
@@ -79,7 +79,7 @@ def test_a_live_verdict_names_a_clock_set_back_as_the_recording_does():
         compliance.update(pairer.update(ts[lo:lo + 7], rs[lo:lo + 7], now_s=lo / 10.0))
     compliance.update(pairer.flush())
     compliance.finish()
-    ledger, _ = decode_ledger(encode_ledger(pairer.ledger, final=True))
+    ledger = decode_ledger(encode_ledger(pairer.ledger, final=True)).ledger
     live, offline = compliance.verdict(ledger), analyze(ts, rs, settings)
     assert 'was set back by 3600.0 s' in live.headline
     assert (live.outcome, live.headline) == (offline.outcome, offline.headline)

@@ -93,7 +93,8 @@ class Stream:
         if (stamp > 0).all():
             return stamp
         usable = (stamp > 0) & (heading >= 0.0) & (heading <= 360.0)
-        before = np.concatenate(([self.last_ns], np.where(usable, stamp - self.shift_ns, NEVER)))
+        last_ns = self.last_ns if self.last_ns != NEVER else self._jumps.held_ns
+        before = np.concatenate(([last_ns], np.where(usable, stamp - self.shift_ns, NEVER)))
         newest = np.maximum.accumulate(before)[:-1]
         return np.where((stamp > 0) | (newest == NEVER), stamp, newest + self.shift_ns)
 

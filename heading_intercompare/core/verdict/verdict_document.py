@@ -107,8 +107,7 @@ class PairingFigures:
 
     @classmethod
     def of(cls, share: LedgerSegment, mean_lag_s: float | None, max_lag_s: float | None,
-           rs_variance_factor: float | None,
-           ts_variance_factor: float | None) -> 'PairingFigures':
+           rs_variance_factor: float | None, ts_variance_factor: float | None) -> 'PairingFigures':
         """Build the figures; pending readings count as not yet received."""
         counts = share.counts
         return cls(ts_received=share.received('ts') - counts.get(LedgerKey.TS_PENDING, 0),
@@ -224,8 +223,7 @@ class Campaign:
             a_low_deg=apply(min, [r.mean_deg for r in runs]),
             a_up_deg=apply(max, [r.mean_deg for r in runs]),
             low_worst_deg=apply(min, [r.total_error.low_deg for r in runs]),
-            up_worst_deg=apply(max, [r.total_error.up_deg for r in runs]),
-            homogeneity=homogeneity,
+            up_worst_deg=apply(max, [r.total_error.up_deg for r in runs]), homogeneity=homogeneity,
             runs_by_outcome={o.value: sum(r.outcome is o for r in runs) for o in Outcome},
             sensor=sensor)
 
@@ -345,8 +343,7 @@ class Verdict:
 
     @classmethod
     def of(cls, runs: Sequence[RunVerdict], outcome: Outcome, campaign: Campaign,
-           coverage: Coverage | None, settings: Settings,
-           inputs: Sequence[Input]) -> 'Verdict':
+           coverage: Coverage | None, settings: Settings, inputs: Sequence[Input]) -> 'Verdict':
         """Build the verdict from runs and from their result together."""
         if len(runs) == 1 and runs[0].outcome is outcome and campaign.rule == 'every_run':
             line = runs[0].headline

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 import math
 import time
 from typing import Iterable, Sequence
@@ -16,7 +17,7 @@ from heading_intercompare.messages.status_messages import OK, WARN
 
 from .health import Health
 
-__all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'FlowControl']
+__all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'Backlog', 'FlowControl']
 
 # Discovery between processes takes up to two seconds; a longer wait than this is a warning.
 _PATIENCE_S = 5.0
@@ -123,6 +124,45 @@ class FlowControl:
     def spend(self, n: int) -> None:
         """Count messages that were published."""
         self._sent += n
+
+
+class Backlog:
+    """
+    Messages that wait to be published, so that no burst overruns the subscribers.
+
+    Parameters
+    ----------
+    publisher : Publisher
+        Publishes them.
+    health : Health
+        Shows subscribers that do not keep up.
+    burst : int
+        Most messages published at once.
+    patience_s : float
+        As for `FlowControl`.
+
+    """
+
+    def __init__(self, publisher: Publisher, health: Health, *, burst: int = 200,
+                 patience_s: float = math.inf) -> None:
+        self._publisher, self._burst = publisher, burst
+        self._flow = FlowControl([publisher], health, patience_s=patience_s)
+        self._waiting: deque[bytes] = deque()
+
+    def __len__(self) -> int:
+        return len(self._waiting)
+
+    def add(self, messages: Iterable[bytes]) -> None:
+        """Let messages wait for their turn."""
+        self._waiting += messages
+
+    def publish(self) -> None:
+        """Publish the next messages if the subscribers keep up."""
+        n = min(self._burst, len(self._waiting))
+        if n and self._flow.has_room():
+            for _ in range(n):
+                self._publisher.publish(self._waiting.popleft())
+            self._flow.spend(n)
 
 
 def await_acknowledgement(publishers: Iterable[Publisher], timeout_s: float = 5.0) -> bool:

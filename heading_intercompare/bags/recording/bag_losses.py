@@ -9,12 +9,13 @@ from typing import Callable, Mapping
 
 from heading_intercompare.bags.checked_text import decimal
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.recording.recorder_losses import RECORDING
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.records import Losses
 from heading_intercompare.messages.ledger_messages import decode_losses, lost_topic
 from heading_intercompare.messages.status_messages import STATUS_TYPE
+
+from .recorder_losses import RECORDING
 
 __all__ = ['BagLosses']
 
