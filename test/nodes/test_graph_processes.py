@@ -279,7 +279,7 @@ def test_a_recorder_that_is_stopped_for_a_while_records_everything(processes, tm
     began_s = time.monotonic()
     wait_for(lambda: time.monotonic() > began_s + 4.0)
     recorder.send_signal(signal.SIGCONT)
-    processes.wait('ts_driver', 'rs_driver', timeout_s=40.0)
+    processes.wait('ts_driver', 'rs_driver', timeout_s=120.0)
     processes.signal(signal.SIGINT)
     processes.wait('synchronizer', 'compliance', 'recorder', timeout_s=15.0)
     counts = {name: info.count for name, info in BagReader(bag).topics.items()}

@@ -88,7 +88,7 @@ def test_real_logs_played_live_give_the_verdict_of_their_import(ts, rs, n, share
 
 
 @pytest.mark.parametrize('text, words', [
-    ('{}', "section 'ts_driver': source is missing"),
+    ('ts_driver: {ros__parameters: {topic: gyro}}', "section 'ts_driver': source is missing"),
     ('ts_driver: {ros__parameters: {source: "ftp://x"}}\n'
      'rs_driver: {ros__parameters: {source: "udp://:1"}}', 'must be file:PATH'),
     ('ts_driver: {ros__parameters: {source: "file:nowhere.log"}}\n'
@@ -107,9 +107,19 @@ def test_a_wrong_source_is_named(text, words, tmp_path, capfd):
     assert all('a run must last 10 min to comply' in note for note in notes)
 
 
-def test_live_needs_a_configuration(capfd):
+def test_live_needs_norms_and_nothing_else(capfd, tmp_path, monkeypatch):
+    """Without drivers it listens to topics, and says to which, until it is interrupted."""
     assert main(['live']) == 2
-    assert '--config F is required' in capfd.readouterr().err
+    assert 'norms.sigma_max_deg is missing' in capfd.readouterr().err
+    asked = []
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr('heading_intercompare.nodes.graph.intercompare',
+                        lambda sources, settings, **kwargs: asked.append((sources, settings)))
+    assert main(['live', '--ts', '/gyro/imu', '--set', 'norms.sigma_max_deg=0.2',
+                 '--set', 'norms.sigma_ref_max_deg=0.1']) == 0
+    (sources, settings), = asked
+    assert sources == [] and settings['ts_topic'] == '/gyro/imu'
+    assert 'listening to /gyro/imu and rs/heading; Ctrl-C' in capfd.readouterr().err
 
 
 def test_a_bag_that_is_not_there_cannot_be_replayed(capfd):
