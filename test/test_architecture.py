@@ -309,6 +309,7 @@ def test_what_a_door_offers_is_there_and_no_module_hides_it(room):
     assert set(names) <= set(dir(door))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('room', ROOMS, ids=relative)
 def test_no_function_of_a_room_differs_from_a_class_in_case_only(room):
     names = {ast.FunctionDef: set(), ast.ClassDef: set()}
@@ -400,6 +401,7 @@ def test_who_only_takes_and_passes_on_headings_loads_no_scipy(name):
     assert 'scipy' not in loaded(f'import heading_intercompare.{name}')
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', ['core.offline', 'core.diagnostics.three_cornered_hat'])
 def test_a_part_of_scipy_is_loaded_when_it_is_used(name):
     parts = {f'scipy.{part}' for part in ('special', 'optimize', 'fft', 'ndimage', 'interpolate',

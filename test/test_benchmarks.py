@@ -105,6 +105,7 @@ def test_a_rate_fails_above_006_or_two_standard_errors_above_005(rates, text):
     assert rate(np.array(rates), 0.05) == text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('sampling', [None, 'one_missing', 'five_gaps', 'half_missing',
                                       'one_in_four', 'jittered', 'seconds_on_and_off'])
 @pytest.mark.parametrize('errors', ERRORS)

@@ -103,6 +103,7 @@ def test_the_functions_of_a_row_name_its_number(number, formula, functions, test
         assert number in named_in(found.__doc__), f'{function} does not name {number}'
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('number, formula, functions, tests', USED, ids=[row[0] for row in USED])
 def test_the_tests_of_a_row_exist_and_import_what_they_test(number, formula, functions, tests):
     modules = {module_of(f.partition('.')[0]) for f in quoted(functions)}

@@ -41,6 +41,7 @@ def run_cells(path):
     return values
 
 
+@pytest.mark.slow
 def test_the_notebook_runs_and_shows_the_verdict(capsys, monkeypatch):
     pytest.importorskip('matplotlib')
     monkeypatch.setenv('MPLBACKEND', 'Agg')

@@ -62,6 +62,7 @@ def test_output_fits_only_what_is_shown():
     assert not fits('a\n...\nd', 'a\nb\nc\n') and not fits('a', 'ab') and not fits('', 'a')
 
 
+@pytest.mark.slow
 def test_the_python_tutorial_runs():
     failed, tried = doctest.testfile(str(DOCS / 'tutorials' / 'python.md'), module_relative=False)
     assert tried > 15 and not failed

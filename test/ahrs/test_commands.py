@@ -55,6 +55,7 @@ def test_a_trial_ends_when_all_is_handed_over():
     assert trial.now_s == 120.0 and trial.over
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('kind', FAULTS)
 def test_fault_injected_now_is_the_fault_of_the_scenario(kind):
     """Injected when 33.6 s are delivered; mended when 61.6 s are."""

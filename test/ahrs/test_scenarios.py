@@ -76,6 +76,7 @@ def test_sound_sensor_complies():
     assert found['runs'][0]['pairing']['ts_received'] == 12000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('fault', ['300 freeze', '300 jump 5', '300 rotated', '300 mirrored',
                                    '300 clock_step 5'])
 def test_analysis_sees_a_wrong_reading(fault):

@@ -37,6 +37,7 @@ def joined(scenario, chunk_s):
             [status for chunk in chunks for status in chunk.ts_statuses])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('chunk_s', [0.1, 7.3, 1000.0])
 def test_a11_a_trial_is_the_same_to_the_bit_however_it_is_cut(chunk_s):
     scenario = Scenario.from_mapping(TRIAL)

@@ -348,6 +348,7 @@ def test_results_come_in_the_order_given(bags, processes):
     assert all(each.error is None and len(each.results) == 1 for each in found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('make', [ThreadPoolExecutor, ProcessPoolExecutor])
 def test_any_executor_of_the_standard_library_judges_as_one_process_does(bags, make):
     settings = Settings.from_mapping({'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1})

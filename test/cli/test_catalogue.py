@@ -107,6 +107,7 @@ CSV = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', CSV)
 def test_one_source_in_a_csv_of_pairs_is_void(name, tmp_path, capsys, rng):
     t, ts, rs = columns(rng)

@@ -158,6 +158,7 @@ def test_an_input_is_never_overwritten(bag, tmp_path, capsys, option):
     assert path.read_text() == 'stamp_ns,ts_deg,rs_deg\n1,2,3\n'
 
 
+@pytest.mark.slow
 def test_report_writes_the_protocol_with_the_notes(bag, tmp_path, capsys):
     path = tmp_path / 'protocol.html'
     assert main(['report', str(bag), '-o', str(path), *NORMS]) == 0
@@ -166,6 +167,7 @@ def test_report_writes_the_protocol_with_the_notes(bag, tmp_path, capsys):
     assert '2014-08-01 00:03:00.000 UTC' in page and 'course &lt;change&gt;' in page
 
 
+@pytest.mark.slow
 def test_the_json_holds_the_notes_and_a_sha256_that_anybody_can_check(bag, tmp_path, capsys):
     for number in (10, 2):
         (bag / f'trial_{number}.mcap').write_bytes((bag / 'trial_0.mcap').read_bytes())

@@ -46,6 +46,7 @@ def bags(shared_data, tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', SETS)
 @pytest.mark.parametrize('method, key', [(INTERPOLATE, 'interp'),
                                          (NEAREST, 'nearest_unique_100ms')])

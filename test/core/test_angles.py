@@ -90,6 +90,7 @@ def test_an_unknown_convention_is_refused():
         heading_from_quaternion([0.0], [0.0], [0.0], [1.0], 'flu')
 
 
+@pytest.mark.slow
 @given(st.lists(st.floats(0.0, 359.999), min_size=1, max_size=40), st.data())
 def test_conversions_do_not_depend_on_the_chunk(headings, data):
     """Live nodes convert few at a time, offline programs many: the same headings to the bit."""

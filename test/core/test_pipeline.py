@@ -65,6 +65,7 @@ def close(a, b, path=''):
         assert a == b, path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('chunk', [1, 17, 600])
 def test_chunks_give_the_verdict_of_the_whole(rng, chunk):
     ts, rs = sensors(rng, n=1200)

@@ -55,6 +55,7 @@ def test_splitting_the_stream_changes_nothing(data, places):
     assert part_counts == whole_counts
 
 
+@pytest.mark.slow
 @given(st.lists(st.one_of(sound, garbage), max_size=30).map(b''.join),
        st.lists(st.integers(0, 10**6), max_size=30))
 @settings(max_examples=200)
@@ -73,6 +74,7 @@ def test_splitting_changes_nothing_when_lines_do_not_end(data, places):
         assert [f[1][-5:] for f in parts] == [f[1][-5:] for f in whole]
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(garbage, st.floats(0, 359.9), st.booleans()), max_size=8), garbage,
        st.lists(st.integers(0, 10**6), max_size=8))
 def test_no_sound_sentence_is_lost_in_garbage(pieces, end, places):

@@ -88,6 +88,7 @@ def test_a_damaged_sentence_does_not_decide_the_choice(tmp_path):
     assert counts == {'bad_checksum': 1, 'no_checksum': 1}
 
 
+@pytest.mark.slow
 def test_the_choice_finds_a_rare_talker_behind_many_lines_of_another(tmp_path):
     log = tmp_path / 'long.log'
     log.write_bytes(b'1772366400 $HEHDT,1.0,T*2E\n' * 200_000 + b'1772366401 $GPHDT,2.0,T*37\n')

@@ -101,12 +101,14 @@ def test_the_norm_is_drawn_against_the_heading(made):
         [run.mean_deg - sigma, run.mean_deg + sigma], abs=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('span_s, unit', [(500, 's'), (700, 'min'), (11000, 'h')])
 def test_the_axis_of_time_has_the_unit_that_fits(made, span_s, unit):
     verdict, sketches = made(1, n=span_s)
     assert any(words.endswith(f'UTC [{unit}]') for words in drawn(verdict, sketches[0])[0].words)
 
 
+@pytest.mark.slow
 def test_runs_in_one_input_are_told_apart(made):
     """The second run begins 10 000 s, 2.78 h, after the first."""
     verdict, parts = made(2)
@@ -149,6 +151,7 @@ def test_a_single_difference_is_a_dot(made):
     assert len(dots) == 1
 
 
+@pytest.mark.slow
 def test_the_bars_hold_all_differences(made):
     """The outline of the bars, whose area is n times their width."""
     verdict, sketches = made(1)

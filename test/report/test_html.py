@@ -114,6 +114,7 @@ def marked(thing, marks):
     return mark
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('block', ['variance_criterion', 'count_criterion', 'total_error',
                                    'guarded', 'pairing'])
 def test_every_number_of_the_criteria_is_in_the_page(made, block):
@@ -221,6 +222,7 @@ def test_constant_data_are_drawn(made):
     assert read.names.count('svg') > 0
 
 
+@pytest.mark.slow
 def test_a_single_pair_is_drawn(made):
     read = Page(html.render(*made(1, n=1)))
     assert read.faults == []
@@ -263,6 +265,7 @@ def test_a_published_norm_is_named_with_its_status_and_figure(made):
     assert words['norm of the TS standard deviation, sigma_max [deg]'] == '0.5'
 
 
+@pytest.mark.slow
 def test_the_protocol_names_the_rule_and_the_hash_of_the_settings(made):
     verdict, sketches = made(1)
     page = html.render(verdict, sketches)

@@ -41,6 +41,7 @@ def judged(runs=1, n=600, **settings):
     return analyze(ts, rs, Settings.from_mapping(given)).to_dict()
 
 
+@pytest.mark.slow
 def test_the_schema_is_a_schema():
     jsonschema.Draft202012Validator.check_schema(make_schema())
 
@@ -50,6 +51,7 @@ def test_the_file_is_what_the_classes_declare():
     assert generated['SCHEMA'].read_text('utf-8') == generated['schema'](), 'run: make docs'
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('runs, n, settings', [
     (0, 1, {}), (1, 1, {}), (1, 50, {}), (1, 3000, {}), (6, 300, {'campaign__rule': 'sensor'}),
     (1, 2000, {'drift_order': 'auto', 'runs__stabilization_s': 'auto', 'norms__k_rule': 2.5}),

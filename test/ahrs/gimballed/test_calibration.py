@@ -60,6 +60,7 @@ def test_course_drift_of_a_straight_line():
         assert (drift, residual) == pytest.approx((0.01, 0.0), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_line_has_less_noise_than_pairs_as_derived(rng):
     """
     White readings: variance s^2 / (17.5 h^2) by a line, 2 s^2 / (3 h^2) by pairs, ratio 3.4^2.

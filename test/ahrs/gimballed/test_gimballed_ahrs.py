@@ -135,6 +135,7 @@ def test_own_latitude_brings_the_day_into_the_errors(make_ahrs, run_for):
     assert abs(latitudes[-1]) < 0.35 * amplitude
 
 
+@pytest.mark.slow
 def test_a12_cold_start_goes_through_the_modes_in_order(make_ahrs, run_for):
     """In operation at 3456 s plus the slew, whose angle is that of the platform at the start."""
     ahrs = make_ahrs(initial_state='cold', azimuth_deg=-123.0, noise=True)
@@ -189,6 +190,7 @@ def test_errors_are_as_large_as_claimed(make_ahrs, run_for):
     assert 0.027 < np.mean(np.square(ratios)) < 4.1
 
 
+@pytest.mark.slow
 def test_satellite_heading_takes_the_drift_out(make_ahrs, run_for):
     """A free azimuth with 0.2 deg/h; two fixes at 30 and 60 min, without noise, find it all."""
     ahrs = make_ahrs(initial_state='aligned', operation='gyro_azimuth', azimuth_deg=0.0,

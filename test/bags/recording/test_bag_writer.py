@@ -45,6 +45,7 @@ def as_fields(message: object) -> object:
     return {n: as_fields(getattr(message, n)) for n in names if n != '__msgtype__'}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('compression', ['none', 'lz4', 'zstd'])
 def test_rosbags_decodes_every_message(write_bag, compression):
     anyreader = pytest.importorskip('rosbags.highlevel')
@@ -57,6 +58,7 @@ def test_rosbags_decodes_every_message(write_bag, compression):
     assert theirs == ours
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('compression', ['none', 'lz4', 'zstd'])
 def test_mcap_ros2_decodes_every_message(write_bag, compression):
     decoder = pytest.importorskip('mcap_ros2.decoder')

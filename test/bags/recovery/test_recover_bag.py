@@ -273,6 +273,7 @@ def test_one_topic_with_two_types_becomes_two_topics(tmp_path):
         '/t': 'a/msg/A', '/t_b': 'b/msg/B'}
 
 
+@pytest.mark.slow
 def test_the_recovered_bag_is_read_by_rosbags_and_mcap(write_bag, tmp_path):
     rosbag2 = pytest.importorskip('rosbags.highlevel')
     decoder = pytest.importorskip('mcap_ros2.decoder')
@@ -768,6 +769,7 @@ def test_a_bag_without_messages_is_recovered_for_what_else_is_in_it(tmp_path):
     assert BagReader(path.with_suffix('.new')).metadata()['note.1'] == {'text': 'port'}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('bit', range(8))
 @pytest.mark.parametrize('compression', ['', 'zstd'])
 def test_a_chunk_whose_opcode_is_wrong_is_known_by_its_checksum(tmp_path, bit, compression):

@@ -116,6 +116,7 @@ def test_zeros_written_over_any_stretch_lose_only_the_chunks_they_touch():
         assert len(kept) >= N - touched, at
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('cut', [1, 50, 333])
 def test_bytes_missing_in_the_middle_lose_only_the_chunks_they_touch(cut):
     data = small_file('lz4')
@@ -139,6 +140,7 @@ def test_two_files_in_a_row_are_both_read():
     assert sum(item.block is not None and len(item.block.start) for item in found) == 2 * N
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('crcs', [True, False])
 @pytest.mark.parametrize('chunking', [True, False])
 def test_files_of_the_mcap_library_survive_a_flip(chunking, crcs, rng):

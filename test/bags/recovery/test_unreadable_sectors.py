@@ -46,6 +46,7 @@ def test_reading_ends_at_a_hole_and_goes_on_behind_it(tmp_path, spoil, rng):
     assert holes == [10 * HOLE_BYTES]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('compression', ['none', 'zstd'])
 def test_only_the_chunks_are_lost_that_the_disk_cannot_read(write_bag, tmp_path, spoil,
                                                             compression):

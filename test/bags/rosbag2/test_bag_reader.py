@@ -253,6 +253,7 @@ def test_a_bag_cut_anywhere_is_read_up_to_the_cut(tmp_path):
     assert len(set(counts)) > 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('options', [{'use_chunking': False}, {'index_types': IndexType.NONE},
                                      {'compression': CompressionType.NONE}], ids=str)
 def test_a_bag_of_another_shape_cut_anywhere_is_read_up_to_the_cut(tmp_path, options):
@@ -361,6 +362,7 @@ def split_bag(tmp_path, count: int):
     return folder
 
 
+@pytest.mark.slow
 def test_headings_stay_in_file_order_where_the_clock_of_the_recorder_goes_back(tmp_path):
     stamps = 10**18 + np.arange(6000) * 10**8
     log = stamps - np.where(np.arange(6000) >= 3000, 150 * 10**9, 0)

@@ -69,6 +69,7 @@ def test_no_skew_makes_a_sound_pair_look_mirrored(rng):
                         heading(t) + 0.05 * noise[1]).word != 'against'
 
 
+@pytest.mark.slow
 def test_noise_alone_tells_nothing(rng):
     """None of 200, white or a random walk."""
     for k in range(200):

@@ -348,6 +348,7 @@ def test_a_slow_part_that_no_run_shows_is_caught_by_the_means(rng):
     assert sensor / 300 < 0.05 + 6.0 * math.sqrt(0.05 * 0.95 / 300)
 
 
+@pytest.mark.slow
 def test_four_runs_certify_what_no_single_one_does(rng):
     """AR(1), 50 correlation times, 0.7 of the norm: 0.97 together, 0.16 all four alone."""
     phi = math.exp(-1.0 / 20.0)

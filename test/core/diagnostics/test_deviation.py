@@ -42,6 +42,7 @@ def test_the_fit_agrees_with_numpy_in_pieces_too(rng):
     assert found.condition == pytest.approx(np.linalg.cond(basis.T @ basis / n), rel=1e-8)
 
 
+@pytest.mark.slow
 def test_the_uncertainties_survive_correlation(ar1):
     """Eight turns, errors correlated over a fiftieth of a block; 1 within six errors and 10 %."""
     n = 8000

@@ -103,6 +103,7 @@ def test_a_good_run_bears_its_assumptions_out(good):
     assert found.correlation.closed
 
 
+@pytest.mark.slow
 def test_turning_the_ship_changes_no_finding(good):
     x, rs = good
     a, b = run(x, rs), run(x, (rs + 255.0) % 360.0)
@@ -164,6 +165,7 @@ def test_a_warm_up_is_warned_of(good):
     assert any(w.startswith('warm_up: ') for w in found.warnings)
 
 
+@pytest.mark.slow
 def test_each_detector_sees_its_fault(good):
     x, rs = good
     course = 1e-3 * np.arange(x.size)

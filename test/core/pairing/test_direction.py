@@ -119,6 +119,7 @@ def test_pairs_wait_for_the_choice_and_none_is_lost_live():
     assert Pairs.concatenate(chunks) == pair(ts, rs)[0]
 
 
+@pytest.mark.slow
 def test_memory_is_bounded_while_the_choice_is_open():
     pairer = Pairer(rules(pairing__max_wait_s=1.0))
     for second in range(3000):
@@ -139,6 +140,7 @@ def yawing(rng, rs_hz, yaw_deg, period_s, sigma_deg):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('rs_hz, yaw_deg, period_s, share, least', [
     (0.5, 1.0, 8.0, 0.0, 0.4), (1.0, 2.0, 6.0, 0.7, 0.9)])
 def test_a_slow_rs_does_not_make_a_sound_ts_fail(rng, rs_hz, yaw_deg, period_s, share, least):
@@ -164,6 +166,7 @@ def test_a_slow_rs_does_not_make_a_sound_ts_fail(rng, rs_hz, yaw_deg, period_s, 
     assert rejected['interpolate'] >= 10 * least and rejected['auto'] == 0
 
 
+@pytest.mark.slow
 def test_a_ts_at_its_norm_is_not_certified_for_the_noise_that_interpolation_took(rng):
     """White TS errors of the norm, 5 Hz put onto 1 Hz: the factor is 2/3 in the mean."""
     settings = rules(norms__sigma_max_deg=0.2, norms__sigma_ref_max_deg=0.02)

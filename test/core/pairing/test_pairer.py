@@ -94,6 +94,7 @@ def test_interpolated_pairs_are_those_of_the_slow_way(ts, rs):
     assert pairs.ts_deg.tolist() == [h for _, h, _ in slow]
 
 
+@pytest.mark.slow
 @given(streams, streams)
 def test_a_ts_put_onto_the_rs_is_the_rs_put_onto_the_ts_with_names_exchanged(ts, rs):
     pairs, ledger = pair(ts, rs, rules('interpolate_ts', max_gap_s=1.5))
@@ -105,6 +106,7 @@ def test_a_ts_put_onto_the_rs_is_the_rs_put_onto_the_ts_with_names_exchanged(ts,
     assert counts.get('ts_paired', 0) + counts.get('ts_used', 0) == others.get('rs_used', 0)
 
 
+@pytest.mark.slow
 @given(streams, streams, st.sampled_from([0.0, 0.25, 1.0, 5.0]))
 def test_nearest_pairs_are_those_of_the_slow_way(ts, rs, tolerance_s):
     pairs, _ = pair(ts, rs, rules('nearest', tolerance_s=tolerance_s))
@@ -113,6 +115,7 @@ def test_nearest_pairs_are_those_of_the_slow_way(ts, rs, tolerance_s):
     assert got == slow
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('method', METHODS)
 @given(ts=streams, rs=streams)
 def test_the_ledger_accounts_for_every_reading(method, ts, rs):
@@ -152,6 +155,7 @@ def test_chunks_and_order_of_arrival_do_not_matter(method, ts, rs, data):
     assert pairer.ledger.segments == ledger.segments
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('method', METHODS)
 @given(ts=sorted_streams, rs=sorted_streams, turn=st.integers(0, 359))
 def test_a_constant_added_to_both_headings_leaves_the_differences(method, ts, rs, turn):

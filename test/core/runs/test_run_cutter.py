@@ -98,6 +98,7 @@ def test_an_unknown_mark_is_refused():
         RunCutter(RunCutting()).mark('pause', 0)
 
 
+@pytest.mark.slow
 @given(st.lists(st.integers(1, 300), unique=True, max_size=40), st.data())
 def test_chunks_do_not_matter(stamps, data):
     stamp_ns = np.sort(np.array(stamps, np.int64)) * S

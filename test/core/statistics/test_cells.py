@@ -222,6 +222,7 @@ def test_the_chunks_do_not_matter_to_the_bit(n, stamped, rng):
         assert_same(parts, whole)
 
 
+@pytest.mark.slow
 @given(st.lists(st.integers(0, 400), max_size=12), st.integers(0, 2 ** 32),
        st.sampled_from([None, *STEPS]))
 def test_any_chunks_give_the_same_values_to_the_bit(sizes, seed, kind):

@@ -181,6 +181,7 @@ def test_slopes_of_real_logs_agree_with_independent_programs(name, real, golden)
     assert got == pytest.approx({name: expected[name] for name in got}, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_standard_error_of_a_slope_allows_for_correlation(ar1):
     """Scatter over its own standard error, 150 times: 1 within six standard errors and bias."""
     n = 5000

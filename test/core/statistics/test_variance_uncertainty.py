@@ -346,6 +346,7 @@ def test_time_backwards_says_the_same(rng):
         pytest.approx([getattr(b, n) for n in names], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_white_errors_keep_nearly_all_their_degrees_of_freedom(rng):
     """Theory: D = 1, s = sqrt(2/n), v = 1/n; means of 300 within six of their standard errors."""
     n, found = 1000, []

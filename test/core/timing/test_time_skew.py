@@ -108,6 +108,7 @@ def test_noise_attenuates_least_squares_but_not_the_instrument(yaw, rng):
     assert found.ols_s < 0.25 - 6.0 * found.ols_u_s
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('tau', [1.0, 40.0])
 def test_the_uncertainty_of_the_skew_survives_correlation(tau, ar1, yaw, rng):
     """Errors over their uncertainty, 60 times: spread 1 within six standard errors."""

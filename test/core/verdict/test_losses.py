@@ -27,6 +27,7 @@ def test_losses_of_a_single_pair_cannot_be_told():
     assert judge_losses([], Settings()).effect == NOT_TESTABLE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('kept, expected', [
     (0.95, 'compliant'), (0.3, 'indeterminate')])
 def test_a_look_judges_the_gaps_between_the_pairs(rng, kept, expected):

@@ -130,6 +130,7 @@ def test_a_turned_sensor_is_void_also_at_the_seam_of_the_wrap(pair, turn):
     assert f'near {abs(turn):.0f}' in verdict.headline.replace('-', '')
 
 
+@pytest.mark.slow
 def test_a_sensor_that_counts_the_other_way_is_void(pair):
     ts, rs = pair
     for mirrored in (-ts, 90.0 - ts):
@@ -150,6 +151,7 @@ def test_a_mirrored_sensor_on_a_steady_course_is_void(yaw_deg, rng):
     assert effects(sound) == {} and sound.outcome is Outcome.COMPLIANT
 
 
+@pytest.mark.slow
 def test_thirty_degrees_off_without_a_word_is_void_and_with_one_is_not(pair):
     ts, rs = pair
     verdict = judged(ts + 30.0, rs)
@@ -159,6 +161,7 @@ def test_thirty_degrees_off_without_a_word_is_void_and_with_one_is_not(pair):
     assert judged(ts + 30.0, rs, detectors={'mean_max_deg': 31.0}).validity_effect == DOUBTFUL
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('stated, u_deg, effect', [
     (0.1, 0.0, VOID), (30.0, 0.0, VOID), (0.0, 0.1, VOID), (60.0, 0.1, HOLDS),
     (0.0, 19.9, VOID), (0.0, 20.1, DOUBTFUL), (-300.0, 0.0, HOLDS)])
@@ -288,6 +291,7 @@ def test_a_skew_that_decides_nothing_does_not_bind(ship, rng):
     assert effects(verdict) == {} and verdict.outcome is Outcome.COMPLIANT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('late_s', [0.7, 1.0, 1.3])
 def test_the_alternative_that_a_headline_gives_is_that_of_the_aligned_run(late_s, rng):
     """RS headings made up at the ends of the run once called these indeterminate."""
@@ -305,6 +309,7 @@ def test_the_alternative_that_a_headline_gives_is_that_of_the_aligned_run(late_s
 
 # --- a slow part ---
 
+@pytest.mark.slow
 def test_a_drift_gets_no_certificate_and_a_negligible_slope_does(pair):
     ts, rs = pair
     ramp = np.linspace(-0.5, 0.5, N)
@@ -322,6 +327,7 @@ def test_seven_seconds_certify_nothing(pair):
         Outcome.INDETERMINATE, 'insufficient_duration')
 
 
+@pytest.mark.slow
 def test_the_slowest_error_stated_asks_for_twenty_times_its_length(pair):
     """1199.9 s hold 20 times 59.9 s, not 20 times 61 s."""
     assert judged(*pair, risk={'slowest_error_s': 59.9}).headline == \
@@ -352,6 +358,7 @@ def test_a_void_run_leaves_the_campaign_open_unless_another_is_rejected(pair, rn
     assert of(bad, void).outcome is Outcome.NON_COMPLIANT
 
 
+@pytest.mark.slow
 def test_a_campaign_with_a_doubtful_run_is_doubtful(pair):
     ts, rs = pair
     settings = Settings.from_mapping({'norms': NORMS})
@@ -420,6 +427,7 @@ def test_the_doubt_of_a_look_that_rejected_stays_in_the_headline(ship, rng):
     assert run.validity_effect == DOUBTFUL
 
 
+@pytest.mark.slow
 def test_an_acceptance_that_is_withdrawn_is_said_to_be(ship, rng):
     ts = ship + np.where(T_S <= 620.0, 0.05, 0.3) * rng.standard_normal(N)
     run = judged(ts, ship + 0.02 * rng.standard_normal(N), **SOON).runs[0]
@@ -501,6 +509,7 @@ def late_pair(rng, late_s, yaw_period_s=8.0):
             heading(T_S) + 0.05 * rng.standard_normal(N))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('late_s, yaw_period_s', [(1.3, 6.0), (-1.7, 6.0), (1.9, 8.0),
                                                   (1.9, 15.0)])
 def test_no_skew_within_the_range_rejects_a_sound_sensor(late_s, yaw_period_s, rng):
@@ -512,6 +521,7 @@ def test_no_skew_within_the_range_rejects_a_sound_sensor(late_s, yaw_period_s, r
     assert judged(ts, rs, alignment={'skew': 'apply'}).outcome is Outcome.COMPLIANT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('late_s, yaw_period_s', [(2.1, 6.0), (2.1, 8.0), (3.0, 6.0),
                                                   (-3.0, 15.0), (10.0, 8.0)])
 def test_a_skew_beyond_the_range_is_named(late_s, yaw_period_s, rng):
