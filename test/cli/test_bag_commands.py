@@ -286,6 +286,7 @@ def test_a_wrong_parameter_file_of_a_node_is_one_line(command, content, words, t
     assert out == '' and err.count('\n') == 1 and f'{file}: {words}' in err
 
 
+@pytest.mark.slow
 def test_a_replay_of_a_part_without_headings_says_so_and_ends(bag, capfd):
     pytest.importorskip('rclpy')
     assert main(['replay', str(bag), '--start', '7.01', '--duration', '0.05']) == 0

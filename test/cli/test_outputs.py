@@ -187,6 +187,7 @@ def test_the_json_holds_the_notes_and_a_sha256_that_anybody_can_check(bag, tmp_p
     assert 'notes' not in json.loads(capsys.readouterr().out)['inputs'][0]
 
 
+@pytest.mark.slow
 def test_a_logbook_gets_a_row_per_run_and_a_second_time_none(bag, tmp_path, capsys):
     book = tmp_path / 'l.sqlite'
     config = tmp_path / 'c.yaml'

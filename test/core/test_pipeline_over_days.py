@@ -86,6 +86,7 @@ def judge_live(ts, rs, rule, chunk_s):
     return compliance, decode_ledger(encode_ledger(pairer.ledger, True))[0], earlier, sizes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('rule', [{'runs__every_h': 1.0}, {'runs__cut_at_utc': '13:00,14:00'},
                                   {'runs__every_h': 0.5, 'runs__stabilization_s': 2400.0},
                                   {'runs__every_h': 1.0, 'pairing__method': 'nearest'},
@@ -110,6 +111,7 @@ def test_a_cut_opens_a_segment_and_every_reading_belongs_to_one_run(rng):
         assert run.pairing.ts_received == run.pairing.rs_received == run.pairing.paired == 3600
 
 
+@pytest.mark.slow
 def test_a_dead_rs_around_a_cut_is_charged_to_the_run_before_it(rng):
     """The RS is silent 300 s over a cut: two runs, the TS readings without partner in none."""
     ts, rs = sensors(rng, 2 * 3600)
@@ -154,6 +156,7 @@ def test_an_aligned_run_that_goes_on_has_no_stabilisation_period_either(rng, sta
     assert aligned[1].n_stabilization == whole[1].n_stabilization == 0
 
 
+@pytest.mark.slow
 def test_looks_begin_anew_with_each_run(rng):
     ts, rs = sensors(rng, 3 * 3600)
     runs = analyze(ts, rs, settings(runs__every_h=1.0, sequential__plan_s=3600.0)).runs
@@ -162,6 +165,7 @@ def test_looks_begin_anew_with_each_run(rng):
     assert all(len(run.looks) > 2 for run in runs)
 
 
+@pytest.mark.slow
 def test_adjacent_runs_do_not_stand_in_for_slow_errors(rng):
     """Runs without a pause between them say nothing new about errors slower than a run."""
     ts, rs = sensors(rng, 6 * 3600)
@@ -170,6 +174,7 @@ def test_adjacent_runs_do_not_stand_in_for_slow_errors(rng):
     assert verdict.campaign.sensor.apart_s == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_a_verdict_covers_the_newest_cuts_and_hands_out_the_runs_before(rng):
     ts, rs = sensors(rng, 6 * 3600)
     every = judge(ts, rs, settings(runs__every_h=1.0)).results()

@@ -46,6 +46,7 @@ garbage = st.lists(st.one_of(st.sampled_from(SCRAPS), st.binary(max_size=6)), ma
     b''.join)
 
 
+@pytest.mark.slow
 @given(st.lists(st.one_of(sound, garbage), max_size=12).map(b''.join),
        st.lists(st.integers(0, 10**6), max_size=12))
 def test_splitting_the_stream_changes_nothing(data, places):

@@ -101,6 +101,7 @@ def test_limits_and_threshold_have_the_stated_rates(baseline, ahead, rho):
     assert abs(alarms.mean() - stated) < 6.0 * error
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('rho, own', [(0.0, 0.0), (0.0, 0.6), (0.0, 1.0), (0.5, 0.0), (0.5, 0.6)])
 def test_unchanged_sensors_raise_no_more_than_the_stated_alarms(rho, own):
     """Whole charts of 20 + 60 runs, correlated and with uncertainties of their own."""
@@ -142,6 +143,7 @@ def test_a_wild_run_in_the_baseline_does_not_hide_a_shift(rng):
     assert chart.since == 40 and chart.outside[40:].any()
 
 
+@pytest.mark.slow
 @given(st.lists(st.floats(-100, 100), min_size=12, max_size=30), st.floats(-50, 50),
        st.sampled_from([0.25, 0.5, 2.0, 8.0]))
 def test_shifted_and_scaled_figures_give_the_same_chart(x, shift, scale):

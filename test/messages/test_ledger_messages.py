@@ -66,6 +66,7 @@ def test_clocks_that_were_set_back_arrive_with_their_ledger():
     assert back.share_set_backs([6, 100]) == [tuple(steps), ()]
 
 
+@pytest.mark.slow
 def test_a_live_verdict_names_a_clock_set_back_as_the_recording_does():
     """Pairs and ledger as they go from node to node; the clock of both goes back by an hour."""
     stamps = 1_700_000_000 * 10 ** 9 + np.arange(12_000) * 10 ** 8

@@ -61,6 +61,7 @@ def test_progress_of_operation():
         assert progress(mode, 750.0, validity, 0.0, settings) == share
 
 
+@pytest.mark.slow
 def test_built_in_tests_are_passed_one_after_the_other(start):
     passed = [sum(result == 'passed' for _, result in of_mode(start, mode)[-1].tests)
               for mode in IN_ORDER]
@@ -75,6 +76,7 @@ def test_failed_test_is_told_and_the_others_keep_their_results(start):
     assert describe_condition(last).words == 'fault: gyro'
 
 
+@pytest.mark.slow
 def test_words_and_levels(start):
     heating = describe_condition(of_mode(start, 'THERMOSTAT_WAIT')[0])
     assert (heating.level, heating.words) == ('warn', 'thermostat wait, no heading yet, 1%')

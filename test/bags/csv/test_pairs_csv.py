@@ -51,6 +51,7 @@ def test_headings_that_are_not_finite_are_nan(csv):
     assert np.isnan(pairs.rs_deg).tolist() == [False, False, False, True, False]
 
 
+@pytest.mark.slow
 def test_what_is_written_is_read_back_to_the_bit(tmp_path, rng):
     count = 70_000
     ts_deg, rs_deg = rng.uniform(0.0, 360.0, (2, count))

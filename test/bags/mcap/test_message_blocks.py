@@ -48,6 +48,7 @@ def same(a: Block, b: Block) -> bool:
 PARTS = st.lists(st.tuples(st.integers(0, 3), st.integers(0, 40)), max_size=20)
 
 
+@pytest.mark.slow
 @hypothesis.given(PARTS, st.randoms())
 def test_index_and_walk_find_the_same_messages(parts, random):
     data, offsets = records(parts)

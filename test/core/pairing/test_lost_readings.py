@@ -166,6 +166,7 @@ def test_a_sensor_that_starts_earlier_and_goes_on_later_is_no_loss(rng, how, ear
     assert losses_of(run).effect == 'holds', losses_of(run)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('size', [1, 7, 12_000])
 @pytest.mark.parametrize('share, effect', [(0.05, 'holds'), (0.2, 'doubtful'), (0.6, 'void')])
 def test_readings_without_a_stamp_count_in_the_run_in_which_they_came(rng, size, share, effect):

@@ -85,6 +85,7 @@ def slow_nearest(ts, rs, tolerance_ns):
     return result
 
 
+@pytest.mark.slow
 @given(streams, streams)
 def test_interpolated_pairs_are_those_of_the_slow_way(ts, rs):
     pairs, _ = pair(ts, rs, rules(max_gap_s=1.5))
@@ -384,6 +385,7 @@ def test_old_segments_are_joined_and_nothing_is_lost():
     assert [s.start_ns for s in ledger.segments] == [None, 30 * S]
 
 
+@pytest.mark.slow
 @given(step_s=st.integers(1, 40), chunk=st.integers(1, 50), dead=st.integers(0, 300))
 def test_segments_at_cuts_of_the_clock_do_not_depend_on_chunks(step_s, chunk, dead):
     """The RS is silent for a while, so that cuts pass without a pair."""

@@ -179,6 +179,7 @@ def stamps_of(rows):
     return np.concatenate(found)
 
 
+@pytest.mark.slow
 @given(stretches, st.lists(st.integers(0, 300), max_size=10))
 def test_chunks_do_not_matter_and_every_reading_has_a_place(rows, cuts):
     stamps = stamps_of(rows)
@@ -201,6 +202,7 @@ def test_chunks_do_not_matter_and_every_reading_has_a_place(rows, cuts):
     assert set(together.heading_deg.tolist()) <= set(numbered(stamps).heading_deg[kept].tolist())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('method', METHODS)
 @given(ts=stretches, rs=stretches, data=st.data())
 def test_pairs_and_ledger_are_the_same_for_every_chunking(method, ts, rs, data):
