@@ -78,8 +78,8 @@ class Compliance:
         self._looks: list[LookVerdict] = []
         self._finished: list[tuple[RunResult, int]] = []
         self._earlier: list[RunResult] = []
-        # How many runs are finished, and of these too old for the verdict; the newest such cut.
-        self._n_finished = self._n_earlier = self._n_short = 0
+        # How many runs were too short, and how many too old for the verdict; the newest such cut.
+        self._n_short = self._n_earlier = 0
         self._earlier_ns: int | None = None
         self._rolling = Rolling(settings.window_s)
 
@@ -105,7 +105,7 @@ class Compliance:
         if self._cutter.mark(kind, stamp_ns):
             self._finished.clear()
             self._earlier.clear()
-            self._n_finished = self._n_earlier = 0
+            self._n_earlier = 0
             self._earlier_ns = None
             self._run = self._run_key = None
             self._looks = []
@@ -142,12 +142,11 @@ class Compliance:
                            looks=looks)
         self._limits = result.limits
         self._finished.append((result, run.cut_ns))
-        self._n_finished += 1
 
     @property
     def finished_runs(self) -> int:
         """Number of runs judged so far."""
-        return self._n_finished
+        return self._n_earlier + len(self._finished)
 
     @property
     def cuts(self) -> list[int]:
@@ -157,7 +156,7 @@ class Compliance:
     def run_figures(self) -> dict[str, Any]:
         """Return the figures of the run in progress; ``n`` is 0 outside runs."""
         run = self._run
-        result: dict[str, Any] = {'run': self._n_finished + 1 if run else 0}
+        result: dict[str, Any] = {'run': self.finished_runs + 1 if run else 0}
         if run is None:
             return {**result, 'n': 0}
         result |= {'start_ns': run.start_ns, 'newest_ns': run.end_ns, 'n_input': run.n_input,

@@ -14,7 +14,7 @@ from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.validity import VOID
 
 from .control_chart import Chart, make_chart
-from .run_row import RunRow
+from .run_row import RunKey, RunRow
 
 __all__ = ['History', 'Point', 'tell_histories', 'Trend']
 
@@ -149,7 +149,7 @@ def tell_histories(rows: Iterable[RunRow], *, baseline: int = 20,
     may give other figures for the same readings, so they make a history of their own.
 
     """
-    groups: dict[tuple[str, str], dict[tuple[str, int, int, str], RunRow]] = {}
+    groups: dict[tuple[str, str], dict[RunKey, RunRow]] = {}
     for row in rows:
         groups.setdefault((row.ship, row.settings_sha256), {})[row.key] = row
     found = [_tell(ship, settings, sorted(group.values(), key=lambda r: (r.start_ns, r.end_ns)),

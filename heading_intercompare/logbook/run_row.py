@@ -11,7 +11,10 @@ from typing import Callable, Iterable
 from heading_intercompare.core.verdict.validity import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
-__all__ = ['make_rows', 'RunRow']
+__all__ = ['make_rows', 'RunKey', 'RunRow']
+
+RunKey = tuple[str, int, int, str]
+"""What a run is known by: ship, stamps of its first and last pair, hash of the settings."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +93,7 @@ class RunRow:
     software_version: str
 
     @property
-    def key(self) -> tuple[str, int, int, str]:
+    def key(self) -> RunKey:
         """The run that the row is about."""
         return self.ship, self.start_ns, self.end_ns, self.settings_sha256
 

@@ -55,11 +55,14 @@ def _words(segment: LedgerSegment) -> dict[str, int]:
     return {key.value: n for key, n in segment.counts.items()}
 
 
-def _integer(key: str, text: str) -> int:
+def _integer(topic: str, key: str, text: str) -> int:
     try:
-        return int(text)
+        value = int(text)
     except ValueError:
-        raise MessageError(f'ledger: {key} = {text[:40]!r} must be an integer') from None
+        value = _MOST
+    if not -_MOST < value < _MOST:
+        raise MessageError(f'{topic}: {key} = {text[:40]!r} must be an integer of 64 bits')
+    return value
 
 
 def _key(word: str) -> LedgerKey:
@@ -73,7 +76,8 @@ def _set_back(values: Mapping[str, str]) -> SetBack:
     stream = values.get('stream', '')
     if stream not in ('ts', 'rs'):
         raise MessageError(f"ledger: stream = {stream[:40]!r} must be 'ts' or 'rs'")
-    stamp_ns, size_ns = (_integer(key, values.get(key, '')) for key in ('stamp_ns', 'size_ns'))
+    stamp_ns, size_ns = (_integer('ledger', key, values.get(key, ''))
+                         for key in ('stamp_ns', 'size_ns'))
     return SetBack(stream, stamp_ns, size_ns)
 
 
@@ -93,9 +97,10 @@ def decode_ledger(data: bytes) -> LedgerMessage:
     for one in statuses:
         values = dict(one.values)
         final = final or values.pop('final', '') == 'true'
-        started_ns = _integer('incarnation_ns', values.pop('incarnation_ns', str(started_ns)))
+        started_ns = _integer('ledger', 'incarnation_ns',
+                              values.pop('incarnation_ns', str(started_ns)))
         if one.name.startswith(_SEGMENT):
-            counts = {key: _integer(key, text) for key, text in values.items()}
+            counts = {key: _integer('ledger', key, text) for key, text in values.items()}
             start_ns = counts.pop('start_ns', None)
             segments.append(LedgerSegment(
                 start_ns, {_key(word): n for word, n in counts.items()}))
@@ -140,16 +145,6 @@ def decode_losses(data: bytes) -> dict[str, Losses]:
     for one in statuses:
         if one.name not in LOST_AS:
             raise MessageError(f'losses: {one.name[:40]!r} must be one of {", ".join(LOST_AS)}')
-        rows.setdefault(one.name, []).append([_figure(one, name) for name in _FIGURES])
+        rows.setdefault(one.name, []).append([_integer('losses', name, one.values.get(name, ''))
+                                              for name in _FIGURES])
     return {lost_as: Losses.of(*zip(*of)) for lost_as, of in rows.items()}
-
-
-def _figure(status: Status, name: str) -> int:
-    text = status.values.get(name, '')
-    try:
-        value = int(text)
-    except ValueError:
-        value = _MOST
-    if not -_MOST < value < _MOST:
-        raise MessageError(f'losses: {name} = {text[:40]!r} must be an integer of 64 bits')
-    return value

@@ -104,7 +104,7 @@ class Synchronizer(Node):
 
     def _lose(self, stream: str, found: Mapping[str, Losses]) -> None:
         for lost_as, losses in found.items():
-            self._pairer.lose(LedgerKey(f'{stream}_{lost_as}'), losses)
+            self._pairer.lose(LedgerKey.of_told(stream, lost_as), losses)
 
     @staticmethod
     def _read(intake: Intake, convention: str) -> Headings:

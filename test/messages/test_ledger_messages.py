@@ -116,6 +116,15 @@ def test_a_count_that_is_no_number_is_refused():
         decode_ledger(data)
 
 
+@pytest.mark.parametrize('key', ['start_ns', 'paired', 'incarnation_ns'])
+@pytest.mark.parametrize('number', [2**63, -2**63, 10**400])
+def test_a_number_beyond_64_bits_is_refused(key, number):
+    name = 'ledger' if key == 'incarnation_ns' else 'segment 0'
+    data = encode_statuses(1, [Status(name, OK, '', {key: number})])
+    with pytest.raises(MessageError, match=f'ledger: {key} = .* must be an integer of 64 bits'):
+        decode_ledger(data)
+
+
 def test_a_key_that_no_ledger_has_is_refused():
     data = encode_statuses(1, [Status('segment 0', OK, '', {'paired': 3, 'ts_lost': 2})])
     with pytest.raises(MessageError, match="ledger: 'ts_lost' is not a key of a ledger"):

@@ -68,7 +68,7 @@ class BagLosses:
                 raise BagError(f'topic {message.topic!r}: {error}', self._reader.path) from error
             for stream in told[message.topic]:
                 for lost_as, losses in found.items():
-                    self._count(LedgerKey(f'{stream}_{lost_as}'), losses)
+                    self._count(LedgerKey.of_told(stream, lost_as), losses)
 
     def finish(self, newest_ns: int | None) -> None:
         """Take what the recorder missed after the last messages, given the newest stamp."""

@@ -91,6 +91,11 @@ class LedgerKey(str, Enum):
         """Return the key of readings of ``'ts'`` or ``'rs'`` lost at one of `LOSSES`."""
         return cls(f'{stream}_lost.{where}')
 
+    @classmethod
+    def of_told(cls, stream: str, lost_as: str) -> 'LedgerKey':
+        """Return the key of what the driver of a sensor tells, such as ``lost.at_source``."""
+        return cls(f'{stream}_{lost_as}')
+
     @property
     def stream(self) -> str:
         """The sensor of these readings, ``'ts'`` or ``'rs'``; '' for pairs."""

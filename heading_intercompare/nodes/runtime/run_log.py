@@ -9,7 +9,7 @@ from typing import Iterable
 
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.logbook.logbook_file import Logbook, LogbookBusy, LogbookError
-from heading_intercompare.logbook.run_row import make_rows, RunRow
+from heading_intercompare.logbook.run_row import make_rows, RunKey, RunRow
 from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.settings import ComplianceNode
 
@@ -39,8 +39,8 @@ class RunLog:
 
     def __init__(self, own: ComplianceNode, health: Health) -> None:
         self._own, self._health = own, health
-        self._waiting: dict[tuple[str, int, int, str], RunRow] = {}
-        self._written: dict[tuple[str, int, int, str], RunRow] = {}
+        self._waiting: dict[RunKey, RunRow] = {}
+        self._written: dict[RunKey, RunRow] = {}
         self._retry_at_s = 0.0
 
     def take(self, verdict: Verdict, earlier: Iterable[RunVerdict]) -> None:
