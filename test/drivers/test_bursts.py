@@ -11,16 +11,11 @@ from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.sentences import Name
 from heading_intercompare.drivers.settings import DriverSettings
 
+from .receiving import sentence
+
 S = 10 ** 9
 NOON = 1_772_366_400 * S
 HDT = Name('HDT', 'HE')
-
-
-def sentence(text):
-    checksum = 0
-    for byte in text.encode():
-        checksum ^= byte
-    return f'${text}*{checksum:02X}\r\n'.encode()
 
 
 def hdt(heading):

@@ -17,28 +17,9 @@ from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.drivers.sources import open_source
 
-HDT = [b'$HEHDT,1.0,T*2E\r\n', b'$HEHDT,2.0,T*2D\r\n', b'$HEHDT,3.0,T*2C\r\n']
+from .receiving import free_port, HDT, joined, read_until
+
 GROUP = '239.192.0.3'
-DEADLINE_S = 10.0
-
-
-def read_until(source, done):
-    """Read until `done(what has come)`, at most ten seconds."""
-    received, end = [], time.monotonic() + DEADLINE_S
-    while not done(received):
-        assert time.monotonic() < end, f'only {received} came; {source.status}'
-        received += source.read(0.5)
-    return received
-
-
-def joined(received) -> bytes:
-    return b''.join(came.data for came in received)
-
-
-def free_port(kind: int) -> int:
-    with socket.socket(socket.AF_INET, kind) as probe:
-        probe.bind(('127.0.0.1', 0))
-        return probe.getsockname()[1]
 
 
 @pytest.fixture

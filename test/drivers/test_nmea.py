@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-from functools import reduce
-from operator import xor
-
 from hypothesis import given, strategies as st
 import numpy as np
 import pytest
@@ -15,12 +12,10 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverSettings
 
+from .receiving import sentence
+
 S = 1_000_000_000
 NOON = 1772366400 * S   # 2026-03-01T12:00:00Z
-
-
-def sentence(text: str) -> bytes:
-    return f'${text}*{reduce(xor, text.encode(), 0):02X}\r\n'.encode()
 
 
 def zda(seconds: float) -> bytes:

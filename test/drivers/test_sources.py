@@ -18,8 +18,7 @@ from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from heading_intercompare.drivers.sources import LineSource, open_source, TcpLine
 
-HDT = [b'$HEHDT,1.0,T*2E\r\n', b'$HEHDT,2.0,T*2D\r\n', b'$HEHDT,3.0,T*2C\r\n']
-DEADLINE_S = 10.0
+from .receiving import DEADLINE_S, free_port, HDT, joined, read_until
 
 
 def counting():
@@ -28,27 +27,8 @@ def counting():
     return lambda: next(readings)
 
 
-def read_until(source, done):
-    """Read until `done(bytes received)`, at most ten seconds."""
-    received, end = [], time.monotonic() + DEADLINE_S
-    while not done(received):
-        assert time.monotonic() < end, f'only {received} came; {source.status}'
-        received += source.read(0.5)
-    return received
-
-
-def joined(received) -> bytes:
-    return b''.join(came.data for came in received)
-
-
 def has_come(n, received) -> bool:
     return len(joined(received)) >= n
-
-
-def free_port(kind: int) -> int:
-    with socket.socket(socket.AF_INET, kind) as probe:
-        probe.bind(('127.0.0.1', 0))
-        return probe.getsockname()[1]
 
 
 def test_no_source_and_a_wrong_one_are_refused():
