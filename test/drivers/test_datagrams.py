@@ -17,7 +17,7 @@ from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.drivers.sources import open_source
 
-from .receiving import free_port, HDT, joined, read_until
+from .receiving import DEADLINE_S, free_port, HDT, joined, read_until
 
 GROUP = '239.192.0.3'
 # A busy kernel delivers a datagram some time after it was sent.
@@ -42,17 +42,34 @@ def listen():
         each.close()
 
 
+def pass_time(span_ns: int) -> int:
+    """Return the time once a span of it has passed."""
+    end_ns = time.time_ns() + span_ns
+    while time.time_ns() < end_ns:
+        pass
+    return time.time_ns()
+
+
+def await_stamps(source, sender):
+    """Wait until the kernel stamps: it begins a moment after the first socket asked for stamps."""
+    end, reading_ns, stamp_ns = time.monotonic() + DEADLINE_S, 0, 1
+    while stamp_ns >= reading_ns:
+        assert time.monotonic() < end, 'the kernel does not stamp'
+        sender.send(b'first\r\n')
+        reading_ns = pass_time(5_000_000)
+        stamp_ns = read_until(source, lambda got: got)[0].stamp_ns
+
+
 def test_a_datagram_has_the_stamp_of_the_kernel_however_late_it_is_read(listen):
     """Each is stamped when it comes, and read at least half a second later."""
     source, sender = listen(now_ns=lambda: 0)
+    await_stamps(source, sender)
     spans = []
     for line in HDT:
         before_ns = time.time_ns()
         sender.send(line)
         spans.append((before_ns, time.time_ns() + DELIVERY_NS))
-    read_at_ns = time.time_ns() + 2 * DELIVERY_NS
-    while time.time_ns() < read_at_ns:
-        pass
+    pass_time(2 * DELIVERY_NS)
     received = read_until(source, lambda got: len(got) == 3)
     for came, line, (before_ns, after_ns) in zip(received, HDT, spans):
         assert came.data == line and before_ns <= came.stamp_ns <= after_ns
