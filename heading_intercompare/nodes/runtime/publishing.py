@@ -13,7 +13,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
-from heading_intercompare.messages.status_messages import OK, WARN
+from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 
 from .health import Health
 
@@ -21,6 +21,8 @@ __all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'Backlog', 'FlowCon
 
 # Discovery between processes takes up to two seconds; a longer wait than this is a warning.
 _PATIENCE_S = 5.0
+# DDS gives up a process that hangs after 20 s; after this time its connection must be broken.
+_BROKEN_S = 30.0
 
 
 class Audience:
@@ -93,12 +95,13 @@ class FlowControl:
     window : int
         Most messages sent and perhaps not acknowledged.
     patience_s : float
-        Publish without room after this time: a subscriber that hangs must not stop the others.
+        Publish without room after this time, seconds: a subscriber that hangs, or whose
+        connection broke, must not stop the others.
 
     """
 
     def __init__(self, publishers: Iterable[Publisher], health: Health, *, window: int = 2000,
-                 patience_s: float = math.inf) -> None:
+                 patience_s: float = _BROKEN_S) -> None:
         self._publishers, self._health = [*publishers], health
         self._window, self._patience_s = window, patience_s
         self._sent, self._full_s = 0, math.inf
@@ -116,10 +119,14 @@ class FlowControl:
         now_s = time.monotonic()
         self._full_s = min(self._full_s, now_s)
         waited_s = now_s - self._full_s
+        if waited_s > self._patience_s:
+            self._health.note('flow', ERROR, 'going on without subscribers that do not keep up: '
+                              'start them again')
+            return True
         if waited_s > _PATIENCE_S:
             self._health.note('flow', WARN, f'waiting for subscribers that do not keep up: '
                               f'{self._sent} messages are not acknowledged')
-        return waited_s > self._patience_s
+        return False
 
     def spend(self, n: int) -> None:
         """Count messages that were published."""
@@ -144,7 +151,7 @@ class Backlog:
     """
 
     def __init__(self, publisher: Publisher, health: Health, *, burst: int = 200,
-                 patience_s: float = math.inf) -> None:
+                 patience_s: float = _BROKEN_S) -> None:
         self._publisher, self._burst = publisher, burst
         self._flow = FlowControl([publisher], health, patience_s=patience_s)
         self._waiting: deque[bytes] = deque()

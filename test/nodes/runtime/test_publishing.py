@@ -4,12 +4,15 @@
 
 from __future__ import annotations
 
+import time
+
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from sensor_msgs.msg import Imu
 
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
+from heading_intercompare.nodes.runtime import publishing
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.publishing import FlowControl
 
@@ -72,6 +75,19 @@ def test_patience_ends(ros):
     flow.spend(1)
     assert not flow.has_room()
     ros.spin_until(flow.has_room)
+
+
+def test_a_subscriber_whose_connection_broke_does_not_stop_a_log_for_ever(ros, monkeypatch):
+    heard = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    flow = FlowControl([Unacknowledged()], Health(ros.add(Node, 'sender')), window=1)
+    flow.spend(1)
+    assert not flow.has_room()
+    now_s = time.monotonic()
+    monkeypatch.setattr(publishing.time, 'monotonic', lambda: now_s + 31.0)
+    assert flow.has_room()
+    monkeypatch.undo()
+    ros.spin_until(lambda: any('going on without subscribers' in s.message for m in heard
+                               for s in m.status))
 
 
 def test_without_a_publisher_there_is_always_room(ros):
