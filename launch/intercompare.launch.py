@@ -10,8 +10,15 @@ A sensor without a driver section in the parameter file is heard on its topic, `
 `rs_topic`: somebody else publishes it.
 """
 
+import os
+
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
+from launch.actions import (
+    DeclareLaunchArgument,
+    OpaqueFunction,
+    SetEnvironmentVariable,
+    Shutdown,
+)
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 import yaml
@@ -61,9 +68,14 @@ def nodes(context):
     return made
 
 
+# Fast DDS may lose a process that was stopped or killed while it used shared memory, for good.
+TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
+
+
 def generate_launch_description():
     """Return the graph."""
     return LaunchDescription([
+        SetEnvironmentVariable(TRANSPORTS, os.environ.get(TRANSPORTS, 'UDPv4')),
         DeclareLaunchArgument('config', description='ROS parameter file with the norms, and '
                               'the sections ts_driver and rs_driver of sensors with a driver'),
         DeclareLaunchArgument('record', default_value='true', choices=['true', 'false'],

@@ -24,6 +24,7 @@ from rclpy.signals import SignalHandlerOptions
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.ros.process import end, spin_nodes, Stop
+from heading_intercompare.nodes.ros.transports import prefer_udp, set_variable
 
 from .compliance import Compliance
 from .recorder import Recorder
@@ -57,19 +58,13 @@ class Source(NamedTuple):
 @contextmanager
 def _context(private: bool) -> Iterator[Context]:
     """Yield a ROS context; a private one is cut off from everything outside this process."""
-    before = os.environ.get(_RANGE)
-    if private:
-        os.environ[_RANGE] = 'OFF'
     context = Context()
-    try:
-        rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
-        yield context
-    finally:
-        context.try_shutdown()
-        if private:
-            os.environ.pop(_RANGE)
-            if before is not None:
-                os.environ[_RANGE] = before
+    with set_variable(_RANGE, 'OFF') if private else prefer_udp():
+        try:
+            rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+            yield context
+        finally:
+            context.try_shutdown()
 
 
 def _align_logs(sources: Sequence[Node]) -> None:

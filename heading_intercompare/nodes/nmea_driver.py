@@ -103,7 +103,7 @@ class NmeaDriver(Node):
             return
         self._later.cancel()
         if (self._flushed and not self.done) or self._ending:
-            await_acknowledgement([self._publisher], 2.0 if self._ending else 5.0)
+            await_acknowledgement([self._publisher])
             self.done, self.ended = self._flushed, self._ending
 
     def _take(self, headings: Headings) -> None:

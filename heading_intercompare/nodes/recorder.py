@@ -86,7 +86,7 @@ class Recorder(Node):
         if self.ended:
             return
         rows = []
-        for topic, (offered, intake, _) in self._topics.items():
+        for topic, (offered, intake, *_) in self._topics.items():
             taken = intake.take()
             if taken:
                 self._bag.add_topic(intake.full_name, intake.type_name, offered)
@@ -127,8 +127,8 @@ class Recorder(Node):
 
     def _close_if_quiet(self) -> None:
         now_s = time.monotonic()
-        if any(self.count_publishers(intake.full_name)
-               for _, intake, expected in self._topics.values() if expected):
+        if any(self.count_publishers(one.intake.full_name)
+               for one in self._topics.values() if one.expected):
             self._quiet_s = now_s + _QUIET_S
         if now_s < min(self._quiet_s, self._end_s):
             return
@@ -146,10 +146,10 @@ class Recorder(Node):
 
     def _losses(self) -> dict[str, int]:
         """Return the counts of messages received and lost, by topic."""
-        topics = {intake.full_name: Counts(intake.received, intake.lost,
-                                           self._bag.lost.get(intake.full_name, 0))
-                  for _, intake, expected in self._topics.values()
-                  if expected or (intake.received and intake.counted)}
+        topics = {one.intake.full_name: Counts(one.intake.received, one.lost,
+                                               self._bag.lost.get(one.intake.full_name, 0))
+                  for one in self._topics.values()
+                  if one.expected or (one.intake.received and one.intake.counted)}
         return loss_record(self._bag.faults, self._bag.absent, topics)
 
 

@@ -151,7 +151,7 @@ class Replayer(Node):
 
     def end(self) -> None:
         """Stop publishing, and wait until the last messages have arrived."""
-        await_acknowledgement(self._headings.values(), 2.0)
+        await_acknowledgement(self._headings.values())
         self.ended = True
 
 

@@ -149,7 +149,7 @@ class SensorSimulator(Node):
 
     def end(self) -> None:
         """Stop publishing, and wait until the last messages have arrived."""
-        await_acknowledgement(self._publishers_of.values(), 2.0)
+        await_acknowledgement(self._publishers_of.values())
         self.ended = True
 
 

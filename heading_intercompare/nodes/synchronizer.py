@@ -149,7 +149,7 @@ class Synchronizer(Node):
         if not self._waiting:
             self.ended = True
             self._beat()
-            await_acknowledgement([self._pairs, self._ledger], 2.0)
+            await_acknowledgement([self._pairs, self._ledger])
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 import importlib.util
+import os
 from pathlib import Path
 import sys
 import types
@@ -15,6 +16,19 @@ from unittest import mock
 import yaml
 
 FOLDER = Path(__file__).resolve().parents[2] / 'launch'
+LOOPBACK = Path(__file__).with_name('loopback.xml')
+
+
+def make_environment(domain: int, transports: str = '') -> dict[str, str]:
+    """
+    Return the environment of a process of a graph in a ROS domain, within this machine.
+
+    The middleware ignores a choice of transports that comes with ``LOCALHOST``.
+    """
+    hidden = ({'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'} if transports != 'UDPv4' else
+              {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'SUBNET',
+               'FASTRTPS_DEFAULT_PROFILES_FILE': str(LOOPBACK)})
+    return {**os.environ, 'ROS_DOMAIN_ID': str(domain), **hidden}
 
 
 @dataclass
@@ -30,6 +44,8 @@ class Node:
     on_exit: Any = None
     respawn: bool = False
     respawn_delay: float = 0.0
+    #: The transports that the launch file chooses.
+    transports: str = ''
 
     def arguments(self, folder: Path) -> list[str]:
         """Return the arguments of the process, as `launch_ros` composes them."""
@@ -74,6 +90,14 @@ class Function:
 
 
 @dataclass
+class EnvironmentVariable:
+    """A variable that all nodes get."""
+
+    name: str
+    value: str
+
+
+@dataclass
 class Shutdown:
     """The end of everything."""
 
@@ -87,6 +111,7 @@ def description(name: str) -> list[Any]:
     modules['launch'].LaunchDescription = list
     modules['launch.actions'].DeclareLaunchArgument = Argument
     modules['launch.actions'].OpaqueFunction = Function
+    modules['launch.actions'].SetEnvironmentVariable = EnvironmentVariable
     modules['launch.actions'].Shutdown = Shutdown
     modules['launch.substitutions'].LaunchConfiguration = Configuration
     modules['launch_ros.actions'].Node = Node
@@ -107,4 +132,6 @@ def nodes(name: str, **given: str) -> list[Node]:
         assert value is not None, f'{key} is required'
         assert not declared[key].choices or value in declared[key].choices
     function, = (a.function for a in actions if isinstance(a, Function))
-    return function(context)
+    variables = {a.name: a.value for a in actions if isinstance(a, EnvironmentVariable)}
+    transports = variables.get('FASTDDS_BUILTIN_TRANSPORTS', '')
+    return [replace(node, transports=transports) for node in function(context)]

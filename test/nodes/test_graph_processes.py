@@ -27,7 +27,7 @@ from heading_intercompare.drivers.logs import read_log
 from heading_intercompare.drivers.settings import DriverSettings
 
 from .conftest import NORMS
-from .launch_files import nodes
+from .launch_files import make_environment, nodes
 from .test_graph import assert_same, log, offline
 from .test_nmea_driver import free_port, sentence
 
@@ -48,13 +48,12 @@ class Processes:
         """Start a node as `ros2 launch` would."""
         code = (f'from heading_intercompare.nodes.{node.executable} import main; '
                 'raise SystemExit(main())')
-        environment = {**os.environ, 'ROS_DOMAIN_ID': str(DOMAIN),
-                       'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
         with open(self.folder / f'{node.name}.log', 'wb') as said:
             # Background children inherit an ignored SIGINT; the node sets its own handler.
             self.running[node.name] = subprocess.Popen(
-                [sys.executable, '-c', code, *node.arguments(self.folder)], env=environment,
-                cwd=self.folder, stdout=said, stderr=said)
+                [sys.executable, '-c', code, *node.arguments(self.folder)],
+                env=make_environment(DOMAIN, node.transports), cwd=self.folder, stdout=said,
+                stderr=said)
 
     def signal(self, number: int) -> None:
         """Send a signal to all that are running, at once."""

@@ -50,6 +50,13 @@ def test_the_live_graph_has_two_drivers_and_the_others(config):
         'ts/heading', 'rs/heading')
 
 
+def test_a_live_graph_uses_udp_unless_the_user_chooses(config, monkeypatch):
+    monkeypatch.delenv('FASTDDS_BUILTIN_TRANSPORTS', raising=False)
+    assert {node.transports for node in nodes(FILES[0], config=config)} == {'UDPv4'}
+    monkeypatch.setenv('FASTDDS_BUILTIN_TRANSPORTS', 'LARGE_DATA')
+    assert {node.transports for node in nodes(FILES[0], config=config)} == {'LARGE_DATA'}
+
+
 def test_the_recorder_can_be_left_out_and_is_then_not_waited_for(config):
     made = by_name(FILES[0], config=config, record='false')
     assert 'recorder' not in made

@@ -23,6 +23,8 @@ from heading_intercompare.cli import main
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.report.json import parse, read
 
+from .launch_files import make_environment
+
 pytestmark = pytest.mark.process
 
 pytest.importorskip('rclpy')
@@ -67,8 +69,7 @@ class Graph:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.environment = {**os.environ, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
-                            'ROS_DOMAIN_ID': str(1 + os.getpid() % 100),
+        self.environment = {**make_environment(1 + os.getpid() % 100, 'UDPv4'),
                             'PYTHONPATH': str(Path(__file__).resolve().parents[2])}
         self.processes: dict[str, subprocess.Popen] = {}
 

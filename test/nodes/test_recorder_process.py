@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
@@ -14,7 +13,7 @@ import pytest
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 
-from .launch_files import Node
+from .launch_files import make_environment, Node
 from .test_graph_processes import DOMAIN, Processes
 
 pytestmark = pytest.mark.process
@@ -68,9 +67,7 @@ def sender(count: int) -> subprocess.Popen:
     """Start to send to both topics; the process stays until its input is closed."""
     return subprocess.Popen(
         [sys.executable, '-c', SENDER, str(count), str(RATE_HZ), *TOPICS],
-        env={**os.environ, 'ROS_DOMAIN_ID': str(DOMAIN),
-             'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'},
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        env=make_environment(DOMAIN), stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
 
 def stamps(bag) -> dict[str, np.ndarray]:

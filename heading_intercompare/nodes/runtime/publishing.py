@@ -172,8 +172,12 @@ class Backlog:
             self._flow.spend(n)
 
 
-def await_acknowledgement(publishers: Iterable[Publisher], timeout_s: float = 5.0) -> bool:
-    """Wait until all messages have reached the reliable subscriptions; return whether they did."""
+def await_acknowledgement(publishers: Iterable[Publisher], timeout_s: float = 3.5) -> bool:
+    """
+    Wait until all messages have reached the reliable subscriptions; return whether they did.
+
+    DDS sends again what was lost after 3 s at the latest.
+    """
     deadline_s = time.monotonic() + timeout_s
     arrived = True
     for publisher in publishers:

@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 import json
-from typing import Mapping, NamedTuple
+from typing import Callable, Mapping, NamedTuple
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
+from heading_intercompare.bags.recording.published_headings import PublishedHeadings
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.rosbag2.part_states import DIAGNOSTICS_TOPIC, PartStates
 from heading_intercompare.bags.rosbag2.provenance import (
@@ -50,12 +52,22 @@ class Recorded(NamedTuple):
         Its messages.
     expected : bool
         It belongs to every recording, and at the end the recorder waits for its publishers.
+    count_published : callable
+        Returns how many messages others have counted; 0 if nobody counts them.
 
     """
 
     offered: Qos
     intake: Intake
     expected: bool
+    count_published: Callable[[], int] = int
+
+    @property
+    def lost(self) -> int:
+        """Messages that did not arrive, also those after the last one that did."""
+        if self.intake.before:
+            return self.intake.lost
+        return max(self.intake.lost, self.count_published() - self.intake.received)
 
 
 def _offer(profile: QoSProfile) -> Qos:
@@ -78,6 +90,21 @@ class _Diagnostics(Intake):
                 if self._states.take(data, info['received_timestamp'])]
 
 
+class _Ledgers(Intake):
+    """The ledgers of the synchronizer, which count the headings that were published."""
+
+    def __init__(self, node: Node, health: Health) -> None:
+        super().__init__(node, 'pairs/ledger', STATUS_TYPES, qos.LEDGER, health, sole=False)
+        self.headings = PublishedHeadings()
+
+    def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
+        """Return the messages to record."""
+        taken = super().take()
+        if taken:
+            self.headings.take(taken[-1][0])
+        return taken
+
+
 def make_intakes(node: Node, settings: Settings, health: Health,
                  states: PartStates) -> dict[str, Recorded]:
     """
@@ -89,7 +116,6 @@ def make_intakes(node: Node, settings: Settings, health: Health,
         (settings.ts_topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True),
         (settings.rs_topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True),
         ('pairs', PAIRS_TYPES, qos.PAIRS, qos.PAIRS, True),
-        ('pairs/ledger', STATUS_TYPES, qos.LEDGER, qos.LEDGER, True),
         (MARKER_TOPIC, STATUS_TYPES, qos.MARKER, qos.MARKER, True),
         ('compliance/verdict', STATUS_TYPES, qos.VERDICT, qos.VERDICT, True),
         (REPORT_TOPIC, TEXT_TYPES, qos.REPORT, qos.REPORT, True),
@@ -104,6 +130,11 @@ def make_intakes(node: Node, settings: Settings, health: Health,
         node, topic, types, taken, health, sole=False, needed=expected,
         unreliable=qos.HEADINGS_UNRELIABLE if taken is qos.HEADINGS_IN else None), expected)
         for topic, types, taken, offered, expected in rows}
+    ledgers = _Ledgers(node, health)
+    found['pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True)
+    for stream, topic in zip(('ts', 'rs'), headings):
+        found[topic] = found[topic]._replace(
+            count_published=partial(ledgers.headings.count, stream))
     if states.kept:
         found[DIAGNOSTICS_TOPIC] = Recorded(_offer(qos.STATUS), _Diagnostics(node, health, states),
                                             False)

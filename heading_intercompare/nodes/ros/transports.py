@@ -1,0 +1,44 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+How a live graph reaches other processes: by UDP, unless the user decides otherwise.
+
+Fast DDS prefers shared memory. If a process is stopped or killed while it uses that, others may
+lose their connection to it for good: nothing they publish arrives any more. The launch file makes
+the same choice.
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+import os
+from typing import Iterator
+
+__all__ = ['prefer_udp', 'set_variable']
+
+_TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
+# With a file of profiles the user decides on the transports there.
+_PROFILES = ('FASTRTPS_DEFAULT_PROFILES_FILE', 'FASTDDS_DEFAULT_PROFILES_FILE')
+
+
+@contextmanager
+def set_variable(name: str, value: str) -> Iterator[None]:
+    """Set a variable of the environment while entered."""
+    before = os.environ.get(name)
+    os.environ[name] = value
+    try:
+        yield
+    finally:
+        os.environ.pop(name)
+        if before is not None:
+            os.environ[name] = before
+
+
+@contextmanager
+def prefer_udp() -> Iterator[None]:
+    """Let contexts that are made while entered use UDP, unless the user has chosen transports."""
+    if any(name in os.environ for name in (_TRANSPORTS, *_PROFILES)):
+        yield
+    else:
+        with set_variable(_TRANSPORTS, 'UDPv4'):
+            yield
