@@ -21,14 +21,14 @@ from heading_intercompare.messages.ledger_messages import decode_ledger
 from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKER_TOPIC, MARKS
 from heading_intercompare.messages.status_messages import encode_figures, WARN
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.intake import Intake
+from heading_intercompare.nodes.runtime.pair_intake import PairIntake
 from heading_intercompare.nodes.runtime.raw_subscription import subscribe
 from heading_intercompare.nodes.runtime.reporting import Reporting
+from heading_intercompare.nodes.runtime.sole_node import SoleNode
 
 from .settings import ComplianceNode, Taking
 
@@ -50,9 +50,9 @@ class Compliance(Node):
         self._compliance = PureCompliance(self._settings, source='live',
                                           keeper=lambda: Spool(self._warn_of_memory).keep)
         self.get_logger().info(least_duration_words(self._settings.risk))
-        self._pairs = Intake(self, 'pairs', PAIRS_TYPES, qos.PAIRS, self._health,
-                             stale_s=taking.stale_s)
+        self._pairs = PairIntake(self, self._health, taking.stale_s)
         self._reporting = Reporting(self, self._compliance, self._own, self._health, self._pairs)
+        self.sole = SoleNode(self, ['compliance/report'], self._health)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
         self._rolling = self.create_publisher(DiagnosticArray, 'compliance/rolling', qos.STATUS)
         self._run = self.create_publisher(DiagnosticArray, 'compliance/run', qos.STATUS)
@@ -141,7 +141,7 @@ class Compliance(Node):
         now_s, reporting = time.monotonic(), self._reporting
         complete = reporting.final and self._pairs.last_sequence >= reporting.paired
         alone = not self._pairs.publishers and now_s > self._alone_s
-        if complete or alone or now_s > self._end_s:
+        if (complete or alone) and not self._pairs.waiting or now_s > self._end_s:
             self._compliance.finish()
             reporting.close(complete)
 

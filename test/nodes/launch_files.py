@@ -30,6 +30,8 @@ class Node:
     on_exit: Any = None
     respawn: bool = False
     respawn_delay: float = 0.0
+    #: Name of its files, if it is not that of the node.
+    file: str = ''
 
     def arguments(self, folder: Path) -> list[str]:
         """Return the arguments of the process, as `launch_ros` composes them."""
@@ -37,7 +39,7 @@ class Node:
         for number, given in enumerate(self.parameters):
             path = given
             if isinstance(given, dict):
-                path = folder / f'{self.name}_{number}.yaml'
+                path = folder / f'{self.file or self.name}_{number}.yaml'
                 full = f'{self.namespace.rstrip("/")}/{self.name}'
                 path.write_text(yaml.dump({full: {'ros__parameters': given}}))
             files += ['--params-file', str(path)]

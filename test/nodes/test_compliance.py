@@ -358,6 +358,61 @@ def test_after_a_restart_of_the_synchronizer_the_ledgers_add_up_and_the_report_s
                                for m in states for s in m.status))
 
 
+class Synchronizers:
+    """Publishers of pairs and ledgers of several synchronizers, by the time of their start."""
+
+    def __init__(self, ros, node):
+        self.ros, self.node, self.publishers = ros, node, {}
+
+    def send(self, started_ns, pairs, final=False):
+        """Publish pairs of a synchronizer, and its ledger."""
+        if started_ns not in self.publishers:
+            self.publishers[started_ns] = (
+                self.ros.plain.create_publisher(TwistStamped, 'pairs', qos.PAIRS),
+                self.ros.plain.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER))
+            self.ros.spin_until(lambda: all(
+                p.get_subscription_count() for p in self.publishers[started_ns]))
+        publisher, ledger = self.publishers[started_ns]
+        n = self.node.n_pairs + len(pairs)
+        for message in pair_messages(pairs, str(started_ns)):
+            publisher.publish(message)
+        self.ros.spin_until(lambda: self.node.n_pairs == n)
+        counts = dict.fromkeys(('paired', 'ts_paired', 'rs_used'), len(pairs))
+        ledger.publish(encode_ledger(Ledger.from_segments([LedgerSegment(None, counts)], T0_NS),
+                                     final, started_ns))
+
+
+def test_the_pairs_of_a_second_synchronizer_do_not_mix_with_those_of_the_first(ros, rng):
+    """Before, both were judged together: 100 deg and 0 deg of mean difference."""
+    node = ros.ours(Compliance)
+    both = Synchronizers(ros, node)
+    sound, wrong = some_pairs(rng, 0, 300), some_pairs(rng, 0, 300)
+    wrong = Pairs.of(wrong.stamp_ns, wrong.ts_deg + 100.0, wrong.rs_deg)
+    both.send(1000, sound[:1])
+    for lo in range(1, 300, 50):
+        both.send(2000, wrong[lo:lo + 50])
+        both.send(1000, sound[lo:lo + 50])
+    both.send(1000, sound[:0], final=True)
+    ros.end(node)
+    run, = node.verdict.to_dict()['runs']
+    assert (run['n'], run['mean_deg']) == (300, offline(sound)['runs'][0]['mean_deg'])
+
+
+def test_a_synchronizer_that_is_started_again_is_followed_and_loses_nothing(ros, rng):
+    """It may be heard before the old one is known to be dead; its pairs wait."""
+    node, pairs = ros.ours(Compliance), some_pairs(rng, 0, 300)
+    both = Synchronizers(ros, node)
+    both.send(1000, pairs[:100])
+    both.send(2000, pairs[100:200])
+    assert node._compliance.newest_ns == pairs.stamp_ns[99]
+    ros.spin_until(lambda: node._compliance.newest_ns == pairs.stamp_ns[199], 6.0)
+    both.send(2000, pairs[200:], final=True)
+    ros.end(node)
+    report = node.verdict.to_dict()
+    assert report['runs'][0]['n'] == 300
+    assert not any('left out' in why for why in report['ledger_problems'])
+
+
 def test_a_compliance_that_was_restarted_says_how_many_pairs_it_missed(ros, rng):
     graph, pairs = Graph(ros), some_pairs(rng, 0, 1500)
     graph.send(pairs[:1200])

@@ -34,7 +34,7 @@ from heading_intercompare.nodes.settings import ComplianceNode
 from heading_intercompare.report.json import render
 
 from .health import Health
-from .intake import Intake
+from .pair_intake import PairIntake
 from .run_log import RunLog
 
 __all__ = ['Reporting']
@@ -54,7 +54,7 @@ class Reporting:
         Settings.
     health : Health
         Shows alerts.
-    pairs : Intake
+    pairs : PairIntake
         The pairs, whose numbers say what is missing.
 
     Attributes
@@ -67,7 +67,7 @@ class Reporting:
     """
 
     def __init__(self, node: Node, compliance: Compliance, own: ComplianceNode,
-                 health: Health, pairs: Intake) -> None:
+                 health: Health, pairs: PairIntake) -> None:
         self._node, self._compliance, self._own, self._health = node, compliance, own, health
         self._pairs, self._ledgers = pairs, Incarnations()
         self._verdict = node.create_publisher(
@@ -84,8 +84,9 @@ class Reporting:
             os.makedirs(own.report_dir, exist_ok=True)
 
     def book(self, newest: LedgerMessage) -> None:
-        """Take the newest ledger."""
-        self._ledgers.take(*newest)
+        """Take the newest ledger of a synchronizer."""
+        for ledger in self._pairs.follow(newest):
+            self._ledgers.take(*ledger)
 
     @property
     def final(self) -> bool:
@@ -99,6 +100,8 @@ class Reporting:
 
     def look(self, n_pairs: int) -> None:
         """Publish changes; a report waits for a ledger that covers the `n_pairs` received."""
+        for ledger in self._pairs.ledgers():
+            self._ledgers.take(*ledger)
         seen = self._compliance.finished_runs, self._compliance.early
         if seen[0] != self._seen[0]:
             self._due = n_pairs, time.monotonic() + self._own.ledger_wait_s
@@ -146,6 +149,8 @@ class Reporting:
             yield f'{self._pairs.before} pairs were published before this node started'
         if self._pairs.lost:
             yield f'{self._pairs.lost} pairs were lost on the way to this node'
+        if self._pairs.left_out:
+            yield f'{self._pairs.left_out} pairs of another synchronizer were left out'
         if not complete:
             yield 'the ledger that covers the last pairs did not come'
 

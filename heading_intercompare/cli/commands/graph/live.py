@@ -32,6 +32,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_settings_arguments(parser)
     parser.add_argument('-o', '--output', metavar='BAG',
                         help='the bag to record (default: heading_<UTC> in this folder)')
+    parser.add_argument('--namespace', metavar='/NAME', default='/',
+                        help='of all nodes and topics: one for each graph in a ROS domain')
     add_note_argument(parser)
     add_verdict_arguments(parser)
 
@@ -69,6 +71,6 @@ def run(arguments: argparse.Namespace) -> int:
             [Source(NmeaDriver, name, driver) for name, driver in drivers.items()],
             {k: v for k, v in settings.to_mapping().items() if v is not None},
             output=output, report_dir=config.sections.get('compliance', {}).get('report_dir'),
-            own={**config.sections, 'recorder': recorder},
+            own={**config.sections, 'recorder': recorder}, namespace=arguments.namespace,
             progress=lambda n: progress.show(f'{n:,} pairs'))
     return conclude(verdict, arguments)
