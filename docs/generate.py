@@ -90,7 +90,7 @@ SECTIONS = (
     Section('synchronizer', (SynchronizerNode, Taking), 'The node that pairs.', {}, {}),
     Section('compliance', (ComplianceNode, Taking), 'The node that judges.', {},
             {'report_dir': 'reports', 'logbook': 'logbook.sqlite', 'ship': 'MV Example',
-             'bag': 'trial_1'}),
+             'bag': 'trial_1', 'journal': 'trial_1.journal'}),
     Section('recorder', (RecorderNode, BagSettings, Taking), 'The recorder.', {},
             {'output': 'trial_1', 'note': 'MV Example, trial 1', 'parameter_file': 'mine.yaml'}),
     Section('replayer', (ReplayerNode, Sending), 'The replayer of bags.', {},

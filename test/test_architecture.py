@@ -62,13 +62,13 @@ ORDER = {
     'core': ('utc_text', 'records', 'angles', 'clock_cuts', 'declared_settings', 'settings',
              'outcome', 'version', 'statistics',
              'pairing', 'timing', 'decision', 'runs', 'conditions', 'diagnostics', 'verdict',
-             'pipeline', 'offline'),
+             'kept_state', 'pipeline', 'offline'),
     'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'gimballed',
              'sensors', 'simulator'),
     'bags': ('errors', 'checked_text', 'settings', 'mcap', 'parallel', 'rosbag2',
              'recording', 'recovery', 'csv'),
-    'nodes': ('settings', 'ros', 'runtime', 'synchronizer', 'compliance', 'recorder', 'replayer',
-              'nmea_driver', 'sensor_simulator', 'graph'),
+    'nodes': ('settings', 'ros', 'runtime', 'judging', 'synchronizer', 'compliance',
+              'recorder', 'replayer', 'nmea_driver', 'sensor_simulator', 'graph'),
     'cli': ('terminal', 'completion', 'node_command', 'commands', 'program'),
 }
 

@@ -27,6 +27,7 @@ from heading_intercompare.core.verdict.judge import (
 )
 from heading_intercompare.core.verdict.verdict_document import Input, Verdict
 
+from .kept_state import KeptRun, KeptState
 from .outcome import Outcome, worst
 from .records import Headings, Losses, Pairs
 from .settings import Settings
@@ -114,6 +115,48 @@ class Compliance:
     def finish(self) -> None:
         """End the run in progress and judge it."""
         self._end_run()
+
+    def keep(self) -> KeptState:
+        """Return what is needed to go on later, apart from the pairs of the run in progress."""
+        return KeptState(
+            cutter=self._cutter.state, newest_ns=self.newest_ns, in_run=self._run is not None,
+            finished=tuple(KeptRun.of(*one) for one in self._finished),
+            earlier=tuple(KeptRun.of(one) for one in self._earlier),
+            n_finished=self._n_finished, n_earlier=self._n_earlier, n_short=self._n_short,
+            earlier_ns=self._earlier_ns)
+
+    def go_on(self, state: KeptState, pairs: Pairs) -> None:
+        """
+        Go on from the state of another `Compliance` with the same settings.
+
+        Parameters
+        ----------
+        state : KeptState
+            Of `keep`.
+        pairs : Pairs
+            All pairs that the run in progress had then; none if there was no run.
+
+        """
+        self._cutter.go_on(state.cutter)
+        self.newest_ns, self._earlier_ns = state.newest_ns, state.earlier_ns
+        self._finished = [(one.result(self.settings), one.cut_ns) for one in state.finished]
+        self._earlier = [one.result(self.settings) for one in state.earlier]
+        self._n_finished, self._n_earlier, self._n_short = (
+            state.n_finished, state.n_earlier, state.n_short)
+        cut_ns = state.cutter.cut_ns
+        if state.in_run and cut_ns is not None:
+            differences = subtract(pairs, self.settings.installation_offset_deg,
+                                   self.settings.wrap_center_deg)
+            self._run = RunSeries(cut_ns, self.settings, self._look, self._keeper(),
+                                  state.cutter.since_ns)
+            self._run_key = state.cutter.key
+            self._run.update(pairs, differences)
+            self._rolling.update(differences)
+
+    @property
+    def run_start_ns(self) -> int | None:
+        """Stamp of the first pair of the run in progress; None outside runs."""
+        return None if self._run is None else self._run.start_ns
 
     def _look(self, run: RunSeries, look: Look, looks: int) -> None:
         """Judge the run in progress; the last look of a plan is the end of the run."""

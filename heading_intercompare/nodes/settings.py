@@ -79,6 +79,13 @@ class ComplianceNode(Checked):
     ship: str | None = setting(None, 'name of the ship or station in the logbook')
     bag: str | None = setting(
         None, 'recording of these runs, for the logbook; the command live gives it')
+    journal: str | None = setting(
+        None, 'file that keeps the run in progress, from which a node that was killed goes on; '
+        "none: <node>.journal in report_dir, or no file without that; '-': no file. The command "
+        'live keeps it beside its bag')
+    resume_within_s: float = setting(
+        3600.0, 'a journal that was not written for longer than this belongs to another trial, '
+        'and is set aside [s]', 0.0)
     ledger_wait_s: float = setting(
         2.0, 'at the end of a run: how long to wait for its ledger [s]', 0.0, 60.0)
     end_wait_s: float = setting(

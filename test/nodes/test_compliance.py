@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import json
+import os
+import time
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
@@ -414,9 +416,10 @@ def test_a_synchronizer_that_is_started_again_is_followed_and_loses_nothing(ros,
 
 
 def test_a_compliance_that_was_restarted_says_how_many_pairs_it_missed(ros, rng):
-    graph, pairs = Graph(ros), some_pairs(rng, 0, 1500)
-    graph.send(pairs[:1200])
-    graph.book({'paired': 1200, 'ts_paired': 1200, 'rs_used': 1200})
+    """Without a journal; the synchronizer keeps the last 5000 pairs."""
+    graph, pairs = Graph(ros), some_pairs(rng, 0, 6500)
+    graph.send(pairs[:6200])
+    graph.book({'paired': 6200, 'ts_paired': 6200, 'rs_used': 6200})
     ros.executor.remove_node(graph.node)
     ros.nodes.remove(graph.node)
     graph.node.destroy_node()
@@ -424,10 +427,11 @@ def test_a_compliance_that_was_restarted_says_how_many_pairs_it_missed(ros, rng)
     graph.node = ros.ours(Compliance)
     ros.spin_until(lambda: graph.pairs.get_subscription_count() == 1
                    and graph.ledger.get_subscription_count() == 1)
-    graph.send(pairs[1200:])
-    graph.book({'paired': 1500, 'ts_paired': 1500, 'rs_used': 1500}, final=True)
+    ros.spin_until(lambda: graph.node.n_pairs >= 5000)
+    graph.send(pairs[6200:])
+    graph.book({'paired': 6500, 'ts_paired': 6500, 'rs_used': 6500}, final=True)
     report = graph.end()
-    assert (report['runs'][0]['n'], report['ledger_complete']) == (300, False)
+    assert (report['runs'][0]['n'], report['ledger_complete']) == (5300, False)
     assert report['ledger_problems'] == ['1200 pairs were published before this node started']
 
 
@@ -482,3 +486,142 @@ def test_with_a_real_synchronizer_that_is_killed_the_sums_hold(ros, rng):
     assert (run['n'], pairing['paired'], pairing['ts_received'], pairing['rs_received']) == (
         390, 390, 390, 390)
     assert not report['ledger_complete'] and 'was restarted at' in report['ledger_problems'][0]
+
+
+def kill(ros, node):
+    """End a node as `kill -9` does: nothing is published or written any more."""
+    ros.executor.remove_node(node)
+    journal = node._journal._journal._journal
+    journal._syncing.close()
+    os.close(journal._file)
+    node.destroy_node()
+    ros.nodes.remove(node)
+
+
+def ledger_of(n, final=False):
+    """Return the ledger of a synchronizer started at 1000 that made n pairs."""
+    counts = dict.fromkeys(('paired', 'ts_paired', 'rs_used'), n)
+    return encode_ledger(Ledger.from_segments([LedgerSegment(None, counts)], T0_NS), final, 1000)
+
+
+class Killed:
+    """A node that is killed now and then, and the synchronizer whose pairs it takes."""
+
+    def __init__(self, ros, folder, **values):
+        self.ros, self.values = ros, {'report_dir': str(folder), **values}
+        self.pairs = ros.plain.create_publisher(TwistStamped, 'pairs', qos.PAIRS)
+        self.ledger = ros.plain.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
+        self.start()
+
+    def start(self):
+        """Start the node, as its respawn would."""
+        self.node = self.ros.ours(Compliance, **self.values)
+        self.ros.spin_until(lambda: self.pairs.get_subscription_count()
+                            and self.ledger.get_subscription_count())
+
+    def publish(self, pairs):
+        """Publish pairs, whether the node lives or not."""
+        for message in pair_messages(pairs, '1000'):
+            self.pairs.publish(message)
+
+    def send(self, pairs):
+        """Publish pairs and wait until they have been judged."""
+        self.publish(pairs)
+        self.ros.spin_until(lambda: self.node._compliance.newest_ns == pairs.stamp_ns[-1])
+
+    def kill(self):
+        """Kill the node once the pairs that it took are a second old."""
+        began_s = time.monotonic()
+        self.ros.spin_until(lambda: time.monotonic() > began_s + 0.5)
+        kill(self.ros, self.node)
+        self.ros.spin_until(lambda: not self.pairs.get_subscription_count())
+
+
+@pytest.mark.parametrize('every_h', [None, 0.25])
+def test_a_node_that_was_killed_goes_on_and_misses_nothing(ros, rng, tmp_path, every_h):
+    """Before, the report covered only what came after the last start: 1950 of 3000 pairs."""
+    pairs, values = some_pairs(rng, 0, 3000), {'runs__every_h': every_h} if every_h else {}
+    trial = Killed(ros, tmp_path, **values)
+    for lo in range(0, 3000, 1000):
+        trial.send(pairs[lo:lo + 900])
+        trial.ledger.publish(ledger_of(lo + 900))
+        trial.kill()
+        trial.publish(pairs[lo + 900:lo + 950])
+        trial.start()
+        trial.send(pairs[lo + 950:lo + 1000])
+    trial.ledger.publish(ledger_of(3000, final=True))
+    ros.end(trial.node)
+    report = json.loads(json.dumps(trial.node.verdict.to_dict()))
+    expected = pipeline.Compliance(Settings.from_mapping(
+        {**NORMS, **{k.replace('__', '.'): v for k, v in values.items()}}), source='live')
+    expected.update(pairs)
+    expected.finish()
+    for run, other in zip(report['runs'], expected.verdict().to_dict()['runs'], strict=True):
+        assert without_ledger(run) == without_ledger(json.loads(json.dumps(other)))
+    assert report['ledger_problems'] == []
+    assert sum(run['pairing']['paired'] for run in report['runs']) == 3000
+    assert not [path for path in tmp_path.iterdir() if 'journal' in path.name]
+
+
+def test_pairs_that_nobody_can_send_again_are_counted(ros, rng, tmp_path):
+    """6000 pairs come while the node is down; the synchronizer keeps 5000 of them."""
+    pairs, trial = some_pairs(rng, 0, 7000), Killed(ros, tmp_path)
+    trial.send(pairs[:500])
+    trial.kill()
+    trial.publish(pairs[500:6500])
+    trial.start()
+    trial.send(pairs[6500:])
+    trial.ledger.publish(ledger_of(7000, final=True))
+    ros.end(trial.node)
+    report = trial.node.verdict.to_dict()
+    n = sum(run['n_input'] for run in report['runs'])
+    assert 6000 - 5000 <= 7000 - n < 6000
+    assert report['ledger_problems'] == [
+        f'{7000 - n} pairs were published while this node was down']
+
+
+def test_marks_hold_after_the_node_was_killed(ros, rng, tmp_path):
+    """The marks come back from their publisher or the journal, and count once."""
+    pairs, trial = some_pairs(rng, 0, 1000), Killed(ros, tmp_path)
+    graph = Graph.__new__(Graph)
+    graph.ros, graph.node = ros, trial.node
+    trial.send(pairs[:100])
+    graph.call('start_run')
+    trial.send(pairs[100:400])
+    trial.kill()
+    trial.start()
+    graph.node = trial.node
+    trial.send(pairs[400:500])
+    graph.call('stop_run')
+    trial.send(pairs[500:600])
+    trial.kill()
+    trial.start()
+    trial.send(pairs[600:])
+    trial.ledger.publish(ledger_of(1000, final=True))
+    ros.end(trial.node)
+    run, = trial.node.verdict.to_dict()['runs']
+    assert (run['start_ns'], run['end_ns']) == (pairs.stamp_ns[100], pairs.stamp_ns[499])
+
+
+def test_a_journal_of_another_trial_is_named_and_set_aside(ros, rng, tmp_path):
+    trial = Killed(ros, tmp_path)
+    shown = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    trial.send(some_pairs(rng, 0, 100))
+    trial.kill()
+    trial.values['norms__sigma_max_deg'] = 0.3
+    node = ros.ours(Compliance, **trial.values)
+    assert node._compliance.newest_ns is None
+    ros.spin_until(lambda: any('other settings: norms.sigma_max_deg; it is kept as' in s.message
+                               for m in shown for s in m.status))
+    assert (tmp_path / 'compliance.journal.1').exists()
+
+
+def test_a_journal_that_cannot_be_opened_is_a_warning_and_the_trial_goes_on(ros, rng, tmp_path):
+    shown = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    (tmp_path / 'compliance.journal').mkdir()
+    trial = Killed(ros, tmp_path)
+    trial.send(some_pairs(rng, 0, 300))
+    ros.spin_until(lambda: any('is not kept: ' in s.message and 'compliance.journal' in s.message
+                               for m in shown for s in m.status))
+    ros.end(trial.node)
+    assert trial.node.verdict.runs[0].n == 300

@@ -391,3 +391,29 @@ def test_a_synchronizer_that_was_killed_may_start_again_at_once(processes, tmp_p
     run, = report['runs']
     assert 600 < run['n'] < 1200
     assert 'was restarted at' in report['ledger_problems'][0]
+
+
+@pytest.mark.slow
+def test_a_compliance_that_is_killed_goes_on_and_the_verdict_is_that_of_the_bag(
+        processes, tmp_path):
+    """Killed three times within 2 min of a log: nothing is missing, and nothing counts twice."""
+    config = config_of(tmp_path, log(tmp_path / 'ts.log', 1200, 0.0, 90.0),
+                       log(tmp_path / 'rs.log', 1200, 0.05, 90.1), 10.0)
+    bag, reports = tmp_path / 'bag', tmp_path / 'reports'
+    made = {n.name: n for n in nodes('intercompare.launch.py', config=config, output=str(bag),
+                                     report_dir=str(reports))}
+    for node in made.values():
+        processes.start(node)
+    for n in (250, 500, 750):
+        wait_for(lambda n=n: count_recorded(bag) >= n)
+        processes.running['compliance'].kill()
+        processes.running['compliance'].wait()
+        processes.start(made['compliance'])
+    processes.wait('ts_driver', 'rs_driver', timeout_s=60.0)
+    processes.signal(signal.SIGINT)
+    processes.wait('synchronizer', 'compliance', 'recorder', timeout_s=20.0)
+    written, = reports.iterdir()
+    report = json.loads(written.read_text('utf-8'))
+    assert report['ledger_problems'] == []
+    assert report['runs'][0]['n'] == report['runs'][0]['pairing']['paired'] == 1199
+    assert_same(report, offline(bag))

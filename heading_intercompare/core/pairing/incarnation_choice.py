@@ -60,6 +60,13 @@ class IncarnationChoice:
             del self._heard_s[oldest]
             self._ended.discard(oldest)
 
+    def follow(self, started_ns: int, now_s: float) -> None:
+        """Follow a synchronizer, as an earlier process did."""
+        if self.current is not None:
+            self._past.add(self.current)
+            self._heard_s.pop(self.current, None)
+        self.current, self._heard_s[started_ns] = started_ns, now_s
+
     def look(self, now_s: float) -> int | None:
         """Return which synchronizer is followed now; it changes only if another one lives."""
         asleep_s = 0.0 if self._looked_s is None else now_s - self._looked_s

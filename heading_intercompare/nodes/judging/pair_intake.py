@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The pairs of one synchronizer at a time, whoever else publishes pairs on the topic."""
+"""The pairs of one synchronizer at a time, even if several publish on the topic."""
 
 from __future__ import annotations
 
@@ -17,9 +17,8 @@ from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.stamps import header_frame, header_stamp_ns
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
-
-from .health import Health
-from .intake import Intake
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.intake import Intake
 
 __all__ = ['PairIntake']
 
@@ -44,6 +43,8 @@ class PairIntake(Intake):
     ----------
     left_out : int
         Pairs of other synchronizers that were not taken.
+    missed : int
+        Pairs that were published while this node was down.
 
     Notes
     -----
@@ -61,7 +62,8 @@ class PairIntake(Intake):
         self._ledgers: dict[int, LedgerMessage] = {}
         self._numbers: dict[str, Numbering] = {}
         self._newest_ns = 0
-        self.left_out = 0
+        self._resuming: dict[str, int] = {}
+        self.left_out = self.missed = 0
 
     def take(self) -> _Taken:
         """Return the pairs of the followed synchronizer since the last call."""
@@ -86,12 +88,35 @@ class PairIntake(Intake):
         return found
 
     def _accept(self, name: str, batch: _Taken) -> _Taken:
+        after = self._resuming.get(name)
+        if after is not None:
+            # A publisher sends its last messages again to a new subscription.
+            batch = [one for one in batch if one[1]['publication_sequence_number'] > after]
         if batch:
             numbers = [info['publication_sequence_number'] for _, info in batch]
-            self._numbers.setdefault(name, Numbering()).take(numbers)
+            numbering = self._numbers.setdefault(name, Numbering())
+            before = numbering.missing
+            numbering.take(numbers)
+            if self._resuming.pop(name, None) is not None:
+                self.missed += numbering.missing - before
             self.last_sequence = numbers[-1]
             self._newest_ns = header_stamp_ns(batch[-1][0])
         return batch
+
+    @property
+    def numbers(self) -> dict[str, tuple[int, int, int]]:
+        """First, newest and number of missing ones among the numbers, by synchronizer."""
+        return {name: numbering.summary for name, numbering in self._numbers.items()}
+
+    def go_on(self, numbers: Mapping[str, tuple[int, int, int]], newest_ns: int | None) -> None:
+        """Go on after the pairs that an earlier process has taken, given its `numbers`."""
+        for name, summary in numbers.items():
+            self._numbers[name] = Numbering.go_on(*summary)
+            self._resuming[name] = self.last_sequence = summary[1]
+            if name.isdecimal():
+                self._choice.follow(int(name), time.monotonic())
+        self._newest_ns = newest_ns or 0
+        self.look()
 
     def _hold(self, started_ns: int, batch: _Taken) -> None:
         held = self._held.setdefault(started_ns, deque(maxlen=_MOST_HELD))
@@ -117,7 +142,7 @@ class PairIntake(Intake):
     @property
     def lost(self) -> int:
         """Pairs lost on the way, by the numbers of their synchronizers."""
-        return sum(numbering.missing for numbering in self._numbers.values())
+        return sum(numbering.missing for numbering in self._numbers.values()) - self.missed
 
     @property
     def before(self) -> int:

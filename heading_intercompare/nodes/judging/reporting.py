@@ -9,7 +9,7 @@ from datetime import datetime, timezone
 import os
 from pathlib import Path
 import time
-from typing import Iterator
+from typing import Iterable, Iterator
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
@@ -30,12 +30,13 @@ from heading_intercompare.messages.verdict_messages import (
     verdict_level,
 )
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import ComplianceNode
 from heading_intercompare.report.json import render
 
-from .health import Health
 from .pair_intake import PairIntake
 from .run_log import RunLog
+from .trial_journal import TrialJournal
 
 __all__ = ['Reporting']
 
@@ -56,6 +57,8 @@ class Reporting:
         Shows alerts.
     pairs : PairIntake
         The pairs, whose numbers say what is missing.
+    journal : TrialJournal
+        Keeps the ledgers, and may hold those of an earlier process.
 
     Attributes
     ----------
@@ -67,9 +70,12 @@ class Reporting:
     """
 
     def __init__(self, node: Node, compliance: Compliance, own: ComplianceNode,
-                 health: Health, pairs: PairIntake) -> None:
+                 health: Health, pairs: PairIntake,
+                 journal: TrialJournal) -> None:
         self._node, self._compliance, self._own, self._health = node, compliance, own, health
-        self._pairs, self._ledgers = pairs, Incarnations()
+        self._pairs, self._ledgers, self._journal = pairs, Incarnations(), journal
+        for kept in journal.kept.ledgers.values():
+            self._ledgers.take(*kept)
         self._verdict = node.create_publisher(
             DiagnosticArray, 'compliance/verdict', qos.VERDICT,
             event_callbacks=health.of_publisher('compliance/verdict'))
@@ -85,8 +91,12 @@ class Reporting:
 
     def book(self, newest: LedgerMessage) -> None:
         """Take the newest ledger of a synchronizer."""
-        for ledger in self._pairs.follow(newest):
+        self._take(self._pairs.follow(newest))
+
+    def _take(self, ledgers: Iterable[LedgerMessage]) -> None:
+        for ledger in ledgers:
             self._ledgers.take(*ledger)
+            self._journal.book(ledger)
 
     @property
     def final(self) -> bool:
@@ -100,8 +110,7 @@ class Reporting:
 
     def look(self, n_pairs: int) -> None:
         """Publish changes; a report waits for a ledger that covers the `n_pairs` received."""
-        for ledger in self._pairs.ledgers():
-            self._ledgers.take(*ledger)
+        self._take(self._pairs.ledgers())
         seen = self._compliance.finished_runs, self._compliance.early
         if seen[0] != self._seen[0]:
             self._due = n_pairs, time.monotonic() + self._own.ledger_wait_s
@@ -121,6 +130,7 @@ class Reporting:
         self._run_log.retry(last=True)
         for publisher in (self._verdict, self._report):
             publisher.wait_for_all_acked(Duration(seconds=1.0))
+        self._journal.close()
         self.closed = True
 
     def _conclude(self, complete: bool) -> None:
@@ -149,6 +159,11 @@ class Reporting:
             yield f'{self._pairs.before} pairs were published before this node started'
         if self._pairs.lost:
             yield f'{self._pairs.lost} pairs were lost on the way to this node'
+        if self._pairs.missed:
+            yield f'{self._pairs.missed} pairs were published while this node was down'
+        if self._journal.kept.dropped:
+            yield (f'{self._journal.kept.dropped} records of the run in progress could not be '
+                   'kept before this node was started again')
         if self._pairs.left_out:
             yield f'{self._pairs.left_out} pairs of another synchronizer were left out'
         if not complete:
