@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 from typing import Any, Callable, Iterable, Sequence
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.sequential import find_standing, Look, LookVerdict
 from heading_intercompare.core.pairing.difference import subtract
+from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
@@ -157,6 +159,15 @@ class Compliance:
     def run_start_ns(self) -> int | None:
         """Stamp of the first pair of the run in progress; None outside runs."""
         return None if self._run is None else self._run.start_ns
+
+    def preview(self, ledger: Ledger | None = None) -> Verdict:
+        """Return the verdict that a stop now would give; nothing changes by that."""
+        stopped = copy(self)
+        stopped._finished, stopped._earlier = [*self._finished], []
+        stopped._end_run()
+        verdict = stopped.verdict(ledger)
+        return replace(verdict, intermediate=True,
+                       headline=f'INTERMEDIATE, what a stop now would give: {verdict.headline}')
 
     def _look(self, run: RunSeries, look: Look, looks: int) -> None:
         """Judge the run in progress; the last look of a plan is the end of the run."""
@@ -347,10 +358,36 @@ class Intercomparison:
     def __init__(self, settings: Settings, *, source: str = '',
                  table: Sequence[tuple[int, int]] | None = None) -> None:
         self.compliance = Compliance(settings, source=source, table=table)
-        self.pairer = Pairer(settings)
-        for start_ns, stop_ns in table or ():
+        self._table = table or ()
+        self._before = Incarnations()
+        self._begin()
+
+    def _begin(self) -> None:
+        self.pairer = Pairer(self.compliance.settings)
+        for start_ns, stop_ns in self._table:
             self.pairer.ledger.cut_run(start_ns)
             self.pairer.ledger.cut_run(stop_ns)
+
+    def begin_again(self) -> Pairs:
+        """
+        Go on as after a restart of both nodes; return the last pairs before it.
+
+        Further readings are paired on their own, and belong to the runs so far.
+        """
+        pairs = self.pairer.flush()
+        self.compliance.update(pairs)
+        self._before.take(self.pairer.ledger, False, len(self._before))
+        self._begin()
+        return pairs
+
+    @property
+    def ledger(self) -> Ledger:
+        """The account of every reading so far."""
+        if not len(self._before):
+            return self.pairer.ledger
+        whole = self._before.copy()
+        whole.take(self.pairer.ledger, True, len(self._before))
+        return whole.total or self.pairer.ledger
 
     def update(self, ts: Headings | None = None, rs: Headings | None = None) -> Pairs:
         """Take readings; return the pairs that they complete."""
@@ -376,7 +413,7 @@ class Intercomparison:
 
     def results(self) -> list[RunResult]:
         """Return the runs judged so far, to `join` with those of other inputs."""
-        return self.compliance.results(self.pairer.ledger)
+        return self.compliance.results(self.ledger)
 
     def verdict(self, inputs: Iterable[Input] = ()) -> Verdict:
         """Return the verdict on the runs judged so far."""

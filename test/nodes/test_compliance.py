@@ -625,3 +625,38 @@ def test_a_journal_that_cannot_be_opened_is_a_warning_and_the_trial_goes_on(ros,
                                for m in shown for s in m.status))
     ros.end(trial.node)
     assert trial.node.verdict.runs[0].n == 300
+
+
+def test_an_intermediate_report_says_what_a_stop_now_would_give_and_changes_nothing(
+        ros, rng, tmp_path):
+    pairs, book = some_pairs(rng, 0, 900), tmp_path / 'book.sqlite'
+    graph = Graph(ros, report_dir=str(tmp_path), logbook=str(book))
+    between = ros.listen(String, 'compliance/intermediate_report', qos.REPORT)
+    assert graph.call('report').message == 'no pair has come yet'
+    graph.send(pairs[:400])
+    graph.book({'paired': 400, 'ts_paired': 400, 'rs_used': 400})
+    said = graph.call('report')
+    assert said.success and said.message.startswith('INTERMEDIATE, what a stop now would give')
+    ros.spin_until(lambda: between)
+    found, expected = json.loads(between[0].data), offline(pairs[:400])
+    assert found['intermediate'] is True and found['outcome'] == expected['outcome']
+    assert without_ledger(found['runs'][0]) == without_ledger(expected['runs'][0])
+    assert [json.loads(p.read_text('utf-8')) for p in tmp_path.glob('intermediate_*.json')] == [
+        found]
+    assert not book.exists() and not graph.reports() and not list(tmp_path.glob('verdict_*'))
+    graph.send(pairs[400:])
+    graph.book({'paired': 900, 'ts_paired': 900, 'rs_used': 900}, final=True)
+    report, whole = graph.end(), offline(pairs)
+    assert 'intermediate' not in report
+    assert without_ledger(report['runs'][0]) == without_ledger(whole['runs'][0])
+    assert len(Logbook(str(book)).read()) == 1
+
+
+def test_intermediate_reports_come_by_the_stamps(ros, rng):
+    graph = Graph(ros, report_every_h=0.1)
+    between = ros.listen(String, 'compliance/intermediate_report', qos.REPORT)
+    for lo in range(0, 1200, 60):
+        graph.send(some_pairs(rng, lo, lo + 60))
+    ros.spin_until(lambda: len(between) == 3)
+    ends = [json.loads(m.data)['runs'][0]['end_ns'] for m in between]
+    assert [round((end - T0_NS) / S_NS) for end in ends] == [419, 779, 1139]

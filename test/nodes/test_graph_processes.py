@@ -17,6 +17,7 @@ import time
 import pytest
 import yaml
 
+from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.cli import main
 from heading_intercompare.core.pairing.pairer import pair
@@ -417,3 +418,56 @@ def test_a_compliance_that_is_killed_goes_on_and_the_verdict_is_that_of_the_bag(
     assert report['ledger_problems'] == []
     assert report['runs'][0]['n'] == report['runs'][0]['pairing']['paired'] == 1199
     assert_same(report, offline(bag))
+
+
+def start_live(processes, folder, config, name):
+    """Start `live` as a user would, always with the same command."""
+    environment = {**os.environ, 'ROS_DOMAIN_ID': str(DOMAIN),
+                   'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+    with open(folder / f'{name}.log', 'wb') as said:
+        processes.running[name] = subprocess.Popen(
+            [sys.executable, '-m', 'heading_intercompare', 'live', '--config', str(config),
+             '-o', 'trial', '--json', 'verdict.json'],
+            env=environment, cwd=folder, stdout=said, stderr=said)
+
+
+@pytest.mark.slow
+def test_live_that_is_killed_goes_on_in_a_new_bag_of_the_same_run(processes, tmp_path):
+    """The verdict covers both parts, and so does `analyze` of both bags."""
+    ports = [free_port(), free_port()]
+    config = tmp_path / 'config.yaml'
+    rule = {**NORMS, 'pairing.method': 'interpolate'}
+    config.write_text(yaml.dump({
+        '/**': {'ros__parameters': rule}, **{
+            name: {'ros__parameters': {'source': f'udp://127.0.0.1:{port}', 'sentence': 'HDT'}}
+            for name, port in zip(('ts_driver', 'rs_driver'), ports)}}))
+    ship = TurningShip(ports)
+    ship.start()
+    try:
+        start_live(processes, tmp_path, config, 'first')
+        wait_for(lambda: count_recorded(tmp_path / 'trial') > 100)
+        processes.running['first'].kill()
+        processes.running['first'].wait()
+        start_live(processes, tmp_path, config, 'second')
+        wait_for(lambda: count_recorded(tmp_path / 'trial_2') > 100)
+        processes.running['second'].send_signal(signal.SIGINT)
+        processes.wait('second', timeout_s=30.0)
+    finally:
+        ship.stopped.set()
+        ship.join()
+    said = (tmp_path / 'second.log').read_text()
+    assert f'goes on with the trial of {tmp_path / "trial"}; records trial_2' in said
+    live = json.loads((tmp_path / 'verdict.json').read_text('utf-8'))
+    run, = live['runs']
+    assert not list(tmp_path.glob('*.journal'))
+    judged = judge_bags([tmp_path / 'trial', tmp_path / 'trial_2'], Settings.from_mapping(rule))
+    both, = judged.verdict.runs
+    # A kill costs the bag up to a second, and the judge the readings on their way to it.
+    assert abs(both.n - run['n']) <= 30
+    assert (both.start_ns, both.end_ns) == (run['start_ns'], run['end_ns'])
+    assert both.outcome.value == run['outcome']
+    assert any('goes on with this trial' in note for note in judged.notes)
+    assert any('was restarted at' in problem for problem in live['ledger_problems'])
+    assert [one.continues for one in judged.verdict.inputs] == [None, str(tmp_path / 'trial')]
+    alone = judge_bags([tmp_path / 'trial_2'], Settings.from_mapping(rule)).verdict.runs[0]
+    assert alone.n < both.n

@@ -23,7 +23,7 @@ from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Pairs
-from heading_intercompare.core.settings import leave_out_added, settings_sha256
+from heading_intercompare.core.settings import leave_out_added, Settings, settings_sha256
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.messages.ledger_messages import LedgerMessage
@@ -37,7 +37,7 @@ from .journal import (
     Record,
 )
 
-__all__ = ['Kept', 'RunJournal']
+__all__ = ['find_bag', 'Kept', 'RunJournal']
 
 #: Pairs wait at most this long for the system to take them.
 _PERIOD_S = 0.25
@@ -92,6 +92,8 @@ class RunJournal:
         A journal that was not written for longer than this is another trial.
     now_ns : int
         Time of day, UTC ns.
+    bag : str, optional
+        The recording of this trial.
 
     Attributes
     ----------
@@ -111,12 +113,12 @@ class RunJournal:
 
     """
 
-    def __init__(self, path: Path, compliance: Compliance, *, within_s: float,
-                 now_ns: int) -> None:
+    def __init__(self, path: Path, compliance: Compliance, *, within_s: float, now_ns: int,
+                 bag: str | None = None) -> None:
         self._path, self._compliance = path, compliance
         settings = leave_out_added(compliance.settings.to_mapping())
         self._about = {'settings_sha256': settings_sha256(settings), 'settings': settings,
-                       'software': VERSION, 'began_ns': now_ns}
+                       'software': VERSION, 'began_ns': now_ns, 'bag': bag}
         self.kept = Kept()
         self.resumed = self.set_aside = ''
         self._written: dict[int, list[Any]] = {}
@@ -128,6 +130,9 @@ class RunJournal:
         size = self._find_size(within_s, now_ns)
         self._journal = Journal(path, Record(_ABOUT, _text(self._about)), size)
         self._told_dropped = 0
+        if size is not None:
+            # The newest recording of the trial.
+            self._journal.append(_ABOUT, _text(self._about))
         self._n_finished = compliance.finished_runs
 
     @property
@@ -147,12 +152,11 @@ class RunJournal:
         except BagError as error:
             self._put_aside(error.problem)
             return None
-        if not any(record.kind in (_STATE, _PAIRS) for record in contents.records):
+        if all(record.kind == _ABOUT for record in contents.records):
             return None
         state, why = None, ''
         try:
-            about = json.loads(contents.records[0].data)
-            why = self._find_mismatch(about)
+            why = _find_mismatch(json.loads(contents.records[0].data), self._about)
             for kind, data in contents.records:
                 if kind == _STATE:
                     plain = json.loads(data)
@@ -160,8 +164,7 @@ class RunJournal:
                     self.kept.marks = {(word, stamp_ns) for word, stamp_ns in plain['marks']}
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             why = f'this version cannot read it: {" ".join(str(error).split())[:200]}'
-        if not why and age_s > within_s:
-            why = f'it was last written {age_s / 3600.0:.1f} h ago, more than {within_s:g} s'
+        why = why or _find_age(age_s, within_s)
         if why:
             self.kept = Kept()
             self._put_aside(why)
@@ -175,15 +178,6 @@ class RunJournal:
         if contents.torn:
             self.resumed += f'; the last {contents.torn} bytes of {self._path} were cut'
         return contents.size
-
-    def _find_mismatch(self, about: Mapping[str, Any]) -> str:
-        """Say which settings are others than those of a journal."""
-        if about.get('settings_sha256') == self._about['settings_sha256']:
-            return ''
-        theirs, ours = about.get('settings') or {}, self._about['settings']
-        names = [name for name in {**ours, **theirs} if theirs.get(name) != ours.get(name)]
-        more = f' and {len(names) - 3} more' if len(names) > 3 else ''
-        return f'it has other settings: {", ".join(names[:3])}{more}'
 
     def _put_aside(self, why: str) -> None:
         """Rename the journal, so that nothing of it is lost."""
@@ -330,3 +324,51 @@ class RunJournal:
 
 def _text(value: Any) -> bytes:
     return json.dumps(value, separators=(',', ':')).encode()
+
+
+def _find_mismatch(theirs: Mapping[str, Any], ours: Mapping[str, Any]) -> str:
+    """Say which settings of a journal differ from those of this trial; '' if none."""
+    if theirs.get('settings_sha256') == ours['settings_sha256']:
+        return ''
+    one, other = theirs.get('settings') or {}, ours['settings']
+    names = [name for name in {**other, **one} if one.get(name) != other.get(name)]
+    more = f' and {len(names) - 3} more' if len(names) > 3 else ''
+    return f'it has other settings: {", ".join(names[:3])}{more}'
+
+
+def _find_age(age_s: float, within_s: float) -> str:
+    """Say that a journal is too old; '' if it is not."""
+    return '' if age_s <= within_s else (
+        f'it was last written {age_s / 3600.0:.1f} h ago, more than {within_s:g} s')
+
+
+def find_bag(path: Path, settings: Settings, *, within_s: float, now_ns: int) -> str | None:
+    """
+    Return the newest recording of the trial that a journal would go on with.
+
+    Parameters
+    ----------
+    path : Path
+        The journal.
+    settings, within_s, now_ns
+        As for `RunJournal`.
+
+    Returns
+    -------
+    str or None
+        None if there is no such trial, or it was not recorded.
+
+    """
+    try:
+        if _find_age(now_ns / 1e9 - path.stat().st_mtime, within_s):
+            return None
+        records = read_journal(path).records
+        about = [json.loads(record.data) for record in records if record.kind == _ABOUT]
+        mapping = leave_out_added(settings.to_mapping())
+        ours = {'settings_sha256': settings_sha256(mapping), 'settings': mapping}
+        if not about or _find_mismatch(about[0], ours):
+            return None
+        bag = about[-1].get('bag')
+    except (OSError, ValueError, AttributeError, IndexError):
+        return None
+    return bag if isinstance(bag, str) else None

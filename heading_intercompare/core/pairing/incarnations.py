@@ -42,6 +42,15 @@ class Incarnations:
         if before is None or not before.final:
             self._last[started_ns] = _Last(ledger, final)
 
+    def __len__(self) -> int:
+        return len(self._last)
+
+    def copy(self) -> 'Incarnations':
+        """Return the same ledgers, to add another one."""
+        made = Incarnations()
+        made._last = dict(self._last)
+        return made
+
     @property
     def _in_order(self) -> list[tuple[int, _Last]]:
         return sorted(self._last.items(), key=lambda one: one[0])

@@ -15,6 +15,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
 from rclpy.node import Node
 from std_msgs.msg import String
+from std_srvs.srv import Trigger
 
 from heading_intercompare.bags.recording.disk_sync import replace_file
 from heading_intercompare.core.decision.sequential import LookVerdict
@@ -85,6 +86,10 @@ class Reporting:
         self.closed = False
         self.verdict: Verdict | None = None
         self._said = ''
+        self._intermediate = node.create_publisher(String, 'compliance/intermediate_report',
+                                                   qos.REPORT)
+        self._next_ns: int | None = None
+        node.create_service(Trigger, '~/report', self._serve)
         self._run_log = RunLog(own, health)
         if own.report_dir is not None:
             os.makedirs(own.report_dir, exist_ok=True)
@@ -123,6 +128,28 @@ class Reporting:
             if covered or time.monotonic() > until_s:
                 self._conclude(covered)
         self._run_log.retry()
+        newest_ns, every_h = self._compliance.newest_ns, self._own.report_every_h
+        if newest_ns is not None and every_h is not None:
+            if self._next_ns is not None and newest_ns >= self._next_ns:
+                self.report()
+            if self._next_ns is None or newest_ns >= self._next_ns:
+                self._next_ns = newest_ns + round(every_h * 3600e9)
+
+    def _serve(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        response.success, response.message = self._compliance.newest_ns is not None, self.report()
+        return response
+
+    def report(self) -> str:
+        """Publish and write what a stop now would give, and go on; return its headline."""
+        if self._compliance.newest_ns is None:
+            return 'no pair has come yet'
+        verdict = replace(self._compliance.preview(self._ledgers.total),
+                          ledger_problems=tuple(self._problems(True)))
+        text = render(verdict)
+        self._intermediate.publish(encode_text(text))
+        self._node.get_logger().info(verdict.headline)
+        self._write(text, 'intermediate')
+        return verdict.headline
 
     def close(self, complete: bool) -> None:
         """Publish the last verdict and report, and wait until they are received."""
@@ -185,13 +212,13 @@ class Reporting:
         self._node.get_logger().info(f'verdict on {said[-1][1]}')
         self._verdict.publish(encode_verdict(verdict, self._compliance.newest_ns or 0, early))
 
-    def _write(self, text: str) -> None:
+    def _write(self, text: str, kind: str = 'verdict') -> None:
         if self._own.report_dir is None:
             return
         newest_ns = self._compliance.newest_ns
         moment = datetime.fromtimestamp(time.time() if newest_ns is None else newest_ns / 1e9,
                                         timezone.utc)
-        path = Path(self._own.report_dir, f'verdict_{moment:%Y%m%dT%H%M%S}Z.json')
+        path = Path(self._own.report_dir, f'{kind}_{moment:%Y%m%dT%H%M%S}Z.json')
         try:
             replace_file(path, text)
         except OSError as error:

@@ -56,7 +56,7 @@ class TrialJournal:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._journal = RunJournal(path, compliance, within_s=own.resume_within_s,
-                                       now_ns=time.time_ns())
+                                       now_ns=time.time_ns(), bag=own.bag)
         except BlockingIOError:
             self._warn(f'another process keeps its run in {path}')
             return

@@ -13,7 +13,7 @@ import pytest
 
 from heading_intercompare.bags.recording import journal as journal_module
 from heading_intercompare.bags.recording.journal import read_journal
-from heading_intercompare.bags.recording.run_journal import RunJournal
+from heading_intercompare.bags.recording.run_journal import find_bag, RunJournal
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.pipeline import Compliance
@@ -208,6 +208,24 @@ def _records_of(data):
         found.append(journal_module.Record(kind, data[at:at + size]))
         at += size
     return found
+
+
+def test_the_newest_bag_of_a_trial_is_found(tmp_path, rng):
+    path, rule = tmp_path / 'j', settings()
+
+    def found(rule=rule, within_s=3600.0):
+        return find_bag(path, rule, within_s=within_s, now_ns=time.time_ns() + 10 * S)
+    assert found() is None
+    for bag in ('trial', 'trial_2', 'trial_3'):
+        compliance = Compliance(rule)
+        journal = RunJournal(path, compliance, within_s=3600.0, now_ns=time.time_ns(), bag=bag)
+        journal.add(some_pairs(rng, 5), {})
+        journal.tick(1.0)
+        assert found() == bag
+        journal.close(over=False)
+    assert found(settings(norms__sigma_max_deg=0.5)) is found(within_s=5.0) is None
+    path.write_bytes(b'nothing')
+    assert found() is None
 
 
 def test_two_processes_do_not_share_a_journal(tmp_path, rng):
