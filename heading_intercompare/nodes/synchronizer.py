@@ -53,7 +53,6 @@ class Synchronizer(Node):
         super().__init__('synchronizer', **OVERRIDES, **kwargs)
         settings, taking, self._own = declare(self, Settings, Taking, SynchronizerNode)
         self.ended = False
-        # Its ledger counts from 0, so it has a name: those of all starts add up.
         self._started_ns = time.time_ns()
         self._pairer = Pairer(settings)
         self._watch = PairingWatch(settings.pairing)
@@ -120,7 +119,8 @@ class Synchronizer(Node):
     def _beat(self) -> None:
         self._pairer.forget_earlier()
         ledger = self._pairer.ledger
-        self._ledger.publish(encode_ledger(ledger, self.ended, self._started_ns))
+        numbers = {stream: one.numbers for stream, (one, _) in zip(('ts', 'rs'), self._inputs)}
+        self._ledger.publish(encode_ledger(ledger, self.ended, self._started_ns, numbers))
         state = self._watch.look(ledger, *self._pairer.heard_ns, time.monotonic())
         troubles = [state.trouble, *ledger.troubles]
         self._health.note('pairing', WARN if any(troubles) else OK,

@@ -19,6 +19,7 @@ from typing import Any, Iterator, Mapping
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.kept_state import KeptState
+from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.pipeline import Compliance
@@ -235,11 +236,12 @@ class RunJournal:
         ledger = Ledger.from_segments(
             [LedgerSegment(start_ns, counts) for start_ns, counts in rows], plain['newest_ns'],
             [SetBack(*one) for one in plain['set_backs']])
-        self.kept.ledgers[started_ns] = LedgerMessage(ledger, plain['final'], started_ns)
+        numbers = {stream: StreamNumbers(*one) for stream, one in plain['numbers'].items()}
+        self.kept.ledgers[started_ns] = LedgerMessage(ledger, plain['final'], started_ns, numbers)
 
     def _pack_ledger(self, message: LedgerMessage, whole: bool = False) -> bytes:
         """Return a ledger; only the segments from the first that has changed, unless `whole`."""
-        ledger, final, started_ns = message[:3]
+        ledger, final, started_ns, numbers = message
         rows = [[one.start_ns, {key.value: n for key, n in one.counts.items()}]
                 for one in ledger.segments]
         before = [] if whole else self._written.get(started_ns, [])
@@ -247,7 +249,8 @@ class RunJournal:
         while at < min(len(rows), len(before)) and rows[at] == before[at]:
             at += 1
         self._written[started_ns] = rows
-        return _text({'started_ns': started_ns, 'final': final, 'newest_ns': ledger.newest_ns,
+        return _text({'started_ns': started_ns, 'final': final, 'numbers': numbers,
+                      'newest_ns': ledger.newest_ns,
                       'set_backs': [[one.stream, one.stamp_ns, one.size_ns]
                                     for steps in ledger.set_backs.values() for one in steps],
                       'at': at, 'segments': rows[at:]})

@@ -14,6 +14,7 @@ import pytest
 from heading_intercompare.bags.recording import journal as journal_module
 from heading_intercompare.bags.recording.journal import read_journal
 from heading_intercompare.bags.recording.run_journal import find_bag, RunJournal
+from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.pipeline import Compliance
@@ -111,14 +112,16 @@ def test_ledgers_of_all_synchronizers_come_back(tmp_path):
         for k in range(5):
             segments.append(LedgerSegment(T0 + k * S, {'ts_unpaired': k, 'rs_used': started_ns}))
             ledgers[started_ns] = LedgerMessage(Ledger.from_segments(
-                segments, T0 + k, [SetBack('ts', T0, 7 * S)]), k == 4, started_ns)
+                segments, T0 + k, [SetBack('ts', T0, 7 * S)]), k == 4, started_ns,
+                {'ts': StreamNumbers('ab', 1, 'cd', k)})
             node.journal.book(ledgers[started_ns])
             node.take(Pairs.empty())
     node.kill()
     kept = Node(tmp_path / 'j', settings()).journal.kept
-    for started_ns, (ledger, final, _) in ledgers.items():
+    for started_ns, (ledger, final, _, numbers) in ledgers.items():
         back = kept.ledgers[started_ns]
         assert back.ledger.segments == ledger.segments and back.final == final
+        assert back.numbers == numbers
         assert (back.ledger.newest_ns, back.ledger.set_backs) == (
             ledger.newest_ns, {'ts': (SetBack('ts', T0, 7 * S),)})
 
