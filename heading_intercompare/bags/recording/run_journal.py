@@ -192,17 +192,20 @@ class RunJournal:
     def _read(self, contents: JournalContents, state: KeptState | None) -> None:
         """Give the compliance what the journal holds."""
         waiting: list[Pairs] = []
+        judged = 0
 
         def judge() -> None:
+            nonlocal judged
             self._compliance.update(Pairs.concatenate(waiting))
             waiting.clear()
+            judged = self.kept.n_pairs
         for kind, data in contents.records:
             if kind == _RUN and state is not None:
                 pairs = self._take_pairs(data)
                 self._compliance.go_on(state, pairs)
             elif kind == _PAIRS:
                 waiting.append(self._take_pairs(data))
-                if sum(map(len, waiting)) > _AT_ONCE:
+                if self.kept.n_pairs - judged > _AT_ONCE:
                     judge()
             elif kind == _MARK:
                 judge()
