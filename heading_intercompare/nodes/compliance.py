@@ -94,7 +94,7 @@ class Compliance(Node):
         self._pairs.refuse(refused)
         self._journal.add(pairs, self._pairs.numbers)
         self._compliance.update(pairs)
-        self._journal.tick()
+        self._journal.tick(self.sole.clear)
         self._reporting.look(self._pairs.last_sequence)
         if self._end_s is not None and not self.ended:
             self._finish_if_complete()

@@ -147,7 +147,7 @@ class Journal:
         The first record of a file that is begun.
     size : int, optional
         Go on after this many bytes of the file, see `JournalContents`. Without it a file is
-        begun, and one that was there is lost.
+        begun at the first `flush`, and one that was there is lost.
 
     Attributes
     ----------
@@ -165,16 +165,17 @@ class Journal:
 
     def __init__(self, path: Path, head: Record, size: int | None = None) -> None:
         self.path = path
-        self._file = self._open(path)
+        self._file = -1 if size is None else self._open(path)
         self._size = size or 0
         self._waiting: deque[bytes] = deque()
         self._n_waiting = 0
         self._retry_s = 0.0
         self._syncing = Syncing(_SYNC_S)
         self.fault, self.dropped = '', 0
-        os.ftruncate(self._file, self._size)
-        if not self._size:
+        if size is None:
             self._add(_MAGIC + _pack(head))
+        else:
+            os.ftruncate(self._file, size)
 
     @staticmethod
     def _open(path: Path) -> int:
@@ -219,6 +220,9 @@ class Journal:
         if now_s < self._retry_s:
             return
         try:
+            if self._file < 0:
+                self._file = self._open(self.path)
+                os.ftruncate(self._file, 0)
             if self._waiting:
                 self._write(b''.join(self._waiting))
                 self._waiting.clear()
@@ -275,7 +279,8 @@ class Journal:
                     draft.unlink()
             self._fail(error, now_s)
             return
-        os.close(self._file)
+        if self._file >= 0:
+            os.close(self._file)
         self._file, self._size = descriptor, len(data)
         self._waiting.clear()
         self._n_waiting = 0
@@ -288,6 +293,8 @@ class Journal:
             self.flush(0.0)
         with suppress(OSError):
             self._syncing.close()
+        if self._file < 0:
+            return
         if remove:
             with suppress(OSError):
                 self.path.unlink()

@@ -368,6 +368,7 @@ def find_bag(path: Path, settings: Settings, *, within_s: float, now_ns: int) ->
     try:
         if _find_age(now_ns / 1e9 - path.stat().st_mtime, within_s):
             return None
+        Journal.probe(path)
         records = read_journal(path).records
         about = [json.loads(record.data) for record in records if record.kind == _ABOUT]
         mapping = leave_out_added(settings.to_mapping())

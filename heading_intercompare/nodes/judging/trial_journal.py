@@ -89,9 +89,9 @@ class TrialJournal:
         if self._journal is not None:
             self._journal.book(ledger)
 
-    def tick(self) -> None:
-        """Write what is due."""
-        if self._journal is None:
+    def tick(self, clear: bool) -> None:
+        """Write what is due, once it is `clear` that this node does not give way to another."""
+        if self._journal is None or not clear:
             return
         self._journal.tick(time.monotonic())
         if self._journal.fault != self._fault:

@@ -30,7 +30,7 @@ _STARTING_S = 5.0
 #: would reach nobody, or mix with those of another one.
 _DISCOVERY_S = 1.5
 #: A live node says its state on /diagnostics every second.
-_PATIENCE_S = 2.2
+_PATIENCE_S = 3.2
 _LOOK_S = 0.1
 
 
