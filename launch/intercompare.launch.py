@@ -32,6 +32,14 @@ def node(executable, name, namespace, parameters, own, **kwargs):
                 namespace=namespace, parameters=[file, *given], output='screen', **kwargs)
 
 
+def end_with(name):
+    """Return what to do when a node ends: it has ended by itself, or it starts again."""
+    def act(event, _):
+        # 0: it has done its work; 2: a mistake of the user, told in one line.
+        return Shutdown(reason=f'{name} has ended') if event.returncode in (0, 2) else None
+    return act
+
+
 def nodes(context):
     """Return the nodes; no heading is lost, in whatever order they start."""
     config, record, output, report_dir, namespace = (
@@ -54,11 +62,16 @@ def nodes(context):
             made.append(node('nmea_driver', driver, namespace, parameters,
                              {'topic': sections[driver].get('topic', topic), **heard},
                              respawn=live, respawn_delay=2.0))
-    made += [node('synchronizer', 'synchronizer', namespace, parameters, heard,
-                  on_exit=Shutdown(reason='the synchronizer has ended')),
-             node('compliance', 'compliance', namespace, parameters,
-                  {'report_dir': report_dir} if report_dir else {},
-                  on_exit=Shutdown(reason='the compliance node has ended'))]
+    # Without a folder for reports, the run in progress is kept beside the bag.
+    judging = {'report_dir': report_dir} if report_dir else {}
+    if not {'report_dir', 'journal'} & {*judging, *sections.get('compliance', {})}:
+        named = output or sections.get('recorder', {}).get('output') or 'heading'
+        judging['journal'] = f'{named}{namespace.rstrip("/").replace("/", ".")}.journal'
+    # One that is killed starts again, and the trial goes on.
+    made += [node('synchronizer', 'synchronizer', namespace, parameters, heard, respawn=True,
+                  respawn_delay=1.0, on_exit=end_with('the synchronizer')),
+             node('compliance', 'compliance', namespace, parameters, judging,
+                  respawn=True, respawn_delay=1.0, on_exit=end_with('the compliance node'))]
     if record == 'true':
         # The trial goes on without it; without a name of its own a new bag is begun.
         named = output or sections.get('recorder', {}).get('output')

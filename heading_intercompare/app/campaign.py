@@ -22,11 +22,14 @@ import os
 from pathlib import Path
 import signal
 from threading import Thread
-from typing import Callable, Iterable, Iterator, Sequence
+from typing import Callable, Iterable, Iterator, Mapping, Sequence
 
+from heading_intercompare.bags.rosbag2.trial_parts import find_parts
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.verdict_document import Input
 
+from .inputs import sha256
 from .job import Job, Judged
 from .remote_task import describe_libraries, judge_there
 from .run_table import RunTable
@@ -102,10 +105,15 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     takers = list(takers)
     if takers and (executor is not None or len(paths) > 1):
         raise ValueError('takers: must be empty with several inputs or with an executor')
-    job = Job(settings, table, sketched)
+    trials = find_parts(paths)
+    job = Job(settings, table, sketched, {
+        first: [os.path.abspath(part) for part in parts] for first, parts in trials.items()})
+    given, paths = paths, [path for path in paths
+                           if not any(path in parts for parts in trials.values())]
     if executor is None and len(paths) == 1:
         helpers = min(jobs or count_cores(), MOST_READERS) - 1
-        return [job.judge(paths[0], takers, progress, helpers=helpers)]
+        return _add_parts(given, trials, [job.judge(paths[0], takers, progress,
+                                                    helpers=helpers)], settings)
     if executor is not None:
         judged = _judge_elsewhere(job, paths, executor, progress)
     elif (jobs or 0) > 1 or jobs is None and sum(map(_size, paths)) >= _WORTH_BYTES:
@@ -115,7 +123,18 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     if all(each.error for each in judged):
         several = f'none of the {len(paths)} inputs can be read: ' if len(paths) > 1 else ''
         raise ValueError(f'{several}{judged[0].path}: {judged[0].error}')
-    return _drop_repeats(judged)
+    return _add_parts(given, trials, _drop_repeats(judged), settings)
+
+
+def _add_parts(paths: Sequence[str], trials: Mapping[str, Sequence[str]],
+               judged: Sequence[Judged], settings: Settings) -> list[Judged]:
+    """Add an entry for each bag that was judged together with the one before it."""
+    firsts = {part: first for first, parts in trials.items() for part in parts}
+    others = iter(judged)
+    return [next(others) if path not in firsts else Judged(
+        path, [], [f'{path}: judged together with {firsts[path]}'],
+        Input(path, sha256(path), settings.ts_topic, settings.rs_topic,
+              continues=firsts[path])) for path in paths]
 
 
 def _drop_repeats(judged: Sequence[Judged]) -> list[Judged]:

@@ -39,7 +39,7 @@ _Found = tuple[list[RunResult], list[RunResult], tuple[str, ...], Ledger]
 def analyze_input(path: str, settings: Settings, table: RunTable | None,
                   takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                   *, name: str | None = None,
-                  helpers: int = 0,
+                  helpers: int = 0, parts: Sequence[str] = (),
                   ) -> tuple[list[RunResult], list[RunResult], list[str], Input]:
     """
     Judge the runs of one input.
@@ -59,6 +59,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         Name of the input in results, notes and the table of runs; `path` by default.
     helpers : int
         Processes that decode a bag in parallel with this one.
+    parts : sequence of str
+        Bags that go on with the trial of this one, in their order.
 
     Returns
     -------
@@ -92,9 +94,9 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
             results, earlier, problems, ledger = _analyze_csv(
                 path, name, settings, runs, takers, progress, start_digest)
         else:
-            bag = BagReader(path)
+            bag, *rest = [BagReader(one) for one in (path, *parts)]
             results, earlier, problems, ledger = _analyze_bag(
-                bag, name, settings, runs, takers, progress, start_digest, helpers)
+                [bag, *rest], name, settings, runs, takers, progress, start_digest, helpers)
         described = replace(_describe(bag, name, settings, digest[0].result()),
                             ledger_problems=problems or None)
     notes = [f'{name}: {problem}' for problem in problems]
@@ -144,7 +146,7 @@ def _book_rows(decided: Decided[Pairs], ledger: Ledger) -> None:
         ledger.add(key, decided.accepted.stamp_ns)
 
 
-def _analyze_bag(reader: BagReader, name: str, settings: Settings,
+def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                  start_digest: Callable[[], None],
@@ -152,8 +154,6 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
     comparison = Intercomparison(settings, source=name, table=runs)
     ts, rs = settings.ts_topic, settings.rs_topic
     conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
-    if runs is None:
-        _set_marks(comparison, reader)
     # Aligning a run needs all readings a second time; otherwise they are dropped chunk by chunk.
     kept: dict[str, list[Headings]] = {}
     if settings.alignment.skew == 'apply':
@@ -165,28 +165,37 @@ def _analyze_bag(reader: BagReader, name: str, settings: Settings,
         comparison.lose(key, losses)
         if kept:
             lost.append((key, losses))
-    told = BagLosses(reader, {ts: 'ts', rs: 'rs'}, lose)
-    for chunk in reader.headings(conventions, helpers, told.take):
-        for topic, chunks in kept.items():
-            chunks.append(chunk[topic])
-        pairs = comparison.update(ts=chunk[ts], rs=chunk[rs])
-        n += sum(len(h) for h in chunk.values())
+    problems: list[str] = []
+
+    def hand_out(pairs: Pairs) -> None:
         for take in takers:
             take(pairs)
-        progress(f'{n:,} headings')
-    start_digest()
-    told.read_told()
-    told.finish(comparison.pairer.ledger.newest_ns)
-    pairs = comparison.finish()
-    for take in takers:
-        take(pairs)
-    missing = tell_missing(reader.metadata().get(RECORDING, {}))
-    problems = tuple(why for why in (reader.incomplete, reader.recovered, missing) if why)
+    for reader in readers:
+        if reader is not readers[0]:
+            hand_out(comparison.begin_again())
+            problems.append(f'{reader.path} goes on with this trial; readings between the two '
+                            'are not counted')
+        if runs is None:
+            _set_marks(comparison, reader)
+        told = BagLosses(reader, {ts: 'ts', rs: 'rs'}, lose)
+        for chunk in reader.headings(conventions, helpers, told.take):
+            for topic, chunks in kept.items():
+                chunks.append(chunk[topic])
+            n += sum(len(h) for h in chunk.values())
+            hand_out(comparison.update(ts=chunk[ts], rs=chunk[rs]))
+            progress(f'{n:,} headings')
+        if reader is readers[-1]:
+            start_digest()
+        told.read_told()
+        told.finish(comparison.pairer.ledger.newest_ns)
+        missing = tell_missing(reader.metadata().get(RECORDING, {}))
+        problems += [why for why in (reader.incomplete, reader.recovered, missing) if why]
+    hand_out(comparison.finish())
     results = comparison.results()
     if kept:
         results = judge_aligned(Headings.concatenate(kept[ts]), Headings.concatenate(kept[rs]),
                                 results, settings, source=name, lost=lost)
-    return results, comparison.compliance.take_earlier(), problems, comparison.pairer.ledger
+    return results, comparison.compliance.take_earlier(), tuple(problems), comparison.ledger
 
 
 def _say_why_no_run(ledger: Ledger, settings: Settings,

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Callable, Iterable
+from typing import Callable, Iterable, Mapping, Sequence
 
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
@@ -86,12 +86,15 @@ class Job:
         Runs.
     sketched : bool
         Collect the data for the graphs of a report.
+    parts : mapping of str to sequence of str
+        Absolute paths of the bags that go on with the trial of an input, by its path.
 
     """
 
     settings: Settings
     table: RunTable | None
     sketched: bool
+    parts: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     def judge(self, path: str, takers: Iterable[Callable[[Pairs], None]] = (),
               progress: Callable[[str], None] = lambda text: None, *,
@@ -108,7 +111,8 @@ class Job:
         if sketch is not None:
             takers.append(partial(sketch.update, settings=self.settings))
         results, earlier, notes, described = analyze_input(
-            place, self.settings, self.table, takers, progress, name=path, helpers=helpers)
+            place, self.settings, self.table, takers, progress, name=path, helpers=helpers,
+            parts=self.parts.get(path, ()))
         return Judged(path, results, notes, described, sketch, [r.verdict for r in earlier])
 
     def survive(self, path: str, place: str | None = None) -> Judged:

@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 from typing import Any, Callable, Iterable, Sequence
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.sequential import find_standing, Look, LookVerdict
 from heading_intercompare.core.pairing.difference import subtract
+from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
@@ -27,6 +29,7 @@ from heading_intercompare.core.verdict.judge import (
 )
 from heading_intercompare.core.verdict.verdict_document import Input, Verdict
 
+from .kept_state import KeptRun, KeptState
 from .outcome import Outcome, worst
 from .records import Headings, Losses, Pairs
 from .settings import Settings
@@ -114,6 +117,56 @@ class Compliance:
     def finish(self) -> None:
         """End the run in progress and judge it."""
         self._end_run()
+
+    def keep(self) -> KeptState:
+        """Return what is needed to go on later, apart from the pairs of the run in progress."""
+        return KeptState(
+            cutter=self._cutter.state, newest_ns=self.newest_ns, in_run=self._run is not None,
+            finished=tuple(KeptRun.of(*one) for one in self._finished),
+            earlier=tuple(KeptRun.of(one) for one in self._earlier),
+            n_earlier=self._n_earlier, n_short=self._n_short,
+            earlier_ns=self._earlier_ns)
+
+    def go_on(self, state: KeptState, pairs: Pairs) -> None:
+        """
+        Go on from the state of another `Compliance` with the same settings.
+
+        Parameters
+        ----------
+        state : KeptState
+            Of `keep`.
+        pairs : Pairs
+            All pairs that the run in progress had then; none if there was no run.
+
+        """
+        self._cutter.go_on(state.cutter)
+        self.newest_ns, self._earlier_ns = state.newest_ns, state.earlier_ns
+        self._finished = [(one.result(self.settings), one.cut_ns) for one in state.finished]
+        self._earlier = [one.result(self.settings) for one in state.earlier]
+        self._n_earlier, self._n_short = state.n_earlier, state.n_short
+        cut_ns = state.cutter.cut_ns
+        if state.in_run and cut_ns is not None:
+            differences = subtract(pairs, self.settings.installation_offset_deg,
+                                   self.settings.wrap_center_deg)
+            self._run = RunSeries(cut_ns, self.settings, self._look, self._keeper(),
+                                  state.cutter.since_ns)
+            self._run_key = state.cutter.key
+            self._run.update(pairs, differences)
+            self._rolling.update(differences)
+
+    @property
+    def run_start_ns(self) -> int | None:
+        """Stamp of the first pair of the run in progress; None outside runs."""
+        return None if self._run is None else self._run.start_ns
+
+    def preview(self, ledger: Ledger | None = None) -> Verdict:
+        """Return the verdict that a stop now would give; nothing changes by that."""
+        stopped = copy(self)
+        stopped._finished, stopped._earlier = [*self._finished], []
+        stopped._end_run()
+        verdict = stopped.verdict(ledger)
+        return replace(verdict, intermediate=True,
+                       headline=f'INTERMEDIATE, what a stop now would give: {verdict.headline}')
 
     def _look(self, run: RunSeries, look: Look, looks: int) -> None:
         """Judge the run in progress; the last look of a plan is the end of the run."""
@@ -303,10 +356,36 @@ class Intercomparison:
     def __init__(self, settings: Settings, *, source: str = '',
                  table: Sequence[tuple[int, int]] | None = None) -> None:
         self.compliance = Compliance(settings, source=source, table=table)
-        self.pairer = Pairer(settings)
-        for start_ns, stop_ns in table or ():
+        self._table = table or ()
+        self._before = Incarnations()
+        self._begin()
+
+    def _begin(self) -> None:
+        self.pairer = Pairer(self.compliance.settings)
+        for start_ns, stop_ns in self._table:
             self.pairer.ledger.cut_run(start_ns)
             self.pairer.ledger.cut_run(stop_ns)
+
+    def begin_again(self) -> Pairs:
+        """
+        Go on as after a restart of both nodes; return the last pairs before it.
+
+        Further readings are paired on their own, and belong to the runs so far.
+        """
+        pairs = self.pairer.flush()
+        self.compliance.update(pairs)
+        self._before.take(self.pairer.ledger, False, len(self._before))
+        self._begin()
+        return pairs
+
+    @property
+    def ledger(self) -> Ledger:
+        """The account of every reading so far."""
+        if not len(self._before):
+            return self.pairer.ledger
+        whole = self._before.copy()
+        whole.take(self.pairer.ledger, True, len(self._before))
+        return whole.total or self.pairer.ledger
 
     def update(self, ts: Headings | None = None, rs: Headings | None = None) -> Pairs:
         """Take readings; return the pairs that they complete."""
@@ -332,7 +411,7 @@ class Intercomparison:
 
     def results(self) -> list[RunResult]:
         """Return the runs judged so far, to `join` with those of other inputs."""
-        return self.compliance.results(self.pairer.ledger)
+        return self.compliance.results(self.ledger)
 
     def verdict(self, inputs: Iterable[Input] = ()) -> Verdict:
         """Return the verdict on the runs judged so far."""

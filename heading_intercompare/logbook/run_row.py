@@ -111,7 +111,7 @@ def _finite(figure: float | None) -> float | None:
 def make_rows(verdict: Verdict, *, ship: str = '', earlier: Iterable[RunVerdict] = (),
               find_bag: Callable[[str], str | None] = lambda source: None) -> list[RunRow]:
     """
-    Return a row per run of a verdict, in the order of time.
+    Return a row per run of a verdict, in the order of time; none if it is intermediate.
 
     Parameters
     ----------
@@ -124,6 +124,8 @@ def make_rows(verdict: Verdict, *, ship: str = '', earlier: Iterable[RunVerdict]
         Returns the path of the recording of a source.
 
     """
+    if verdict.intermediate:
+        return []
     settings, rule = verdict.settings_sha256, verdict.rule_version
     version = verdict.software.version
     rows = []

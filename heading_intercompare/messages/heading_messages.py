@@ -170,9 +170,9 @@ def encode_pairs(pairs: Pairs, frame_id: str = '') -> np.ndarray:
     return _rows(PAIRS_TYPE, pairs.stamp_ns, frame_id, reals)
 
 
-def pair_messages(pairs: Pairs) -> list[bytes]:
+def pair_messages(pairs: Pairs, frame_id: str = '') -> list[bytes]:
     """Return the messages of `encode_pairs` one by one, for publishing."""
-    return split_rows(encode_pairs(pairs)) if len(pairs) else []
+    return split_rows(encode_pairs(pairs, frame_id)) if len(pairs) else []
 
 
 _HEADER = np.dtype([('order', '<u2'), ('options', '<u2'), ('sec', '<i4'), ('nanosec', '<u4'),

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import Iterator, Mapping, NamedTuple
 
+from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.records import Losses
@@ -31,17 +32,34 @@ _SEGMENT, _SET_BACK = 'segment', 'clock set back'
 
 
 class LedgerMessage(NamedTuple):
-    """A ledger, whether it is the final one, and when its synchronizer was started, UTC ns."""
+    """
+    A ledger, and what its synchronizer says beside it.
+
+    Attributes
+    ----------
+    ledger : Ledger
+    final : bool
+        It is the last one.
+    started_ns : int
+        When the synchronizer was started, UTC ns.
+    numbers : mapping of str to StreamNumbers
+        The numbers of the headings that it took, by sensor.
+
+    """
 
     ledger: Ledger
     final: bool
     started_ns: int
+    numbers: Mapping[str, StreamNumbers] = {}
 
 
-def encode_ledger(ledger: Ledger, final: bool = False, started_ns: int = 0) -> bytes:
+def encode_ledger(ledger: Ledger, final: bool = False, started_ns: int = 0,
+                  numbers: Mapping[str, StreamNumbers] | None = None) -> bytes:
     """Return a ledger as a message: total, segments, clocks that were set back; newest stamp."""
     total = Status('ledger', OK, 'final' if final else 'so far',
-                   {'incarnation_ns': started_ns or None, 'final': final, **_words(ledger.total)})
+                   {'incarnation_ns': started_ns or None, 'final': final, **_words(ledger.total),
+                    **{f'{stream}_{name}': value for stream, one in (numbers or {}).items()
+                       for name, value in one._asdict().items()}})
     segments = [Status(f'{_SEGMENT} {number}', OK, '', {'start_ns': s.start_ns, **_words(s)})
                 for number, s in enumerate(ledger.segments)]
     set_backs = [Status(f'{_SET_BACK} {number}', WARN, '', {
@@ -81,6 +99,18 @@ def _set_back(values: Mapping[str, str]) -> SetBack:
     return SetBack(stream, stamp_ns, size_ns)
 
 
+def _numbers(values: Mapping[str, str]) -> dict[str, StreamNumbers]:
+    """Return the numbers in the values of a status, by sensor; those of neither if absent."""
+    found = {}
+    for stream in ('ts', 'rs'):
+        given = [values.get(f'{stream}_{name}') for name in StreamNumbers._fields]
+        if None not in given:
+            one, first, other, last = (str(text) for text in given)
+            found[stream] = StreamNumbers(one, _integer('ledger', f'{stream}_first', first), other,
+                                          _integer('ledger', f'{stream}_last', last))
+    return found
+
+
 def decode_ledger(data: bytes) -> LedgerMessage:
     """
     Return the ledger in a message of `encode_ledger`.
@@ -94,11 +124,13 @@ def decode_ledger(data: bytes) -> LedgerMessage:
     """
     newest_ns, statuses = decode_statuses(data)
     segments, set_backs, final, started_ns = [], [], False, 0
+    numbers: dict[str, StreamNumbers] = {}
     for one in statuses:
         values = dict(one.values)
         final = final or values.pop('final', '') == 'true'
         started_ns = _integer('ledger', 'incarnation_ns',
                               values.pop('incarnation_ns', str(started_ns)))
+        numbers |= _numbers(values)
         if one.name.startswith(_SEGMENT):
             counts = {key: _integer('ledger', key, text) for key, text in values.items()}
             start_ns = counts.pop('start_ns', None)
@@ -109,7 +141,7 @@ def decode_ledger(data: bytes) -> LedgerMessage:
     if any(segment.start_ns is None for segment in segments[1:]):
         raise MessageError('ledger: a segment after the first has no start_ns')
     ledger = Ledger.from_segments(segments, newest_ns or None, set_backs)
-    return LedgerMessage(ledger, final, started_ns)
+    return LedgerMessage(ledger, final, started_ns, numbers)
 
 
 def lost_topic(heading_topic: str) -> str:

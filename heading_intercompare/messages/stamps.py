@@ -9,8 +9,8 @@ from typing import Mapping
 
 from .cdr import encode
 
-__all__ = ['CLOCK_TYPE', 'encode_clock', 'header_stamp_ns', 'stamp_fields', 'stamp_ns',
-           'TIME_LIMIT_NS']
+__all__ = ['CLOCK_TYPE', 'encode_clock', 'header_frame', 'header_stamp_ns', 'stamp_fields',
+           'stamp_ns', 'TIME_LIMIT_NS']
 
 CLOCK_TYPE = 'rosgraph_msgs/msg/Clock'
 
@@ -39,6 +39,22 @@ def header_stamp_ns(data: bytes) -> int:
         return 0
     sec, nanosec = struct.unpack_from('<iI' if data[1] & 1 else '>iI', data, 4)
     return int(sec * _SECOND_NS + nanosec)
+
+
+def header_frame(data: bytes) -> str:
+    """
+    Return the frame of a message that begins with a header; '' if it is cut.
+
+    Examples
+    --------
+    >>> header_frame(bytes.fromhex('00010000' '02000000' '03000000' '03000000' '313200'))
+    '12'
+
+    """
+    if len(data) < 16:
+        return ''
+    size, = struct.unpack_from('<I' if data[1] & 1 else '>I', data, 12)
+    return data[16:16 + max(0, size - 1)].decode('utf-8', 'replace')
 
 
 def stamp_fields(ns: int) -> dict[str, int]:

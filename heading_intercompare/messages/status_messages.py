@@ -47,6 +47,8 @@ class Status:
         The state in words.
     values : mapping of str to object
         Figures, in display order; None is skipped.
+    owner : str
+        The node that says so, `hardware_id` in the message; see `nodes/runtime/sole_node`.
 
     """
 
@@ -54,12 +56,13 @@ class Status:
     level: int
     message: str
     values: Mapping[str, Any] = field(default_factory=dict)
+    owner: str = ''
 
 
-def encode_statuses(ns: int, statuses: Iterable[Status]) -> bytes:
-    """Return statuses as a message of `STATUS_TYPE` with a stamp, nanoseconds."""
+def encode_statuses(ns: int, statuses: Iterable[Status], owner: str = '') -> bytes:
+    """Return statuses, all of one owner, as a message of `STATUS_TYPE` with a stamp."""
     return encode(STATUS_TYPE, {'header': {'stamp': stamp_fields(ns)}, 'status': [
-        {'level': one.level, 'name': one.name, 'message': one.message,
+        {'level': one.level, 'name': one.name, 'message': one.message, 'hardware_id': owner,
          'values': [{'key': key, 'value': _text(value)} for key, value in one.values.items()
                     if value is not None]} for one in statuses]})
 
@@ -69,7 +72,7 @@ def decode_statuses(data: bytes) -> tuple[int, list[Status]]:
     fields = decode(STATUS_TYPE, data)
     return stamp_ns(fields['header']['stamp']), [
         Status(one['name'], one['level'], one['message'],
-               {pair['key']: pair['value'] for pair in one['values']})
+               {pair['key']: pair['value'] for pair in one['values']}, one['hardware_id'])
         for one in fields['status']]
 
 

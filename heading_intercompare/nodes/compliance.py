@@ -20,15 +20,16 @@ from heading_intercompare.messages.heading_messages import read_pairs
 from heading_intercompare.messages.ledger_messages import decode_ledger
 from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKER_TOPIC, MARKS
 from heading_intercompare.messages.status_messages import encode_figures, WARN
+from heading_intercompare.nodes.judging.pair_intake import PairIntake
+from heading_intercompare.nodes.judging.reporting import Reporting
+from heading_intercompare.nodes.judging.trial_journal import TrialJournal
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.intake import Intake
 from heading_intercompare.nodes.runtime.raw_subscription import subscribe
-from heading_intercompare.nodes.runtime.reporting import Reporting
+from heading_intercompare.nodes.runtime.sole_node import SoleNode
 
 from .settings import ComplianceNode, Taking
 
@@ -50,9 +51,13 @@ class Compliance(Node):
         self._compliance = PureCompliance(self._settings, source='live',
                                           keeper=lambda: Spool(self._warn_of_memory).keep)
         self.get_logger().info(least_duration_words(self._settings.risk))
-        self._pairs = Intake(self, 'pairs', PAIRS_TYPES, qos.PAIRS, self._health,
-                             stale_s=taking.stale_s)
-        self._reporting = Reporting(self, self._compliance, self._own, self._health, self._pairs)
+        self._pairs = PairIntake(self, self._health, taking.stale_s)
+        self._journal = TrialJournal(self, self._compliance, self._own, self._health)
+        self._pairs.go_on(self._journal.kept.numbers, self._compliance.newest_ns)
+        self._marks = self._journal.kept.marks
+        self._reporting = Reporting(self, self._compliance, self._own, self._health, self._pairs,
+                                    self._journal)
+        self.sole = SoleNode(self, ['compliance/report'], self._health)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
         self._rolling = self.create_publisher(DiagnosticArray, 'compliance/rolling', qos.STATUS)
         self._run = self.create_publisher(DiagnosticArray, 'compliance/run', qos.STATUS)
@@ -65,7 +70,6 @@ class Compliance(Node):
             self.create_service(Trigger, f'~/{name}_run',
                                 lambda _, response, kind=name: self._command(kind, response))
         self.create_service(Trigger, '~/acknowledge', self._acknowledge)
-        self._marks: set[tuple[str, int]] = set()
         self._end_s: float | None = None
         every(self, taking.drain_period_s, self._drain)
         every(self, 1.0, self._beat)
@@ -86,11 +90,15 @@ class Compliance(Node):
         return self._reporting.verdict
 
     def _drain(self) -> None:
+        if self.ended:
+            return
         pairs, refused = read_pairs([message for message, _ in self._pairs.take()])
         self._pairs.refuse(refused)
+        self._journal.add(pairs, self._pairs.numbers)
         self._compliance.update(pairs)
+        self._journal.tick(self.sole.clear)
         self._reporting.look(self._pairs.last_sequence)
-        if self._end_s is not None and not self.ended:
+        if self._end_s is not None:
             self._finish_if_complete()
 
     def _warn_of_memory(self, why: str) -> None:
@@ -113,6 +121,7 @@ class Compliance(Node):
         # Its own marks come back, and a late subscriber gets all marks: count each once.
         if (kind, stamp_ns) not in self._marks:
             self._marks.add((kind, stamp_ns))
+            self._journal.mark(kind, stamp_ns)
             self._compliance.mark(kind, stamp_ns)
 
     def _command(self, kind: str, response: Trigger.Response) -> Trigger.Response:
@@ -141,7 +150,7 @@ class Compliance(Node):
         now_s, reporting = time.monotonic(), self._reporting
         complete = reporting.final and self._pairs.last_sequence >= reporting.paired
         alone = not self._pairs.publishers and now_s > self._alone_s
-        if complete or alone or now_s > self._end_s:
+        if (complete or alone) and not self._pairs.waiting or now_s > self._end_s:
             self._compliance.finish()
             reporting.close(complete)
 

@@ -17,10 +17,13 @@ from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 
 import rclpy
 from rclpy.context import Context
+from rclpy.exceptions import InvalidNamespaceException
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.validate_namespace import validate_namespace
 
+from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.ros.process import end, spin_nodes, Stop
@@ -53,6 +56,19 @@ class Source(NamedTuple):
     make: type
     name: str
     settings: Mapping[str, Any]
+
+
+#: The class of a node, its name, and its own parameters.
+_Planned = tuple[type, str, Mapping[str, Any]]
+
+
+def _check_namespace(namespace: str) -> None:
+    """Raise SettingsError if a namespace is not valid."""
+    try:
+        validate_namespace(namespace)
+    except InvalidNamespaceException as error:
+        why = str(error).removeprefix('Invalid namespace: ').partition(':')[0]
+        raise SettingsError(f'namespace = {namespace!r}: {why}; must be like /ship1') from error
 
 
 @contextmanager
@@ -94,6 +110,7 @@ def _spin_in_thread(executor: SingleThreadedExecutor) -> Iterator[Future]:
 def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                  output: str | None = None, report_dir: str | None = None,
                  own: Mapping[str, Mapping[str, Any]] | None = None, private: bool = False,
+                 namespace: str = '/',
                  progress: Callable[[int], None] = lambda n_pairs: None) -> Verdict:
     """
     Run sources, synchronizer and compliance until all sources have finished, or a signal comes.
@@ -114,6 +131,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         Further parameters of synchronizer, compliance and recorder, by node name.
     private : bool
         Hide the graph from other processes.
+    namespace : str
+        Namespace of all nodes and relative topics.
     progress : callable
         Called with the number of pairs several times per second.
 
@@ -133,22 +152,33 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     judging_own = {**own.get('compliance', {}), 'report_dir': report_dir}
     if output is not None:
         judging_own['bag'] = os.path.abspath(output)
-    plan: list[tuple[type, str, Mapping[str, Any]]] = [(Compliance, 'compliance', judging_own)]
+    _check_namespace(namespace)
+    first: list[_Planned] = [
+        (Compliance, 'compliance', judging_own),
+        (Synchronizer, 'synchronizer', {**own.get('synchronizer', {}), **heard})]
+    then: list[_Planned] = [(s.make, s.name, {**heard, **s.settings}) for s in sources]
     if output is not None:
-        plan.append((Recorder, 'recorder', {**own.get('recorder', {}), 'output': output}))
-    plan.append((Synchronizer, 'synchronizer', {**own.get('synchronizer', {}), **heard}))
-    plan += [(s.make, s.name, {**heard, **s.settings}) for s in sources]
+        then.insert(0, (Recorder, 'recorder', {**own.get('recorder', {}), 'output': output}))
     with (_context(private) as context, Stop() as stop,
           spin_nodes(context) as (judging, _), spin_nodes(context) as (executor, nodes)):
-        for make, name, parameters in plan:
-            nodes.append(make(context=context, cli_args=['--ros-args', '-r', f'__node:={name}'],
-                              parameter_overrides=make_overrides({**settings, **parameters})))
-            (judging if make is Compliance else executor).add_node(nodes[-1])
-        if output is not None:
-            nodes[1].state_sources({source.name: source.settings for source in sources})
-        first = len(nodes) - len(sources)
-        compliance, *others = nodes[:first]
-        running = nodes[first:]
+        def start(plan: Sequence[_Planned]) -> None:
+            for make, name, parameters in plan:
+                nodes.append(make(
+                    context=context, cli_args=['--ros-args', '-r', f'__node:={name}', '-r',
+                                               f'__ns:={namespace}'],
+                    parameter_overrides=make_overrides({**settings, **parameters})))
+                (judging if make is Compliance else executor).add_node(nodes[-1])
+        start(first)
+        compliance, synchronizer = nodes
+        # Beside another graph no bag is begun.
+        while not (stop.requested or compliance.sole.clear and synchronizer.sole.clear):
+            judging.spin_once(0.01)
+            executor.spin_once(0.01)
+        start(then)
+        recorders = nodes[2:len(nodes) - len(sources)]
+        running = nodes[len(nodes) - len(sources):]
+        for recorder in recorders:
+            recorder.state_sources({source.name: source.settings for source in sources})
         _align_logs(running)
         with _spin_in_thread(judging) as judged:
             while not (stop.requested or judged.done()
@@ -158,5 +188,5 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         judging.remove_node(compliance)
         executor.add_node(compliance)
         # End the sources first, then the synchronizer, then compliance, then the recorder.
-        end(executor, [*running, others[-1], compliance, *others[:-1]])
+        end(executor, [*running, synchronizer, compliance, *recorders])
         return compliance.verdict

@@ -96,7 +96,8 @@ class NmeaDriver(Node):
         if self._reading.over and not self._flushed:
             self._flushed = True
             self._take(self._decoder.flush())
-        while self._waiting and self._allowance.has_left() and self._flow.has_room():
+        while (self._waiting and self._allowance.has_left() and self._flow.has_room()
+               and (self._audience.sole.clear or self._ending)):
             self._publish(self._waiting.popleft())
         if self._waiting:
             self._later.reset()

@@ -80,7 +80,8 @@ class Recorder(Node):
 
     def state_sources(self, sources: Mapping[str, Mapping[str, Any]]) -> None:
         """Record where the headings come from: the settings of each source, by node name."""
-        self._bag.metadata(RECORD, describe_origin(self._settings.to_mapping(), sources))
+        self._bag.metadata(RECORD, describe_origin(
+            self._settings.to_mapping(), sources, self._own.continues))
 
     def _drain(self) -> None:
         if self.ended:

@@ -79,10 +79,20 @@ class ComplianceNode(Checked):
     ship: str | None = setting(None, 'name of the ship or station in the logbook')
     bag: str | None = setting(
         None, 'recording of these runs, for the logbook; the command live gives it')
+    journal: str | None = setting(
+        None, 'file that keeps the run in progress, from which a node that was killed goes on; '
+        "none: <node>.journal in report_dir, or no file without that; '-': no file. The command "
+        'live keeps it beside its bag')
+    resume_within_s: float = setting(
+        3600.0, 'a journal that was not written for longer than this belongs to another trial, '
+        'and is set aside [s]', 0.0)
+    report_every_h: float | None = setting(
+        None, 'time of the stamps from one intermediate report to the next [h]; none: only on '
+        'request (~/report)', 0.001, 8784.0)
     ledger_wait_s: float = setting(
         2.0, 'at the end of a run: how long to wait for its ledger [s]', 0.0, 60.0)
     end_wait_s: float = setting(
-        3.0, 'at the end: how long to wait for the last pairs and the final ledger [s]', 0.0,
+        5.0, 'at the end: how long to wait for the last pairs and the final ledger [s]', 0.0,
         5.0)
 
 
@@ -92,6 +102,9 @@ class RecorderNode(Checked):
 
     output: str | None = setting(
         None, 'bag to write, a folder that does not exist; none: heading_<UTC> here')
+    continues: str | None = setting(
+        None, 'name of the bag of the same trial before this one, which ended in a crash; the '
+        'command live gives it')
     note: str | None = setting(
         None, "operator's notes to keep in the bag, one per line; a line that begins with a time "
         'such as 2026-03-01T09:00:00Z gets that time')
@@ -102,7 +115,7 @@ class RecorderNode(Checked):
         10.0, 'record /diagnostics when a state changes, and once in this time; 0: never [s]',
         0.0, 3600.0)
     end_wait_s: float = setting(
-        6.0, 'at the end: how long to wait for the last verdict while other nodes run [s]', 0.0,
+        7.0, 'at the end: how long to wait for the last verdict while other nodes run [s]', 0.0,
         8.0)
 
 

@@ -15,7 +15,7 @@ from rclpy.node import Node
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pairing.pairing_watch import PairingWatch
-from heading_intercompare.core.records import Headings, Losses
+from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import pair_messages, read_headings
 from heading_intercompare.messages.ledger_messages import decode_losses, encode_ledger, lost_topic
@@ -30,6 +30,7 @@ from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
 from heading_intercompare.nodes.runtime.publishing import await_acknowledgement, Backlog
 from heading_intercompare.nodes.runtime.raw_subscription import subscribe
+from heading_intercompare.nodes.runtime.sole_node import SoleNode
 
 from .settings import SynchronizerNode, Taking
 
@@ -52,13 +53,13 @@ class Synchronizer(Node):
         super().__init__('synchronizer', **OVERRIDES, **kwargs)
         settings, taking, self._own = declare(self, Settings, Taking, SynchronizerNode)
         self.ended = False
-        # Its ledger counts from 0, so it has a name: those of all starts add up.
         self._started_ns = time.time_ns()
         self._pairer = Pairer(settings)
         self._watch = PairingWatch(settings.pairing)
         self._health = Health(self)
         self._pairs = self.create_publisher(TwistStamped, 'pairs', qos.PAIRS,
                                             event_callbacks=self._health.of_publisher('pairs'))
+        self.sole = SoleNode(self, ['pairs'], self._health)
         self._ledger = self.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
         self._inputs = [
             (Intake(self, topic, HEADING_TYPES, qos.HEADINGS_IN, self._health,
@@ -83,11 +84,13 @@ class Synchronizer(Node):
     def _drain(self) -> None:
         self._open_when_wanted()
         if not self._flushed:
-            self._waiting.add(pair_messages(
-                self._pairer.update(*self._take(), now_s=time.monotonic())))
+            self._send(self._pairer.update(*self._take(), now_s=time.monotonic()))
         self._waiting.publish()
         if self._end_s is not None and not self.ended:
             self._finish_if_quiet()
+
+    def _send(self, pairs: Pairs) -> None:
+        self._waiting.add(pair_messages(pairs, str(self._started_ns)))
 
     def _open_when_wanted(self) -> None:
         """Open the inputs once the pairs have their subscribers, or after `startup_wait_s`."""
@@ -116,7 +119,8 @@ class Synchronizer(Node):
     def _beat(self) -> None:
         self._pairer.forget_earlier()
         ledger = self._pairer.ledger
-        self._ledger.publish(encode_ledger(ledger, self.ended, self._started_ns))
+        numbers = {stream: one.numbers for stream, (one, _) in zip(('ts', 'rs'), self._inputs)}
+        self._ledger.publish(encode_ledger(ledger, self.ended, self._started_ns, numbers))
         state = self._watch.look(ledger, *self._pairer.heard_ns, time.monotonic())
         troubles = [state.trouble, *ledger.troubles]
         self._health.note('pairing', WARN if any(troubles) else OK,
@@ -144,8 +148,7 @@ class Synchronizer(Node):
             return
         if not self._flushed:
             self._flushed = True
-            self._waiting.add(pair_messages(self._pairer.update(*self._take())))
-            self._waiting.add(pair_messages(self._pairer.flush()))
+            self._send(self._pairer.update(*self._take()) + self._pairer.flush())
         if not self._waiting:
             self.ended = True
             self._beat()

@@ -402,3 +402,29 @@ def test_a_skew_is_applied_only_where_asked_for(rng):
     assert applied.skew.scan.skew_s == pytest.approx(0.5, abs=0.02)
     assert applied.pairing.ts_received == len(late)
     exact(verdict)
+
+
+@pytest.mark.slow
+def test_a_preview_is_what_a_stop_would_give_and_changes_nothing(rng):
+    """With runs that are too old for the verdict, and with looks."""
+    rule = Settings.from_mapping({
+        'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1, 'runs.every_h': 0.5,
+        'runs.keep': 2, 'sequential.plan_s': 1800.0})
+    stamps = 1_700_000_000_000_000_000 + np.arange(10_000) * 1_000_000_000
+    pairs = Pairs.of(stamps, 90.0 + rng.normal(0.0, 0.1, 10_000), np.full(10_000, 90.0))
+    plain, watched = Compliance(rule), Compliance(rule)
+    for lo in range(0, 10_000, 1000):
+        for one in (plain, watched):
+            one.update(pairs[lo:lo + 1000])
+        seen = watched.preview()
+        stopped = Compliance(rule)
+        stopped.update(pairs[:lo + 1000])
+        stopped.finish()
+        assert seen.intermediate and seen.headline.startswith('INTERMEDIATE')
+        assert [*seen.runs] == [*stopped.verdict().runs]
+        assert type(seen).from_dict(json.loads(json.dumps(seen.to_dict()))).to_dict() == (
+            seen.to_dict())
+    for one in (plain, watched):
+        one.finish()
+    assert plain.verdict() == watched.verdict()
+    assert plain.take_earlier() == watched.take_earlier()

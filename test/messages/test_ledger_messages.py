@@ -48,7 +48,7 @@ def test_a_ledger_arrives_as_it_was(first, others, newest_ns, final):
                 *(LedgerSegment(ns, dict(sorted(counts.items())))
                   for ns, counts in sorted(others, key=lambda s: s[0])))
     ledger = Ledger.from_segments(segments, newest_ns)
-    back, said_final, started_ns = decode_ledger(encode_ledger(ledger, final, newest_ns + 7))
+    back, said_final, started_ns, _ = decode_ledger(encode_ledger(ledger, final, newest_ns + 7))
     assert started_ns == newest_ns + 7
     assert back.segments == segments
     assert (back.newest_ns, said_final) == (newest_ns, final)
@@ -97,7 +97,7 @@ def test_a_set_back_that_cannot_be_read_is_refused(values, why):
 
 
 def test_a_ledger_of_nothing_arrives_as_it_was():
-    back, final, _ = decode_ledger(encode_ledger(Ledger()))
+    back, final, *_ = decode_ledger(encode_ledger(Ledger()))
     assert (back.segments, back.newest_ns, final) == (Ledger().segments, None, False)
 
 

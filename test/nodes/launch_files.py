@@ -46,6 +46,8 @@ class Node:
     respawn_delay: float = 0.0
     #: The transports that the launch file chooses.
     transports: str = ''
+    #: Name of its files, if it is not that of the node.
+    file: str = ''
 
     def arguments(self, folder: Path) -> list[str]:
         """Return the arguments of the process, as `launch_ros` composes them."""
@@ -53,7 +55,7 @@ class Node:
         for number, given in enumerate(self.parameters):
             path = given
             if isinstance(given, dict):
-                path = folder / f'{self.name}_{number}.yaml'
+                path = folder / f'{self.file or self.name}_{number}.yaml'
                 full = f'{self.namespace.rstrip("/")}/{self.name}'
                 path.write_text(yaml.dump({full: {'ros__parameters': given}}))
             files += ['--params-file', str(path)]

@@ -5,6 +5,9 @@
 from __future__ import annotations
 
 import json
+import os
+import shutil
+import time
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
@@ -259,7 +262,7 @@ def test_a_report_that_cannot_be_written_is_an_error_in_the_diagnostics(ros, rng
     folder = tmp_path / 'reports'
     graph = Graph(ros, report_dir=str(folder))
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
-    folder.rmdir()
+    shutil.rmtree(folder)
     graph.send(some_pairs(rng, 0, 100))
     graph.book({'paired': 100, 'ts_paired': 100, 'rs_used': 100})
     graph.call('stop_run')
@@ -302,8 +305,8 @@ def test_pairs_and_ledgers_that_cannot_be_read_are_counted(ros, rng):
         return {s.message for m in states for s in m.status if s.name == f'compliance: {part}'}
     ros.spin_until(lambda: '2 messages refused: geometry_msgs/msg/TwistStamped message of 40 '
                    'bytes is too short' in said('pairs'))
-    ros.spin_until(lambda: "1 messages refused: ledger: paired = 'two' must be an integer"
-                   in said('pairs/ledger'))
+    ros.spin_until(lambda: "1 messages refused: ledger: paired = 'two' must be an integer of 64 "
+                   'bits' in said('pairs/ledger'))
     assert graph.node.n_pairs == 4
     assert graph.node._compliance.newest_ns == T0_NS + 3 * S_NS
 
@@ -358,10 +361,67 @@ def test_after_a_restart_of_the_synchronizer_the_ledgers_add_up_and_the_report_s
                                for m in states for s in m.status))
 
 
+class Synchronizers:
+    """Publishers of pairs and ledgers of several synchronizers, by the time of their start."""
+
+    def __init__(self, ros, node):
+        self.ros, self.node, self.publishers = ros, node, {}
+
+    def send(self, started_ns, pairs, final=False):
+        """Publish pairs of a synchronizer, and its ledger."""
+        if started_ns not in self.publishers:
+            self.publishers[started_ns] = (
+                self.ros.plain.create_publisher(TwistStamped, 'pairs', qos.PAIRS),
+                self.ros.plain.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER))
+            self.ros.spin_until(lambda: all(
+                p.get_subscription_count() for p in self.publishers[started_ns]))
+        publisher, ledger = self.publishers[started_ns]
+        n = self.node.n_pairs + len(pairs)
+        for message in pair_messages(pairs, str(started_ns)):
+            publisher.publish(message)
+        self.ros.spin_until(lambda: self.node.n_pairs == n)
+        counts = dict.fromkeys(('paired', 'ts_paired', 'rs_used'), len(pairs))
+        ledger.publish(encode_ledger(Ledger.from_segments([LedgerSegment(None, counts)], T0_NS),
+                                     final, started_ns))
+
+
+def test_the_pairs_of_a_second_synchronizer_do_not_mix_with_those_of_the_first(ros, rng):
+    """Before, both were judged together: 100 deg and 0 deg of mean difference."""
+    node = ros.ours(Compliance)
+    both = Synchronizers(ros, node)
+    sound, wrong = some_pairs(rng, 0, 300), some_pairs(rng, 0, 300)
+    wrong = Pairs.of(wrong.stamp_ns, wrong.ts_deg + 100.0, wrong.rs_deg)
+    both.send(1000, sound[:1])
+    for lo in range(1, 300, 50):
+        both.send(2000, wrong[lo:lo + 50])
+        both.send(1000, sound[lo:lo + 50])
+    both.send(1000, sound[:0], final=True)
+    ros.end(node)
+    run, = node.verdict.to_dict()['runs']
+    assert (run['n'], run['mean_deg']) == (300, offline(sound)['runs'][0]['mean_deg'])
+
+
+def test_a_synchronizer_that_is_started_again_is_followed_and_loses_nothing(ros, rng):
+    """It may be heard before the old one is known to be dead; its pairs wait."""
+    node, pairs = ros.ours(Compliance), some_pairs(rng, 0, 300)
+    both = Synchronizers(ros, node)
+    both.send(1000, pairs[:100])
+    both.send(2000, pairs[100:200])
+    # A live one says its ledger again and again.
+    ros.spin_until(lambda: both.send(2000, pairs[:0]) or (
+        node._compliance.newest_ns == pairs.stamp_ns[199]), 6.0)
+    both.send(2000, pairs[200:], final=True)
+    ros.end(node)
+    report = node.verdict.to_dict()
+    assert report['runs'][0]['n'] == 300
+    assert not any('left out' in why for why in report['ledger_problems'])
+
+
 def test_a_compliance_that_was_restarted_says_how_many_pairs_it_missed(ros, rng):
-    graph, pairs = Graph(ros), some_pairs(rng, 0, 1500)
-    graph.send(pairs[:1200])
-    graph.book({'paired': 1200, 'ts_paired': 1200, 'rs_used': 1200})
+    """Without a journal; the synchronizer keeps the last 5000 pairs."""
+    graph, pairs = Graph(ros), some_pairs(rng, 0, 6500)
+    graph.send(pairs[:6200])
+    graph.book({'paired': 6200, 'ts_paired': 6200, 'rs_used': 6200})
     ros.executor.remove_node(graph.node)
     ros.nodes.remove(graph.node)
     graph.node.destroy_node()
@@ -369,10 +429,11 @@ def test_a_compliance_that_was_restarted_says_how_many_pairs_it_missed(ros, rng)
     graph.node = ros.ours(Compliance)
     ros.spin_until(lambda: graph.pairs.get_subscription_count() == 1
                    and graph.ledger.get_subscription_count() == 1)
-    graph.send(pairs[1200:])
-    graph.book({'paired': 1500, 'ts_paired': 1500, 'rs_used': 1500}, final=True)
+    ros.spin_until(lambda: graph.node.n_pairs >= 5000)
+    graph.send(pairs[6200:])
+    graph.book({'paired': 6500, 'ts_paired': 6500, 'rs_used': 6500}, final=True)
     report = graph.end()
-    assert (report['runs'][0]['n'], report['ledger_complete']) == (300, False)
+    assert (report['runs'][0]['n'], report['ledger_complete']) == (5300, False)
     assert report['ledger_problems'] == ['1200 pairs were published before this node started']
 
 
@@ -390,6 +451,24 @@ def test_a_ledger_that_did_not_come_is_told(ros, rng):
     ros.plain.destroy_publisher(graph.pairs)
     report = graph.end()
     assert report['ledger_problems'] == ['the ledger that covers the last pairs did not come']
+
+
+def test_pairs_that_never_came_are_told_even_if_they_come_after_the_end(ros, rng):
+    """The last report stands: what DDS sends again later does not hide what it lacks."""
+    graph, pairs = Graph(ros, end_wait_s=0.1), some_pairs(rng, 0, 200)
+    graph.send(pairs[:100])
+    graph.book({'paired': 200, 'ts_paired': 200, 'rs_used': 200}, final=True)
+    ros.spin_until(lambda: graph.node._reporting.final)
+    graph.node.end()
+    ros.spin_until(lambda: graph.node.ended)
+    for message in pair_messages(pairs[100:]):
+        graph.pairs.publish(message)
+    ros.spin_until(graph.reports)
+    ros.spin_until(lambda: ros.executor.spin_once(0.3) is None)
+    report = graph.node.verdict.to_dict()
+    assert report['ledger_problems'] == ['the last 100 pairs did not come to this node']
+    assert [run['n'] for run in report['runs']] == [100]
+    assert graph.reports() == [report]
 
 
 def test_with_a_real_synchronizer_that_is_killed_the_sums_hold(ros, rng):
@@ -416,6 +495,9 @@ def test_with_a_real_synchronizer_that_is_killed_the_sums_hold(ros, rng):
     ros.nodes.remove(first)
     first.destroy_node()
     ros.spin_until(lambda: all(s.get_subscription_count() == 0 for s in sensors))
+    for sensor in sensors:
+        for message in imu_messages(readings[150:160], 'x'):
+            sensor.publish(message)
     second = ros.ours(Synchronizer, **values_of)
     send(second, 160, 400)
     for sensor in sensors:
@@ -426,4 +508,183 @@ def test_with_a_real_synchronizer_that_is_killed_the_sums_hold(ros, rng):
     pairing = run['pairing']
     assert (run['n'], pairing['paired'], pairing['ts_received'], pairing['rs_received']) == (
         390, 390, 390, 390)
-    assert not report['ledger_complete'] and 'was restarted at' in report['ledger_problems'][0]
+    # Ten readings of each came in between; the numbers of their publishers show it.
+    assert pairing['lost'] == {'ts': {'on_the_way': 10}, 'rs': {'on_the_way': 10}}
+    problem, = report['ledger_problems']
+    assert 'was restarted at' in problem
+    assert '10 TS and 10 RS readings came after its last ledger, and count as lost' in problem
+
+
+def kill(ros, node):
+    """End a node as `kill -9` does: nothing is published or written any more."""
+    ros.executor.remove_node(node)
+    journal = node._journal._journal._journal
+    journal._syncing.close()
+    os.close(journal._file)
+    node.destroy_node()
+    ros.nodes.remove(node)
+
+
+def ledger_of(n, final=False):
+    """Return the ledger of a synchronizer started at 1000 that made n pairs."""
+    counts = dict.fromkeys(('paired', 'ts_paired', 'rs_used'), n)
+    return encode_ledger(Ledger.from_segments([LedgerSegment(None, counts)], T0_NS), final, 1000)
+
+
+class Killed:
+    """A node that is killed now and then, and the synchronizer whose pairs it takes."""
+
+    def __init__(self, ros, folder, **values):
+        self.ros, self.values = ros, {'report_dir': str(folder), **values}
+        self.pairs = ros.plain.create_publisher(TwistStamped, 'pairs', qos.PAIRS)
+        self.ledger = ros.plain.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
+        self.start()
+
+    def start(self):
+        """Start the node, as its respawn would."""
+        self.node = self.ros.ours(Compliance, **self.values)
+        self.ros.spin_until(lambda: self.pairs.get_subscription_count()
+                            and self.ledger.get_subscription_count())
+
+    def publish(self, pairs):
+        """Publish pairs, whether the node lives or not."""
+        for message in pair_messages(pairs, '1000'):
+            self.pairs.publish(message)
+
+    def send(self, pairs):
+        """Publish pairs and wait until they have been judged."""
+        self.publish(pairs)
+        self.ros.spin_until(lambda: self.node._compliance.newest_ns == pairs.stamp_ns[-1])
+
+    def kill(self):
+        """Kill the node once the pairs that it took are a second old."""
+        began_s = time.monotonic()
+        self.ros.spin_until(lambda: time.monotonic() > began_s + 0.5)
+        kill(self.ros, self.node)
+        self.ros.spin_until(lambda: not self.pairs.get_subscription_count()
+                            and not self.ledger.get_subscription_count())
+
+
+@pytest.mark.parametrize('every_h', [None, 0.25])
+def test_a_node_that_was_killed_goes_on_and_misses_nothing(ros, rng, tmp_path, every_h):
+    """Before, the report covered only what came after the last start: 1950 of 3000 pairs."""
+    pairs, values = some_pairs(rng, 0, 3000), {'runs__every_h': every_h} if every_h else {}
+    trial = Killed(ros, tmp_path, **values)
+    for lo in range(0, 3000, 1000):
+        trial.send(pairs[lo:lo + 900])
+        trial.ledger.publish(ledger_of(lo + 900))
+        trial.kill()
+        trial.publish(pairs[lo + 900:lo + 950])
+        trial.start()
+        trial.send(pairs[lo + 950:lo + 1000])
+    trial.ledger.publish(ledger_of(3000, final=True))
+    ros.end(trial.node)
+    report = json.loads(json.dumps(trial.node.verdict.to_dict()))
+    expected = pipeline.Compliance(Settings.from_mapping(
+        {**NORMS, **{k.replace('__', '.'): v for k, v in values.items()}}), source='live')
+    expected.update(pairs)
+    expected.finish()
+    for run, other in zip(report['runs'], expected.verdict().to_dict()['runs'], strict=True):
+        assert without_ledger(run) == without_ledger(json.loads(json.dumps(other)))
+    assert report['ledger_problems'] == []
+    assert sum(run['pairing']['paired'] for run in report['runs']) == 3000
+    assert not [path for path in tmp_path.iterdir() if 'journal' in path.name]
+
+
+def test_pairs_that_nobody_can_send_again_are_counted(ros, rng, tmp_path):
+    """6000 pairs come while the node is down; the synchronizer keeps 5000 of them."""
+    pairs, trial = some_pairs(rng, 0, 7000), Killed(ros, tmp_path)
+    trial.send(pairs[:500])
+    trial.kill()
+    trial.publish(pairs[500:6500])
+    trial.start()
+    trial.send(pairs[6500:])
+    trial.ledger.publish(ledger_of(7000, final=True))
+    ros.end(trial.node)
+    report = trial.node.verdict.to_dict()
+    n = sum(run['n_input'] for run in report['runs'])
+    assert 6000 - 5000 <= 7000 - n < 6000
+    assert report['ledger_problems'] == [
+        f'{7000 - n} pairs were published while this node was down']
+
+
+def test_marks_hold_after_the_node_was_killed(ros, rng, tmp_path):
+    """The marks come back from their publisher or the journal, and count once."""
+    pairs, trial = some_pairs(rng, 0, 1000), Killed(ros, tmp_path)
+    graph = Graph.__new__(Graph)
+    graph.ros, graph.node = ros, trial.node
+    trial.send(pairs[:100])
+    graph.call('start_run')
+    trial.send(pairs[100:400])
+    trial.kill()
+    trial.start()
+    graph.node = trial.node
+    trial.send(pairs[400:500])
+    graph.call('stop_run')
+    trial.send(pairs[500:600])
+    trial.kill()
+    trial.start()
+    trial.send(pairs[600:])
+    trial.ledger.publish(ledger_of(1000, final=True))
+    ros.end(trial.node)
+    run, = trial.node.verdict.to_dict()['runs']
+    assert (run['start_ns'], run['end_ns']) == (pairs.stamp_ns[100], pairs.stamp_ns[499])
+
+
+def test_a_journal_of_another_trial_is_named_and_set_aside(ros, rng, tmp_path):
+    trial = Killed(ros, tmp_path)
+    shown = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    trial.send(some_pairs(rng, 0, 100))
+    trial.kill()
+    trial.values['norms__sigma_max_deg'] = 0.3
+    node = ros.ours(Compliance, **trial.values)
+    assert node._compliance.newest_ns is None
+    ros.spin_until(lambda: any('other settings: norms.sigma_max_deg; it is kept as' in s.message
+                               for m in shown for s in m.status))
+    assert (tmp_path / 'compliance.journal.1').exists()
+
+
+def test_a_journal_that_cannot_be_opened_is_a_warning_and_the_trial_goes_on(ros, rng, tmp_path):
+    shown = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    (tmp_path / 'compliance.journal').mkdir()
+    trial = Killed(ros, tmp_path)
+    trial.send(some_pairs(rng, 0, 300))
+    ros.spin_until(lambda: any('is not kept: ' in s.message and 'compliance.journal' in s.message
+                               for m in shown for s in m.status))
+    ros.end(trial.node)
+    assert trial.node.verdict.runs[0].n == 300
+
+
+def test_an_intermediate_report_says_what_a_stop_now_would_give_and_changes_nothing(
+        ros, rng, tmp_path):
+    pairs, book = some_pairs(rng, 0, 900), tmp_path / 'book.sqlite'
+    graph = Graph(ros, report_dir=str(tmp_path), logbook=str(book))
+    between = ros.listen(String, 'compliance/intermediate_report', qos.REPORT)
+    assert graph.call('report').message == 'no pair has come yet'
+    graph.send(pairs[:400])
+    graph.book({'paired': 400, 'ts_paired': 400, 'rs_used': 400})
+    said = graph.call('report')
+    assert said.success and said.message.startswith('INTERMEDIATE, what a stop now would give')
+    ros.spin_until(lambda: between)
+    found, expected = json.loads(between[0].data), offline(pairs[:400])
+    assert found['intermediate'] is True and found['outcome'] == expected['outcome']
+    assert without_ledger(found['runs'][0]) == without_ledger(expected['runs'][0])
+    assert [json.loads(p.read_text('utf-8')) for p in tmp_path.glob('intermediate_*.json')] == [
+        found]
+    assert not book.exists() and not graph.reports() and not list(tmp_path.glob('verdict_*'))
+    graph.send(pairs[400:])
+    graph.book({'paired': 900, 'ts_paired': 900, 'rs_used': 900}, final=True)
+    report, whole = graph.end(), offline(pairs)
+    assert 'intermediate' not in report
+    assert without_ledger(report['runs'][0]) == without_ledger(whole['runs'][0])
+    assert len(Logbook(str(book)).read()) == 1
+
+
+def test_intermediate_reports_come_by_the_stamps(ros, rng):
+    graph = Graph(ros, report_every_h=0.1)
+    between = ros.listen(String, 'compliance/intermediate_report', qos.REPORT)
+    for lo in range(0, 1200, 60):
+        graph.send(some_pairs(rng, lo, lo + 60))
+    ros.spin_until(lambda: len(between) == 3)
+    ends = [json.loads(m.data)['runs'][0]['end_ns'] for m in between]
+    assert [round((end - T0_NS) / S_NS) for end in ends] == [419, 779, 1139]

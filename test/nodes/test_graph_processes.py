@@ -17,6 +17,7 @@ import time
 import pytest
 import yaml
 
+from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.cli import main
 from heading_intercompare.core.pairing.pairer import pair
@@ -48,9 +49,10 @@ class Processes:
         """Start a node as `ros2 launch` would."""
         code = (f'from heading_intercompare.nodes.{node.executable} import main; '
                 'raise SystemExit(main())')
-        with open(self.folder / f'{node.name}.log', 'wb') as said:
+        name = node.file or node.name
+        with open(self.folder / f'{name}.log', 'wb') as said:
             # Background children inherit an ignored SIGINT; the node sets its own handler.
-            self.running[node.name] = subprocess.Popen(
+            self.running[name] = subprocess.Popen(
                 [sys.executable, '-c', code, *node.arguments(self.folder)],
                 env=make_environment(DOMAIN, node.transports), cwd=self.folder, stdout=said,
                 stderr=said)
@@ -303,3 +305,169 @@ def test_a_recorder_that_is_killed_leaves_all_but_the_last_second(processes, tmp
     # 100 a second for two seconds, less at most the last one and a quarter for a busy machine.
     assert count_recorded(bag) - before >= 75
     assert BagReader(bag).incomplete
+
+
+def start_graph(processes, config, namespace, bag=None, reports=None):
+    """Start a graph in a namespace; return the names of its processes."""
+    made = []
+    for node in nodes('intercompare.launch.py', config=config, namespace=namespace,
+                      output=str(bag) if bag else '', record='true' if bag else 'false',
+                      report_dir=str(reports) if reports else ''):
+        node.file = f'{node.name}{namespace.replace("/", "_")}'
+        processes.start(node)
+        made.append(node.file)
+    return made
+
+
+@pytest.mark.slow
+def test_graphs_in_several_namespaces_of_one_domain_do_not_mix(processes, tmp_path):
+    """The TS of one graph is 90 deg off; the other one does not notice."""
+    found = {}
+    for name, heading in (('a', 90.0), ('b', 180.0)):
+        folder = tmp_path / name
+        folder.mkdir()
+        config = config_of(folder, log(folder / 'ts.log', 300, 0.0, heading),
+                           log(folder / 'rs.log', 300, 0.05, 90.1), 30.0)
+        found[name] = start_graph(processes, config, f'/{name}', folder / 'bag',
+                                  folder / 'reports')
+    drivers = [name for names in found.values() for name in names if 'driver' in name]
+    processes.wait(*drivers, timeout_s=60.0)
+    processes.signal(signal.SIGINT)
+    processes.wait(*(name for names in found.values() for name in names), timeout_s=20.0)
+    for name, mean_deg in (('a', -0.1), ('b', 89.9)):
+        written, = (tmp_path / name / 'reports').iterdir()
+        run, = json.loads(written.read_text('utf-8'))['runs']
+        assert run['n'] == run['pairing']['paired'] == 299
+        assert run['mean_deg'] == pytest.approx(mean_deg, abs=0.05)
+
+
+@pytest.mark.slow
+def test_a_second_graph_in_one_namespace_is_refused_and_the_first_goes_on(processes, tmp_path):
+    """Its nodes end with exit code 2 and one line each; before, the verdict mixed both."""
+    config = config_of(tmp_path, log(tmp_path / 'ts.log', 300, 0.0, 90.0),
+                       log(tmp_path / 'rs.log', 300, 0.05, 90.1), 6.0)
+    bag, reports = tmp_path / 'bag', tmp_path / 'reports'
+    first = start_graph(processes, config, '/', bag, reports)
+    wait_for(lambda: count_recorded(bag) >= 20)
+    other = config_of(tmp_path, log(tmp_path / 'wrong.log', 300, 0.0, 190.0),
+                      log(tmp_path / 'rs.log', 300, 0.05, 90.1), 6.0)
+    second = []
+    for node in nodes('intercompare.launch.py', config=other, record='false'):
+        node.file = f'{node.name}_second'
+        processes.start(node)
+        second.append(node.file)
+    for name in second:
+        assert processes.running[name].wait(20.0) == 2, name
+        said = (tmp_path / f'{name}.log').read_text()
+        line, = [line for line in said.splitlines() if 'error:' in line]
+        assert 'also publishes' in line and 'namespace' in line and 'Traceback' not in said
+    processes.wait('ts_driver_', 'rs_driver_', timeout_s=60.0)
+    processes.signal(signal.SIGINT)
+    processes.wait(*first, timeout_s=20.0)
+    written, = reports.iterdir()
+    report = json.loads(written.read_text('utf-8'))
+    assert report['runs'][0]['n'] == 299
+    assert_same(report, offline(bag))
+
+
+@pytest.mark.slow
+def test_a_synchronizer_that_was_killed_may_start_again_at_once(processes, tmp_path):
+    """DDS lists the dead one for some 20 s; that holds nobody up."""
+    config = config_of(tmp_path, log(tmp_path / 'ts.log', 1200, 0.0, 90.0),
+                       log(tmp_path / 'rs.log', 1200, 0.05, 90.1), 10.0)
+    bag, reports = tmp_path / 'bag', tmp_path / 'reports'
+    made = {n.name: n for n in nodes('intercompare.launch.py', config=config, output=str(bag),
+                                     report_dir=str(reports))}
+    for node in made.values():
+        processes.start(node)
+    wait_for(lambda: count_recorded(bag) >= 300)
+    processes.running['synchronizer'].kill()
+    processes.running['synchronizer'].wait()
+    processes.start(made['synchronizer'])
+    processes.wait('ts_driver', 'rs_driver', timeout_s=60.0)
+    processes.signal(signal.SIGINT)
+    processes.wait('synchronizer', 'compliance', 'recorder', timeout_s=20.0)
+    written, = reports.iterdir()
+    report = json.loads(written.read_text('utf-8'))
+    run, = report['runs']
+    assert 600 < run['n'] < 1200
+    assert 'was restarted at' in report['ledger_problems'][0]
+
+
+@pytest.mark.slow
+def test_a_compliance_that_is_killed_goes_on_and_the_verdict_is_that_of_the_bag(
+        processes, tmp_path):
+    """Killed three times within 2 min of a log: nothing is missing, and nothing counts twice."""
+    config = config_of(tmp_path, log(tmp_path / 'ts.log', 1200, 0.0, 90.0),
+                       log(tmp_path / 'rs.log', 1200, 0.05, 90.1), 10.0)
+    bag, reports = tmp_path / 'bag', tmp_path / 'reports'
+    made = {n.name: n for n in nodes('intercompare.launch.py', config=config, output=str(bag),
+                                     report_dir=str(reports))}
+    for node in made.values():
+        processes.start(node)
+    for n in (250, 500, 750):
+        wait_for(lambda n=n: count_recorded(bag) >= n)
+        processes.running['compliance'].kill()
+        processes.running['compliance'].wait()
+        processes.start(made['compliance'])
+    processes.wait('ts_driver', 'rs_driver', timeout_s=60.0)
+    processes.signal(signal.SIGINT)
+    processes.wait('synchronizer', 'compliance', 'recorder', timeout_s=20.0)
+    written, = reports.iterdir()
+    report = json.loads(written.read_text('utf-8'))
+    assert report['ledger_problems'] == []
+    assert report['runs'][0]['n'] == report['runs'][0]['pairing']['paired'] == 1199
+    assert_same(report, offline(bag))
+
+
+def start_live(processes, folder, config, name):
+    """Start `live` as a user would, always with the same command."""
+    environment = {**os.environ, 'ROS_DOMAIN_ID': str(DOMAIN),
+                   'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+    with open(folder / f'{name}.log', 'wb') as said:
+        processes.running[name] = subprocess.Popen(
+            [sys.executable, '-m', 'heading_intercompare', 'live', '--config', str(config),
+             '-o', 'trial', '--json', 'verdict.json'],
+            env=environment, cwd=folder, stdout=said, stderr=said)
+
+
+@pytest.mark.slow
+def test_live_that_is_killed_goes_on_in_a_new_bag_of_the_same_run(processes, tmp_path):
+    """The verdict covers both parts, and so does `analyze` of both bags."""
+    ports = [free_port(), free_port()]
+    config = tmp_path / 'config.yaml'
+    rule = {**NORMS, 'pairing.method': 'interpolate'}
+    config.write_text(yaml.dump({
+        '/**': {'ros__parameters': rule}, **{
+            name: {'ros__parameters': {'source': f'udp://127.0.0.1:{port}', 'sentence': 'HDT'}}
+            for name, port in zip(('ts_driver', 'rs_driver'), ports)}}))
+    ship = TurningShip(ports)
+    ship.start()
+    try:
+        start_live(processes, tmp_path, config, 'first')
+        wait_for(lambda: count_recorded(tmp_path / 'trial') > 100)
+        processes.running['first'].kill()
+        processes.running['first'].wait()
+        start_live(processes, tmp_path, config, 'second')
+        wait_for(lambda: count_recorded(tmp_path / 'trial_2') > 100)
+        processes.running['second'].send_signal(signal.SIGINT)
+        processes.wait('second', timeout_s=30.0)
+    finally:
+        ship.stopped.set()
+        ship.join()
+    said = (tmp_path / 'second.log').read_text()
+    assert f'goes on with the trial of {tmp_path / "trial"}; records trial_2' in said
+    live = json.loads((tmp_path / 'verdict.json').read_text('utf-8'))
+    run, = live['runs']
+    assert not list(tmp_path.glob('*.journal'))
+    judged = judge_bags([tmp_path / 'trial', tmp_path / 'trial_2'], Settings.from_mapping(rule))
+    both, = judged.verdict.runs
+    # A kill costs the bag up to a second, and the judge the readings on their way to it.
+    assert abs(both.n - run['n']) <= 30
+    assert (both.start_ns, both.end_ns) == (run['start_ns'], run['end_ns'])
+    assert both.outcome.value == run['outcome']
+    assert any('goes on with this trial' in note for note in judged.notes)
+    assert any('was restarted at' in problem for problem in live['ledger_problems'])
+    assert [one.continues for one in judged.verdict.inputs] == [None, str(tmp_path / 'trial')]
+    alone = judge_bags([tmp_path / 'trial_2'], Settings.from_mapping(rule)).verdict.runs[0]
+    assert alone.n < both.n

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from importlib import import_module
 from pathlib import Path
+import types
 
 import pytest
 import yaml
@@ -75,16 +76,27 @@ def test_topics_of_the_parameter_file_are_kept(config):
         'gyro', 'seapath')
 
 
-def test_without_synchronizer_or_compliance_nothing_goes_on(config):
+@pytest.mark.parametrize('code, over', [(0, True), (2, True), (-9, False), (1, False)])
+def test_the_end_of_synchronizer_or_compliance_ends_all_unless_it_was_killed(config, code, over):
     made = by_name(FILES[0], config=config)
-    assert {n for n, node in made.items() if isinstance(node.on_exit, Shutdown)} == {
-        'synchronizer', 'compliance'}
+    assert {n for n, node in made.items() if node.on_exit} == {'synchronizer', 'compliance'}
+    for name in ('synchronizer', 'compliance'):
+        done = made[name].on_exit(types.SimpleNamespace(returncode=code), None)
+        assert isinstance(done, Shutdown) is over and made[name].respawn
+
+
+@pytest.mark.parametrize('given, journal', [
+    ({}, 'heading.journal'), ({'output': 'trial'}, 'trial.journal'),
+    ({'output': 'trial', 'namespace': '/a/b'}, 'trial.a.b.journal'),
+    ({'report_dir': 'reports'}, None)])
+def test_the_run_in_progress_is_kept_beside_the_bag_or_the_reports(config, given, journal):
+    assert own(by_name(FILES[0], config=config, **given)['compliance']).get('journal') == journal
 
 
 def test_drivers_of_live_sources_and_a_recorder_of_new_bags_start_again(config):
     made = by_name(FILES[0], config=config)
     assert {n for n, node in made.items() if node.respawn} == {
-        'ts_driver', 'rs_driver', 'recorder'}
+        'ts_driver', 'rs_driver', 'recorder', 'synchronizer', 'compliance'}
     named = by_name(FILES[0], config=config, output='trial')
     assert not named['recorder'].respawn, 'the bag is there: it would end again and again'
     given = yaml.safe_load(Path(config).read_text())

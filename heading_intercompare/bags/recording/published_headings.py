@@ -25,11 +25,11 @@ class PublishedHeadings:
     def take(self, message: bytes) -> None:
         """Take a message of ``pairs/ledger``; a damaged one says nothing."""
         try:
-            ledger, _, started_ns = decode_ledger(message)
+            newest = decode_ledger(message)
         except MessageError:
             return
-        total = ledger.total
-        self._newest[started_ns] = {
+        total = newest.ledger.total
+        self._newest[newest.started_ns] = {
             stream: (total.received(stream)
                      - total.counts.get(LedgerKey.of_rejected(stream, 'burst'), 0)
                      + total.counts.get(LedgerKey.of_lost(stream, 'on_the_way'), 0))

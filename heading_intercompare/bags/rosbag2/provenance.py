@@ -21,8 +21,11 @@ from heading_intercompare.messages.texts import decode_text, TEXT_TYPE
 if TYPE_CHECKING:
     from .bag_reader import BagReader
 
-__all__ = ['describe_origin', 'is_note', 'Note', 'note_lines', 'NOTE_TOPIC', 'Notes',
+__all__ = ['CONTINUES', 'describe_origin', 'is_note', 'Note', 'note_lines', 'NOTE_TOPIC', 'Notes',
            'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC', 'TRUTH_TOPIC']
+
+CONTINUES = 'continues'
+"""The key in that record that names the bag before this one."""
 
 RECORD = 'heading_intercompare'
 """The metadata record with version, settings and sources."""
@@ -40,8 +43,8 @@ _TIMED = re.compile(r'(\d{4}-\d\d-\d\dT\d\d:\d\d(?::\d\d)?)(?:\.(\d{1,9}))?Z\s+(
 
 
 def describe_origin(settings: Mapping[str, object],
-                    sources: Mapping[str,
-                                     Mapping[str, object]] | None = None) -> dict[str, object]:
+                    sources: Mapping[str, Mapping[str, object]] | None = None,
+                    continues: str | None = None) -> dict[str, object]:
     """
     Return the record `RECORD`.
 
@@ -51,9 +54,11 @@ def describe_origin(settings: Mapping[str, object],
         Settings of the analysis, by dotted name.
     sources : mapping of str to mapping, optional
         Where the headings come from: names and values of each source; None and '' are skipped.
+    continues : str, optional
+        Name of the bag of the same trial that came before this one.
 
     """
-    return {'version': VERSION,
+    return {'version': VERSION, **({CONTINUES: continues} if continues else {}),
             **{f'settings.{name}': 'none' if value is None else value
                for name, value in settings.items()},
             **{f'source.{source}.{name}': value for source, values in (sources or {}).items()

@@ -62,6 +62,17 @@ class Numbering:
     _gaps: deque[tuple[_Message, _Message]] = field(default_factory=lambda: deque(maxlen=_GAPS))
     _found: list[tuple[int, int, int]] = field(default_factory=list)
 
+    @classmethod
+    def go_on(cls, first: int, newest: int, missing: int) -> 'Numbering':
+        """Return a numbering of one publisher that goes on from an earlier `summary`."""
+        return cls(True, missing, 0, first, [_Message(newest, 0)])
+
+    @property
+    def summary(self) -> tuple[int, int, int]:
+        """The first number, the newest one, and how many are missing."""
+        newest = self._newest[-1].number if self._newest else 0
+        return self.first or 0, newest, self.missing
+
     def take(self, numbers: ArrayLike, stamp_ns: ArrayLike | None = None) -> Losses:
         """
         Take the numbers of the next messages; only their lowest 32 bits count.

@@ -6,24 +6,55 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from typing import Iterator
+from typing import Iterator, Mapping, NamedTuple
 
 from heading_intercompare.core.utc_text import utc
 
 from .ledger import Ledger, LedgerKey, LedgerSegment
 
-__all__ = ['Incarnations']
+__all__ = ['Incarnations', 'StreamNumbers']
 
 #: What becomes of readings that waited for a partner when their synchronizer went.
 _LEFT = {LedgerKey.TS_PENDING: LedgerKey.TS_UNPAIRED, LedgerKey.RS_PENDING: LedgerKey.RS_UNUSED}
 
 
+class StreamNumbers(NamedTuple):
+    """
+    The numbers of the readings of one sensor that an incarnation took.
+
+    Attributes
+    ----------
+    first_publisher, last_publisher : str
+        The publishers of the first and of the newest one; '' if unknown.
+    first, last : int
+        The numbers that they gave.
+
+    """
+
+    first_publisher: str
+    first: int
+    last_publisher: str
+    last: int
+
+
 @dataclass(frozen=True, slots=True)
 class _Last:
-    """The last ledger of an incarnation, and whether it was the final one."""
+    """The last ledger of an incarnation, whether it was the final one, and the numbers."""
 
     ledger: Ledger
     final: bool
+    numbers: Mapping[str, StreamNumbers]
+
+    def count_until(self, after: '_Last') -> dict[str, int]:
+        """Return how many readings of each sensor came until the next one took its first."""
+        found = {}
+        for stream in ('ts', 'rs'):
+            here, there = self.numbers.get(stream), after.numbers.get(stream)
+            if (here and there and here.last_publisher
+                    and here.last_publisher == there.first_publisher
+                    and there.first > here.last > 0):
+                found[stream] = there.first - here.last - 1
+        return found
 
 
 class Incarnations:
@@ -36,11 +67,21 @@ class Incarnations:
     def __init__(self) -> None:
         self._last: dict[int, _Last] = {}
 
-    def take(self, ledger: Ledger, final: bool, started_ns: int) -> None:
+    def take(self, ledger: Ledger, final: bool, started_ns: int,
+             numbers: Mapping[str, StreamNumbers] | None = None) -> None:
         """Take the newest ledger of the incarnation that was started at a time, UTC ns."""
         before = self._last.get(started_ns)
         if before is None or not before.final:
-            self._last[started_ns] = _Last(ledger, final)
+            self._last[started_ns] = _Last(ledger, final, numbers or {})
+
+    def __len__(self) -> int:
+        return len(self._last)
+
+    def copy(self) -> 'Incarnations':
+        """Return the same ledgers, to add another one."""
+        made = Incarnations()
+        made._last = dict(self._last)
+        return made
 
     @property
     def _in_order(self) -> list[tuple[int, _Last]]:
@@ -63,8 +104,13 @@ class Incarnations:
             return next((last.ledger for last in self._last.values()), None)
         counts: dict[int | None, Counter[LedgerKey]] = {None: Counter()}
         newest_ns: int | None = None
-        ledgers = [last.ledger for _, last in self._in_order]
-        for ledger in ledgers:
+        ordered = [last for _, last in self._in_order]
+        ledgers = [last.ledger for last in ordered]
+        for at, ledger in enumerate(ledgers):
+            if at and newest_ns is not None:
+                for stream, n in ordered[at - 1].count_until(ordered[at]).items():
+                    counts.setdefault(newest_ns + 1, Counter())[
+                        LedgerKey.of_lost(stream, 'on_the_way')] += n
             for segment in ledger.segments:
                 start_ns = segment.start_ns
                 if start_ns is None and newest_ns is not None:
@@ -85,8 +131,14 @@ class Incarnations:
     def problems(self) -> Iterator[str]:
         """Yield, in plain sentences, what restarts of the synchronizer have left uncounted."""
         ordered = self._in_order
-        for (_, before), (started_ns, _) in zip(ordered, ordered[1:]):
-            if before.final:
+        for (_, before), (started_ns, after) in zip(ordered, ordered[1:]):
+            counted = before.count_until(after)
+            if len(counted) == 2:
+                if not before.final or any(counted.values()):
+                    yield (f'the synchronizer was restarted at {utc(started_ns)} UTC; '
+                           f'{counted["ts"]} TS and {counted["rs"]} RS readings came after its '
+                           'last ledger, and count as lost')
+            elif before.final:
                 yield (f'the synchronizer was stopped, and started again at {utc(started_ns)} '
                        'UTC: readings that came in between are not counted')
             else:

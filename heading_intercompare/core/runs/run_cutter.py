@@ -19,7 +19,7 @@ import numpy as np
 from heading_intercompare.core.clock_cuts import ClockCuts
 from heading_intercompare.core.settings import RunCutting
 
-__all__ = ['Piece', 'RunCutter']
+__all__ = ['CutterState', 'Piece', 'RunCutter']
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +46,32 @@ class Piece:
     since_ns: int
     lo: int
     hi: int
+
+
+@dataclass(frozen=True, slots=True)
+class CutterState:
+    """
+    What a cutter remembers, to go on later.
+
+    Attributes
+    ----------
+    since_ns, cut_ns, newest_ns, key, in_run
+        As in `Piece`; stamp of the newest pair; whether a run is in progress.
+    events : sequence of (stamp_ns, starts)
+        Marks that wait.
+    marked, open : bool
+        A mark was set; pairs belong to runs.
+
+    """
+
+    since_ns: int
+    cut_ns: int | None
+    newest_ns: int | None
+    key: int
+    in_run: bool
+    events: tuple[tuple[int, bool], ...]
+    marked: bool
+    open: bool
 
 
 class RunCutter:
@@ -90,6 +116,19 @@ class RunCutter:
                                  'the run above it')
             self._events += [(start_ns, True), (stop_ns, False)]
             last = stop_ns
+
+    @property
+    def state(self) -> CutterState:
+        """What the cutter remembers; another cutter with the same rule can go on from it."""
+        return CutterState(self._since_ns, self._cut_ns, self._newest_ns, self._key,
+                           self._in_run, tuple(self._events), self._marked, self._open)
+
+    def go_on(self, state: CutterState) -> None:
+        """Go on from the state of another cutter."""
+        self._since_ns, self._cut_ns, self._newest_ns = (
+            state.since_ns, state.cut_ns, state.newest_ns)
+        self._key, self._in_run, self._events = state.key, state.in_run, [*state.events]
+        self._marked, self._open = state.marked, state.open
 
     @property
     def current(self) -> int | None:

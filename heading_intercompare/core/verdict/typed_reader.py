@@ -41,28 +41,29 @@ def is_left_out(declared: Any, value: Any) -> bool:
     return value is None and declared.metadata.get(_LEFT_OUT, False)
 
 
-def make_plain(value: Any) -> Any:
+def make_plain(value: Any, *, exact: bool = False) -> Any:
     """
     Return a value in a form that JSON can hold.
 
     Dataclasses become dictionaries in the order of their fields, outcomes become words, tuples
-    become lists, and a number that is not finite becomes None. `read_plain` reverses this.
+    become lists, and a number that is not finite becomes None, unless `exact`. `read_plain`
+    reverses this.
     """
     if is_dataclass(value) and not isinstance(value, type):
-        return {f.name: make_plain(getattr(value, f.name)) for f in fields(value)
+        return {f.name: make_plain(getattr(value, f.name), exact=exact) for f in fields(value)
                 if not is_left_out(f, getattr(value, f.name))}
     if isinstance(value, Outcome):
         return value.value
     if isinstance(value, Mapping):
-        return {str(k): make_plain(v) for k, v in value.items()}
+        return {str(k): make_plain(v, exact=exact) for k, v in value.items()}
     if isinstance(value, (list, tuple)):
-        return [make_plain(v) for v in value]
+        return [make_plain(v, exact=exact) for v in value]
     if isinstance(value, (bool, str)) or value is None:
         return value
     if isinstance(value, int):
         return int(value)
     number = float(value)
-    return number if math.isfinite(number) else None
+    return number if exact or math.isfinite(number) else None
 
 
 def read_plain(kind: Any, value: Any, where: str = '') -> Any:

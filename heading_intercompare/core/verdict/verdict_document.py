@@ -257,6 +257,8 @@ class Input:
         Why it gave no run, and the fate of its readings.
     same_as : str or None
         Path of an earlier input with the same data.
+    continues : str or None
+        Path of the input with the beginning of this trial; both were judged together.
     ledger_problems : tuple of str, or None
         Why its readings are not all accounted for.
 
@@ -270,6 +272,7 @@ class Input:
     error: str | None = leave_out_none()
     no_run: str | None = leave_out_none()
     same_as: str | None = leave_out_none()
+    continues: str | None = leave_out_none()
     ledger_problems: tuple[str, ...] | None = leave_out_none()
 
     @property
@@ -277,6 +280,8 @@ class Input:
         """Why this input has no run; None if it has one."""
         if self.same_as is not None:
             return f'it has the data of {self.same_as}'
+        if self.continues is not None:
+            return f'it was judged together with {self.continues}'
         return self.error or self.no_run
 
 
@@ -314,6 +319,8 @@ class Verdict:
         Version of the decision rule, see `RULE_VERSION`; None in verdicts older than that.
     ledger_problems : sequence of str or None
         Sentences that say why the ledger is not complete; None if unknown, before 2.2.
+    intermediate : bool or None
+        True if the last run was still in progress: what a stop would have given; otherwise None.
     settings_sha256 : str
         Hash of the settings, see the function `settings_sha256`.
 
@@ -330,6 +337,7 @@ class Verdict:
     software: Software = field(default_factory=Software)
     rule_version: int | None = RULE_VERSION
     ledger_problems: Sequence[str] | None = leave_out_none()
+    intermediate: bool | None = leave_out_none()
 
     @property
     def ledger_complete(self) -> bool | None:
@@ -379,29 +387,17 @@ class Verdict:
         return summary_text(self)
 
     def to_frame(self) -> 'pandas.DataFrame':
-        """
-        Return the figures of the runs, one row per run.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Indexed by the number of the run. Each figure or word has a column, named as in the
-            JSON with dots (``guarded.nu``). Lists are left out.
-
-        Raises
-        ------
-        ValueError
-            If pandas is not installed.
-
-        """
+        """Return the figures, a row per run; see `frame_of_runs`. ValueError without pandas."""
         from .verdict_frame import frame_of_runs
         return frame_of_runs(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the verdict as plain dictionaries and lists, ready for JSON."""
-        ledger = {} if self.ledger_problems is None else {
+        more: dict[str, Any] = {} if self.ledger_problems is None else {
             'ledger_complete': self.ledger_complete,
             'ledger_problems': make_plain(self.ledger_problems)}
+        if self.intermediate is not None:
+            more['intermediate'] = self.intermediate
         return {
             'schema': SCHEMA,
             'schema_version': SCHEMA_VERSION,
@@ -414,7 +410,7 @@ class Verdict:
             'settings_sha256': self.settings_sha256,
             'settings': make_plain(leave_out_added(self.settings.to_mapping())),
             'inputs': make_plain(self.inputs),
-            **ledger,
+            **more,
             'campaign': make_plain(self.campaign),
             'runs': make_plain(self.runs),
         }

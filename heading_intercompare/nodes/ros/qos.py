@@ -7,7 +7,8 @@ from __future__ import annotations
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 __all__ = ['CLOCK', 'DIAGNOSTICS_IN', 'HEADINGS_IN', 'HEADINGS_OUT', 'HEADINGS_UNRELIABLE',
-           'LEDGER', 'LOST', 'MARKER', 'NOTE', 'PAIRS', 'REPORT', 'STATUS', 'VERDICT']
+           'LEDGER', 'LOST', 'MARKER', 'NOTE', 'PAIRS', 'PAIRS_TAKEN', 'REPORT', 'STATUS',
+           'VERDICT']
 
 
 def _keep_last(depth: int) -> QoSProfile:
@@ -23,7 +24,9 @@ HEADINGS_OUT = QoSProfile(depth=_MOST)
 HEADINGS_IN = QoSProfile(depth=_MOST)
 # For publishers that do not send again what is lost.
 HEADINGS_UNRELIABLE = QoSProfile(depth=_MOST, reliability=ReliabilityPolicy.BEST_EFFORT)
-PAIRS = QoSProfile(depth=_MOST)
+# A compliance node that was killed gets again what it missed.
+PAIRS = _keep_last(_MOST)
+PAIRS_TAKEN = QoSProfile(depth=_MOST)
 LEDGER = QoSProfile(depth=10)
 LOST = QoSProfile(depth=1000)
 STATUS = QoSProfile(depth=10)

@@ -13,7 +13,6 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'publishing': ('Allowance', 'Audience', 'await_acknowledgement'),
     'raw_subscription': ('subscribe',),
     'recorded_topics': ('make_intakes', 'report_files', 'text_of'),
-    'reporting': ('Reporting',),
     'source_thread': ('Reading',),
 })
 
@@ -33,5 +32,4 @@ if TYPE_CHECKING:
         report_files as report_files,
         text_of as text_of,
     )
-    from .reporting import Reporting as Reporting
     from .source_thread import Reading as Reading

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any, Callable
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -33,10 +34,16 @@ class Health:
     node : Node
         The node whose state it reports.
 
+    Attributes
+    ----------
+    owner : str
+        Full name of the node, and when it was started, UTC ns.
+
     """
 
     def __init__(self, node: Node) -> None:
         self._node = node
+        self.owner = f'{node.get_fully_qualified_name()} {time.time_ns()}'
         self._parts: dict[str, Status] = {}
         self._latched: dict[str, Status] = {}
         self._refreshers: list[Callable[[], None]] = []
@@ -97,7 +104,7 @@ class Health:
         """Publish the current state of all parts."""
         now_ns = self._node.get_clock().now().nanoseconds
         shown = {**self._parts, **self._latched}
-        self._publisher.publish(encode_statuses(now_ns, shown.values()))
+        self._publisher.publish(encode_statuses(now_ns, shown.values(), self.owner))
 
     def _beat(self) -> None:
         for refresh in self._refreshers:

@@ -17,6 +17,7 @@ from rclpy.qos import (
 from rclpy.subscription import Subscription
 
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
+from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.records import Losses
 from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
@@ -108,6 +109,7 @@ class Intake:
         self._why_refused = ''
         self._numbering, self._stamped, self.counted = Numbering(), stamped, counted
         self._losses: list[Losses] = []
+        self._publishers = '', ''
         health.add_refresher(self._note)
 
     def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
@@ -148,6 +150,12 @@ class Intake:
         return self._numbering.missing
 
     @property
+    def numbers(self) -> StreamNumbers:
+        """The first and the newest number taken, and the publishers that gave them."""
+        first, last = self._publishers
+        return StreamNumbers(first, self._numbering.first or 0, last, self.last_sequence)
+
+    @property
     def before(self) -> int:
         """Messages that the first publisher had sent before the first one that was taken."""
         return max(0, (self._numbering.first or 1) - 1)
@@ -161,6 +169,8 @@ class Intake:
                 self._qos = self._reliable
             return ''
         infos = self._node.get_publishers_info_by_topic(self.full_name)
+        newest = bytes(infos[0].endpoint_gid).hex() if len(infos) == 1 else ''
+        self._publishers = self._publishers[0] or newest, newest
         found = {info.topic_type for info in infos}
         good = [name for name in self._types if name in found]
         if self._unreliable is not None and self._qos is self._reliable and any(

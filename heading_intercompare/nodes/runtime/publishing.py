@@ -16,6 +16,7 @@ from rclpy.publisher import Publisher
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 
 from .health import Health
+from .sole_node import SoleNode
 
 __all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'Backlog', 'FlowControl']
 
@@ -40,17 +41,25 @@ class Audience:
     health : Health
         Shows that the node waits.
 
+    Attributes
+    ----------
+    sole : SoleNode
+        Tells whether another node publishes the topics.
+
     """
 
     def __init__(self, node: Node, publishers: Sequence[Publisher], wanted: int,
                  health: Health) -> None:
         self._node, self._publishers, self._wanted = node, publishers, wanted
         self._health, self._there = health, False
+        self.sole = SoleNode(node, [p.topic_name for p in publishers], health)
         self._began_s = time.monotonic()
 
     def is_there(self) -> bool:
         """Tell whether all subscriptions are there; once True, it stays True."""
         if not self._there:
+            if self._wanted and not self.sole.clear:
+                return False
             missing = [p.topic_name for p in self._publishers
                        if p.get_subscription_count() < self._wanted]
             self._there = not missing

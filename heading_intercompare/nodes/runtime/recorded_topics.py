@@ -115,7 +115,7 @@ def make_intakes(node: Node, settings: Settings, health: Health,
     rows = [
         (settings.ts_topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True),
         (settings.rs_topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True),
-        ('pairs', PAIRS_TYPES, qos.PAIRS, qos.PAIRS, True),
+        ('pairs', PAIRS_TYPES, qos.PAIRS_TAKEN, qos.PAIRS_TAKEN, True),
         (MARKER_TOPIC, STATUS_TYPES, qos.MARKER, qos.MARKER, True),
         ('compliance/verdict', STATUS_TYPES, qos.VERDICT, qos.VERDICT, True),
         (REPORT_TOPIC, TEXT_TYPES, qos.REPORT, qos.REPORT, True),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare import Headings, Settings
-from heading_intercompare.core.pairing.incarnations import Incarnations
+from heading_intercompare.core.pairing.incarnations import Incarnations, StreamNumbers
 from heading_intercompare.core.pairing.pairer import Pairer
 
 STEP_NS = 10 ** 8
@@ -77,3 +77,21 @@ def test_a_late_copy_does_not_replace_the_final_ledger():
     found.take(pairer_of(0, 100).ledger, True, 1)
     found.take(pairer_of(0, 50).ledger, False, 1)
     assert found.final and found.total.total.received('ts') == 100
+
+
+@pytest.mark.parametrize('publishers, counted', [
+    (('a', 'a'), True), (('a', 'b'), False), (('', ''), False)])
+def test_readings_between_two_starts_count_as_lost_if_one_publisher_numbered_them(
+        publishers, counted):
+    """The first took up to 100, the second from 121 on: 20 lie between."""
+    found, (last, first) = Incarnations(), publishers
+    for name, lo, hi, started_ns in ((last, 0, 100, 1), (first, 120, 300, 2)):
+        numbers = dict.fromkeys(('ts', 'rs'), StreamNumbers(name, lo + 1, name, hi))
+        found.take(pairer_of(lo, hi).ledger, started_ns == 2, started_ns, numbers)
+    counts = found.total.total.counts
+    assert (counts.get('ts_lost.on_the_way'), counts.get('rs_lost.on_the_way')) == (
+        (20, 20) if counted else (None, None))
+    problem, = found.problems()
+    assert ('20 TS and 20 RS readings came after' in problem) == counted
+    inside = found.total.count_between(int(STAMPS[0]), int(STAMPS[-1]))
+    assert inside.lost('ts') == ({'on_the_way': 20} if counted else {})

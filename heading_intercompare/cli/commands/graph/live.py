@@ -6,9 +6,13 @@ from __future__ import annotations
 
 import argparse
 from datetime import datetime, timezone
+import os
+from pathlib import Path
 import sys
+import time
 
 from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.bags.recording.run_journal import find_bag
 from heading_intercompare.cli.commands.analyze import (
     add_settings_arguments,
     add_verdict_arguments,
@@ -18,7 +22,8 @@ from heading_intercompare.cli.commands.note import add_note_argument, read_notes
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.decision.coverage import least_duration_words
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.settings import from_mapping, SettingsError
+from heading_intercompare.nodes.settings import ComplianceNode
 
 __all__ = ['add_arguments', 'run']
 
@@ -32,8 +37,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_settings_arguments(parser)
     parser.add_argument('-o', '--output', metavar='BAG',
                         help='the bag to record (default: heading_<UTC> in this folder)')
+    parser.add_argument('--namespace', metavar='/NAME', default='/',
+                        help='of all nodes and topics: one for each graph in a ROS domain')
     add_note_argument(parser)
     add_verdict_arguments(parser)
+
+
+def _find_next(output: str) -> str:
+    """Return the name of the next bag of a trial: NAME_2, NAME_3 and so on."""
+    found, number = output, 1
+    while os.path.exists(found):
+        number += 1
+        found = f'{output.rstrip("/")}_{number}'
+    return found
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -53,12 +69,26 @@ def run(arguments: argparse.Namespace) -> int:
         {'parameter_file': arguments.config} if arguments.config else {})}
     if notes := read_notes(arguments):
         recorder['note'] = notes
-    output = (arguments.output or recorder.get('output')
-              or f'heading_{datetime.now(timezone.utc):%Y%m%dT%H%M%SZ}')
+    own = {**config.sections.get('compliance', {})}
+    output = arguments.output or recorder.get('output')
+    own.setdefault('journal', f'{output or "heading"}.journal')
+    rule = from_mapping(ComplianceNode, {
+        name: value for name, value in own.items() if name == 'resume_within_s'})
+    before = find_bag(Path(own['journal']), settings, within_s=rule.resume_within_s,
+                      now_ns=time.time_ns())
+    if before is not None:
+        recorder['continues'] = os.path.basename(before)
+    if output is None:
+        output = f'heading_{datetime.now(timezone.utc):%Y%m%dT%H%M%SZ}'
+    elif before is not None:
+        output = _find_next(output)
+
 
     from heading_intercompare.nodes.graph import intercompare, Source
     from heading_intercompare.nodes.nmea_driver import NmeaDriver
 
+    if before is not None:
+        print(f'note: goes on with the trial of {before}; records {output}', file=sys.stderr)
     if not arguments.quiet:
         print(f'note: {least_duration_words(settings.risk)}', file=sys.stderr)
         if heard := [topic for name, topic in topics.items() if name not in drivers]:
@@ -69,6 +99,6 @@ def run(arguments: argparse.Namespace) -> int:
             [Source(NmeaDriver, name, driver) for name, driver in drivers.items()],
             {k: v for k, v in settings.to_mapping().items() if v is not None},
             output=output, report_dir=config.sections.get('compliance', {}).get('report_dir'),
-            own={**config.sections, 'recorder': recorder},
-            progress=lambda n: progress.show(f'{n:,} pairs'))
+            own={**config.sections, 'compliance': own, 'recorder': recorder},
+            namespace=arguments.namespace, progress=lambda n: progress.show(f'{n:,} pairs'))
     return conclude(verdict, arguments)

@@ -9,12 +9,13 @@ from datetime import datetime, timezone
 import os
 from pathlib import Path
 import time
-from typing import Iterator
+from typing import Iterable, Iterator
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
 from rclpy.node import Node
 from std_msgs.msg import String
+from std_srvs.srv import Trigger
 
 from heading_intercompare.bags.recording.disk_sync import replace_file
 from heading_intercompare.core.decision.sequential import LookVerdict
@@ -30,12 +31,13 @@ from heading_intercompare.messages.verdict_messages import (
     verdict_level,
 )
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import ComplianceNode
 from heading_intercompare.report.json import render
 
-from .health import Health
-from .intake import Intake
+from .pair_intake import PairIntake
 from .run_log import RunLog
+from .trial_journal import TrialJournal
 
 __all__ = ['Reporting']
 
@@ -54,8 +56,10 @@ class Reporting:
         Settings.
     health : Health
         Shows alerts.
-    pairs : Intake
+    pairs : PairIntake
         The pairs, whose numbers say what is missing.
+    journal : TrialJournal
+        Keeps the ledgers, and may hold those of an earlier process.
 
     Attributes
     ----------
@@ -67,9 +71,12 @@ class Reporting:
     """
 
     def __init__(self, node: Node, compliance: Compliance, own: ComplianceNode,
-                 health: Health, pairs: Intake) -> None:
+                 health: Health, pairs: PairIntake,
+                 journal: TrialJournal) -> None:
         self._node, self._compliance, self._own, self._health = node, compliance, own, health
-        self._pairs, self._ledgers = pairs, Incarnations()
+        self._pairs, self._ledgers, self._journal = pairs, Incarnations(), journal
+        for kept in journal.kept.ledgers.values():
+            self._ledgers.take(*kept)
         self._verdict = node.create_publisher(
             DiagnosticArray, 'compliance/verdict', qos.VERDICT,
             event_callbacks=health.of_publisher('compliance/verdict'))
@@ -79,13 +86,22 @@ class Reporting:
         self.closed = False
         self.verdict: Verdict | None = None
         self._said = ''
+        self._intermediate = node.create_publisher(String, 'compliance/intermediate_report',
+                                                   qos.REPORT)
+        self._next_ns: int | None = None
+        node.create_service(Trigger, '~/report', self._serve)
         self._run_log = RunLog(own, health)
         if own.report_dir is not None:
             os.makedirs(own.report_dir, exist_ok=True)
 
     def book(self, newest: LedgerMessage) -> None:
-        """Take the newest ledger."""
-        self._ledgers.take(*newest)
+        """Take the newest ledger of a synchronizer."""
+        self._take(self._pairs.follow(newest))
+
+    def _take(self, ledgers: Iterable[LedgerMessage]) -> None:
+        for ledger in ledgers:
+            self._ledgers.take(*ledger)
+            self._journal.book(ledger)
 
     @property
     def final(self) -> bool:
@@ -99,6 +115,7 @@ class Reporting:
 
     def look(self, n_pairs: int) -> None:
         """Publish changes; a report waits for a ledger that covers the `n_pairs` received."""
+        self._take(self._pairs.ledgers())
         seen = self._compliance.finished_runs, self._compliance.early
         if seen[0] != self._seen[0]:
             self._due = n_pairs, time.monotonic() + self._own.ledger_wait_s
@@ -111,6 +128,28 @@ class Reporting:
             if covered or time.monotonic() > until_s:
                 self._conclude(covered)
         self._run_log.retry()
+        newest_ns, every_h = self._compliance.newest_ns, self._own.report_every_h
+        if newest_ns is not None and every_h is not None:
+            if self._next_ns is not None and newest_ns >= self._next_ns:
+                self.report()
+            if self._next_ns is None or newest_ns >= self._next_ns:
+                self._next_ns = newest_ns + round(every_h * 3600e9)
+
+    def _serve(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        response.success, response.message = self._compliance.newest_ns is not None, self.report()
+        return response
+
+    def report(self) -> str:
+        """Publish and write what a stop now would give, and go on; return its headline."""
+        if self._compliance.newest_ns is None:
+            return 'no pair has come yet'
+        verdict = replace(self._compliance.preview(self._ledgers.total),
+                          ledger_problems=tuple(self._problems(True)))
+        text = render(verdict)
+        self._intermediate.publish(encode_text(text))
+        self._node.get_logger().info(verdict.headline)
+        self._write(text, 'intermediate')
+        return verdict.headline
 
     def close(self, complete: bool) -> None:
         """Publish the last verdict and report, and wait until they are received."""
@@ -118,6 +157,7 @@ class Reporting:
         self._run_log.retry(last=True)
         for publisher in (self._verdict, self._report):
             publisher.wait_for_all_acked(Duration(seconds=1.0))
+        self._journal.close()
         self.closed = True
 
     def _conclude(self, complete: bool) -> None:
@@ -146,7 +186,17 @@ class Reporting:
             yield f'{self._pairs.before} pairs were published before this node started'
         if self._pairs.lost:
             yield f'{self._pairs.lost} pairs were lost on the way to this node'
-        if not complete:
+        if self._pairs.missed:
+            yield f'{self._pairs.missed} pairs were published while this node was down'
+        if self._journal.kept.dropped:
+            yield (f'{self._journal.kept.dropped} records of the run in progress could not be '
+                   'kept before this node was started again')
+        if self._pairs.left_out:
+            yield f'{self._pairs.left_out} pairs of another synchronizer were left out'
+        missing = self.paired - self._pairs.last_sequence
+        if not complete and self.final and missing > 0:
+            yield f'the last {missing} pairs did not come to this node'
+        elif not complete:
             yield 'the ledger that covers the last pairs did not come'
 
     def _announce(self, verdict: Verdict) -> None:
@@ -165,13 +215,13 @@ class Reporting:
         self._node.get_logger().info(f'verdict on {said[-1][1]}')
         self._verdict.publish(encode_verdict(verdict, self._compliance.newest_ns or 0, early))
 
-    def _write(self, text: str) -> None:
+    def _write(self, text: str, kind: str = 'verdict') -> None:
         if self._own.report_dir is None:
             return
         newest_ns = self._compliance.newest_ns
         moment = datetime.fromtimestamp(time.time() if newest_ns is None else newest_ns / 1e9,
                                         timezone.utc)
-        path = Path(self._own.report_dir, f'verdict_{moment:%Y%m%dT%H%M%S}Z.json')
+        path = Path(self._own.report_dir, f'{kind}_{moment:%Y%m%dT%H%M%S}Z.json')
         try:
             replace_file(path, text)
         except OSError as error:

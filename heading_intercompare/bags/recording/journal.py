@@ -1,0 +1,301 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A journal: records appended to a file that survive a process that is killed.
+
+Each record has its length and a checksum, so a record that was cut is found. What is appended
+reaches the system with the next `flush`, and the disk within a second more.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from contextlib import suppress
+import fcntl
+import os
+from pathlib import Path
+import struct
+from typing import Iterable, NamedTuple
+import zlib
+
+import numpy as np
+
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.core.records import Pairs
+
+from .disk_sync import Syncing
+
+__all__ = ['decode_columns', 'encode_columns', 'Journal', 'JournalContents', 'read_journal',
+           'Record']
+
+_MAGIC = b'heading_intercompare journal 1\n'
+_KIND = _MAGIC[:-3]
+_HEAD = struct.Struct('<IIc')
+_SYNC_S = 1.0
+#: Records that wait for a disk that is full; older ones are given up.
+_MOST_WAITING = 16_000_000
+_RETRY_S = 1.0
+
+_COLUMNS = ('stamp_ns', 'ts_deg', 'rs_deg', 'lag_ns', 'rs_variance_factor', 'ts_variance_factor')
+_TYPES = {'stamp_ns': '<i8', 'lag_ns': '<i8'}
+
+
+class Record(NamedTuple):
+    """A record: its kind, one letter, and its bytes."""
+
+    kind: bytes
+    data: bytes
+
+
+class JournalContents(NamedTuple):
+    """
+    The records of a journal.
+
+    Attributes
+    ----------
+    records : list of Record
+    size : int
+        Bytes up to the end of the last whole record.
+    torn : int
+        Bytes after it, of a record that was cut.
+
+    """
+
+    records: list[Record]
+    size: int
+    torn: int
+
+
+def encode_columns(pairs: Pairs) -> bytes:
+    """Return pairs as bytes; a column with one value throughout takes the place of one."""
+    flags, parts = 0, []
+    for at, name in enumerate(_COLUMNS):
+        column = np.ascontiguousarray(getattr(pairs, name), _TYPES.get(name, '<f8'))
+        bits = column.view('<i8')
+        if len(bits) and (bits == bits[0]).all():
+            flags, column = flags | 1 << at, column[:1]
+        parts.append(column.tobytes())
+    return b''.join([struct.pack('<IB', len(pairs), flags), *parts])
+
+
+def decode_columns(data: bytes) -> Pairs:
+    """
+    Return the pairs in bytes of `encode_columns`, to the bit.
+
+    Raises
+    ------
+    BagError
+        If the number of bytes is wrong.
+
+    """
+    columns, at = [], 5
+    n, flags = struct.unpack_from('<IB', data) if len(data) >= at else (0, 0)
+    counts = [1 if flags & 1 << number else n for number in range(len(_COLUMNS))]
+    if len(data) != at + 8 * sum(counts):
+        raise BagError(f'pairs of {len(data)} bytes: must be {at + 8 * sum(counts)}')
+    for name, count in zip(_COLUMNS, counts):
+        kind = np.dtype(_TYPES.get(name, '<f8'))
+        column = np.frombuffer(data, kind, count, at).astype(kind.newbyteorder('='))
+        columns.append(column if count == n else np.full(n, column[0]))
+        at += 8 * count
+    return Pairs(*columns)
+
+
+def _pack(record: Record) -> bytes:
+    checksum = zlib.crc32(record.kind + record.data)
+    return _HEAD.pack(len(record.data), checksum, record.kind) + record.data
+
+
+def read_journal(path: Path) -> JournalContents:
+    """
+    Return the whole records of a journal.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    BagError
+        If it is no journal, or one of another version.
+
+    """
+    data = path.read_bytes()
+    if not data.startswith(_MAGIC):
+        if data.startswith(_KIND):
+            version = data[len(_KIND):].partition(b'\n')[0][:20].decode('ascii', 'replace').strip()
+            raise BagError(f'is a journal of version {version}, must be 1', path)
+        raise BagError('is not a journal', path)
+    records, at = [], len(_MAGIC)
+    while at + _HEAD.size <= len(data):
+        size, checksum, kind = _HEAD.unpack_from(data, at)
+        body = data[at + _HEAD.size:at + _HEAD.size + size]
+        if len(body) < size or zlib.crc32(kind + body) != checksum:
+            break
+        records.append(Record(kind, body))
+        at += _HEAD.size + size
+    return JournalContents(records, at, len(data) - at)
+
+
+class Journal:
+    """
+    The writer of a journal.
+
+    Parameters
+    ----------
+    path : Path
+        The file. Its folder must exist.
+    head : Record
+        The first record of a file that is begun.
+    size : int, optional
+        Go on after this many bytes of the file, see `JournalContents`. Without it a file is
+        begun at the first `flush`, and one that was there is lost.
+
+    Attributes
+    ----------
+    fault : str
+        Why the last write failed; '' if it did not.
+    dropped : int
+        Records given up because they could not be written for too long.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be opened, or another process has it open (BlockingIOError).
+
+    """
+
+    def __init__(self, path: Path, head: Record, size: int | None = None) -> None:
+        self.path = path
+        self._file = -1 if size is None else self._open(path)
+        self._size = size or 0
+        self._waiting: deque[bytes] = deque()
+        self._n_waiting = 0
+        self._retry_s = 0.0
+        self._syncing = Syncing(_SYNC_S)
+        self.fault, self.dropped = '', 0
+        if size is None:
+            self._add(_MAGIC + _pack(head))
+        else:
+            os.ftruncate(self._file, size)
+
+    @staticmethod
+    def _open(path: Path) -> int:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            os.close(descriptor)
+            raise
+        return descriptor
+
+    @classmethod
+    def probe(cls, path: Path) -> None:
+        """Raise OSError unless the file is there and no other process has it open."""
+        path.stat()
+        os.close(cls._open(path))
+
+    def _add(self, data: bytes) -> None:
+        self._waiting.append(data)
+        self._n_waiting += len(data)
+
+    def append(self, kind: bytes, data: bytes) -> None:
+        """Append a record; `flush` writes it."""
+        self._add(_pack(Record(kind, data)))
+        while self._n_waiting > _MOST_WAITING and len(self._waiting) > 1:
+            # The first may be the head of the file.
+            at = int(self._waiting[0].startswith(_MAGIC))
+            self._n_waiting -= len(self._waiting[at])
+            del self._waiting[at]
+            self.dropped += 1
+
+    def flush(self, now_s: float) -> None:
+        """
+        Write what was appended, unless the disk refuses it; then it waits for the next time.
+
+        Parameters
+        ----------
+        now_s : float
+            The caller's steady clock, seconds.
+
+        """
+        if now_s < self._retry_s:
+            return
+        try:
+            if self._file < 0:
+                self._file = self._open(self.path)
+                os.ftruncate(self._file, 0)
+            if self._waiting:
+                self._write(b''.join(self._waiting))
+                self._waiting.clear()
+                self._n_waiting = 0
+            self._syncing.begin_if_due(self._file, now_s)
+        except OSError as error:
+            self._fail(error, now_s)
+        else:
+            self.fault, self._retry_s = '', 0.0
+
+    def _write(self, data: bytes) -> None:
+        at, view = self._size, memoryview(data)
+        try:
+            while view:
+                n = os.pwrite(self._file, view, at)
+                at, view = at + n, view[n:]
+        except OSError:
+            with suppress(OSError):
+                os.ftruncate(self._file, self._size)
+            raise
+        self._size = at
+
+    def _fail(self, error: OSError, now_s: float) -> None:
+        self.fault, self._retry_s = error.strerror or str(error), now_s + _RETRY_S
+
+    def replace(self, records: Iterable[Record], now_s: float) -> None:
+        """
+        Replace all records in one step; if that fails, the former ones stay and these wait.
+
+        Parameters
+        ----------
+        records : iterable of Record
+            What the journal holds from now on.
+        now_s : float
+            The caller's steady clock, seconds.
+
+        """
+        data = _MAGIC + b''.join(map(_pack, records))
+        draft = self.path.with_name(f'{self.path.name}.part')
+        descriptor = -1
+        try:
+            descriptor = self._open(draft)
+            os.ftruncate(descriptor, 0)
+            view, at = memoryview(data), 0
+            while view:
+                n = os.pwrite(descriptor, view, at)
+                at, view = at + n, view[n:]
+            os.fsync(descriptor)
+            os.replace(draft, self.path)
+        except OSError as error:
+            if descriptor >= 0:
+                os.close(descriptor)
+                with suppress(OSError):
+                    draft.unlink()
+            self._fail(error, now_s)
+            return
+        if self._file >= 0:
+            os.close(self._file)
+        self._file, self._size = descriptor, len(data)
+        self._waiting.clear()
+        self._n_waiting = 0
+        self.fault = ''
+
+    def close(self, *, remove: bool = False) -> None:
+        """Write what waits, or remove the file: its work is done."""
+        if not remove:
+            self._retry_s = 0.0
+            self.flush(0.0)
+        with suppress(OSError):
+            self._syncing.close()
+        if self._file < 0:
+            return
+        if remove:
+            with suppress(OSError):
+                self.path.unlink()
+        os.close(self._file)

@@ -1,0 +1,381 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The run in progress on disk, from which a node that was killed goes on.
+
+The journal holds what the judgement was given: pairs, marks and ledgers, in their order. Whatever
+is computed from them is computed again, by the same code, so the verdict is the same to the bit.
+When a run ends, the journal is replaced by the judged runs and the pairs of the next run. So it
+never holds more than one run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+import json
+from pathlib import Path
+import struct
+from typing import Any, Iterator, Mapping
+
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.core.kept_state import KeptState
+from heading_intercompare.core.pairing.incarnations import StreamNumbers
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
+from heading_intercompare.core.pairing.stamp_jumps import SetBack
+from heading_intercompare.core.pipeline import Compliance
+from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.settings import leave_out_added, Settings, settings_sha256
+from heading_intercompare.core.utc_text import utc
+from heading_intercompare.core.version import VERSION
+from heading_intercompare.messages.ledger_messages import LedgerMessage
+
+from .journal import (
+    decode_columns,
+    encode_columns,
+    Journal,
+    JournalContents,
+    read_journal,
+    Record,
+)
+
+__all__ = ['find_bag', 'Kept', 'RunJournal']
+
+#: Pairs wait at most this long for the system to take them.
+_PERIOD_S = 0.25
+#: Pairs judged at once when a journal is read.
+_AT_ONCE = 65536
+_ABOUT, _STATE, _RUN, _PAIRS, _MARK, _LEDGER, _HOLE = (
+    b'H', b'S', b'R', b'P', b'M', b'L', b'G')
+_LENGTH = struct.Struct('<I')
+
+#: First number, newest number and missing numbers of the pairs of each synchronizer, by name.
+Numbers = Mapping[str, tuple[int, int, int]]
+
+
+@dataclass(slots=True)
+class Kept:
+    """
+    What a journal says besides the pairs.
+
+    Attributes
+    ----------
+    ledgers : dict of int to LedgerMessage
+        The last ledger of each synchronizer, by its start.
+    marks : set of (kind, stamp_ns)
+        Marks that took effect.
+    numbers : mapping
+        First number, newest number and missing numbers of the pairs, by synchronizer.
+    n_pairs : int
+        Pairs of the runs that the journal holds.
+    dropped : int
+        Records that could not be written.
+
+    """
+
+    ledgers: dict[int, LedgerMessage] = field(default_factory=dict)
+    marks: set[tuple[str, int]] = field(default_factory=set)
+    numbers: Numbers = field(default_factory=dict)
+    n_pairs: int = 0
+    dropped: int = 0
+
+
+class RunJournal:
+    """
+    Keeps what a `Compliance` is given, and gives it again after a crash.
+
+    Parameters
+    ----------
+    path : Path
+        The journal.
+    compliance : Compliance
+        Judges; as it is after construction. It goes on from the journal.
+    within_s : float
+        A journal that was not written for longer than this is another trial.
+    now_ns : int
+        Time of day, UTC ns.
+    bag : str, optional
+        The recording of this trial.
+
+    Attributes
+    ----------
+    kept : Kept
+        What the journal says besides the pairs.
+    resumed : str
+        In words, what this trial goes on with; '' if it begins.
+    set_aside : str
+        In words, which journal was set aside and why; '' if none was.
+    fault : str
+        Why the journal cannot be written now; '' if it can.
+
+    Raises
+    ------
+    OSError
+        If the journal cannot be opened, or another process uses it (BlockingIOError).
+
+    """
+
+    def __init__(self, path: Path, compliance: Compliance, *, within_s: float, now_ns: int,
+                 bag: str | None = None) -> None:
+        self._path, self._compliance = path, compliance
+        settings = leave_out_added(compliance.settings.to_mapping())
+        self._about = {'settings_sha256': settings_sha256(settings), 'settings': settings,
+                       'software': VERSION, 'began_ns': now_ns, 'bag': bag}
+        self.kept = Kept()
+        self.resumed = self.set_aside = ''
+        self._written: dict[int, list[Any]] = {}
+        self._waiting: list[Pairs] = []
+        self._changed: set[int] = set()
+        self._numbers: Numbers = {}
+        self._due_s = 0.0
+        self._n_finished = 0
+        size = self._find_size(within_s, now_ns)
+        self._journal = Journal(path, Record(_ABOUT, _text(self._about)), size)
+        self._told_dropped = 0
+        if size is not None:
+            # The newest recording of the trial.
+            self._journal.append(_ABOUT, _text(self._about))
+        self._n_finished = compliance.finished_runs
+
+    @property
+    def fault(self) -> str:
+        """Why the journal cannot be written now; '' if it can."""
+        return self._journal.fault
+
+    def _find_size(self, within_s: float, now_ns: int) -> int | None:
+        """Go on with the journal that is there, or set it aside; return its size to go on from."""
+        try:
+            age_s = now_ns / 1e9 - self._path.stat().st_mtime
+            # Another process that writes it would be disturbed.
+            Journal.probe(self._path)
+            contents = read_journal(self._path)
+        except FileNotFoundError:
+            return None
+        except BagError as error:
+            self._put_aside(error.problem)
+            return None
+        if all(record.kind == _ABOUT for record in contents.records):
+            return None
+        state, why = None, ''
+        try:
+            why = _find_mismatch(json.loads(contents.records[0].data), self._about)
+            for kind, data in contents.records:
+                if kind == _STATE:
+                    plain = json.loads(data)
+                    state = KeptState.from_text(plain['state'])
+                    self.kept.marks = {(word, stamp_ns) for word, stamp_ns in plain['marks']}
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            why = f'this version cannot read it: {" ".join(str(error).split())[:200]}'
+        why = why or _find_age(age_s, within_s)
+        if why:
+            self.kept = Kept()
+            self._put_aside(why)
+            return None
+        self._read(contents, state)
+        newest_ns = self._compliance.newest_ns
+        self.resumed = (
+            f'goes on with {self._compliance.finished_runs} runs and the run in progress, '
+            f'{self.kept.n_pairs} pairs up to '
+            f'{"-" if newest_ns is None else utc(newest_ns)} UTC')
+        if contents.torn:
+            self.resumed += f'; the last {contents.torn} bytes of {self._path} were cut'
+        return contents.size
+
+    def _put_aside(self, why: str) -> None:
+        """Rename the journal, so that nothing of it is lost."""
+        at = 1
+        while (aside := self._path.with_name(f'{self._path.name}.{at}')).exists():
+            at += 1
+        self._path.rename(aside)
+        self.set_aside = f'the run in progress in {self._path} is not this one: {why}; it is ' \
+                         f'kept as {aside}'
+
+    def _read(self, contents: JournalContents, state: KeptState | None) -> None:
+        """Give the compliance what the journal holds."""
+        waiting: list[Pairs] = []
+        judged = 0
+
+        def judge() -> None:
+            nonlocal judged
+            self._compliance.update(Pairs.concatenate(waiting))
+            waiting.clear()
+            judged = self.kept.n_pairs
+        for kind, data in contents.records:
+            if kind == _RUN and state is not None:
+                pairs = self._take_pairs(data)
+                self._compliance.go_on(state, pairs)
+            elif kind == _PAIRS:
+                waiting.append(self._take_pairs(data))
+                if self.kept.n_pairs - judged > _AT_ONCE:
+                    judge()
+            elif kind == _MARK:
+                judge()
+                word, stamp_ns = json.loads(data)
+                self.kept.marks.add((word, stamp_ns))
+                self._compliance.mark(word, stamp_ns)
+            elif kind == _LEDGER:
+                self._read_ledger(json.loads(data))
+            elif kind == _HOLE:
+                self.kept.dropped += json.loads(data)
+        judge()
+
+    def _take_pairs(self, data: bytes) -> Pairs:
+        size, = _LENGTH.unpack_from(data)
+        at = _LENGTH.size + size
+        self.kept.numbers = self._numbers = {
+            name: (first, last, missing) for name, (first, last, missing)
+            in json.loads(data[_LENGTH.size:at]).items()}
+        pairs = decode_columns(data[at:])
+        self.kept.n_pairs += len(pairs)
+        return pairs
+
+    def _pack_pairs(self, pairs: Pairs) -> bytes:
+        numbers = _text(self._numbers)
+        return _LENGTH.pack(len(numbers)) + numbers + encode_columns(pairs)
+
+    def _read_ledger(self, plain: Mapping[str, Any]) -> None:
+        started_ns = plain['started_ns']
+        rows = self._written.get(started_ns, [])[:plain['at']] + plain['segments']
+        self._written[started_ns] = rows
+        ledger = Ledger.from_segments(
+            [LedgerSegment(start_ns, counts) for start_ns, counts in rows], plain['newest_ns'],
+            [SetBack(*one) for one in plain['set_backs']])
+        numbers = {stream: StreamNumbers(*one) for stream, one in plain['numbers'].items()}
+        self.kept.ledgers[started_ns] = LedgerMessage(ledger, plain['final'], started_ns, numbers)
+
+    def _pack_ledger(self, message: LedgerMessage, whole: bool = False) -> bytes:
+        """Return a ledger; only the segments from the first that has changed, unless `whole`."""
+        ledger, final, started_ns, numbers = message
+        rows = [[one.start_ns, {key.value: n for key, n in one.counts.items()}]
+                for one in ledger.segments]
+        before = [] if whole else self._written.get(started_ns, [])
+        at = 0
+        while at < min(len(rows), len(before)) and rows[at] == before[at]:
+            at += 1
+        self._written[started_ns] = rows
+        return _text({'started_ns': started_ns, 'final': final, 'numbers': numbers,
+                      'newest_ns': ledger.newest_ns,
+                      'set_backs': [[one.stream, one.stamp_ns, one.size_ns]
+                                    for steps in ledger.set_backs.values() for one in steps],
+                      'at': at, 'segments': rows[at:]})
+
+    def add(self, pairs: Pairs, numbers: Numbers) -> None:
+        """Keep pairs, before they are judged, and the numbers of their messages so far."""
+        if len(pairs):
+            self._waiting.append(pairs)
+            self._numbers = numbers
+
+    def mark(self, kind: str, stamp_ns: int) -> None:
+        """Keep a mark, before it takes effect."""
+        self._put_pairs()
+        self.kept.marks.add((kind, stamp_ns))
+        self._journal.append(_MARK, _text([kind, stamp_ns]))
+
+    def book(self, message: LedgerMessage) -> None:
+        """Keep the newest ledger of a synchronizer."""
+        self.kept.ledgers[message.started_ns] = message
+        self._changed.add(message.started_ns)
+
+    def _put_pairs(self) -> None:
+        if self._waiting:
+            self._journal.append(_PAIRS, self._pack_pairs(Pairs.concatenate(self._waiting)))
+            self._waiting.clear()
+
+    def tick(self, now_s: float) -> None:
+        """Write what is due; call it after each judgement, with a steady clock in seconds."""
+        if self._compliance.finished_runs != self._n_finished:
+            self._n_finished = self._compliance.finished_runs
+            self._begin_again(now_s)
+        if now_s < self._due_s:
+            return
+        self._due_s = now_s + _PERIOD_S
+        self._put_pairs()
+        for started_ns in sorted(self._changed):
+            self._journal.append(_LEDGER, self._pack_ledger(self.kept.ledgers[started_ns]))
+        self._changed.clear()
+        if self._journal.dropped > self._told_dropped:
+            self._journal.append(_HOLE, _text(self._journal.dropped - self._told_dropped))
+            self._told_dropped = self._journal.dropped
+        self._journal.flush(now_s)
+
+    def _begin_again(self, now_s: float) -> None:
+        """Replace the journal by the judged runs and the pairs of the run that has begun."""
+        self._journal.replace(self._records(), now_s)
+        if self._journal.fault:
+            # The former records stay. They do not hold the segments that were to be written.
+            self._written.clear()
+            self._changed |= set(self.kept.ledgers)
+        else:
+            self._waiting.clear()
+            self._changed.clear()
+
+    def _records(self) -> Iterator[Record]:
+        yield Record(_ABOUT, _text(self._about))
+        yield Record(_STATE, _text({'state': self._compliance.keep().to_text(),
+                                    'marks': sorted(self.kept.marks)}))
+        start_ns = self._compliance.run_start_ns
+        # The run has begun within the newest chunk, or it would not be the one after a judged run.
+        chunk = self._waiting[-1] if self._waiting and start_ns is not None else Pairs.empty()
+        yield Record(_RUN, self._pack_pairs(
+            chunk if start_ns is None else chunk[chunk.stamp_ns >= start_ns]))
+        for message in self.kept.ledgers.values():
+            yield Record(_LEDGER, self._pack_ledger(message, whole=True))
+
+    def close(self, *, over: bool) -> None:
+        """Remove the journal if the trial is over, otherwise write what waits."""
+        if not over:
+            self._due_s = 0.0
+            self._put_pairs()
+        self._journal.close(remove=over)
+
+
+def _text(value: Any) -> bytes:
+    return json.dumps(value, separators=(',', ':')).encode()
+
+
+def _find_mismatch(theirs: Mapping[str, Any], ours: Mapping[str, Any]) -> str:
+    """Say which settings of a journal differ from those of this trial; '' if none."""
+    if theirs.get('settings_sha256') == ours['settings_sha256']:
+        return ''
+    one, other = theirs.get('settings') or {}, ours['settings']
+    names = [name for name in {**other, **one} if one.get(name) != other.get(name)]
+    more = f' and {len(names) - 3} more' if len(names) > 3 else ''
+    return f'it has other settings: {", ".join(names[:3])}{more}'
+
+
+def _find_age(age_s: float, within_s: float) -> str:
+    """Say that a journal is too old; '' if it is not."""
+    return '' if age_s <= within_s else (
+        f'it was last written {age_s / 3600.0:.1f} h ago, more than {within_s:g} s')
+
+
+def find_bag(path: Path, settings: Settings, *, within_s: float, now_ns: int) -> str | None:
+    """
+    Return the newest recording of the trial that a journal would go on with.
+
+    Parameters
+    ----------
+    path : Path
+        The journal.
+    settings, within_s, now_ns
+        As for `RunJournal`.
+
+    Returns
+    -------
+    str or None
+        None if there is no such trial, or it was not recorded.
+
+    """
+    try:
+        if _find_age(now_ns / 1e9 - path.stat().st_mtime, within_s):
+            return None
+        Journal.probe(path)
+        records = read_journal(path).records
+        about = [json.loads(record.data) for record in records if record.kind == _ABOUT]
+        mapping = leave_out_added(settings.to_mapping())
+        ours = {'settings_sha256': settings_sha256(mapping), 'settings': mapping}
+        if not about or _find_mismatch(about[0], ours):
+            return None
+        bag = about[-1].get('bag')
+    except (OSError, ValueError, AttributeError, IndexError):
+        return None
+    return bag if isinstance(bag, str) else None

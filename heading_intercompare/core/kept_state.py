@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a judgement in progress remembers apart from the pairs of its run, as text and back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+import json
+
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.gk import Printed
+from heading_intercompare.core.decision.guarded import Evidence
+from heading_intercompare.core.pairing.stamp_jumps import SetBack
+from heading_intercompare.core.runs.run_cutter import CutterState
+from heading_intercompare.core.verdict.judge import RunResult
+from heading_intercompare.core.verdict.typed_reader import make_plain, read_plain
+from heading_intercompare.core.verdict.verdict_document import RunVerdict
+
+from .outcome import Outcome
+from .settings import Settings
+
+__all__ = ['KeptRun', 'KeptState']
+
+
+@dataclass(frozen=True, slots=True)
+class KeptRun:
+    """A judged run without its settings, and the stamp of the cut that opened it."""
+
+    verdict: RunVerdict
+    evidence: Evidence
+    limits: Limits
+    printed: Printed
+    alone: tuple[Outcome, str]
+    stabilization_s: float | str
+    set_backs: tuple[SetBack, ...]
+    cut_ns: int
+
+    @classmethod
+    def of(cls, result: RunResult, cut_ns: int = 0) -> 'KeptRun':
+        """Return a judged run to keep."""
+        return cls(**{f.name: getattr(result, f.name) for f in fields(cls)
+                      if f.name != 'cut_ns'}, cut_ns=cut_ns)
+
+    def result(self, settings: Settings) -> RunResult:
+        """Return the judged run, given the settings it was judged by."""
+        return RunResult(**{f.name: getattr(self, f.name) for f in fields(self)
+                            if f.name != 'cut_ns'}, settings=settings)
+
+
+@dataclass(frozen=True, slots=True)
+class KeptState:
+    """
+    The state of a `Compliance`, without the pairs of the run in progress.
+
+    Attributes
+    ----------
+    cutter : CutterState
+        Where runs start and end.
+    newest_ns : int or None
+        Stamp of the newest pair.
+    in_run : bool
+        A run is in progress; its cut is that of the cutter.
+    finished, earlier : tuple of KeptRun
+        Runs of the verdict, and those too old for it that have not been handed out.
+    n_earlier, n_short : int
+        Number of runs too old, and too short.
+    earlier_ns : int or None
+        Cut of the newest run that is too old.
+
+    """
+
+    cutter: CutterState
+    newest_ns: int | None
+    in_run: bool
+    finished: tuple[KeptRun, ...]
+    earlier: tuple[KeptRun, ...]
+    n_earlier: int
+    n_short: int
+    earlier_ns: int | None
+
+    def to_text(self) -> str:
+        """Return the state as text; `from_text` gives the same state to the bit."""
+        return json.dumps(make_plain(self, exact=True))
+
+    @classmethod
+    def from_text(cls, text: str) -> 'KeptState':
+        """
+        Return the state in a text of `to_text`.
+
+        Raises
+        ------
+        ValueError
+            If the text is not a state.
+
+        """
+        state = read_plain(cls, json.loads(text), 'state')
+        assert isinstance(state, cls)
+        return state

@@ -1,0 +1,150 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The pairs of one synchronizer at a time, even if several publish on the topic."""
+
+from __future__ import annotations
+
+from collections import deque
+from itertools import groupby
+import time
+from typing import Mapping
+
+from rclpy.node import Node
+
+from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
+from heading_intercompare.core.pairing.incarnation_choice import IncarnationChoice
+from heading_intercompare.messages.ledger_messages import LedgerMessage
+from heading_intercompare.messages.stamps import header_frame, header_stamp_ns
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.intake import Intake
+
+__all__ = ['PairIntake']
+
+_Taken = list[tuple[bytes, Mapping[str, int]]]
+
+#: Pairs of another synchronizer that wait until it is known whether the followed one still lives.
+_MOST_HELD = 20_000
+#: Length and first characters of the frame, which name the start of the synchronizer.
+_NAME = slice(12, 40)
+
+
+class PairIntake(Intake):
+    """
+    The pairs of one synchronizer at a time, as bytes.
+
+    Parameters
+    ----------
+    node, health, stale_s
+        As for `Intake`.
+
+    Attributes
+    ----------
+    left_out : int
+        Pairs of other synchronizers that were not taken.
+    missed : int
+        Pairs that were published while this node was down.
+
+    Notes
+    -----
+    The frame of a pair names the start of its synchronizer. Pairs of another one than is followed
+    are held until the followed one has ended or is silent; see `IncarnationChoice`. So nothing is
+    lost when the synchronizer is started again, and nothing is mixed when there are two.
+
+    """
+
+    def __init__(self, node: Node, health: Health, stale_s: float) -> None:
+        super().__init__(node, 'pairs', PAIRS_TYPES, qos.PAIRS, health, stale_s=stale_s,
+                         counted=False)
+        self._choice = IncarnationChoice()
+        self._held: dict[int, deque[tuple[bytes, Mapping[str, int]]]] = {}
+        self._ledgers: dict[int, LedgerMessage] = {}
+        self._numbers: dict[str, Numbering] = {}
+        self._newest_ns = 0
+        self._resuming: dict[str, int] = {}
+        self.left_out = self.missed = 0
+
+    def take(self) -> _Taken:
+        """Return the pairs of the followed synchronizer since the last call."""
+        now_s, found = time.monotonic(), []
+        for _, several in groupby(super().take(), key=lambda one: one[0][_NAME]):
+            batch = list(several)
+            name = header_frame(batch[0][0])
+            # Pairs without a name are those of an earlier version.
+            started_ns = int(name) if name.isdecimal() else 0
+            if name.isdecimal():
+                self._choice.hear(started_ns, now_s)
+            if not name.isdecimal() or started_ns == self._choice.current:
+                found += self._accept(name, batch)
+            else:
+                self._hold(started_ns, batch)
+        before, current = self._choice.current, self._choice.look(now_s)
+        if current != before and current is not None:
+            held = self._held.pop(current, deque())
+            fresh = [one for one in held if header_stamp_ns(one[0]) > self._newest_ns]
+            self.left_out += len(held) - len(fresh)
+            found += self._accept(str(current), fresh)
+        return found
+
+    def _accept(self, name: str, batch: _Taken) -> _Taken:
+        after = self._resuming.get(name)
+        if after is not None:
+            # A publisher sends its last messages again to a new subscription.
+            batch = [one for one in batch if one[1]['publication_sequence_number'] > after]
+        if batch:
+            numbers = [info['publication_sequence_number'] for _, info in batch]
+            numbering = self._numbers.setdefault(name, Numbering())
+            before = numbering.missing
+            numbering.take(numbers)
+            if self._resuming.pop(name, None) is not None:
+                self.missed += numbering.missing - before
+            self.last_sequence = numbers[-1]
+            self._newest_ns = header_stamp_ns(batch[-1][0])
+        return batch
+
+    @property
+    def numbers(self) -> dict[str, tuple[int, int, int]]:
+        """First, newest and number of missing ones among the numbers, by synchronizer."""
+        return {name: numbering.summary for name, numbering in self._numbers.items()}
+
+    def go_on(self, numbers: Mapping[str, tuple[int, int, int]], newest_ns: int | None) -> None:
+        """Go on after the pairs that an earlier process has taken, given its `numbers`."""
+        for name, summary in numbers.items():
+            self._numbers[name] = Numbering.go_on(*summary)
+            self._resuming[name] = self.last_sequence = summary[1]
+            if name.isdecimal():
+                self._choice.follow(int(name), time.monotonic())
+        self._newest_ns = newest_ns or 0
+        self.look()
+
+    def _hold(self, started_ns: int, batch: _Taken) -> None:
+        held = self._held.setdefault(started_ns, deque(maxlen=_MOST_HELD))
+        self.left_out += max(0, len(held) + len(batch) - _MOST_HELD)
+        held += batch
+
+    def follow(self, newest: LedgerMessage) -> list[LedgerMessage]:
+        """Take a ledger; return those of the followed synchronizer that have come by now."""
+        self._choice.hear(newest.started_ns, time.monotonic(), newest.final)
+        self._ledgers[newest.started_ns] = newest
+        return self.ledgers()
+
+    def ledgers(self) -> list[LedgerMessage]:
+        """Return the newest ledger of the followed synchronizer if it has not been returned."""
+        current = self._choice.current
+        return [self._ledgers.pop(current)] if current in self._ledgers else []
+
+    @property
+    def waiting(self) -> bool:
+        """Whether another synchronizer was heard that may yet be followed."""
+        return bool(self._choice.list_others(time.monotonic()))
+
+    @property
+    def lost(self) -> int:
+        """Pairs lost on the way, by the numbers of their synchronizers."""
+        return sum(numbering.missing for numbering in self._numbers.values()) - self.missed
+
+    @property
+    def before(self) -> int:
+        """Pairs that a synchronizer had published before the first one that was taken."""
+        return sum(max(0, (numbering.first or 1) - 1) for numbering in self._numbers.values())

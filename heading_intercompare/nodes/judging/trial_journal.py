@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The journal of a compliance node: opened where wanted, and never the end of a trial."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+import time
+
+from rclpy.node import Node
+
+from heading_intercompare.bags.recording.run_journal import Kept, Numbers, RunJournal
+from heading_intercompare.core.pipeline import Compliance
+from heading_intercompare.core.records import Pairs
+from heading_intercompare.messages.ledger_messages import LedgerMessage
+from heading_intercompare.messages.status_messages import OK, WARN
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.settings import ComplianceNode
+
+__all__ = ['TrialJournal']
+
+_NONE = '-'
+
+
+class TrialJournal:
+    """
+    Keeps the run in progress of a compliance node; without a file it does nothing.
+
+    Parameters
+    ----------
+    node : Node
+        The node; its full name is that of the file.
+    compliance : Compliance
+        Judges; it goes on from the journal.
+    own : ComplianceNode
+        Settings `journal`, `report_dir` and `resume_within_s`.
+    health : Health
+        Shows a journal that cannot be written, or was set aside.
+
+    Attributes
+    ----------
+    kept : Kept
+        What the journal of an earlier process says besides the pairs.
+
+    """
+
+    def __init__(self, node: Node, compliance: Compliance, own: ComplianceNode,
+                 health: Health) -> None:
+        self._health, self._compliance = health, compliance
+        self._journal: RunJournal | None = None
+        self.kept, self._fault = Kept(), ''
+        path = _find_path(own, node.get_fully_qualified_name())
+        if path is None:
+            return
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._journal = RunJournal(path, compliance, within_s=own.resume_within_s,
+                                       now_ns=time.time_ns(), bag=own.bag)
+        except BlockingIOError:
+            self._warn(f'another process keeps its run in {path}')
+            return
+        except OSError as error:
+            self._warn(f'{error.filename or path}: {error.strerror}')
+            return
+        self.kept = self._journal.kept
+        if self._journal.set_aside:
+            health.note('journal', WARN, self._journal.set_aside, latch=True)
+        else:
+            health.note('journal', OK, f'kept in {path}')
+        if self._journal.resumed:
+            node.get_logger().warning(f'journal: {self._journal.resumed}')
+
+    def _warn(self, why: str) -> None:
+        self._health.note('journal', WARN, f'the run in progress is not kept: {why}', latch=True)
+
+    def add(self, pairs: Pairs, numbers: Numbers) -> None:
+        """Keep pairs, before they are judged, and the numbers of their messages so far."""
+        if self._journal is not None:
+            self._journal.add(pairs, numbers)
+
+    def mark(self, kind: str, stamp_ns: int) -> None:
+        """Keep a mark, before it takes effect."""
+        if self._journal is not None:
+            self._journal.mark(kind, stamp_ns)
+
+    def book(self, ledger: LedgerMessage) -> None:
+        """Keep the newest ledger of a synchronizer."""
+        if self._journal is not None:
+            self._journal.book(ledger)
+
+    def tick(self, clear: bool) -> None:
+        """Write what is due, once it is `clear` that this node does not give way to another."""
+        if self._journal is None or not clear:
+            return
+        self._journal.tick(time.monotonic())
+        if self._journal.fault != self._fault:
+            self._fault = self._journal.fault
+            if self._fault:
+                self._warn(self._fault)
+            else:
+                self._health.note('journal', OK, 'kept again')
+
+    def close(self) -> None:
+        """Remove the journal: the trial is over, and its report is out."""
+        if self._journal is not None:
+            self._journal.close(over=True)
+            self._journal = None
+
+
+def _find_path(own: ComplianceNode, name: str) -> Path | None:
+    """Return the file of the journal; None if none is wanted."""
+    if own.journal == _NONE or (own.journal is None and own.report_dir is None):
+        return None
+    if own.journal is not None:
+        return Path(os.path.abspath(own.journal))
+    file = name.strip('/').replace('/', '.')
+    return Path(os.path.abspath(own.report_dir or ''), f'{file}.journal')

@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Bags of one trial are found and judged together."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from heading_intercompare.app.analysis import judge_bags
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.rosbag2.provenance import describe_origin, RECORD
+from heading_intercompare.bags.rosbag2.trial_parts import find_parts
+from heading_intercompare.core.pipeline import Intercomparison
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.heading_messages import encode_imu, IMU
+
+S = 1_000_000_000
+T0 = 20_000 * 86400 * S
+SETTINGS = Settings.from_mapping({
+    'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1, 'risk.min_duration_s': 0.0,
+    'pairing.method': 'interpolate', 'runs.gap_s': 120.0})
+
+
+def parts_of(rng, folder):
+    """Write a trial of 30 min in three bags, with 20 s missing between them."""
+    paths, readings = [], []
+    for number, lo_s in enumerate((0, 600, 1200)):
+        stamp = T0 + np.arange(lo_s, lo_s + 580) * S
+        ts = Headings.of(stamp, 90.0 + rng.normal(0.0, 0.1, 580))
+        rs = Headings.of(stamp + S // 4, np.full(580, 90.0))
+        paths.append(str(folder / f'trial_{number}'))
+        readings.append((ts, rs))
+        with BagWriter(paths[-1]) as bag:
+            bag.metadata(RECORD, describe_origin({}, None, f'trial_{number - 1}' if number
+                                                 else None))
+            for topic, chunk in zip(('/ts/heading', '/rs/heading'), (ts, rs)):
+                bag.add_topic(topic, IMU)
+                bag.write_rows([Rows(topic, encode_imu(chunk, 'f'), chunk.stamp_ns)])
+    return paths, readings
+
+
+def test_in_any_order_the_first_bag_leads_the_others(tmp_path, rng):
+    paths, _ = parts_of(rng, tmp_path)
+    for given in itertools.permutations(paths):
+        assert find_parts(given) == {paths[0]: paths[1:]}
+    assert find_parts(paths[1:]) == {paths[1]: paths[2:]}
+    assert find_parts([paths[0], paths[2]]) == find_parts(paths[:1]) == {}
+    assert find_parts([*paths, str(tmp_path / 'none'), 'pairs.csv']) == {paths[0]: paths[1:]}
+
+
+@pytest.mark.parametrize('jobs', [None, 2])
+def test_they_are_one_run_and_each_reading_is_accounted_for(tmp_path, rng, jobs):
+    paths, readings = parts_of(rng, tmp_path)
+    comparison = Intercomparison(SETTINGS)
+    for number, (ts, rs) in enumerate(readings):
+        if number:
+            comparison.begin_again()
+        comparison.update(ts, rs)
+    comparison.finish()
+    expected, = comparison.verdict().runs
+    judged = judge_bags(paths, SETTINGS, jobs=jobs)
+    run, = judged.verdict.runs
+    # Each bag pairs on its own: its first TS reading has no RS before it.
+    assert (run.n, run.mean_deg, run.std_deg) == (3 * 579, expected.mean_deg, expected.std_deg)
+    assert run.pairing == expected.pairing
+    assert (run.pairing.ts_received, run.pairing.rs_received) == (3 * 580, 3 * 580)
+    assert [one.continues for one in judged.verdict.inputs] == [None, paths[0], paths[0]]
+    assert len(judged.verdict.ledger_problems) == 2
+    alone = judge_bags([paths[0]], SETTINGS).verdict.runs[0]
+    assert alone.n == 579
+
+
+def test_other_bags_beside_them_stay_runs_of_their_own(tmp_path, rng):
+    paths, _ = parts_of(rng, tmp_path)
+    (tmp_path / 'other').mkdir()
+    others, _ = parts_of(rng, tmp_path / 'other')
+    judged = judge_bags([others[0], *paths], SETTINGS)
+    assert sorted(run.n for run in judged.verdict.runs) in ([579, 3 * 579], [579, 579, 2 * 579])

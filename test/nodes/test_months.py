@@ -1,0 +1,25 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The nodes take no more memory after a month of daily runs than after ten days."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import sys
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / 'benchmarks'))
+
+from months import run  # noqa: E402
+
+
+@pytest.mark.slow
+def test_thirty_days_of_the_nodes_take_no_more_memory_than_ten(tmp_path):
+    """A reading of each sensor in 2 min; the queues of DDS are full after ten days."""
+    days = [*run(30, 120.0, str(tmp_path))]
+    assert [day.runs for day in days[1:]] == [*range(1, 30)]
+    rss_mb = [day.rss_mb for day in days]
+    assert max(rss_mb[20:]) - max(rss_mb[9:12]) < 8.0
+    assert max(day.journal_mb for day in days[20:]) < 1.2 * max(
+        day.journal_mb for day in days[5:12])
