@@ -61,14 +61,14 @@ ALLOWED = {
 ORDER = {
     'core': ('utc_text', 'records', 'angles', 'clock_cuts', 'declared_settings', 'settings',
              'outcome', 'version', 'statistics',
-             'pairing', 'timing', 'decision', 'runs', 'conditions', 'diagnostics', 'verdict',
-             'pipeline', 'offline'),
+             'pairing', 'timing', 'decision', 'runs', 'conditions', 'diagnostics', 'alarms',
+             'verdict', 'pipeline', 'offline'),
     'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'gimballed',
              'sensors', 'simulator'),
     'bags': ('errors', 'checked_text', 'settings', 'mcap', 'parallel', 'rosbag2',
              'recording', 'recovery', 'csv'),
-    'nodes': ('settings', 'ros', 'runtime', 'synchronizer', 'compliance', 'recorder', 'replayer',
-              'nmea_driver', 'sensor_simulator', 'graph'),
+    'nodes': ('settings', 'ros', 'runtime', 'alarms', 'synchronizer', 'compliance', 'recorder',
+              'replayer', 'nmea_driver', 'sensor_simulator', 'graph'),
     'cli': ('terminal', 'completion', 'node_command', 'commands', 'program'),
 }
 
@@ -94,7 +94,8 @@ TESTS_OF_SEVERAL = {
     'cli/test_real_logs', 'cli/test_usage', 'cli/test_without_extras',
     'core/test_pipeline_over_days', 'core/pairing/test_lost_readings',
     'messages/test_against_rclpy',
-    'nodes/test_graph_processes', 'nodes/test_launch', 'nodes/test_real_logs_over_udp',
+    'nodes/test_alarms_on_the_graph', 'nodes/test_graph_processes', 'nodes/test_launch',
+    'nodes/test_real_logs_over_udp',
     'nodes/test_recorder_process', 'nodes/test_soak',
     'report/test_in_browser',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_equations',

@@ -20,6 +20,7 @@ from heading_intercompare.messages.heading_messages import read_pairs
 from heading_intercompare.messages.ledger_messages import decode_ledger
 from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKER_TOPIC, MARKS
 from heading_intercompare.messages.status_messages import encode_figures, WARN
+from heading_intercompare.nodes.alarms.comparison_alarms import ComparisonAlarms
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
@@ -51,7 +52,8 @@ class Compliance(Node):
                                           keeper=lambda: Spool(self._warn_of_memory).keep)
         self.get_logger().info(least_duration_words(self._settings.risk))
         self._pairs = Intake(self, 'pairs', PAIRS_TYPES, qos.PAIRS, self._health,
-                             stale_s=taking.stale_s)
+                             stale_s=taking.stale_s, lost_shown_s=taking.lost_shown_s)
+        self.alarms = ComparisonAlarms(self, self._health, self._settings)
         self._reporting = Reporting(self, self._compliance, self._own, self._health, self._pairs)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
         self._rolling = self.create_publisher(DiagnosticArray, 'compliance/rolling', qos.STATUS)
@@ -89,6 +91,7 @@ class Compliance(Node):
         pairs, refused = read_pairs([message for message, _ in self._pairs.take()])
         self._pairs.refuse(refused)
         self._compliance.update(pairs)
+        self.alarms.take(pairs)
         self._reporting.look(self._pairs.last_sequence)
         if self._end_s is not None and not self.ended:
             self._finish_if_complete()
@@ -97,6 +100,7 @@ class Compliance(Node):
         self._health.note('run', WARN, f'the run in progress stays in memory: {why}', latch=True)
 
     def _beat(self) -> None:
+        self.alarms.look()
         newest_ns = self._compliance.newest_ns or 0
         self._rolling.publish(encode_figures('rolling', self._compliance.rolling_figures(),
                                              newest_ns))
@@ -114,6 +118,7 @@ class Compliance(Node):
         if (kind, stamp_ns) not in self._marks:
             self._marks.add((kind, stamp_ns))
             self._compliance.mark(kind, stamp_ns)
+            self.alarms.start_run()
 
     def _command(self, kind: str, response: Trigger.Response) -> Trigger.Response:
         """Set a mark after the newest pair; pairs up to it belong to the run before."""
@@ -126,13 +131,14 @@ class Compliance(Node):
         return response
 
     def _acknowledge(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        n = self._health.acknowledge()
+        n = self._health.acknowledge() + self.alarms.panel.acknowledge_everywhere()
         response.success, response.message = True, f'{n} alerts acknowledged'
         return response
 
     def end(self) -> None:
         """Take the last pairs and the final ledger, then end the run and report on it."""
         self._health.mute()
+        self.alarms.panel.muted = True
         self._end_s = time.monotonic() + self._own.end_wait_s
         self._alone_s = time.monotonic() + _ALONE_S
 
