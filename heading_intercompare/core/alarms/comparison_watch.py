@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Mapping
 
 import numpy as np
 
-from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.angles import unwrap_deg, wrap360
 from heading_intercompare.core.conditions.conventions import Convention, find_convention
 from heading_intercompare.core.conditions.one_source import find_one_source
 from heading_intercompare.core.conditions.same_readings import find_same_source
@@ -48,8 +49,38 @@ _TURNING_DEG, _ALONG = 2.0, 0.5
 _COPIED, _NOISE_S = (320, 1280), 180.0
 # Smaller steps of the skew decide few outcomes, and in a short window some are chance.
 _LEAST_STEP_S = 0.3
+# A repetition is examined again when the other sensor has moved this much further, or later.
+_FURTHER, _AGAIN_NS = 1.05, 10 * 10 ** 9
 # The slow detectors run this seldom, seconds of stamp time.
 _NOISE_EVERY_S, _CLOCK_EVERY_S, _STEP_EVERY_S = 20.0, 30.0, 10.0
+
+
+@dataclass(slots=True)
+class _Repeated:
+    """The repetition of one sensor that was last examined; to examine each one seldom."""
+
+    name: str
+    looked_ns: int = -1
+    moved_deg: float = 0.0
+    found_deg: float | None = None
+
+    def needs_look(self, first_ns: int, now_ns: int, moved_deg: float) -> bool:
+        """Tell whether this repetition is new, or the other sensor has moved on since."""
+        if first_ns > self.looked_ns:
+            self.found_deg = None
+        elif self.found_deg is not None or (moved_deg <= _FURTHER * self.moved_deg
+                                            and now_ns < self.looked_ns + _AGAIN_NS):
+            return False
+        self.looked_ns, self.moved_deg = now_ns, moved_deg
+        return True
+
+    def sign(self, lasted_s: float) -> Sign:
+        """Return the sign of a repetition that goes on."""
+        if self.found_deg is None:
+            return Sign(None)
+        return Sign(True, f'the {self.name} has repeated its value for {lasted_s:.0f} s, while '
+                    f'the other sensor moved by {self.found_deg:.2f} deg',
+                    {'lasted_s': lasted_s, 'other_moved_deg': self.found_deg})
 
 
 class ComparisonWatch:
@@ -78,6 +109,7 @@ class ComparisonWatch:
         self._looked_ns: int | None = None
         self._due_ns: dict[str, int] = {}
         self._step_deg, self._repeats = 0.0, False
+        self._repeated = {name: _Repeated(name) for name in ('TS', 'RS')}
         self._turned_with_ns = 0
         self._holds: dict[str, bool] = {}
         self._steps = find_resolution([]), find_resolution([])
@@ -154,15 +186,19 @@ class ComparisonWatch:
             self._repeats = True
         if lasted_s < detectors.frozen_s:
             return Sign(False)
+        known = self._repeated[name]
+        moved_deg = float(np.ptp(unwrap_deg(other[first:])))
+        if not known.needs_look(int(window.stamp_ns[first]), self.newest_ns or 0, moved_deg):
+            return known.sign(lasted_s)
         found = find_frozen(window.stamp_ns, heading, other, least_s=detectors.frozen_s,
                             moved_deg=detectors.frozen_moved_deg, sigma_deg=sigma_deg,
                             still_frozen=True)
         if found.kind != 'frozen' or found.other_moved_deg is None:
             # It may be frozen on a steady course, or at rest alongside.
-            return Sign(None)
-        return Sign(True, f'the {name} has repeated its value for {lasted_s:.0f} s, while the '
-                    f'other sensor moved by {found.other_moved_deg:.2f} deg',
-                    {'lasted_s': lasted_s, 'other_moved_deg': found.other_moved_deg})
+            known.found_deg = None
+        else:
+            known.found_deg = found.other_moved_deg
+        return known.sign(lasted_s)
 
     def _look_rotated(self) -> Sign:
         window = self._window
@@ -171,8 +207,8 @@ class ComparisonWatch:
             return Sign(None)
         x, rs = window.x_deg[at:], window.rs_deg[at:]
         found = self._find_convention(at)
-        turned = float(np.ptp(np.unwrap(rs, period=360.0)))
-        if turned > _TURNING_DEG and float(np.ptp(np.unwrap(x, period=360.0))) > _ALONG * turned:
+        turned = float(np.ptp(unwrap_deg(rs)))
+        if turned > _TURNING_DEG and float(np.ptp(unwrap_deg(x))) > _ALONG * turned:
             # What turns along is no rotation: a mirrored or frozen sensor passes by 90 degrees.
             return Sign(None)
         if found.kind == 'mirrored' or found.angle_deg is None:

@@ -23,7 +23,7 @@ _RECENT_S, _FEWEST = 1.5, 3
 _OLDER_S, _LEAST_S, _LEAST = 3.0, 10.0, 30
 _BASE_EVERY_S = 5.0
 # Outliers last no longer than this here: a longer excursion is a jump that returns.
-_SINGLE_S, _NAMED_S, _SEARCHED_S = 1.0, 3.0, 30.0
+_SINGLE_S, _NAMED_S, _SEARCHED_S = 1.0, 3.0, 10.0
 _ABRUPT_S, _SHARE, _BACK = 0.5, 0.5, 0.5
 _SWAYS = 64
 _NEW_SPREAD_S = 60.0

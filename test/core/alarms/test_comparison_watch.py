@@ -31,11 +31,21 @@ SOUND = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('kind', SOUND)
 def test_sound_sensors_raise_nothing(rng, kind):
     changes, table = watch(*voyage(rng, **{'span_s': 400.0, **SOUND[kind]}))
     assert raised(changes) == []
     assert {alarm.state for alarm in table.alarms} == {AlarmState.NORMAL}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('name', ['gyr1-s330', 'gyr1-seap', 'seap-s330', 'adcp-s330', 'lgyr-lsep'])
+def test_real_ships_raise_nothing(real, name):
+    """A quarter of an hour each, at 1 to 10 Hz; the data of the gyro are 1.2 s old."""
+    pairs, _ = real(name)
+    t = (pairs.stamp_ns - pairs.stamp_ns[0]) / 1e9
+    assert raised(watch(t, pairs.ts_deg, pairs.rs_deg)[0]) == []
 
 
 def first(changes, name):
@@ -68,6 +78,7 @@ def test_a_rotation_from_the_start_leaves_no_false_level_behind(rng):
     assert raised(changes) == ['rotated'] and first(changes, 'rotated') <= 3.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('motion', ['swell', 'turning'])
 @pytest.mark.parametrize('rate_hz', [1.0, 10.0])
 def test_a_mirrored_sensor_is_raised_by_the_first_turn_and_is_not_also_a_jump(rng, motion,
@@ -83,6 +94,7 @@ def test_a_mirrored_sensor_is_raised_by_the_first_turn_and_is_not_also_a_jump(rn
     assert 'counts counter-clockwise' in table['mirrored'].words
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('sensor', ['ts', 'rs'])
 @pytest.mark.parametrize('rate_hz', [1.0, 10.0])
 def test_a_sensor_that_freezes_in_a_turn_is_raised_alone(rng, sensor, rate_hz):
@@ -97,6 +109,7 @@ def test_a_sensor_that_freezes_in_a_turn_is_raised_alone(rng, sensor, rate_hz):
     assert 230.0 < last(changes, f'{sensor}_frozen') <= 236.0
 
 
+@pytest.mark.slow
 def test_a_sensor_that_repeats_its_value_alongside_is_not_frozen(rng):
     """Tenths of a degree, and errors far below: one value for five minutes."""
     t, ts, rs = voyage(rng, motion='alongside', ts_deg=0.004, rs_deg=0.004, step_deg=0.1)
@@ -104,6 +117,7 @@ def test_a_sensor_that_repeats_its_value_alongside_is_not_frozen(rng):
     assert raised(watch(t, ts, rs)[0]) == []
 
 
+@pytest.mark.slow
 def test_a_ship_that_steadies_does_not_thaw_the_sensor(rng):
     """Frozen in a turn that ends: the alarm stays while the value stays."""
     t, ts, rs = voyage(rng, motion='turning', span_s=300.0)
@@ -114,6 +128,7 @@ def test_a_ship_that_steadies_does_not_thaw_the_sensor(rng):
     assert raised(changes) == ['ts_frozen']
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('rate_hz, within_s', [(10.0, 34.0), (100.0, 6.0)])
 def test_a_copy_is_raised_after_300_readings_and_cleared_by_the_noise_of_two(rng, rate_hz,
                                                                             within_s):
@@ -126,6 +141,7 @@ def test_a_copy_is_raised_after_300_readings_and_cleared_by_the_noise_of_two(rng
     assert last(changes, 'same_source') <= 110.0 + 30.0
 
 
+@pytest.mark.slow
 def test_a_late_copy_is_found_by_its_noise(rng):
     t, _, rs = voyage(rng, span_s=200.0)
     ts = np.interp(t - 0.25, t, np.unwrap(rs, period=360.0)) % 360.0
@@ -133,6 +149,7 @@ def test_a_late_copy_is_found_by_its_noise(rng):
     assert raised(changes) == ['same_source'] and first(changes, 'same_source') <= 100.0
 
 
+@pytest.mark.slow
 def test_a_step_of_the_skew_is_found_in_the_window(rng):
     """Two minutes of yaw show the skew after the step: it needs two parts of a minute."""
     t, ts, rs = voyage(rng, span_s=600.0, rate_hz=4.0)
@@ -174,6 +191,7 @@ def test_the_signs_do_not_depend_on_how_the_stream_is_cut(rng, piece):
         assert whole.look() == cut.look()
 
 
+@pytest.mark.slow
 def test_a_look_costs_no_more_after_a_day(rng):
     """A thousand pairs per look for an hour: the window holds 65536, whatever came before."""
     watcher = ComparisonWatch(Settings.from_mapping(NORMS))

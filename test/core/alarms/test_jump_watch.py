@@ -18,6 +18,7 @@ def times_of(changes, name):
             [t for t, a in changes if a.rule.name == name and not a.state.active])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('motion', ['alongside', 'swell', 'turning'])
 @pytest.mark.parametrize('rate_hz', [10.0, 100.0])
 def test_a_jump_is_raised_within_3_s_and_clears_when_the_sensor_comes_back(rng, motion, rate_hz):
@@ -30,6 +31,7 @@ def test_a_jump_is_raised_within_3_s_and_clears_when_the_sensor_comes_back(rng, 
     assert '+6' in changes[0][1].words or '+5.9' in changes[0][1].words
 
 
+@pytest.mark.slow
 def test_a_jump_that_stays_is_an_alarm_for_as_long(rng):
     """Twenty minutes: the window holds nothing of the time before any more."""
     t, ts, rs = voyage(rng, span_s=1300.0, rate_hz=4.0)
@@ -38,6 +40,7 @@ def test_a_jump_that_stays_is_an_alarm_for_as_long(rng):
     assert raised(changes) == ['jump'] and table['jump'].state is AlarmState.UNACKNOWLEDGED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('late_s', [-1.0, 0.5, 1.5])
 @pytest.mark.parametrize('rate_hz', [1.0, 10.0])
 def test_turns_of_a_late_sensor_raise_nothing(rng, late_s, rate_hz):
@@ -55,6 +58,7 @@ def test_a_single_outlier_is_raised_and_clears(rng):
     assert raised(changes) == ['outliers'] and 50.0 < began <= 53.0 and ended <= 67.0
 
 
+@pytest.mark.slow
 def test_a_flood_of_outliers_is_one_alarm_until_it_ends(rng):
     """One reading in ten for two minutes: the usual spread must not grow with them."""
     t, ts, rs = voyage(rng, span_s=300.0)
