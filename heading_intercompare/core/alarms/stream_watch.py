@@ -18,6 +18,8 @@ STREAM_RULES = (Rule('ts_silent', clear_s=2.0), Rule('rs_silent', clear_s=2.0),
 
 # Looks kept for the usual offset, and the least number of them before a step can be seen.
 _KEPT, _LEAST, _SPEEDS = 60, 5, 9
+# A silence of fewer usual steps is none.
+_STEPS, _LEAST_READINGS, _UNKNOWN_S = 3.0, 3, 20.0
 # Beyond the steps of both sensors, arrival may be this late; and what a step must last.
 _LATE_S, _TWICE = 0.5, 2
 
@@ -29,7 +31,7 @@ class StreamWatch:
     Parameters
     ----------
     stale_s : float
-        A longer silence is a condition, seconds.
+        A silence longer than this, and than three usual steps, is a condition, seconds.
     apart_s : float
         Stamps further apart than this cannot be paired, seconds: `pairing.max_wait_s`.
 
@@ -46,6 +48,7 @@ class StreamWatch:
         self._stale_s, self._apart_s = stale_s, apart_s
         self._received = [0, 0]
         self._heard_s: list[float | None] = [None, None]
+        self._first_s: list[float] = [0.0, 0.0]
         self._look_s: float | None = None
         self._last_ns: list[int] | None = None
         self._usual: deque[float] = deque(maxlen=_KEPT)
@@ -73,8 +76,10 @@ class StreamWatch:
         signs = {}
         for at, name in enumerate(('TS', 'RS')):
             if come[at]:
+                if self._heard_s[at] is None:
+                    self._first_s[at] = now_s
                 self._heard_s[at] = now_s
-            signs[f'{name.lower()}_silent'] = self._judge_silence(name, self._heard_s[at], now_s)
+            signs[f'{name.lower()}_silent'] = self._judge_silence(name, at, now_s)
         ts_ns, rs_ns = heard_ns
         before_s, self._look_s = self._look_s, now_s
         if ts_ns is None or rs_ns is None or not min(come) or before_s is None:
@@ -83,11 +88,16 @@ class StreamWatch:
         signs['clock_step'] = self._judge_offset([ts_ns, rs_ns], come, max(now_s - before_s, 0.1))
         return signs
 
-    def _judge_silence(self, name: str, heard_s: float | None, now_s: float) -> Sign:
+    def _judge_silence(self, name: str, at: int, now_s: float) -> Sign:
+        heard_s = self._heard_s[at]
         if heard_s is None:
             return Sign(None)
-        silent = now_s - heard_s > self._stale_s
-        return Sign(silent, f'the {name} has been silent for more than {self._stale_s:g} s')
+        # A slow sensor is silent between its readings.
+        step_s = (heard_s - self._first_s[at]) / max(self._received[at] - 1, 1)
+        known = self._received[at] >= _LEAST_READINGS
+        allowed_s = max(self._stale_s, _STEPS * step_s if known else _UNKNOWN_S)
+        return Sign(now_s - heard_s > allowed_s,
+                    f'the {name} has been silent for more than {allowed_s:.3g} s')
 
     def _judge_offset(self, newest_ns: list[int], come: Sequence[int], passed_s: float) -> Sign:
         offset_s = (newest_ns[0] - newest_ns[1]) / 1e9

@@ -79,6 +79,17 @@ def test_a_silent_sensor_is_seen_after_its_time_and_is_not_a_step():
     assert not any(actives(found, 'ts_silent')) and not any(actives(found, 'clock_step'))
 
 
+def test_a_sensor_slower_than_the_limit_is_not_silent_between_its_readings():
+    """One reading in 4 s."""
+    watch = StreamWatch(3.0, 5.0)
+    for at in range(200):
+        n = 1 + at // 4
+        found = watch.look([n, at], [n * 4 * S_NS, at * S_NS], float(at))
+        assert found['ts_silent'].active is False
+    later = [watch.look([n, at], [n * 4 * S_NS, at * S_NS], float(at)) for at in range(200, 220)]
+    assert later[-1]['ts_silent'].active is True
+
+
 def test_before_a_sensor_was_heard_it_is_not_silent():
     watch = StreamWatch(3.0, 5.0)
     for at in range(20):
