@@ -60,6 +60,7 @@ def last(changes, name):
     return t
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('off_deg', [90.0, -90.0, 180.0])
 @pytest.mark.parametrize('motion', ['alongside', 'turning'])
 def test_a_quarter_turn_is_raised_within_3_s_and_is_not_also_a_jump(rng, off_deg, motion):
