@@ -37,7 +37,7 @@ STOREYS = (
 HEIGHTS = (1.4, 1.4, 2.0, 0.85, 1.75)
 #: Rooms of core in the order in which they build on each other.
 CORE = ('statistics', 'pairing', 'timing', 'decision', 'runs', 'conditions', 'diagnostics',
-        'verdict')
+        'alarms', 'verdict')
 
 WIDTH, GAP, PAD = 15.0, 0.18, 0.12
 _FONT = {'svg.fonttype': 'none', 'svg.hashsalt': 'house', 'font.family': 'sans-serif'}

@@ -20,6 +20,7 @@ from heading_intercompare.messages.heading_messages import read_pairs
 from heading_intercompare.messages.ledger_messages import decode_ledger
 from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKER_TOPIC, MARKS
 from heading_intercompare.messages.status_messages import encode_figures, WARN
+from heading_intercompare.nodes.alarms.comparison_alarms import ComparisonAlarms
 from heading_intercompare.nodes.judging.pair_intake import PairIntake
 from heading_intercompare.nodes.judging.reporting import Reporting
 from heading_intercompare.nodes.judging.trial_journal import TrialJournal
@@ -51,7 +52,8 @@ class Compliance(Node):
         self._compliance = PureCompliance(self._settings, source='live',
                                           keeper=lambda: Spool(self._warn_of_memory).keep)
         self.get_logger().info(least_duration_words(self._settings.risk))
-        self._pairs = PairIntake(self, self._health, taking.stale_s)
+        self._pairs = PairIntake(self, self._health, taking)
+        self.alarms = ComparisonAlarms(self, self._health, self._settings)
         self._journal = TrialJournal(self, self._compliance, self._own, self._health)
         self._pairs.go_on(self._journal.kept.numbers, self._compliance.newest_ns)
         self._marks = self._journal.kept.marks
@@ -97,6 +99,7 @@ class Compliance(Node):
         self._journal.add(pairs, self._pairs.numbers)
         self._compliance.update(pairs)
         self._journal.tick(self.sole.clear)
+        self.alarms.take(pairs)
         self._reporting.look(self._pairs.last_sequence)
         if self._end_s is not None:
             self._finish_if_complete()
@@ -105,6 +108,7 @@ class Compliance(Node):
         self._health.note('run', WARN, f'the run in progress stays in memory: {why}', latch=True)
 
     def _beat(self) -> None:
+        self.alarms.look()
         newest_ns = self._compliance.newest_ns or 0
         self._rolling.publish(encode_figures('rolling', self._compliance.rolling_figures(),
                                              newest_ns))
@@ -123,6 +127,7 @@ class Compliance(Node):
             self._marks.add((kind, stamp_ns))
             self._journal.mark(kind, stamp_ns)
             self._compliance.mark(kind, stamp_ns)
+            self.alarms.start_run()
 
     def _command(self, kind: str, response: Trigger.Response) -> Trigger.Response:
         """Set a mark after the newest pair; pairs up to it belong to the run before."""
@@ -135,13 +140,14 @@ class Compliance(Node):
         return response
 
     def _acknowledge(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        n = self._health.acknowledge()
+        n = self._health.acknowledge() + self.alarms.panel.acknowledge_everywhere()
         response.success, response.message = True, f'{n} alerts acknowledged'
         return response
 
     def end(self) -> None:
         """Take the last pairs and the final ledger, then end the run and report on it."""
         self._health.mute()
+        self.alarms.panel.muted = True
         self._end_s = time.monotonic() + self._own.end_wait_s
         self._alone_s = time.monotonic() + _ALONE_S
 

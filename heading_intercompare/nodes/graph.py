@@ -12,6 +12,7 @@ from __future__ import annotations
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 import os
+from queue import SimpleQueue
 import threading
 from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 
@@ -111,7 +112,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                  output: str | None = None, report_dir: str | None = None,
                  own: Mapping[str, Mapping[str, Any]] | None = None, private: bool = False,
                  namespace: str = '/',
-                 progress: Callable[[int], None] = lambda n_pairs: None) -> Verdict:
+                 progress: Callable[[int], None] = lambda n_pairs: None,
+                 tell: Callable[[str], None] | None = None) -> Verdict:
     """
     Run sources, synchronizer and compliance until all sources have finished, or a signal comes.
 
@@ -135,6 +137,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         Namespace of all nodes and relative topics.
     progress : callable
         Called with the number of pairs several times per second.
+    tell : callable, optional
+        Called with a line for each change of an alarm, which is then not logged.
 
     Returns
     -------
@@ -179,12 +183,19 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         running = nodes[len(nodes) - len(sources):]
         for recorder in recorders:
             recorder.state_sources({source.name: source.settings for source in sources})
+        told: SimpleQueue[str] = SimpleQueue()
+        for node in nodes if tell is not None else ():
+            if hasattr(node, 'alarms'):
+                node.alarms.panel.tell = told.put
         _align_logs(running)
         with _spin_in_thread(judging) as judged:
             while not (stop.requested or judged.done()
                        or (running and all(s.done for s in running))):
                 executor.spin_once(0.2)
                 progress(compliance.n_pairs)
+                # The judge has its own thread; only this one writes.
+                while tell is not None and not told.empty():
+                    tell(told.get())
         judging.remove_node(compliance)
         executor.add_node(compliance)
         # End the sources first, then the synchronizer, then compliance, then the recorder.

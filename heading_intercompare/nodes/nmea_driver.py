@@ -17,6 +17,7 @@ from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.messages.heading_messages import imu_messages
 from heading_intercompare.messages.status_messages import OK, WARN
+from heading_intercompare.nodes.alarms.sentence_alarms import SentenceAlarms
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolve_topic
 from heading_intercompare.nodes.ros.process import run
@@ -53,6 +54,7 @@ class NmeaDriver(Node):
         wake = self.create_guard_condition(self._pass_on)
         self._reading = Reading(settings, sending.max_rate_hz, wake.trigger)
         self._health = Health(self)
+        self.alarms = SentenceAlarms(self, self._health, settings.talker)
         self._publisher = self.create_publisher(
             Imu, settings.topic, qos.HEADINGS_OUT,
             event_callbacks=self._health.of_publisher(settings.topic))
@@ -138,6 +140,7 @@ class NmeaDriver(Node):
                           sentence=self._decoder.chosen, published=self._published,
                           rate_hz=rate_hz, age_s=age_s, stamp_beyond_2038=self._beyond or None,
                           **self._reading.source.counts, **self._decoder.counts)
+        self.alarms.look({**self._reading.source.counts, **self._decoder.counts}, self._published)
 
     def end(self) -> None:
         """Stop reading; `ended` becomes True once everything received is published."""

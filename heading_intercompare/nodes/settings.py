@@ -20,6 +20,9 @@ class Taking(Checked):
         0.05, 'time from one batch of messages taken to the next [s]', 0.001, 1.0)
     stale_s: float = setting(
         3.0, 'silence of an input after which the diagnostics warn [s]', 0.1, 3600.0)
+    lost_shown_s: float = setting(
+        600.0, 'how long the diagnostics warn of messages lost or readings rejected [s]; their '
+        'totals stay', 1.0, 86400.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,13 +14,12 @@ from rclpy.node import Node
 
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pairer import Pairer
-from heading_intercompare.core.pairing.pairing_watch import PairingWatch
 from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import pair_messages, read_headings
 from heading_intercompare.messages.ledger_messages import decode_losses, encode_ledger, lost_topic
 from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC, MARKS
-from heading_intercompare.messages.status_messages import OK, WARN
+from heading_intercompare.nodes.alarms.stream_alarms import StreamAlarms
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
@@ -55,15 +54,16 @@ class Synchronizer(Node):
         self.ended = False
         self._started_ns = time.time_ns()
         self._pairer = Pairer(settings)
-        self._watch = PairingWatch(settings.pairing)
         self._health = Health(self)
+        self.alarms = StreamAlarms(self, self._health, settings.pairing, taking)
         self._pairs = self.create_publisher(TwistStamped, 'pairs', qos.PAIRS,
                                             event_callbacks=self._health.of_publisher('pairs'))
         self.sole = SoleNode(self, ['pairs'], self._health)
         self._ledger = self.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
         self._inputs = [
             (Intake(self, topic, HEADING_TYPES, qos.HEADINGS_IN, self._health,
-                    unreliable=qos.HEADINGS_UNRELIABLE, stale_s=taking.stale_s, stamped=True),
+                    unreliable=qos.HEADINGS_UNRELIABLE, stale_s=taking.stale_s,
+                    lost_shown_s=taking.lost_shown_s, stamped=True),
              convention)
             for topic, convention in ((settings.ts_topic, settings.ts_convention),
                                       (settings.rs_topic, settings.rs_convention))]
@@ -118,15 +118,10 @@ class Synchronizer(Node):
 
     def _beat(self) -> None:
         self._pairer.forget_earlier()
-        ledger = self._pairer.ledger
         numbers = {stream: one.numbers for stream, (one, _) in zip(('ts', 'rs'), self._inputs)}
-        self._ledger.publish(encode_ledger(ledger, self.ended, self._started_ns, numbers))
-        state = self._watch.look(ledger, *self._pairer.heard_ns, time.monotonic())
-        troubles = [state.trouble, *ledger.troubles]
-        self._health.note('pairing', WARN if any(troubles) else OK,
-                          '; '.join(filter(None, troubles)) or 'pairing',
-                          paired_share=state.paired_share, offset_s=state.offset_s,
-                          **ledger.total.counts)
+        self._ledger.publish(encode_ledger(self._pairer.ledger, self.ended, self._started_ns,
+                                           numbers))
+        self.alarms.look(self._pairer, [intake for intake, _ in self._inputs])
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
         for kind, stamp_ns in marks:
@@ -137,6 +132,7 @@ class Synchronizer(Node):
     def end(self) -> None:
         """Take the last headings, until their publishers are gone or time is up."""
         self._health.mute()
+        self.alarms.panel.muted = True
         self._end_s = time.monotonic() + self._own.end_wait_s
 
     def _finish_if_quiet(self) -> None:

@@ -304,7 +304,7 @@ def test_pairs_and_ledgers_that_cannot_be_read_are_counted(ros, rng):
     def said(part):
         return {s.message for m in states for s in m.status if s.name == f'compliance: {part}'}
     ros.spin_until(lambda: '2 messages refused: geometry_msgs/msg/TwistStamped message of 40 '
-                   'bytes is too short' in said('pairs'))
+                   'bytes is too short' in said('pairs lost'))
     ros.spin_until(lambda: "1 messages refused: ledger: paired = 'two' must be an integer of 64 "
                    'bits' in said('pairs/ledger'))
     assert graph.node.n_pairs == 4

@@ -23,6 +23,7 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
+from heading_intercompare.messages.status_messages import decode_statuses
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.graph import intercompare, Source
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
@@ -166,6 +167,25 @@ def test_without_sources_the_graph_listens_to_the_topics_of_others(domain, tmp_p
         other.close()
     assert live['runs'][0]['pairing']['paired'] == 200
     assert_same(live, offline(bag, **{'pairing.method': 'nearest'}))
+
+
+def test_alarms_are_told_and_recorded_and_do_not_change_the_verdict(tmp_path):
+    """A quarter turn for 30 s of 120, at ten times the pace."""
+    bag, told = str(tmp_path / 'bag'), []
+    live = intercompare([Source(SensorSimulator, 'sensor_simulator', {
+        **TRIAL, 'ts.faults': '40 rotated 90 30', 'speed': 10.0})],
+        {**NORMS, 'pairing.method': 'interpolate'}, output=bag, private=True, tell=told.append)
+    lines = [line for line in told if 'rotated' in line]
+    assert lines[0].startswith('compliance: alarm raised: rotated: TS - RS is near 90 deg')
+    assert lines[1].startswith('compliance: alarm cleared, not acknowledged: rotated')
+    assert_same(live.to_dict(), offline(bag, **{'pairing.method': 'interpolate'}))
+    states = [status.values['state'] for message in BagReader(bag).messages(['/compliance/alarms'])
+              for status in decode_statuses(message.data)[1]
+              if status.name == 'compliance: rotated']
+    assert list(dict.fromkeys(states)) == ['normal', 'active_unacknowledged',
+                                           'rectified_unacknowledged']
+
+
 CUTS = {**NORMS, 'runs.every_h': 0.01, 'runs.keep': 2}
 """A cut every 36 s: four or five runs in 120 s, of which a verdict covers three."""
 

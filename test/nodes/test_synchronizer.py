@@ -280,8 +280,7 @@ def test_a_clock_set_back_is_told_in_words_and_in_the_ledger(ros, rng):
         send(sensor, stream(rng, 10.0, 20.0))
         send(sensor, stream(rng, 10.0, 20.0, -3580 * 10 ** 9))
     words = ('the clock of the TS was set back by 3600.0 s at 2023-11-14 22:13:39.900 UTC; the '
-             'clock of the RS was set back by 3600.0 s at 2023-11-14 22:13:39.900 UTC; 400 '
-             'readings rejected')
+             'clock of the RS was set back by 3600.0 s at 2023-11-14 22:13:39.900 UTC')
     ros.spin_until(lambda: any(said == words for _, said, _ in states()))
     ledger = finish(ros, node, sensors, ledgers)
     assert [(one.stream, one.size_ns) for steps in ledger.set_backs.values()
@@ -309,7 +308,7 @@ def test_either_byte_order_is_paired_and_other_encodings_are_counted(ros, rng):
     ros.spin_until(lambda: any(
         s.message == '3 messages refused: sensor_msgs/msg/Imu message does not start as CDR'
         and {v.key: v.value for v in s.values}['refused'] == '3'
-        for m in states for s in m.status if s.name == 'synchronizer: ts/heading'))
+        for m in states for s in m.status if s.name == 'synchronizer: ts/heading lost'))
     ledger = finish(ros, node, sensors, ledgers)
     assert ledger.total.received('ts') == 7 and ledger.total.received('rs') == 10
     sound = np.delete(np.arange(10), [3, 5, 8])

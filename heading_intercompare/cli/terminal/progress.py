@@ -101,6 +101,12 @@ class Progress:
         sys.stderr.write(written.get() + '\r')
         self._width = room
 
+    def tell(self, text: str) -> None:
+        """Write a line that stays, above the one that is overwritten."""
+        self.clear()
+        sys.stderr.write(_printable(text) + '\n')
+        sys.stderr.flush()
+
     def clear(self) -> None:
         """Remove the line from the screen."""
         if self._width:

@@ -130,7 +130,7 @@ def _find_coarsest(heading: np.ndarray, values: np.ndarray, unit_deg: float) -> 
 
 def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
                 least_s: float = 5.0, moved_deg: float = 0.5,
-                sigma_deg: float | None = None) -> Frozen:
+                sigma_deg: float | None = None, still_frozen: bool = False) -> Frozen:
     """
     Look for times when a sensor repeats its value while the other sensor turns.
 
@@ -149,6 +149,8 @@ def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLik
         Norm of the standard deviation of the other's errors, degrees; default 0. Bounds these
         errors if the sensor repeats itself for most of the run, so that the rest cannot show
         them.
+    still_frozen : bool
+        Judge only the repetition that goes on at the last reading.
 
     Returns
     -------
@@ -199,6 +201,8 @@ def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLik
     busy = np.zeros(stamps.size, bool)
     for lo, hi in zip(first[long], last[long]):
         busy[lo:hi + 1] = True
+    if still_frozen:
+        long = long[last[long] == stamps.size - 1]
     windows = Windows(stamps, heading, other, busy, find_coarse_resolution(other) or 0.0,
                       sigma_deg)
     grain = max(moved_deg, _STEPS * (step or 0.0))

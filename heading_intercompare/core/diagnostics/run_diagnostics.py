@@ -194,7 +194,6 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
     ts_deg = x_deg + rs_deg
     ts_deg += settings.installation_offset_deg
     ts_deg = wrap360(ts_deg)
-    least = {'least_s': detectors.frozen_s, 'moved_deg': detectors.frozen_moved_deg}
     both = (ts_deg, rs_deg) if interpolates_ts else (rs_deg, ts_deg)
     steps = find_resolution(ts_deg), find_resolution(rs_deg)
     signs = Signs(
@@ -202,8 +201,10 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
                         range_s=settings.alignment.skew_range_s), estimate_mean_difference(x_deg),
         find_one_source(stamp_ns, x_deg, rs_deg, factor=factor, interpolates_ts=interpolates_ts,
                         share=detectors.same_source_share),
-        find_frozen(stamp_ns, ts_deg, rs_deg, **least, sigma_deg=limits.sigma_ref_max_deg),
-        find_frozen(stamp_ns, rs_deg, ts_deg, **least, sigma_deg=limits.sigma_max_deg),
+        find_frozen(stamp_ns, ts_deg, rs_deg, least_s=detectors.frozen_s,
+                    moved_deg=detectors.frozen_moved_deg, sigma_deg=limits.sigma_ref_max_deg),
+        find_frozen(stamp_ns, rs_deg, ts_deg, least_s=detectors.frozen_s,
+                    moved_deg=detectors.frozen_moved_deg, sigma_deg=limits.sigma_max_deg),
         find_standstill(ts_deg, rs_deg), find_outliers(
             stamp_ns, residual_deg, longest_s=LONGEST_BURST_S,
             step_deg=max((s.step_deg or 0.0) for s in steps)),

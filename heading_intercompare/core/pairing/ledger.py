@@ -317,11 +317,14 @@ class Ledger:
 
     @property
     def troubles(self) -> list[str]:
-        """In words: the last time that each clock was set back, and the readings rejected."""
-        said = [str(steps[-1]) for steps in self.set_backs.values() if steps]
+        """In words: the last time that each clock was set back."""
+        return [str(steps[-1]) for steps in self.set_backs.values() if steps]
+
+    @property
+    def rejected(self) -> int:
+        """Number of readings rejected so far."""
         total = self.total
-        rejected = sum(sum(total.rejected(stream).values()) for stream in ('ts', 'rs'))
-        return [*said, f'{rejected} readings rejected'] if rejected else said
+        return sum(sum(total.rejected(stream).values()) for stream in ('ts', 'rs'))
 
     @property
     def paired(self) -> int:

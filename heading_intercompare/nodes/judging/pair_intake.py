@@ -19,6 +19,7 @@ from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
+from heading_intercompare.nodes.settings import Taking
 
 __all__ = ['PairIntake']
 
@@ -36,8 +37,10 @@ class PairIntake(Intake):
 
     Parameters
     ----------
-    node, health, stale_s
+    node, health
         As for `Intake`.
+    taking : Taking
+        Settings.
 
     Attributes
     ----------
@@ -54,9 +57,9 @@ class PairIntake(Intake):
 
     """
 
-    def __init__(self, node: Node, health: Health, stale_s: float) -> None:
-        super().__init__(node, 'pairs', PAIRS_TYPES, qos.PAIRS, health, stale_s=stale_s,
-                         counted=False)
+    def __init__(self, node: Node, health: Health, taking: Taking) -> None:
+        super().__init__(node, 'pairs', PAIRS_TYPES, qos.PAIRS, health, stale_s=taking.stale_s,
+                         lost_shown_s=taking.lost_shown_s, counted=False)
         self._choice = IncarnationChoice()
         self._held: dict[int, deque[tuple[bytes, Mapping[str, int]]]] = {}
         self._ledgers: dict[int, LedgerMessage] = {}

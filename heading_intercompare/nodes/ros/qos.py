@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-__all__ = ['CLOCK', 'DIAGNOSTICS_IN', 'HEADINGS_IN', 'HEADINGS_OUT', 'HEADINGS_UNRELIABLE',
-           'LEDGER', 'LOST', 'MARKER', 'NOTE', 'PAIRS', 'PAIRS_TAKEN', 'REPORT', 'STATUS',
-           'VERDICT']
+__all__ = ['ACKNOWLEDGE', 'ALARMS', 'CLOCK', 'DIAGNOSTICS_IN', 'HEADINGS_IN', 'HEADINGS_OUT',
+           'HEADINGS_UNRELIABLE', 'LEDGER', 'LOST', 'MARKER', 'NOTE', 'PAIRS', 'PAIRS_TAKEN',
+           'REPORT', 'STATUS', 'VERDICT']
 
 
 def _keep_last(depth: int) -> QoSProfile:
@@ -36,6 +36,9 @@ MARKER = _keep_last(100)
 # Any reliable publisher will do, including `ros2 topic pub`.
 NOTE = QoSProfile(depth=10)
 VERDICT = _keep_last(10)
+# Each message holds all alarms of its node.
+ALARMS = _keep_last(100)
+ACKNOWLEDGE = QoSProfile(depth=10)
 REPORT = _keep_last(10)
 # Best effort, as rosbag2 publishes it; a reliable subscription would receive nothing.
 CLOCK = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from typing import Any, Callable
 
@@ -24,10 +25,18 @@ from heading_intercompare.nodes.ros.steady_timer import every
 
 __all__ = ['Health']
 
+_NUMBER = re.compile(r'\d[\d.,:e+-]*')
+#: Foreign words in a message must neither fill the memory nor the log.
+_MOST_KINDS = 50
+
 
 class Health:
     """
     Reports the state of a node, part by part; a change of state is logged once.
+
+    A change is another level, or trouble of a kind not logged since the part was last OK. The
+    kind is the message without its numbers, clause by clause: a count that grows is not logged
+    again.
 
     Parameters
     ----------
@@ -46,6 +55,7 @@ class Health:
         self.owner = f'{node.get_fully_qualified_name()} {time.time_ns()}'
         self._parts: dict[str, Status] = {}
         self._latched: dict[str, Status] = {}
+        self._kinds: dict[str, set[str]] = {}
         self._refreshers: list[Callable[[], None]] = []
         self._ending = False
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', STATUS)
@@ -77,7 +87,7 @@ class Health:
             Keep showing this state until `acknowledge`, unless it is OK or a worse one is
             latched already.
         log : bool
-            Log a change of level.
+            Log a change.
         **values : object
             Figures to show with it.
 
@@ -88,10 +98,24 @@ class Health:
         latched = self._latched.get(part)
         if latch and level != OK and (latched is None or level >= latched.level):
             self._latched[part] = now
-        if log and (before is None or before.level != level):
+        new = self._remember(part, level, message)
+        if log and (before is None or before.level != level or new):
             self._log(level, f'{part}: {message}', first=before is None)
         if level > (OK if before is None else before.level):
             self.publish()
+
+    def _remember(self, part: str, level: int, message: str) -> bool:
+        """Remember the kinds of trouble in a message; tell whether one of them is new."""
+        if level == OK:
+            self._kinds.pop(part, None)
+            return False
+        kinds = set(_NUMBER.sub('#', message).split('; '))
+        known = self._kinds.setdefault(part, set())
+        new = not kinds <= known
+        if len(known) < _MOST_KINDS:
+            known |= kinds
+            return new
+        return False
 
     def acknowledge(self) -> int:
         """Clear the latched states; return how many there were."""

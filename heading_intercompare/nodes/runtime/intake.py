@@ -15,8 +15,10 @@ from rclpy.qos import (
     ReliabilityPolicy,
 )
 from rclpy.subscription import Subscription
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
+from heading_intercompare.core.alarms.recent_count import RecentCount
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.records import Losses
 from heading_intercompare.messages.stamps import header_stamp_ns
@@ -27,6 +29,9 @@ from heading_intercompare.nodes.ros.parameters import resolve_topic
 from .health import Health
 
 __all__ = ['Intake']
+
+#: A publisher that was killed stays visible for its lease of 20 s.
+_LEASE_S = 30.0
 
 
 class Intake:
@@ -49,6 +54,8 @@ class Intake:
         Shows the state of this input.
     stale_s : float, optional
         Silence after which the state is a warning, seconds.
+    lost_shown_s : float
+        How long messages lost or refused are a warning, seconds.
     sole : bool
         More than one publisher is an error.
     needed : bool
@@ -91,8 +98,9 @@ class Intake:
 
     def __init__(self, node: Node, topic: str, types: Mapping[str, type], qos: QoSProfile,
                  health: Health, *, unreliable: QoSProfile | None = None,
-                 stale_s: float | None = None, sole: bool = True, needed: bool = True,
-                 stamped: bool = False, counted: bool = True) -> None:
+                 stale_s: float | None = None, lost_shown_s: float = 600.0,
+                 sole: bool = True, needed: bool = True, stamped: bool = False,
+                 counted: bool = True) -> None:
         self._node, self._topic, self._types = node, topic, types
         self._reliable, self._unreliable, self._qos = qos, unreliable, qos
         self._health, self._stale_s, self._sole, self._needed = health, stale_s, sole, needed
@@ -110,6 +118,9 @@ class Intake:
         self._numbering, self._stamped, self.counted = Numbering(), stamped, counted
         self._losses: list[Losses] = []
         self._publishers = '', ''
+        self._recent = RecentCount(lost_shown_s), RecentCount(lost_shown_s)
+        self._rivals_since_s: float | None = None
+        self._ghost = False
         health.add_refresher(self._note)
 
     def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
@@ -162,7 +173,10 @@ class Intake:
 
     def look(self) -> str:
         """Look for publishers and subscribe to their type; return what is wrong, '' if nothing."""
+        self._ghost = False
         self.publishers = self._node.count_publishers(self.full_name)
+        if self.publishers < 2:
+            self._rivals_since_s = None
         if not self.publishers:
             if self._qos is self._unreliable:
                 self._unsubscribe()
@@ -190,9 +204,21 @@ class Intake:
             if verdict == QoSCompatibility.ERROR:
                 return f'QoS mismatch on {self._topic} with {info.node_name}: {reason}'
         if self._sole and len(infos) > 1:
-            names = ', '.join(sorted(info.node_name for info in infos))
-            return f'{len(infos)} publishers on {self._topic} instead of one: {names}'
+            return self._describe_rivals(infos)
         return ''
+
+    def _describe_rivals(self, infos: Sequence[TopicEndpointInfo]) -> str:
+        """Say that there are several publishers; of one name, the old one may be dead."""
+        names = sorted(info.node_name for info in infos)
+        now_s = time.monotonic()
+        if self._rivals_since_s is None:
+            self._rivals_since_s = now_s
+        alike = len({(info.node_namespace, info.node_name) for info in infos}) == 1
+        self._ghost = alike and now_s - self._rivals_since_s <= _LEASE_S
+        if self._ghost:
+            return (f'{len(infos)} publishers on {self._topic}, all {names[0]}: after a restart '
+                    'the old one may be dead and disappears within 20 s')
+        return f'{len(infos)} publishers on {self._topic} instead of one: {", ".join(names)}'
 
     def _subscribe(self, type_name: str) -> None:
         self._subscription = self._node.create_subscription(
@@ -211,15 +237,11 @@ class Intake:
         """Report the state of this input."""
         now_s = time.monotonic()
         wrong, age_s = self.look(), now_s - self._newest_s
-        level, words = (ERROR, wrong) if wrong else (OK, 'receiving')
+        level, words = (WARN if self._ghost else ERROR, wrong) if wrong else (OK, 'receiving')
         if not wrong and not self.publishers:
             level, words = WARN if self._needed else OK, f'no publisher on {self._topic}'
         elif not wrong and self._stale_s is not None and age_s > self._stale_s:
             level, words = WARN, f'silent for more than {self._stale_s:g} s'
-        elif not wrong and (self.lost or self.refused):
-            level, words = WARN, '; '.join(filter(None, [
-                self.lost and f'{self.lost} messages lost on the way',
-                self.refused and f'{self.refused} messages refused: {self._why_refused}']))
         rate_hz = (self.received - self._beat_n) / max(now_s - self._beat_s, 1e-3)
         self._beat_s, self._beat_n = now_s, self.received
         self._health.note(self._topic, level, words, type=self.type_name,
@@ -227,3 +249,10 @@ class Intake:
                           refused=self.refused or None,
                           resubscribed=self.resubscribed or None, rate_hz=rate_hz, age_s=age_s,
                           latency_s=self._latency_s)
+        lost, refused = (count.take(total, now_s) for count, total in zip(
+            self._recent, (self.lost, self.refused)))
+        said = [lost and f'{lost} messages lost on the way',
+                refused and f'{refused} messages refused: {self._why_refused}']
+        self._health.note(f'{self._topic} lost', WARN if any(said) else OK,
+                          '; '.join(filter(None, said)) or 'nothing lost lately',
+                          lost=self.lost, refused=self.refused or None)

@@ -37,7 +37,9 @@ from heading_intercompare.nodes.ros.parameters import resolve_topic
 from .health import Health
 from .intake import Intake
 
-__all__ = ['make_intakes', 'Recorded', 'report_files', 'text_of']
+__all__ = ['ALARMS_TOPIC', 'make_intakes', 'Recorded', 'report_files', 'text_of']
+
+ALARMS_TOPIC = 'compliance/alarms'
 
 
 class Recorded(NamedTuple):
@@ -73,6 +75,19 @@ class Recorded(NamedTuple):
 def _offer(profile: QoSProfile) -> Qos:
     kept = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
     return Qos(depth=profile.depth, durability='transient_local' if kept else 'volatile')
+
+
+class _Alarms(Intake):
+    """The alarms of several nodes, whose numbers say nothing about losses."""
+
+    def __init__(self, node: Node, health: Health) -> None:
+        super().__init__(node, ALARMS_TOPIC, STATUS_TYPES, qos.ALARMS, health, sole=False,
+                         needed=False, counted=False)
+
+    def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
+        """Return the messages to record, without numbers."""
+        return [(data, {**info, 'publication_sequence_number': 0})
+                for data, info in super().take()]
 
 
 class _Diagnostics(Intake):
@@ -135,6 +150,7 @@ def make_intakes(node: Node, settings: Settings, health: Health,
     for stream, topic in zip(('ts', 'rs'), headings):
         found[topic] = found[topic]._replace(
             count_published=partial(ledgers.headings.count, stream))
+    found[ALARMS_TOPIC] = Recorded(_offer(qos.ALARMS), _Alarms(node, health), False)
     if states.kept:
         found[DIAGNOSTICS_TOPIC] = Recorded(_offer(qos.STATUS), _Diagnostics(node, health, states),
                                             False)

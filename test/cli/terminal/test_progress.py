@@ -132,6 +132,17 @@ def test_with_rich_foreign_words_are_no_markup_and_draw_no_thread(terminal, monk
 
 
 @rich_terminal
+def test_a_line_that_stays_stands_above_the_one_that_is_overwritten(terminal, monkeypatch):
+    monkeypatch.setattr(sys, 'stderr', terminal.stderr)
+    with progress.Progress('trial') as line:
+        line.show('17 pairs')
+        line.tell('compliance: alarm raised: jump\x1b[2J')
+        line.show('18 pairs')
+    shown = terminal.seen().replace('\r\n', '\n')
+    assert 'compliance: alarm raised: jump\ufffd[2J\n' in shown
+    assert shown.rindex('18 pairs') > shown.index('alarm')
+
+
 def test_the_quiet_and_the_redirected_show_nothing(terminal, monkeypatch, tmp_path):
     monkeypatch.setattr(sys, 'stderr', terminal.stderr)
     with progress.Progress('trial', quiet=True) as line:

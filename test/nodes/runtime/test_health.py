@@ -80,6 +80,31 @@ def test_a_latched_state_gives_way_to_a_graver_one_only(ros):
         lambda: states(heard[-1])['ill_node: verdict'] == (WARN, 'indeterminate again'))
 
 
+def test_each_new_kind_of_trouble_is_logged_once_and_counts_that_grow_are_not(ros, capfd):
+    health, _ = health_of(ros)
+    capfd.readouterr()
+    for n in range(1, 200):
+        health.note('input', WARN, f'{n} messages lost on the way')
+    for n in range(1, 200):
+        health.note('input', WARN, f'{n} messages lost on the way; {n} refused: too short')
+        health.note('input', WARN, f'{n} refused: too short')
+    lines = [line.partition('input: ')[2] for line in capfd.readouterr().err.splitlines()]
+    assert lines == ['1 messages lost on the way',
+                     '1 messages lost on the way; 1 refused: too short']
+    health.note('input', OK, 'receiving')
+    health.note('input', WARN, '7 messages lost on the way')
+    assert capfd.readouterr().err.count('\n') == 2
+
+
+def test_kinds_without_end_neither_fill_the_log_nor_the_memory(ros, capfd):
+    health, _ = health_of(ros)
+    capfd.readouterr()
+    for n in range(5000):
+        health.note('input', WARN, 'x' * (n % 3000))
+    assert capfd.readouterr().err.count('input: ') <= 51
+    assert sum(map(len, health._kinds.values())) <= 51
+
+
 def test_parts_are_refreshed_before_each_beat(ros):
     health, heard = health_of(ros)
     count = iter(range(100))

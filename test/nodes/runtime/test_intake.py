@@ -13,7 +13,7 @@ from std_msgs.msg import String
 
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.heading_messages import IMU, imu_messages, read_headings
-from heading_intercompare.messages.status_messages import WARN
+from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
 from heading_intercompare.nodes.runtime.health import Health
@@ -130,6 +130,43 @@ def test_a_second_publisher_is_an_error(ros):
     ros.spin_until(lambda: state(heard, '2 publishers'))
     assert state(heard, '2 publishers')[1] == (
         '2 publishers on h instead of one: rival, test_node')
+
+
+def test_after_a_restart_the_old_publisher_may_be_dead(ros):
+    """Two of one name: a warning, until the lease of a dead one must be over."""
+    intake, heard = intake_of(ros)
+    publisher_to(ros, intake)
+    publisher_to(ros, intake)
+    ros.spin_until(lambda: state(heard, '2 publishers'))
+    level, words = state(heard, '2 publishers')
+    assert level == WARN and words == (
+        '2 publishers on h, all test_node: after a restart the old one may be dead and disappears '
+        'within 20 s')
+    intake._rivals_since_s -= 31.0
+    ros.spin_until(lambda: state(heard, 'instead of one: test_node, test_node'))
+    assert state(heard, 'instead of one')[0] == ERROR
+
+
+def test_losses_are_a_part_of_their_own_and_expire_but_the_total_stays(ros):
+    intake, heard = intake_of(ros, QoSProfile(
+        depth=10, reliability=ReliabilityPolicy.BEST_EFFORT), lost_shown_s=2.5)
+    publisher = publisher_to(ros, intake)
+    publisher.publish(headings(0, 1)[0])
+    take(ros, intake, 1)
+    for message in headings(1, 101):
+        publisher.publish(message)
+    take(ros, intake, 10)
+    intake.refuse(['too short'])
+
+    def parts():
+        return {s.name.partition(': ')[2]: s for s in heard[-1].status}
+    ros.spin_until(lambda: heard and 'h lost' in parts() and parts()['h lost'].level[0] == WARN)
+    assert parts()['h lost'].message == (
+        '90 messages lost on the way; 1 messages refused: too short')
+    assert parts()['h'].level[0] == OK
+    ros.spin_until(lambda: parts()['h lost'].level[0] == OK)
+    values = {pair.key: pair.value for pair in parts()['h lost'].values}
+    assert values == {'lost': '90', 'refused': '1'}
 
 
 def test_several_publishers_may_be_allowed(ros):

@@ -100,5 +100,6 @@ def run(arguments: argparse.Namespace) -> int:
             {k: v for k, v in settings.to_mapping().items() if v is not None},
             output=output, report_dir=config.sections.get('compliance', {}).get('report_dir'),
             own={**config.sections, 'compliance': own, 'recorder': recorder},
-            namespace=arguments.namespace, progress=lambda n: progress.show(f'{n:,} pairs'))
+            namespace=arguments.namespace, progress=lambda n: progress.show(f'{n:,} pairs'),
+            tell=None if arguments.quiet else progress.tell)
     return conclude(verdict, arguments)

@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""One alarm and its states after IMO MSC.302(87): raised, acknowledged, rectified."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from typing import Any, Mapping
+
+__all__ = ['Alarm', 'AlarmState', 'Priority', 'Rule', 'Sign']
+
+
+class Priority(str, Enum):
+    """
+    How grave an alarm is.
+
+    `WARNING`: the comparison means nothing while it lasts. `CAUTION`: some readings are bad.
+    """
+
+    WARNING = 'warning'
+    CAUTION = 'caution'
+
+    def __str__(self) -> str:
+        return self.value
+
+
+class AlarmState(str, Enum):
+    """The states of an alarm; responsibility is not transferred here."""
+
+    NORMAL = 'normal'
+    UNACKNOWLEDGED = 'active_unacknowledged'
+    ACKNOWLEDGED = 'active_acknowledged'
+    RECTIFIED = 'rectified_unacknowledged'
+
+    def __str__(self) -> str:
+        return self.value
+
+    @property
+    def active(self) -> bool:
+        """Whether the condition still holds."""
+        return self in (AlarmState.UNACKNOWLEDGED, AlarmState.ACKNOWLEDGED)
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """
+    What an alarm is called, and how long its condition must be gone before it clears.
+
+    Attributes
+    ----------
+    name : str
+        Name of the alarm.
+    priority : Priority
+    clear_s : float
+        The condition must be gone for this time before the alarm clears, seconds.
+
+    """
+
+    name: str
+    priority: Priority = Priority.WARNING
+    clear_s: float = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Sign:
+    """
+    What a detector says about the condition of an alarm.
+
+    Attributes
+    ----------
+    active : bool or None
+        True: the condition holds. False: it does not. None: the data cannot tell now, so the
+        alarm stays as it is.
+    words : str
+        The condition in words, if it holds.
+    values : mapping of str to object
+        Figures to show with it.
+
+    """
+
+    active: bool | None
+    words: str = ''
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Alarm:
+    """
+    The state of one alarm.
+
+    Attributes
+    ----------
+    rule : Rule
+    state : AlarmState
+    words : str
+        The condition in words, as last seen.
+    values : mapping of str to object
+        Figures of that condition.
+    times : int
+        How often it was raised.
+    raised_ns, cleared_ns, acknowledged_ns : int or None
+        When it was last raised, cleared and acknowledged, nanoseconds.
+
+    Examples
+    --------
+    >>> alarm = Alarm(Rule('jump', clear_s=2.0)).see(Sign(True, 'TS - RS jumped'), 0)
+    >>> alarm = alarm.see(Sign(False), 10 ** 9).see(Sign(False), 4 * 10 ** 9)
+    >>> str(alarm.state), str(alarm.acknowledge(5 * 10 ** 9).state)
+    ('rectified_unacknowledged', 'normal')
+
+    """
+
+    rule: Rule
+    state: AlarmState = AlarmState.NORMAL
+    words: str = ''
+    values: Mapping[str, Any] = field(default_factory=dict)
+    times: int = 0
+    raised_ns: int | None = None
+    cleared_ns: int | None = None
+    acknowledged_ns: int | None = None
+    _gone_ns: int | None = None
+
+    def see(self, sign: Sign, now_ns: int) -> 'Alarm':
+        """
+        Return the alarm after a look at its condition.
+
+        Parameters
+        ----------
+        sign : Sign
+            What the detector says.
+        now_ns : int
+            Time of the look, nanoseconds; should not decrease from look to look.
+
+        """
+        if sign.active is None:
+            return self
+        if sign.active:
+            seen = replace(self, words=sign.words, values=sign.values, _gone_ns=None)
+            if self.state.active:
+                return seen
+            return replace(seen, state=AlarmState.UNACKNOWLEDGED, times=self.times + 1,
+                           raised_ns=now_ns, cleared_ns=None, acknowledged_ns=None)
+        if not self.state.active:
+            return self
+        gone_ns = now_ns if self._gone_ns is None else min(self._gone_ns, now_ns)
+        if now_ns - gone_ns < round(self.rule.clear_s * 1e9):
+            return replace(self, _gone_ns=gone_ns)
+        unseen = self.state is AlarmState.UNACKNOWLEDGED
+        return replace(self, state=AlarmState.RECTIFIED if unseen else AlarmState.NORMAL,
+                       cleared_ns=now_ns, _gone_ns=None)
+
+    def acknowledge(self, now_ns: int) -> 'Alarm':
+        """Return the alarm after somebody has acknowledged it; the same if nothing is open."""
+        if self.state is AlarmState.UNACKNOWLEDGED:
+            return replace(self, state=AlarmState.ACKNOWLEDGED, acknowledged_ns=now_ns)
+        if self.state is AlarmState.RECTIFIED:
+            return replace(self, state=AlarmState.NORMAL, acknowledged_ns=now_ns)
+        return self

@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the counts of a driver say about its line: damaged sentences, a second talker, bursts."""
+
+from __future__ import annotations
+
+from typing import Mapping
+
+from .alarm import Priority, Rule, Sign
+from .recent_count import RecentCount
+
+__all__ = ['SENTENCE_RULES', 'SentenceWatch']
+
+SENTENCE_RULES = (
+    Rule('checksum', Priority.CAUTION, 10.0), Rule('second_talker', Priority.WARNING, 10.0),
+    Rule('burst', Priority.CAUTION, 10.0), Rule('dropped', Priority.CAUTION, 10.0))
+"""The alarms of a driver."""
+
+_SPAN_S = 10.0
+# One damaged sentence now and then is usual on a serial line.
+_FEWEST, _SHARE, _RARE = 5, 0.1, 0.01
+_DAMAGED = ('bad_checksum', 'no_checksum', 'cut')
+_TALKER = 'other_talker.'
+
+
+class SentenceWatch:
+    """
+    Watches the counts of a decoder and of its source.
+
+    Parameters
+    ----------
+    talker : str or None
+        The talker that the user chose. Others are expected then.
+
+    """
+
+    def __init__(self, talker: str | None) -> None:
+        self._talker = talker
+        self._recent: dict[str, RecentCount] = {}
+
+    def look(self, counts: Mapping[str, int], headings: int, now_s: float) -> dict[str, Sign]:
+        """
+        Return the signs at a time.
+
+        Parameters
+        ----------
+        counts : mapping of str to int
+            What gave no heading so far, by reason.
+        headings : int
+            Headings so far.
+        now_s : float
+            A steady clock, seconds; increases from call to call.
+
+        """
+        damaged = self._grow('damaged', sum(counts.get(key, 0) for key in _DAMAGED), now_s)
+        good = self._grow('headings', headings, now_s)
+        others = {key[len(_TALKER):]: self._grow(key, n, now_s) for key, n in counts.items()
+                  if key.startswith(_TALKER)}
+        return {
+            'checksum': _judge_checksum(damaged, good),
+            'second_talker': self._judge_talkers({t: n for t, n in others.items() if n}),
+            'burst': _judge_count(self._grow('burst', counts.get('burst', 0), now_s),
+                                  'readings came in a burst, without a time of receipt'),
+            'dropped': _judge_count(
+                self._grow('dropped', counts.get('kernel_dropped', 0), now_s),
+                'datagrams were dropped by the kernel')}
+
+    def _grow(self, key: str, total: int, now_s: float) -> int:
+        return self._recent.setdefault(key, RecentCount(_SPAN_S)).take(total, now_s)
+
+    def _judge_talkers(self, others: Mapping[str, int]) -> Sign:
+        n = sum(others.values())
+        if self._talker is not None or not n:
+            return Sign(False)
+        names = ', '.join(sorted(others))
+        return Sign(True if n >= 2 else None, f'another talker sends the same sentence: {names}; '
+                    'set talker to the one to use', {'sentences': n})
+
+
+def _judge_checksum(damaged: int, good: int) -> Sign:
+    share = damaged / max(damaged + good, 1)
+    figures = {'damaged': damaged, 'share': share}
+    if damaged >= _FEWEST and share >= _SHARE:
+        return Sign(True, f'{100.0 * share:.0f} % of the sentences of the last {_SPAN_S:.0f} s '
+                    'are damaged: wrong or missing checksum', figures)
+    return Sign(None if share > _RARE and damaged > 1 else False)
+
+
+def _judge_count(n: int, words: str) -> Sign:
+    return Sign(n > 0, f'{n} {words} in the last {_SPAN_S:.0f} s', {'count': n})

@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether both streams keep coming, and whether one clock steps against the other."""
+
+from __future__ import annotations
+
+from collections import deque
+from statistics import median
+from typing import Sequence
+
+from .alarm import Rule, Sign
+
+__all__ = ['STREAM_RULES', 'StreamWatch']
+
+STREAM_RULES = (Rule('ts_silent', clear_s=2.0), Rule('rs_silent', clear_s=2.0),
+                Rule('clock_step', clear_s=3.0))
+"""The alarms of the synchronizer."""
+
+# Looks kept for the usual offset, and the least number of them before a step can be seen.
+_KEPT, _LEAST, _SPEEDS = 60, 5, 9
+# A silence of fewer usual steps is none.
+_STEPS, _LEAST_READINGS, _UNKNOWN_S = 3.0, 3, 20.0
+# Beyond the steps of both sensors, arrival may be this late; and what a step must last.
+_LATE_S, _TWICE = 0.5, 2
+
+
+class StreamWatch:
+    """
+    Watches the arrival of both streams.
+
+    Parameters
+    ----------
+    stale_s : float
+        A silence longer than this, and than three usual steps, is a condition, seconds.
+    apart_s : float
+        Stamps further apart than this cannot be paired, seconds: `pairing.max_wait_s`.
+
+    Notes
+    -----
+    The offset is the stamp of the last TS reading minus that of the last RS reading. It is usually
+    the same to within a step of each sensor. A clock steps if two looks in a row find it further
+    from its median than half a second and the steps of both sensors. If stamps pass faster than
+    time, as in a fast replay, that bound grows with the speed: readings come in larger pieces.
+
+    """
+
+    def __init__(self, stale_s: float, apart_s: float) -> None:
+        self._stale_s, self._apart_s = stale_s, apart_s
+        self._received = [0, 0]
+        self._heard_s: list[float | None] = [None, None]
+        self._first_s: list[float] = [0.0, 0.0]
+        self._look_s: float | None = None
+        self._last_ns: list[int] | None = None
+        self._usual: deque[float] = deque(maxlen=_KEPT)
+        self._speeds: deque[float] = deque(maxlen=_SPEEDS)
+        self._odd = 0
+        self._stepped = False
+
+    def look(self, received: Sequence[int], heard_ns: Sequence[int | None],
+             now_s: float) -> dict[str, Sign]:
+        """
+        Return the signs at a time.
+
+        Parameters
+        ----------
+        received : pair of int
+            Readings of the TS and of the RS so far.
+        heard_ns : pair of int or None
+            Stamps of the last readings, nanoseconds; None before the first.
+        now_s : float
+            A steady clock, seconds; increases from call to call.
+
+        """
+        come = [new - old for new, old in zip(received, self._received)]
+        self._received = list(received)
+        signs = {}
+        for at, name in enumerate(('TS', 'RS')):
+            if come[at]:
+                if self._heard_s[at] is None:
+                    self._first_s[at] = now_s
+                self._heard_s[at] = now_s
+            signs[f'{name.lower()}_silent'] = self._judge_silence(name, at, now_s)
+        ts_ns, rs_ns = heard_ns
+        before_s, self._look_s = self._look_s, now_s
+        if ts_ns is None or rs_ns is None or not min(come) or before_s is None:
+            signs['clock_step'] = Sign(None)
+            return signs
+        signs['clock_step'] = self._judge_offset([ts_ns, rs_ns], come, max(now_s - before_s, 0.1))
+        return signs
+
+    def _judge_silence(self, name: str, at: int, now_s: float) -> Sign:
+        heard_s = self._heard_s[at]
+        if heard_s is None:
+            return Sign(None)
+        # A slow sensor is silent between its readings.
+        step_s = (heard_s - self._first_s[at]) / max(self._received[at] - 1, 1)
+        known = self._received[at] >= _LEAST_READINGS
+        allowed_s = max(self._stale_s, _STEPS * step_s if known else _UNKNOWN_S)
+        return Sign(now_s - heard_s > allowed_s,
+                    f'the {name} has been silent for more than {allowed_s:.3g} s')
+
+    def _judge_offset(self, newest_ns: list[int], come: Sequence[int], passed_s: float) -> Sign:
+        offset_s = (newest_ns[0] - newest_ns[1]) / 1e9
+        last_ns, self._last_ns = self._last_ns, newest_ns
+        if last_ns is None:
+            return Sign(None)
+        passed = max(new - old for new, old in zip(newest_ns, last_ns)) / 1e9
+        # A step shows in a single look.
+        self._speeds.append(passed / passed_s)
+        speed = max(1.0, median(self._speeds))
+        bound_s = speed * (_LATE_S + sum(passed_s / n for n in come))
+        usual_s = median(self._usual) if len(self._usual) >= _LEAST else None
+        if usual_s is None:
+            far = abs(offset_s) > max(self._apart_s, bound_s)
+            size_s = offset_s
+        else:
+            size_s = offset_s - usual_s
+            far = abs(size_s) > (0.5 * bound_s if self._stepped else bound_s)
+        self._odd = self._odd + 1 if far else 0
+        if not far:
+            self._usual.append(offset_s)
+            self._stepped = False
+            return Sign(False)
+        self._stepped = self._stepped or self._odd >= _TWICE
+        if not self._stepped:
+            return Sign(None)
+        words = (f'the stamps of TS and RS lie {abs(offset_s):.1f} s apart' if usual_s is None else
+                 f'the stamps of the TS stepped by {size_s:+.1f} s against those of the RS')
+        return Sign(True, words, {'step_s': size_s, 'offset_s': offset_s})

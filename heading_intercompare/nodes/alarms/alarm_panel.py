@@ -1,0 +1,155 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The alarms of a node on a topic, on /diagnostics and in the log; and their acknowledgement."""
+
+from __future__ import annotations
+
+from typing import Callable, Iterable, Mapping
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from heading_intercompare.core.alarms.alarm import Alarm, AlarmState, Priority, Rule, Sign
+from heading_intercompare.core.alarms.alarm_table import AlarmTable
+from heading_intercompare.messages.status_messages import (
+    encode_statuses,
+    ERROR,
+    OK,
+    Status,
+    WARN,
+)
+from heading_intercompare.messages.texts import decode_text, encode_text
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.raw_subscription import subscribe
+from heading_intercompare.nodes.runtime.recorded_topics import ALARMS_TOPIC
+
+__all__ = ['ACKNOWLEDGE_TOPIC', 'alarm_level', 'AlarmPanel']
+
+ACKNOWLEDGE_TOPIC = 'compliance/acknowledge'
+
+_ALL = 'all'
+_SAID = {AlarmState.UNACKNOWLEDGED: 'alarm raised', AlarmState.ACKNOWLEDGED: 'alarm acknowledged',
+         AlarmState.RECTIFIED: 'alarm cleared, not acknowledged',
+         AlarmState.NORMAL: 'alarm over'}
+
+
+def alarm_level(alarm: Alarm) -> int:
+    """Return the level of an alarm: ERROR while a warning is active and not acknowledged."""
+    if alarm.state is AlarmState.NORMAL:
+        return OK
+    grave = (alarm.state is AlarmState.UNACKNOWLEDGED
+             and alarm.rule.priority is Priority.WARNING)
+    return ERROR if grave else WARN
+
+
+class AlarmPanel:
+    """
+    Shows the alarms of a node, and lets them be acknowledged.
+
+    Parameters
+    ----------
+    node : Node
+        The node that watches.
+    health : Health
+        Shows the alarms on /diagnostics, in the part `alarms`.
+    rules : iterable of Rule
+        The alarms.
+
+    Attributes
+    ----------
+    tell : callable or None
+        Called with a line for each change, instead of the log.
+    muted : bool
+        Take no more signs: at the end streams fall silent, as they should.
+
+    """
+
+    def __init__(self, node: Node, health: Health, rules: Iterable[Rule]) -> None:
+        self._node, self._health = node, health
+        self._table = AlarmTable(rules)
+        self.tell: Callable[[str], None] | None = None
+        self.muted = False
+        self._now_ns: int | None = None
+        self._publisher = node.create_publisher(
+            DiagnosticArray, ALARMS_TOPIC, qos.ALARMS,
+            event_callbacks=health.of_publisher(ALARMS_TOPIC))
+        self._acknowledged = node.create_publisher(String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE)
+        subscribe(node, String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE, health, decode_text,
+                  self._hear)
+        self._show(publish=True)
+
+    def __getitem__(self, name: str) -> Alarm:
+        return self._table[name]
+
+    def update(self, signs: Mapping[str, Sign], now_ns: int) -> None:
+        """Take what the detectors say at a time, nanoseconds; publish and log what changes."""
+        if not self.muted:
+            self._now_ns = now_ns
+            self._note(self._table.update(signs, now_ns))
+
+    def acknowledge(self, name: str | None = None) -> int:
+        """Acknowledge one alarm, or all; return how many there were."""
+        now_ns = self._now_ns
+        if now_ns is None:
+            now_ns = self._node.get_clock().now().nanoseconds
+        changed = self._table.acknowledge(name, now_ns)
+        self._note(changed)
+        return len(changed)
+
+    def acknowledge_everywhere(self) -> int:
+        """Acknowledge the alarms of this node, and tell the other nodes to do the same."""
+        self._acknowledged.publish(encode_text(_ALL))
+        return self.acknowledge()
+
+    def _hear(self, text: str) -> None:
+        """Acknowledge the alarm that a message names: `jump`, `compliance: jump`, or `all`."""
+        node, colon, name = text.strip().rpartition(':')
+        if not colon or node.strip() == self._node.get_name():
+            self.acknowledge(None if name.strip() == _ALL else name.strip())
+
+    def _note(self, changed: Iterable[Alarm]) -> None:
+        changed = list(changed)
+        for alarm in changed:
+            self._say(alarm)
+        self._show(publish=bool(changed))
+
+    def _say(self, alarm: Alarm) -> None:
+        line = f'{_SAID[alarm.state]}: {alarm.rule.name}: {alarm.words}'
+        if self.tell is not None:
+            self.tell(f'{self._node.get_name()}: {line}')
+            return
+        logger = self._node.get_logger()
+        level = alarm_level(alarm)
+        if level == ERROR:
+            logger.error(line)
+        elif alarm.state is AlarmState.UNACKNOWLEDGED:
+            logger.warning(line)
+        else:
+            logger.info(line)
+
+    def _show(self, publish: bool) -> None:
+        statuses = [self._describe(alarm) for alarm in self._table.alarms]
+        if publish:
+            now_ns = self._now_ns
+            if now_ns is None:
+                now_ns = self._node.get_clock().now().nanoseconds
+            self._publisher.publish(encode_statuses(now_ns, statuses))
+        there = [a for a in self._table.alarms if a.state is not AlarmState.NORMAL]
+        self._health.note(
+            'alarms', max((status.level for status in statuses), default=OK),
+            '; '.join(f'{a.rule.name}: {a.words} ({_in_words(a)})' for a in there) or 'no alarm',
+            log=False, **{a.rule.name: a.state for a in self._table.alarms})
+
+    def _describe(self, alarm: Alarm) -> Status:
+        values = {'state': alarm.state, 'priority': alarm.rule.priority, 'times': alarm.times,
+                  'raised_ns': alarm.raised_ns, 'acknowledged_ns': alarm.acknowledged_ns,
+                  'cleared_ns': alarm.cleared_ns}
+        words = 'no alarm' if alarm.state is AlarmState.NORMAL else alarm.words
+        return Status(f'{self._node.get_name()}: {alarm.rule.name}', alarm_level(alarm), words,
+                      {**values, **alarm.values})
+
+
+def _in_words(alarm: Alarm) -> str:
+    return str(alarm.state).replace('_', ', ').replace('unacknowledged', 'not acknowledged')

@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The alarms of the node `compliance`: the detectors of the verdict on the newest pairs."""
+
+from __future__ import annotations
+
+from rclpy.node import Node
+
+from heading_intercompare.core.alarms.comparison_watch import COMPARISON_RULES, ComparisonWatch
+from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.nodes.runtime.health import Health
+
+from .alarm_panel import AlarmPanel
+
+__all__ = ['ComparisonAlarms']
+
+
+class ComparisonAlarms:
+    """
+    Watches the pairs of a compliance node.
+
+    Parameters
+    ----------
+    node : Node
+    health : Health
+    settings : Settings
+        Must hold the norms.
+
+    Attributes
+    ----------
+    panel : AlarmPanel
+        The alarms.
+
+    """
+
+    def __init__(self, node: Node, health: Health, settings: Settings) -> None:
+        self._watch = ComparisonWatch(settings)
+        self.panel = AlarmPanel(node, health, COMPARISON_RULES)
+
+    def take(self, pairs: Pairs) -> None:
+        """Take pairs in stamp order."""
+        if not self.panel.muted:
+            self._watch.update(pairs)
+
+    def look(self) -> None:
+        """Look for conditions in the newest pairs; call it once a second."""
+        if not self.panel.muted and self._watch.newest_ns is not None:
+            self.panel.update(self._watch.look(), self._watch.newest_ns)
+
+    def start_run(self) -> None:
+        """Take the present level of the differences as the usual one."""
+        self._watch.accept_level()

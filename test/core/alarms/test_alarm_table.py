@@ -1,0 +1,32 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The alarms of one node."""
+
+from __future__ import annotations
+
+from heading_intercompare.core.alarms.alarm import AlarmState, Rule, Sign
+from heading_intercompare.core.alarms.alarm_table import AlarmTable
+
+
+def table():
+    """Return a table in which both alarms were raised at 0."""
+    made = AlarmTable([Rule('jump', clear_s=0.0), Rule('frozen', clear_s=0.0)])
+    made.update({'jump': Sign(True, 'a'), 'frozen': Sign(True, 'b')}, 0)
+    return made
+
+
+def test_only_changes_of_state_are_returned():
+    made = table()
+    assert made.update({'jump': Sign(True, 'again')}, 1) == []
+    changed, = made.update({'jump': Sign(False), 'frozen': Sign(None)}, 2)
+    assert (changed.rule.name, changed.state) == ('jump', AlarmState.RECTIFIED)
+    assert made['frozen'].state is AlarmState.UNACKNOWLEDGED
+
+
+def test_one_alarm_is_acknowledged_by_its_name_and_all_without():
+    made = table()
+    assert [a.rule.name for a in made.acknowledge('frozen', 1)] == ['frozen']
+    assert made.acknowledge('no such alarm', 1) == []
+    assert [a.rule.name for a in made.acknowledge(None, 1)] == ['jump']
+    assert {a.state for a in made.alarms} == {AlarmState.ACKNOWLEDGED}
+    assert len(made) == 2

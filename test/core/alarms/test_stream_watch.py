@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether both streams keep coming, and whether one clock steps."""
+
+from __future__ import annotations
+
+import pytest
+
+from heading_intercompare.core.alarms.stream_watch import StreamWatch
+
+S_NS = 10 ** 9
+
+
+class Streams:
+    """Two streams that report at a rate; the stamps of the TS may be off, its readings stop."""
+
+    def __init__(self, rate_hz=10.0, speed=1.0, lag_s=0.0):
+        self.watch, self.rate_hz, self.speed = StreamWatch(3.0, 5.0), rate_hz, speed
+        self.now_s, self.received, self.heard = 100.0, [0, 0], [None, None]
+        self.off_s, self.silent, self.lag_s = lag_s, False, lag_s
+
+    def run(self, seconds):
+        """Let time pass; return the signs of each second."""
+        found = []
+        for _ in range(seconds):
+            self.now_s += 1.0
+            stamp_s = 1000.0 + self.speed * (self.now_s - 100.0)
+            for at, off_s in ((0, self.off_s), (1, 0.0)):
+                if at or not self.silent:
+                    self.received[at] += max(1, round(self.rate_hz * self.speed))
+                    self.heard[at] = round((stamp_s + off_s) * S_NS)
+            found.append(self.watch.look(self.received, self.heard, self.now_s))
+        return found
+
+
+def actives(found, name):
+    """Return what the signs of a name say."""
+    return [signs[name].active for signs in found]
+
+
+@pytest.mark.parametrize('rate_hz, step_s', [(10.0, 1.0), (10.0, -0.8), (100.0, 3600.0),
+                                             (1.0, -3.0)])
+def test_a_step_of_a_clock_is_seen_within_two_looks_and_its_end_at_once(rate_hz, step_s):
+    streams = Streams(rate_hz)
+    assert not any(actives(streams.run(20), 'clock_step'))
+    streams.off_s = step_s
+    found = streams.run(60)
+    assert actives(found, 'clock_step')[:3] == [None, True, True]
+    assert actives(found, 'clock_step')[-1] is True
+    assert f'stepped by {step_s:+.1f} s' in found[-1]['clock_step'].words
+    streams.off_s = 0.0
+    assert actives(streams.run(3), 'clock_step') == [False] * 3
+
+
+def test_clocks_that_lie_apart_from_the_start_are_seen():
+    found = Streams(lag_s=-3600.0).run(10)
+    assert actives(found, 'clock_step')[-1] is True
+    assert '3600.0 s apart' in found[-1]['clock_step'].words
+
+
+@pytest.mark.parametrize('speed', [0.5, 10.0, 400.0])
+def test_in_a_replay_pieces_that_come_unevenly_are_no_step(rng, speed):
+    streams = Streams(speed=speed)
+    for _ in range(200):
+        streams.off_s = speed * rng.uniform(-0.4, 0.4)
+        assert not any(actives(streams.run(1), 'clock_step'))
+
+
+def test_a_silent_sensor_is_seen_after_its_time_and_is_not_a_step():
+    streams = Streams()
+    streams.run(20)
+    streams.silent = True
+    found = streams.run(10)
+    assert actives(found, 'ts_silent') == [False] * 3 + [True] * 7
+    assert not any(actives(found, 'rs_silent'))
+    assert not any(actives(found, 'clock_step'))
+    streams.silent = False
+    found = streams.run(10)
+    assert not any(actives(found, 'ts_silent')) and not any(actives(found, 'clock_step'))
+
+
+def test_a_sensor_slower_than_the_limit_is_not_silent_between_its_readings():
+    """One reading in 4 s."""
+    watch = StreamWatch(3.0, 5.0)
+    for at in range(200):
+        n = 1 + at // 4
+        found = watch.look([n, at], [n * 4 * S_NS, at * S_NS], float(at))
+        assert found['ts_silent'].active is False
+    later = [watch.look([n, at], [n * 4 * S_NS, at * S_NS], float(at)) for at in range(200, 220)]
+    assert later[-1]['ts_silent'].active is True
+
+
+def test_before_a_sensor_was_heard_it_is_not_silent():
+    watch = StreamWatch(3.0, 5.0)
+    for at in range(20):
+        found = watch.look([0, 10 * at], [None, at * S_NS], float(at))
+        assert found['ts_silent'].active is None and found['clock_step'].active is None

@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The alarms of a node: one message and one line for each change, and their acknowledgement."""
+
+from __future__ import annotations
+
+import time
+
+from diagnostic_msgs.msg import DiagnosticArray
+import pytest
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from heading_intercompare.core.alarms.alarm import Priority, Rule, Sign
+from heading_intercompare.messages.status_messages import ERROR, OK, WARN
+from heading_intercompare.nodes.alarms.alarm_panel import AlarmPanel
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.runtime.health import Health
+
+S_NS = 10 ** 9
+RULES = Rule('jump', clear_s=0.0), Rule('burst', Priority.CAUTION, 0.0)
+
+
+class Shown:
+    """A panel, and what others hear of it."""
+
+    def __init__(self, ros):
+        self.ros = ros
+        node = ros.add(Node, 'watcher')
+        self.panel = AlarmPanel(node, Health(node), RULES)
+        # A late subscriber, too, hears how the alarms stand.
+        self.heard = ros.listen(DiagnosticArray, 'compliance/alarms', qos.ALARMS)
+        ros.spin_until(lambda: self.heard)
+
+    def see(self, at_s, jump=None, burst=None):
+        """Show signs to the panel."""
+        self.panel.update({'jump': Sign(jump, 'TS - RS jumped', {'size_deg': 5.0}),
+                           'burst': Sign(burst, 'a burst')}, at_s * S_NS)
+
+    def says(self, name, state, level):
+        """Wait until the last message says this of an alarm; return its values."""
+        def last():
+            status = next(s for s in self.heard[-1].status if s.name == f'watcher: {name}')
+            return status.level[0], {pair.key: pair.value for pair in status.values}
+        self.ros.spin_until(lambda: (last()[0], last()[1]['state']) == (level, state))
+        return last()[1]
+
+
+@pytest.fixture
+def shown(ros):
+    """Return a panel and what others hear."""
+    return Shown(ros)
+
+
+def test_each_state_has_its_level_and_each_change_one_message(shown):
+    shown.says('jump', 'normal', OK)
+    shown.see(1, jump=True, burst=True)
+    values = shown.says('jump', 'active_unacknowledged', ERROR)
+    assert (values['priority'], values['raised_ns'], values['times'], values['size_deg']) == (
+        'warning', str(S_NS), '1', '5.0')
+    assert shown.says('burst', 'active_unacknowledged', WARN)['priority'] == 'caution'
+    assert shown.panel.acknowledge('jump') == 1
+    shown.says('jump', 'active_acknowledged', WARN)
+    shown.see(3, jump=False, burst=False)
+    shown.says('jump', 'normal', OK)
+    shown.says('burst', 'rectified_unacknowledged', WARN)
+    for at_s in range(4, 20):
+        shown.see(at_s, jump=False)
+    shown.see(20, burst=True)
+    shown.says('burst', 'active_unacknowledged', WARN)
+    assert len(shown.heard) == 5
+
+
+@pytest.mark.parametrize('text, jump, burst', [
+    ('jump', True, False), (' watcher: jump\n', True, False), ('all', True, True),
+    ('watcher: all', True, True), ('other: jump', False, False), ('', False, False)])
+def test_a_message_acknowledges_the_alarm_that_it_names(shown, text, jump, burst):
+    shown.see(1, jump=True, burst=True)
+    publisher = shown.ros.plain.create_publisher(String, 'compliance/acknowledge', qos.ACKNOWLEDGE)
+    shown.ros.spin_until(lambda: publisher.get_subscription_count() == 1)
+    publisher.publish(String(data=text))
+    publisher.publish(String(data='no such alarm'))
+    done = {True: 'active_acknowledged', False: 'active_unacknowledged'}
+
+    def states():
+        return [str(shown.panel[name].state) for name in ('jump', 'burst')]
+    shown.ros.spin_until(lambda: states() == [done[jump], done[burst]])
+    over_s = time.monotonic() + 0.3
+    shown.ros.spin_until(lambda: time.monotonic() > over_s)
+    assert states() == [done[jump], done[burst]]
+
+
+def test_a_change_is_logged_once_or_told_instead(shown, capfd):
+    for at_s in range(5):
+        shown.see(at_s, jump=True)
+    assert capfd.readouterr().err.count('alarm raised: jump: TS - RS jumped') == 1
+    told = []
+    shown.panel.tell = told.append
+    shown.see(6, jump=False)
+    shown.see(7, jump=False)
+    assert told == ['watcher: alarm cleared, not acknowledged: jump: TS - RS jumped']
+    assert 'alarm' not in capfd.readouterr().err
+
+
+def test_a_muted_panel_raises_nothing(shown):
+    shown.panel.muted = True
+    shown.see(1, jump=True)
+    assert not shown.panel['jump'].state.active
+
+
+def test_the_health_of_the_node_names_the_alarms_that_stand(ros, shown):
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    shown.see(1, jump=True)
+    ros.spin_until(lambda: any(
+        (s.name, s.level[0], s.message) == (
+            'watcher: alarms', ERROR, 'jump: TS - RS jumped (active, not acknowledged)')
+        for m in states for s in m.status))
