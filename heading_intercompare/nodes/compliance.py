@@ -19,12 +19,14 @@ from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.messages.heading_messages import read_pairs
 from heading_intercompare.messages.ledger_messages import decode_ledger
 from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKER_TOPIC, MARKS
-from heading_intercompare.messages.status_messages import encode_figures, WARN
+from heading_intercompare.messages.status_messages import WARN
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.batches import Arrivals
 from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.runtime.figures import Figures
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
 from heading_intercompare.nodes.runtime.raw_subscription import subscribe
@@ -36,6 +38,9 @@ __all__ = ['Compliance', 'main']
 
 # How long the last messages of a synchronizer that has ended may still be under way.
 _ALONE_S = 0.3
+
+# The pairs of a batch follow each other at once.
+_HOLD_OFF_S = 0.002
 
 
 class Compliance(Node):
@@ -51,11 +56,11 @@ class Compliance(Node):
                                           keeper=lambda: Spool(self._warn_of_memory).keep)
         self.get_logger().info(least_duration_words(self._settings.risk))
         self._pairs = Intake(self, 'pairs', PAIRS_TYPES, qos.PAIRS, self._health,
-                             stale_s=taking.stale_s)
+                             stale_s=taking.stale_s,
+                             arrivals=Arrivals(self, self._drain, _HOLD_OFF_S))
         self._reporting = Reporting(self, self._compliance, self._own, self._health, self._pairs)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
-        self._rolling = self.create_publisher(DiagnosticArray, 'compliance/rolling', qos.STATUS)
-        self._run = self.create_publisher(DiagnosticArray, 'compliance/run', qos.STATUS)
+        self._figures = Figures(self, self._compliance)
         for topic, profile, read, act in (
                 (MARKER_TOPIC, qos.MARKER, decode_marks, self._mark),
                 ('pairs/ledger', qos.LEDGER, decode_ledger,
@@ -67,7 +72,6 @@ class Compliance(Node):
         self.create_service(Trigger, '~/acknowledge', self._acknowledge)
         self._marks: set[tuple[str, int]] = set()
         self._end_s: float | None = None
-        every(self, taking.drain_period_s, self._drain)
         every(self, 1.0, self._beat)
 
     @property
@@ -89,6 +93,7 @@ class Compliance(Node):
         pairs, refused = read_pairs([message for message, _ in self._pairs.take()])
         self._pairs.refuse(refused)
         self._compliance.update(pairs)
+        self._figures.publish()
         self._reporting.look(self._pairs.last_sequence)
         if self._end_s is not None and not self.ended:
             self._finish_if_complete()
@@ -97,10 +102,7 @@ class Compliance(Node):
         self._health.note('run', WARN, f'the run in progress stays in memory: {why}', latch=True)
 
     def _beat(self) -> None:
-        newest_ns = self._compliance.newest_ns or 0
-        self._rolling.publish(encode_figures('rolling', self._compliance.rolling_figures(),
-                                             newest_ns))
-        self._run.publish(encode_figures('run', self._compliance.run_figures(), newest_ns))
+        self._figures.compute()
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
         for kind, stamp_ns in marks:

@@ -17,13 +17,13 @@ from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 
 import rclpy
 from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.nodes.ros.parameters import make_overrides
-from heading_intercompare.nodes.ros.process import end, spin_nodes, Stop
+from heading_intercompare.nodes.ros.process import end, settle_memory, spin_nodes, Stop
 
 from .compliance import Compliance
 from .recorder import Recorder
@@ -80,7 +80,7 @@ def _align_logs(sources: Sequence[Node]) -> None:
 
 
 @contextmanager
-def _spin_in_thread(executor: SingleThreadedExecutor) -> Iterator[Future]:
+def _spin_in_thread(executor: Executor) -> Iterator[Future]:
     """Spin an executor in its own thread; yield its future, which ends early only on an error."""
     over = threading.Event()
 
@@ -155,6 +155,7 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         compliance, *others = nodes[:first]
         running = nodes[first:]
         _align_logs(running)
+        settle_memory()
         with _spin_in_thread(judging) as judged:
             while not (stop.requested or judged.done()
                        or (running and all(s.done for s in running))):

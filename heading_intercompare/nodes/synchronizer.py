@@ -22,6 +22,7 @@ from heading_intercompare.messages.ledger_messages import decode_losses, encode_
 from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC, MARKS
 from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.batches import Arrivals
 from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
@@ -60,9 +61,11 @@ class Synchronizer(Node):
         self._pairs = self.create_publisher(TwistStamped, 'pairs', qos.PAIRS,
                                             event_callbacks=self._health.of_publisher('pairs'))
         self._ledger = self.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
+        arrivals = Arrivals(self, self._drain, taking.drain_period_s)
         self._inputs = [
             (Intake(self, topic, HEADING_TYPES, qos.HEADINGS_IN, self._health,
-                    unreliable=qos.HEADINGS_UNRELIABLE, stale_s=taking.stale_s, stamped=True),
+                    unreliable=qos.HEADINGS_UNRELIABLE, stale_s=taking.stale_s, stamped=True,
+                    arrivals=arrivals),
              convention)
             for topic, convention in ((settings.ts_topic, settings.ts_convention),
                                       (settings.rs_topic, settings.rs_convention))]
@@ -77,7 +80,6 @@ class Synchronizer(Node):
         self._waiting = Backlog(self._pairs, self._health, patience_s=_PATIENCE_S)
         self._flushed = False
         self._end_s: float | None = None
-        every(self, taking.drain_period_s, self._drain)
         every(self, 1.0, self._beat)
 
     def _drain(self) -> None:

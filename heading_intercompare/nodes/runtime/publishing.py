@@ -22,6 +22,12 @@ __all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'Backlog', 'FlowCon
 # Discovery between processes takes up to two seconds; a longer wait than this is a warning.
 _PATIENCE_S = 5.0
 
+# Number of messages that go out before the first question whether they have come.
+_UNASKED = 500
+
+# Less than a subscription holds; at 1 kHz four seconds.
+_WINDOW = 4000
+
 
 class Audience:
     """
@@ -105,13 +111,17 @@ class FlowControl:
 
     def has_room(self) -> bool:
         """Tell whether a message may be published now."""
-        if self._sent < self._window:
+        if self._sent < min(_UNASKED, self._window):
             return True
+        # Asked early and often: DDS asks its readers what they have while messages go out, and
+        # once these have stopped only every three seconds.
         if all(publisher.wait_for_all_acked(Duration(nanoseconds=0))
                for publisher in self._publishers):
             if self._full_s < math.inf:
                 self._health.note('flow', OK, 'subscribers keep up')
             self._sent, self._full_s = 0, math.inf
+            return True
+        if self._sent < self._window:
             return True
         now_s = time.monotonic()
         self._full_s = min(self._full_s, now_s)
@@ -146,7 +156,7 @@ class Backlog:
     def __init__(self, publisher: Publisher, health: Health, *, burst: int = 200,
                  patience_s: float = math.inf) -> None:
         self._publisher, self._burst = publisher, burst
-        self._flow = FlowControl([publisher], health, patience_s=patience_s)
+        self._flow = FlowControl([publisher], health, window=_WINDOW, patience_s=patience_s)
         self._waiting: deque[bytes] = deque()
 
     def __len__(self) -> int:

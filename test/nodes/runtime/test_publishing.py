@@ -40,6 +40,25 @@ def test_there_is_room_while_subscribers_acknowledge(ros):
     assert [info['publication_sequence_number'] for _, info in taken] == list(range(1, 2001))
 
 
+class NowAndThen:
+    """A publisher whose messages are all acknowledged only every eighth time it is asked."""
+
+    asked = 0
+
+    def wait_for_all_acked(self, timeout):
+        """Tell at once whether all is acknowledged."""
+        self.asked += 1
+        return self.asked % 8 == 0
+
+
+def test_a_steady_stream_is_not_stopped_to_learn_that_it_came(ros):
+    """DDS hears from its readers while messages go out, and then only every three seconds."""
+    flow = FlowControl([NowAndThen()], Health(ros.plain), window=2000)
+    for _ in range(1000):
+        assert flow.has_room()
+        flow.spend(20)
+
+
 class Unacknowledged:
     """A publisher whose subscribers acknowledge nothing until they are told to."""
 
