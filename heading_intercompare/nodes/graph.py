@@ -24,6 +24,7 @@ from rclpy.signals import SignalHandlerOptions
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.ros.process import end, settle_memory, spin_nodes, Stop
+from heading_intercompare.nodes.ros.security import check_security, say_security_errors
 
 from .compliance import Compliance
 from .recorder import Recorder
@@ -62,7 +63,9 @@ def _context(private: bool) -> Iterator[Context]:
         os.environ[_RANGE] = 'OFF'
     context = Context()
     try:
-        rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+        check_security()
+        with say_security_errors():
+            rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
         yield context
     finally:
         context.try_shutdown()
@@ -146,8 +149,10 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     with (_context(private) as context, Stop() as stop,
           spin_nodes(context) as (judging, _), spin_nodes(context) as (executor, nodes)):
         for make, name, parameters in plan:
-            nodes.append(make(context=context, cli_args=['--ros-args', '-r', f'__node:={name}'],
-                              parameter_overrides=make_overrides({**settings, **parameters})))
+            with say_security_errors():
+                nodes.append(make(
+                    context=context, cli_args=['--ros-args', '-r', f'__node:={name}'],
+                    parameter_overrides=make_overrides({**settings, **parameters})))
             (judging if make is Compliance else executor).add_node(nodes[-1])
         if output is not None:
             nodes[1].state_sources({source.name: source.settings for source in sources})

@@ -27,6 +27,7 @@ from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.drivers.settings import DriverError
 
 from .quick_executor import QuickExecutor
+from .security import check_security, say_security_errors
 
 __all__ = ['end', 'error_words', 'run', 'settle_memory', 'spin_nodes', 'Stop']
 
@@ -144,13 +145,15 @@ def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None)
     context = Context()
     try:
         with Stop() as stop:
+            check_security()
             try:
                 rclpy.init(args=args, context=context,
                            signal_handler_options=SignalHandlerOptions.NO)
             except RuntimeError as error:
                 raise SettingsError(str(error).partition(', at ')[0]) from error
             with spin_nodes(context) as (executor, nodes):
-                nodes.append(make(context=context))
+                with say_security_errors():
+                    nodes.append(make(context=context))
                 executor.add_node(nodes[0])
                 settle_memory()
                 while not (stop.requested or nodes[0].done):
