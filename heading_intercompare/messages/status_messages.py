@@ -15,6 +15,7 @@ import struct
 from typing import Any, Iterable, Mapping
 
 from .cdr import decode, encode
+from .errors import MessageError
 from .stamps import stamp_fields, stamp_ns
 
 __all__ = ['decode_statuses', 'encode_figures', 'encode_statuses', 'ERROR', 'LEVELS', 'OK',
@@ -22,6 +23,8 @@ __all__ = ['decode_statuses', 'encode_figures', 'encode_statuses', 'ERROR', 'LEV
 
 STATUS_TYPE = 'diagnostic_msgs/msg/DiagnosticArray'
 
+#: Ten times the ledger of a year of watches; to decode more would hold up a node for seconds.
+_MOST_BYTES = 1 << 21
 _LENGTH = struct.Struct('<I')
 #: The final zero of a string and what fills it up to four bytes, by its length modulo four.
 _ENDS = (bytes(4), bytes(3), bytes(2), bytes(1))
@@ -103,7 +106,10 @@ _words = lru_cache(maxsize=1024)(_string)
 
 
 def decode_statuses(data: bytes) -> tuple[int, list[Status]]:
-    """Return stamp and statuses of a message, with values as texts; MessageError if damaged."""
+    """Return stamp and statuses of a message, values as texts; MessageError if damaged or huge."""
+    if len(data) > _MOST_BYTES:
+        raise MessageError(f'{STATUS_TYPE} message of {len(data)} bytes: must have at most '
+                           f'{_MOST_BYTES}')
     fields = decode(STATUS_TYPE, data)
     return stamp_ns(fields['header']['stamp']), [
         Status(one['name'], one['level'], one['message'],

@@ -18,7 +18,7 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.messages.heading_messages import read_pairs
 from heading_intercompare.messages.ledger_messages import decode_ledger
-from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKER_TOPIC, MARKS
+from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKER_TOPIC
 from heading_intercompare.messages.status_messages import WARN
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import Arrivals
@@ -29,6 +29,7 @@ from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.figures import Figures
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
+from heading_intercompare.nodes.runtime.mark_intake import MarkIntake
 from heading_intercompare.nodes.runtime.raw_subscription import subscribe
 from heading_intercompare.nodes.runtime.reporting import Reporting
 
@@ -70,7 +71,7 @@ class Compliance(Node):
             self.create_service(Trigger, f'~/{name}_run',
                                 lambda _, response, kind=name: self._command(kind, response))
         self.create_service(Trigger, '~/acknowledge', self._acknowledge)
-        self._marks: set[tuple[str, int]] = set()
+        self._marks = MarkIntake(self._health)
         self._end_s: float | None = None
         every(self, 1.0, self._beat)
 
@@ -106,15 +107,11 @@ class Compliance(Node):
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
         for kind, stamp_ns in marks:
-            if kind in MARKS:
-                self._set_mark(kind, stamp_ns)
-            else:
-                self._health.note('marker', WARN, f'mark {kind!r} is neither start nor stop')
+            self._set_mark(kind, stamp_ns)
 
     def _set_mark(self, kind: str, stamp_ns: int) -> None:
         # Its own marks come back, and a late subscriber gets all marks: count each once.
-        if (kind, stamp_ns) not in self._marks:
-            self._marks.add((kind, stamp_ns))
+        if self._marks.take(kind, stamp_ns):
             self._compliance.mark(kind, stamp_ns)
 
     def _command(self, kind: str, response: Trigger.Response) -> Trigger.Response:

@@ -19,7 +19,7 @@ from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import pair_messages, read_headings
 from heading_intercompare.messages.ledger_messages import decode_losses, encode_ledger, lost_topic
-from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC, MARKS
+from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
 from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import Arrivals
@@ -29,6 +29,7 @@ from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
+from heading_intercompare.nodes.runtime.mark_intake import MarkIntake
 from heading_intercompare.nodes.runtime.publishing import await_acknowledgement, Backlog
 from heading_intercompare.nodes.runtime.raw_subscription import subscribe
 
@@ -52,12 +53,12 @@ class Synchronizer(Node):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('synchronizer', **OVERRIDES, **kwargs)
         settings, taking, self._own = declare(self, Settings, Taking, SynchronizerNode)
-        self.ended = False
         # Its ledger counts from 0, so it has a name: those of all starts add up.
         self._started_ns = time.time_ns()
         self._pairer = Pairer(settings)
         self._watch = PairingWatch(settings.pairing)
         self._health = Health(self)
+        self._marks = MarkIntake(self._health)
         self._pairs = self.create_publisher(TwistStamped, 'pairs', qos.PAIRS,
                                             event_callbacks=self._health.of_publisher('pairs'))
         self._ledger = self.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
@@ -78,7 +79,7 @@ class Synchronizer(Node):
         for intake, _ in self._inputs:
             intake.open = False
         self._waiting = Backlog(self._pairs, self._health, patience_s=_PATIENCE_S)
-        self._flushed = False
+        self._flushed = self.ended = False
         self._end_s: float | None = None
         every(self, 1.0, self._beat)
 
@@ -128,7 +129,7 @@ class Synchronizer(Node):
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
         for kind, stamp_ns in marks:
-            if kind in MARKS:
+            if self._marks.take(kind, stamp_ns):
                 self._pairer.ledger.cut_run(stamp_ns + 1)
         self._beat()
 

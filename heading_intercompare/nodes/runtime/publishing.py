@@ -13,11 +13,13 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
+from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.status_messages import OK, WARN
 
 from .health import Health
 
-__all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'Backlog', 'FlowControl']
+__all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'Backlog', 'FlowControl',
+           'HeadingQueue']
 
 # Discovery between processes takes up to two seconds; a longer wait than this is a warning.
 _PATIENCE_S = 5.0
@@ -134,6 +136,42 @@ class FlowControl:
     def spend(self, n: int) -> None:
         """Count messages that were published."""
         self._sent += n
+
+
+class HeadingQueue:
+    """
+    Headings of a driver that wait to be published, in pieces.
+
+    Attributes
+    ----------
+    overrun : int
+        Headings that found the queue full and are lost: more than any sensor sends.
+
+    """
+
+    def __init__(self, most: int = 100_000, piece: int = 200) -> None:
+        self._most, self._piece = most, piece
+        self._waiting: deque[Headings] = deque()
+        self._n = self.overrun = 0
+
+    def __len__(self) -> int:
+        return self._n
+
+    def add(self, headings: Headings) -> Headings:
+        """Let headings wait, if there is room for them; return those that do."""
+        room = max(0, self._most - self._n)
+        self.overrun += max(0, len(headings) - room)
+        headings = headings[:room]
+        self._waiting += [headings[lo:lo + self._piece]
+                          for lo in range(0, len(headings), self._piece)]
+        self._n += len(headings)
+        return headings
+
+    def popleft(self) -> Headings:
+        """Return the next piece."""
+        piece = self._waiting.popleft()
+        self._n -= len(piece)
+        return piece
 
 
 class Backlog:

@@ -8,10 +8,11 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from sensor_msgs.msg import Imu
 
+from heading_intercompare.core.records import Headings
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.publishing import FlowControl
+from heading_intercompare.nodes.runtime.publishing import FlowControl, HeadingQueue
 
 
 def flow_of(ros, **kwargs):
@@ -97,3 +98,13 @@ def test_without_a_publisher_there_is_always_room(ros):
     flow = FlowControl([], Health(ros.plain), window=1)
     flow.spend(5)
     assert flow.has_room()
+
+
+def test_headings_that_nobody_can_publish_in_time_are_counted_and_not_kept():
+    queue = HeadingQueue(most=500)
+    kept = [len(queue.add(Headings.of([*range(1, 301)], [1.0] * 300))) for _ in range(3)]
+    assert kept == [300, 200, 0] and queue.overrun == 400 and len(queue) == 500
+    pieces = []
+    while queue:
+        pieces.append(len(queue.popleft()))
+    assert sum(pieces) == 500 and max(pieces) <= 200
