@@ -24,12 +24,20 @@ from launch_ros.actions import Node
 import yaml
 
 
+def enclave(name):
+    """Return the enclave of a node under ROS security, as the policy names it."""
+    if os.environ.get('ROS_SECURITY_ENABLE') != 'true':
+        return {}
+    return {'ros_arguments': ['--enclave', f'/heading_intercompare/{name}']}
+
+
 def node(executable, name, namespace, parameters, own, **kwargs):
     """Return a node; its own section and `own` hold in any namespace, unlike the file's."""
     file, sections = parameters
     given = [values for values in (sections.get(name, {}), own) if values]
     return Node(package='heading_intercompare', executable=executable, name=name,
-                namespace=namespace, parameters=[file, *given], output='screen', **kwargs)
+                namespace=namespace, parameters=[file, *given], output='screen',
+                **enclave(name), **kwargs)
 
 
 def end_with(name):

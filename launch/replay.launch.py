@@ -10,6 +10,8 @@ Compare two sensors again from a bag: replayer, synchronizer, compliance.
 All nodes end at the end of the bag.
 """
 
+import os
+
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
@@ -17,12 +19,20 @@ from launch_ros.actions import Node
 import yaml
 
 
+def enclave(name):
+    """Return the enclave of a node under ROS security, as the policy names it."""
+    if os.environ.get('ROS_SECURITY_ENABLE') != 'true':
+        return {}
+    return {'ros_arguments': ['--enclave', f'/heading_intercompare/{name}']}
+
+
 def node(name, namespace, parameters, own, reason):
     """Return a node whose end ends all; its section and `own` hold in any namespace."""
     file, sections = parameters
     given = [values for values in (sections.get(name, {}), own) if values]
     return Node(package='heading_intercompare', executable=name, name=name, namespace=namespace,
-                parameters=[file, *given], output='screen', on_exit=Shutdown(reason=reason))
+                parameters=[file, *given], output='screen', on_exit=Shutdown(reason=reason),
+                **enclave(name))
 
 
 def nodes(context):

@@ -16,7 +16,7 @@ from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSe
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.runs.growing_columns import Keep
-from heading_intercompare.core.runs.live_figures import compute_figures
+from heading_intercompare.core.runs.live_figures import compute_figures, name_moments
 from heading_intercompare.core.runs.rolling_window import Rolling
 from heading_intercompare.core.runs.run_cutter import RunCutter
 from heading_intercompare.core.runs.run_series import RunSeries
@@ -227,6 +227,13 @@ class Compliance:
             self._limits = self._run.limits(self.settings.norms, self.settings.model)
         return {'start_ns': self._rolling.start_ns, 'newest_ns': self.newest_ns,
                 **compute_figures(self._rolling, self._limits, self.settings)}
+
+    def rolling_moments(self) -> dict[str, Any]:
+        """Return those of the rolling figures that cost little; ``n`` is 0 before a pair."""
+        if self._rolling.start_ns is None:
+            return {'n': 0}
+        return {'start_ns': self._rolling.start_ns, 'newest_ns': self.newest_ns,
+                **name_moments(self._rolling.moments())}
 
     def results(self, ledger: Ledger | None = None) -> list[RunResult]:
         """

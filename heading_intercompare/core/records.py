@@ -8,8 +8,8 @@ Each is a chunk: n >= 0 samples in columns of equal length. No sample travels al
 
 from __future__ import annotations
 
-from dataclasses import dataclass, Field, fields
-from typing import Any, ClassVar, Iterable, TYPE_CHECKING, TypeVar
+from dataclasses import dataclass
+from typing import Any, Iterable, TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,11 +27,11 @@ _Chunk = TypeVar('_Chunk', bound='_Columns')
 class _Columns:
     """Length, slicing and joining of a frozen dataclass of equally long columns."""
 
-    __slots__ = ()
+    # In a dataclass of columns, these are the names of the columns.
+    __slots__: tuple[str, ...] = ()
 
     if TYPE_CHECKING:
         # What every dataclass of columns has.
-        __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
         stamp_ns: Integers
 
         def __init__(self, *columns: np.ndarray) -> None: ...
@@ -41,8 +41,9 @@ class _Columns:
 
     def __post_init__(self) -> None:
         """Raise ValueError if the columns differ in length: they cannot belong together."""
-        lengths = {f.name: getattr(self, f.name).shape for f in fields(self)}
-        if len(set(lengths.values())) > 1 or any(len(s) != 1 for s in lengths.values()):
+        shape = self.stamp_ns.shape
+        if len(shape) != 1 or any(getattr(self, name).shape != shape for name in self.__slots__):
+            lengths = {name: getattr(self, name).shape for name in self.__slots__}
             raise ValueError(f'{type(self).__name__}: columns differ in shape: {lengths}')
 
     def __len__(self) -> int:
@@ -66,7 +67,7 @@ class _Columns:
         """Return the samples of a slice, mask or index array, as a chunk."""
         if isinstance(which, (int, np.integer)):
             which = slice(which, which + 1 or None)
-        return type(self)(*(getattr(self, f.name)[which] for f in fields(self)))
+        return type(self)(*[getattr(self, name)[which] for name in self.__slots__])
 
     def __add__(self: _Chunk, other: _Chunk) -> _Chunk:
         """Return this chunk followed by the other one."""
@@ -76,8 +77,8 @@ class _Columns:
         """Tell whether both hold the same samples to the bit (nan equals nan)."""
         if type(self) is not type(other):
             return NotImplemented
-        return all(np.array_equal(getattr(self, f.name), getattr(other, f.name), equal_nan=True)
-                   for f in fields(self))
+        return all(np.array_equal(getattr(self, name), getattr(other, name), equal_nan=True)
+                   for name in self.__slots__)
 
     @classmethod
     def concatenate(cls: type[_Chunk], chunks: Iterable[_Chunk]) -> _Chunk:
@@ -87,7 +88,8 @@ class _Columns:
             return chunks[0]
         if not chunks:
             return cls.empty()
-        return cls(*(np.concatenate([getattr(c, f.name) for c in chunks]) for f in fields(cls)))
+        return cls(*[np.concatenate([getattr(c, name) for c in chunks])
+                     for name in cls.__slots__])
 
 
 def _stamps(stamp_ns: ArrayLike) -> Integers:

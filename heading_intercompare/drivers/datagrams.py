@@ -31,6 +31,10 @@ _BUFFER_BYTES = 1 << 23
 _SECOND_NS = 1_000_000_000
 #: Senders named in the status.
 _NAMED = 3
+#: Senders counted each by itself; addresses can be forged without end.
+_MOST_SENDERS, _OTHERS = 1000, 'others'
+#: Longest datagram; ten times what an Ethernet frame holds.
+_MOST_BYTES = 16_384
 
 
 class UdpSource:
@@ -51,7 +55,7 @@ class UdpSource:
     ----------
     counts : Counter of str
         Datagrams that were not returned: `kernel_dropped`, because the program did not read in
-        time, and `other_sender`.
+        time, `other_sender`, and `oversized`: longer than 16 384 bytes.
 
     Raises
     ------
@@ -108,14 +112,18 @@ class UdpSource:
         if select.select([self._socket], [], [], timeout_s)[0]:
             while len(datagrams) < _MAX_READ:
                 try:
-                    data, ancillary, _, (host, _) = self._socket.recvmsg(
-                        65536, socket.CMSG_SPACE(_TIMESPEC.size))
+                    data, ancillary, flags, (host, _) = self._socket.recvmsg(
+                        _MOST_BYTES, socket.CMSG_SPACE(_TIMESPEC.size))
                 except BlockingIOError:
                     break
                 if self._address.sender and host != self._address.sender:
                     self.counts['other_sender'] += 1
                     continue
-                self._senders[host] += 1
+                if flags & socket.MSG_TRUNC:
+                    self.counts['oversized'] += 1
+                    continue
+                known = host in self._senders or len(self._senders) < _MOST_SENDERS
+                self._senders[host if known else _OTHERS] += 1
                 datagrams.append(Received(data, self._stamp_ns(ancillary)))
         self._count_drops()
         return datagrams

@@ -21,6 +21,12 @@ from .settings import DriverSettings
 __all__ = ['NmeaDecoder']
 
 
+#: Talkers counted each by itself; a flood may have thousands.
+_MOST_OTHERS = 32
+#: Readings held until a sentence is chosen; a flood does not wait for the end of `learn_s`.
+_MOST_HELD = 100_000
+
+
 class _Column:
     """Readings of one kind of sentence and one talker, and counts of its rejected sentences."""
 
@@ -112,7 +118,7 @@ class NmeaDecoder:
         self._burst_ns: int | None = None
         self._stamped: set[Name] = set()
         self._psxn_quality = b''
-        self._n_headings = 0
+        self._n_headings = self._n_others = 0
 
     @property
     def counts(self) -> dict[str, int]:
@@ -171,7 +177,8 @@ class NmeaDecoder:
         if self._held:
             if self._learning_since_ns is None:
                 self._learning_since_ns = received_ns
-            if self._settings.sentence != 'auto' or self._has_learnt(received_ns):
+            if (self._settings.sentence != 'auto' or self._has_learnt(received_ns)
+                    or sum(column.n for column in self._held.values()) > _MOST_HELD):
                 self._choose()
         return self._drain()
 
@@ -209,8 +216,13 @@ class NmeaDecoder:
     def _other(self, name: Name) -> str:
         """Return the reason under which to count a heading sentence that was not chosen."""
         kind = self._chosen.kind if self._chosen else self._settings.sentence
-        return (f'other_talker.{name.talker}' if name.kind == kind or kind == 'auto'
-                else f'other_sentence.{name.kind}')
+        reason = (f'other_talker.{name.talker}' if name.kind == kind or kind == 'auto'
+                  else f'other_sentence.{name.kind}')
+        if reason not in self._counts:
+            if self._n_others >= _MOST_OTHERS:
+                return 'other_talker.others'
+            self._n_others += 1
+        return reason
 
     def _take(self, frame: Frame) -> None:
         """Turn one sentence into a reading or a count."""

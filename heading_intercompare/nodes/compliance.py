@@ -18,17 +18,20 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.messages.heading_messages import read_pairs
 from heading_intercompare.messages.ledger_messages import decode_ledger
-from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKER_TOPIC, MARKS
-from heading_intercompare.messages.status_messages import encode_figures, WARN
+from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKER_TOPIC
+from heading_intercompare.messages.status_messages import WARN
 from heading_intercompare.nodes.alarms.comparison_alarms import ComparisonAlarms
 from heading_intercompare.nodes.judging.pair_intake import PairIntake
 from heading_intercompare.nodes.judging.reporting import Reporting
 from heading_intercompare.nodes.judging.trial_journal import TrialJournal
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.batches import Arrivals
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.runtime.figures import Figures
 from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.mark_intake import MarkIntake
 from heading_intercompare.nodes.runtime.raw_subscription import subscribe
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
 
@@ -38,6 +41,9 @@ __all__ = ['Compliance', 'main']
 
 # How long the last messages of a synchronizer that has ended may still be under way.
 _ALONE_S = 0.3
+
+# The pairs of a batch follow each other at once.
+_HOLD_OFF_S = 0.002
 
 
 class Compliance(Node):
@@ -52,28 +58,26 @@ class Compliance(Node):
         self._compliance = PureCompliance(self._settings, source='live',
                                           keeper=lambda: Spool(self._warn_of_memory).keep)
         self.get_logger().info(least_duration_words(self._settings.risk))
-        self._pairs = PairIntake(self, self._health, taking)
+        self._pairs = PairIntake(self, self._health, taking,
+                                 Arrivals(self, self._drain, _HOLD_OFF_S))
         self.alarms = ComparisonAlarms(self, self._health, self._settings)
         self._journal = TrialJournal(self, self._compliance, self._own, self._health)
         self._pairs.go_on(self._journal.kept.numbers, self._compliance.newest_ns)
-        self._marks = self._journal.kept.marks
+        self._marks = MarkIntake(self._health, self._journal.kept.marks)
         self._reporting = Reporting(self, self._compliance, self._own, self._health, self._pairs,
                                     self._journal)
         self.sole = SoleNode(self, ['compliance/report'], self._health)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
-        self._rolling = self.create_publisher(DiagnosticArray, 'compliance/rolling', qos.STATUS)
-        self._run = self.create_publisher(DiagnosticArray, 'compliance/run', qos.STATUS)
+        self._figures = Figures(self, self._compliance)
         for topic, profile, read, act in (
                 (MARKER_TOPIC, qos.MARKER, decode_marks, self._mark),
-                ('pairs/ledger', qos.LEDGER, decode_ledger,
-                 self._reporting.book)):
+                ('pairs/ledger', qos.LEDGER, decode_ledger, self._reporting.book)):
             subscribe(self, DiagnosticArray, topic, profile, self._health, read, act)
         for name in ('start', 'stop'):
             self.create_service(Trigger, f'~/{name}_run',
                                 lambda _, response, kind=name: self._command(kind, response))
         self.create_service(Trigger, '~/acknowledge', self._acknowledge)
         self._end_s: float | None = None
-        every(self, taking.drain_period_s, self._drain)
         every(self, 1.0, self._beat)
 
     @property
@@ -100,6 +104,7 @@ class Compliance(Node):
         self._compliance.update(pairs)
         self._journal.tick(self.sole.clear)
         self.alarms.take(pairs)
+        self._figures.publish()
         self._reporting.look(self._pairs.last_sequence)
         if self._end_s is not None:
             self._finish_if_complete()
@@ -109,31 +114,20 @@ class Compliance(Node):
 
     def _beat(self) -> None:
         self.alarms.look()
-        newest_ns = self._compliance.newest_ns or 0
-        self._rolling.publish(encode_figures('rolling', self._compliance.rolling_figures(),
-                                             newest_ns))
-        self._run.publish(encode_figures('run', self._compliance.run_figures(), newest_ns))
+        self._figures.compute()
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
         for kind, stamp_ns in marks:
-            if kind in MARKS:
-                self._set_mark(kind, stamp_ns)
-            else:
-                self._health.note('marker', WARN, f'mark {kind!r} is neither start nor stop')
-
-    def _set_mark(self, kind: str, stamp_ns: int) -> None:
-        # Its own marks come back, and a late subscriber gets all marks: count each once.
-        if (kind, stamp_ns) not in self._marks:
-            self._marks.add((kind, stamp_ns))
-            self._journal.mark(kind, stamp_ns)
-            self._compliance.mark(kind, stamp_ns)
-            self.alarms.start_run()
+            if self._marks.take(kind, stamp_ns):
+                self._journal.mark(kind, stamp_ns)
+                self._compliance.mark(kind, stamp_ns)
+                self.alarms.start_run()
 
     def _command(self, kind: str, response: Trigger.Response) -> Trigger.Response:
         """Set a mark after the newest pair; pairs up to it belong to the run before."""
         self._drain()
         stamp_ns = self._compliance.newest_ns or 0
-        self._set_mark(kind, stamp_ns)
+        self._mark([(kind, stamp_ns)])
         self._marker.publish(encode_mark(kind, stamp_ns))
         response.success, response.message = True, f'{kind} after the pair of {stamp_ns} ns'
         self._reporting.look(self._pairs.last_sequence)

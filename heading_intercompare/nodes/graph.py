@@ -19,7 +19,7 @@ from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 import rclpy
 from rclpy.context import Context
 from rclpy.exceptions import InvalidNamespaceException
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.validate_namespace import validate_namespace
@@ -27,7 +27,8 @@ from rclpy.validate_namespace import validate_namespace
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.nodes.ros.parameters import make_overrides
-from heading_intercompare.nodes.ros.process import end, spin_nodes, Stop
+from heading_intercompare.nodes.ros.process import end, settle_memory, spin_nodes, Stop
+from heading_intercompare.nodes.ros.security import check_security, say_security_errors
 from heading_intercompare.nodes.ros.transports import prefer_udp, set_variable
 
 from .compliance import Compliance
@@ -78,7 +79,10 @@ def _context(private: bool) -> Iterator[Context]:
     context = Context()
     with set_variable(_RANGE, 'OFF') if private else prefer_udp():
         try:
-            rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+            check_security()
+            with say_security_errors():
+                rclpy.init(args=[], context=context,
+                           signal_handler_options=SignalHandlerOptions.NO)
             yield context
         finally:
             context.try_shutdown()
@@ -92,7 +96,7 @@ def _align_logs(sources: Sequence[Node]) -> None:
 
 
 @contextmanager
-def _spin_in_thread(executor: SingleThreadedExecutor) -> Iterator[Future]:
+def _spin_in_thread(executor: Executor) -> Iterator[Future]:
     """Spin an executor in its own thread; yield its future, which ends early only on an error."""
     over = threading.Event()
 
@@ -167,10 +171,11 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
           spin_nodes(context) as (judging, _), spin_nodes(context) as (executor, nodes)):
         def start(plan: Sequence[_Planned]) -> None:
             for make, name, parameters in plan:
-                nodes.append(make(
-                    context=context, cli_args=['--ros-args', '-r', f'__node:={name}', '-r',
-                                               f'__ns:={namespace}'],
-                    parameter_overrides=make_overrides({**settings, **parameters})))
+                with say_security_errors():
+                    nodes.append(make(
+                        context=context, cli_args=['--ros-args', '-r', f'__node:={name}', '-r',
+                                                   f'__ns:={namespace}'],
+                        parameter_overrides=make_overrides({**settings, **parameters})))
                 (judging if make is Compliance else executor).add_node(nodes[-1])
         start(first)
         compliance, synchronizer = nodes
@@ -188,6 +193,7 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
             if hasattr(node, 'alarms'):
                 node.alarms.panel.tell = told.put
         _align_logs(running)
+        settle_memory()
         with _spin_in_thread(judging) as judged:
             while not (stop.requested or judged.done()
                        or (running and all(s.done for s in running))):

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 import time
 from typing import Any, Sequence
 
@@ -29,15 +28,13 @@ from heading_intercompare.nodes.runtime.publishing import (
     Audience,
     await_acknowledgement,
     FlowControl,
+    HeadingQueue,
 )
 from heading_intercompare.nodes.runtime.source_thread import Reading
 
 from .settings import DriverNode, Sending, Taking
 
 __all__ = ['main', 'NmeaDriver']
-
-#: Messages published at once.
-_PIECE = 200
 
 
 class NmeaDriver(Node):
@@ -64,7 +61,7 @@ class NmeaDriver(Node):
                                   sending.subscribers if self._reading.from_file else 0,
                                   self._health)
         # Headings held until the sentence was chosen would overrun subscribers all at once.
-        self._waiting: deque[Headings] = deque()
+        self._waiting = HeadingQueue()
         self._allowance = Allowance(sending.max_rate_hz)
         # A live source does not wait for anybody.
         self._flow = FlowControl([self._publisher] * self._reading.from_file, self._health)
@@ -110,9 +107,10 @@ class NmeaDriver(Node):
             self.done, self.ended = self._flushed, self._ending
 
     def _take(self, headings: Headings) -> None:
-        self._lost.count({'lost.at_source': self._reading.source.counts.get('kernel_dropped', 0),
+        headings = self._waiting.add(headings)
+        dropped = self._reading.source.counts.get('kernel_dropped', 0)
+        self._lost.count({'lost.at_source': dropped + self._waiting.overrun,
                           'rejected.burst': self._decoder.count('burst')}, headings)
-        self._waiting += [headings[lo:lo + _PIECE] for lo in range(0, len(headings), _PIECE)]
 
     def _publish(self, headings: Headings) -> None:
         messages = imu_messages(headings, self._frame_id)
@@ -139,6 +137,7 @@ class NmeaDriver(Node):
         self._health.note('source', WARN if silent else OK, words + self._reading.source.status,
                           sentence=self._decoder.chosen, published=self._published,
                           rate_hz=rate_hz, age_s=age_s, stamp_beyond_2038=self._beyond or None,
+                          overrun=self._waiting.overrun or None,
                           **self._reading.source.counts, **self._decoder.counts)
         self.alarms.look({**self._reading.source.counts, **self._decoder.counts}, self._published)
 

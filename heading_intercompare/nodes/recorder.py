@@ -42,6 +42,8 @@ from .settings import RecorderNode, Taking
 __all__ = ['main', 'Recorder']
 
 _QUIET_S = 0.3
+# Nobody waits for what is recorded, and its subscriptions hold more than a second at 1 kHz.
+_DRAIN_S = 0.2
 
 
 class Recorder(Node):
@@ -66,12 +68,11 @@ class Recorder(Node):
             self._bag.attachment(Path(file).name, 'application/yaml', copy)
         self._notes = Notes(self._bag.metadata)
         self._notes.add(self._own.note or '', time.time_ns())
-        self._state = ''
-        self._report = ''
+        self._state = self._report = ''
         self._quiet_s = self._end_s = 0.0
         self._ending = False
         self._health.add_refresher(self._note)
-        every(self, taking.drain_period_s, self._drain)
+        every(self, max(taking.drain_period_s, _DRAIN_S), self._drain)
 
     @property
     def written(self) -> int:

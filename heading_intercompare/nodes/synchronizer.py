@@ -18,15 +18,17 @@ from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import pair_messages, read_headings
 from heading_intercompare.messages.ledger_messages import decode_losses, encode_ledger, lost_topic
-from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC, MARKS
+from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
 from heading_intercompare.nodes.alarms.stream_alarms import StreamAlarms
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.batches import Arrivals
 from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
+from heading_intercompare.nodes.runtime.mark_intake import MarkIntake
 from heading_intercompare.nodes.runtime.publishing import await_acknowledgement, Backlog
 from heading_intercompare.nodes.runtime.raw_subscription import subscribe
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
@@ -56,14 +58,16 @@ class Synchronizer(Node):
         self._pairer = Pairer(settings)
         self._health = Health(self)
         self.alarms = StreamAlarms(self, self._health, settings.pairing, taking)
+        self._marks = MarkIntake(self._health)
         self._pairs = self.create_publisher(TwistStamped, 'pairs', qos.PAIRS,
                                             event_callbacks=self._health.of_publisher('pairs'))
         self.sole = SoleNode(self, ['pairs'], self._health)
         self._ledger = self.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
+        arrivals = Arrivals(self, self._drain, taking.drain_period_s)
         self._inputs = [
             (Intake(self, topic, HEADING_TYPES, qos.HEADINGS_IN, self._health,
                     unreliable=qos.HEADINGS_UNRELIABLE, stale_s=taking.stale_s,
-                    lost_shown_s=taking.lost_shown_s, stamped=True),
+                    lost_shown_s=taking.lost_shown_s, stamped=True, arrivals=arrivals),
              convention)
             for topic, convention in ((settings.ts_topic, settings.ts_convention),
                                       (settings.rs_topic, settings.rs_convention))]
@@ -76,9 +80,8 @@ class Synchronizer(Node):
         for intake, _ in self._inputs:
             intake.open = False
         self._waiting = Backlog(self._pairs, self._health, patience_s=_PATIENCE_S)
-        self._flushed = False
+        self._flushed = self.ended = False
         self._end_s: float | None = None
-        every(self, taking.drain_period_s, self._drain)
         every(self, 1.0, self._beat)
 
     def _drain(self) -> None:
@@ -125,7 +128,7 @@ class Synchronizer(Node):
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
         for kind, stamp_ns in marks:
-            if kind in MARKS:
+            if self._marks.take(kind, stamp_ns):
                 self._pairer.ledger.cut_run(stamp_ns + 1)
         self._beat()
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from heading_intercompare.messages.cdr import encode
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.status_messages import (
     decode_statuses,
@@ -15,6 +16,7 @@ from heading_intercompare.messages.status_messages import (
     ERROR,
     OK,
     Status,
+    STATUS_TYPE,
     WARN,
 )
 
@@ -39,6 +41,17 @@ def test_figures_arrive_and_read_back_to_the_bit(figures):
             assert float(text) == value
         else:
             assert text == str(value)
+
+
+@hypothesis.given(st.lists(st.builds(
+    Status, TEXT, st.integers(0, 3), TEXT,
+    st.dictionaries(TEXT, st.one_of(st.none(), st.integers(), TEXT), max_size=4)), max_size=4))
+def test_the_bytes_are_those_of_the_encoder_for_any_message(statuses):
+    fields = [{'level': one.level, 'name': one.name, 'message': one.message, 'values': [
+        {'key': key, 'value': str(value)} for key, value in one.values.items()
+        if value is not None]} for one in statuses]
+    assert encode_statuses(10 ** 18 + 7, statuses) == encode(STATUS_TYPE, {
+        'header': {'stamp': {'sec': 10 ** 9, 'nanosec': 7}}, 'status': fields})
 
 
 def test_a_number_of_numpy_is_written_as_a_bare_number():

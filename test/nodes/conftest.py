@@ -14,7 +14,6 @@ collect_ignore_glob = []
 try:
     import rclpy
     from rclpy.context import Context
-    from rclpy.executors import SingleThreadedExecutor
     from rclpy.node import Node
     from rclpy.signals import SignalHandlerOptions
 except ImportError:
@@ -30,7 +29,8 @@ class Ros:
         self.context = Context()
         rclpy.init(context=self.context, args=[],
                    signal_handler_options=SignalHandlerOptions.NO)
-        self.executor = SingleThreadedExecutor(context=self.context)
+        from heading_intercompare.nodes.ros.quick_executor import QuickExecutor
+        self.executor = QuickExecutor(context=self.context)
         self.nodes = []
         self.plain = self.add(Node, 'test_node')
 

@@ -248,6 +248,24 @@ def test_figures_of_the_window_and_of_the_run_come_every_second(ros, rng):
     float(values(graph.heard['run'][-1])['mean_deg'])
 
 
+def test_the_mean_of_the_window_follows_each_batch_and_the_bounds_follow_once_a_second(
+        ros, rng, monkeypatch):
+    """The bounds say how old they are."""
+    graph = Graph(ros)
+    graph.send(some_pairs(rng, 0, 100))
+    ros.spin_until(lambda: graph.node._figures._bounds.get('n') == '100')
+    monkeypatch.setattr(Compliance, '_beat', lambda self: None)
+    pairs = some_pairs(rng, 100, 140)
+    graph.send(pairs)
+    ros.spin_until(lambda: values(graph.heard['rolling'][-1])['n'] == '140')
+    newest = values(graph.heard['rolling'][-1])
+    figures = graph.node._compliance.rolling_figures()
+    assert float(newest['mean_deg']) == figures['mean_deg']
+    assert float(newest['std_deg']) == figures['std_deg']
+    assert int(newest['bounds_newest_ns']) < int(newest['newest_ns']) == pairs.stamp_ns[-1]
+    assert 'limit_deg2' in newest
+
+
 def test_a_report_is_also_written_as_a_file(ros, rng, tmp_path):
     graph = Graph(ros, report_dir=str(tmp_path / 'reports'))
     graph.send(some_pairs(rng, 0, 100))

@@ -9,6 +9,7 @@ says the last state of each part in a metadata record.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Mapping, NamedTuple, TYPE_CHECKING
 
 from heading_intercompare.core.utc_text import utc
@@ -34,6 +35,8 @@ STATES = 'diagnostics'
 _LAST_NS = 60_000_000_000
 #: More parts than this are those of other programs.
 _MOST = 1000
+#: Letters kept of a name and of words.
+_LONGEST = 500
 _WORDS = {level: word.upper() for word, level in LEVELS.items()}
 
 
@@ -78,6 +81,8 @@ class PartStates:
             _, statuses = decode_statuses(data)
         except MessageError:
             return True
+        statuses = [replace(one, name=one.name[:_LONGEST], message=one.message[:_LONGEST])
+                    for one in statuses]
         keep = any(self._is_due(status, now_ns) for status in statuses)
         for one in statuses:
             before = self._parts.get(one.name)

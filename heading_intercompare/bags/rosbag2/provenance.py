@@ -38,6 +38,8 @@ TRUTH_TOPIC = 'truth/heading'
 _NOTE = 'note.'
 #: More than this are no notes but a program gone wrong; their messages are still recorded.
 _MOST = 1000
+#: Letters of a note that are kept.
+_LONGEST = 10_000
 _SECOND_NS = 1_000_000_000
 _TIMED = re.compile(r'(\d{4}-\d\d-\d\dT\d\d:\d\d(?::\d\d)?)(?:\.(\d{1,9}))?Z\s+(.+)')
 
@@ -138,7 +140,7 @@ class Notes:
             if self._count == _MOST:
                 break
             self._count += 1
-            note = _parse_note(line, now_ns)
+            note = _parse_note(line[:_LONGEST], now_ns)
             if self._count == _MOST:
                 note = Note(now_ns, f'too many notes: later ones are only in topic {NOTE_TOPIC}')
             self._metadata(f'{_NOTE}{self._count}', {'time': _time(note.stamp_ns),

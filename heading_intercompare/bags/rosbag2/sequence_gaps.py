@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +17,8 @@ __all__ = ['Numbering']
 
 #: Publishers and gaps remembered per topic; no topic has more at once.
 _PUBLISHERS, _GAPS = 8, 16
+
+_NOTHING = Losses.empty()
 
 
 class _Message(NamedTuple):
@@ -91,6 +93,10 @@ class Numbering:
             are the same however the messages are cut into chunks.
 
         """
+        if self._goes_on(numbers):
+            stamp = 0 if stamp_ns is None else int(np.asarray(stamp_ns)[-1])
+            self._newest[0] = _Message(numbers[-1], stamp)
+            return _NOTHING
         numbers = np.asarray(numbers).astype(np.uint32)
         stamps = (np.zeros(len(numbers), np.int64) if stamp_ns is None
                   else np.asarray(stamp_ns, np.int64))
@@ -98,7 +104,7 @@ class Numbering:
             begin = int(np.argmax(numbers > 0)) if numbers.any() else len(numbers)
             numbers, stamps = numbers[begin:], stamps[begin:]
         if not len(numbers):
-            return Losses.empty()
+            return _NOTHING
         if self.first is None:
             self.numbered, self.first = True, int(numbers[0])
             self._newest.append(_Message(self.first, int(stamps[0])))
@@ -115,7 +121,14 @@ class Numbering:
                            _Message(int(numbers[at]), int(stamps[at])))
             self._newest[-1] = _Message(int(numbers[-1]), int(stamps[-1]))
         found, self._found = self._found, []
-        return Losses.of(*zip(*found)) if found else Losses.empty()
+        return Losses.of(*zip(*found)) if found else _NOTHING
+
+    def _goes_on(self, numbers: ArrayLike) -> TypeGuard[list[int]]:
+        """Tell whether the numbers of a live batch follow the last one without a gap."""
+        if not (isinstance(numbers, list) and numbers and len(self._newest) == 1):
+            return False
+        after = self._newest[0].number + 1
+        return after + len(numbers) < 2**32 and numbers == [*range(after, after + len(numbers))]
 
     def _take(self, message: _Message) -> None:
         steps = [(step, at) for at, newest in enumerate(self._newest)

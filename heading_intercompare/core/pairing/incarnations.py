@@ -17,6 +17,9 @@ __all__ = ['Incarnations', 'StreamNumbers']
 #: What becomes of readings that waited for a partner when their synchronizer went.
 _LEFT = {LedgerKey.TS_PENDING: LedgerKey.TS_UNPAIRED, LedgerKey.RS_PENDING: LedgerKey.RS_UNUSED}
 
+#: Starts of the synchronizer whose ledgers are kept.
+_MOST = 1000
+
 
 class StreamNumbers(NamedTuple):
     """
@@ -66,11 +69,15 @@ class Incarnations:
 
     def __init__(self) -> None:
         self._last: dict[int, _Last] = {}
+        self._refused = 0
 
     def take(self, ledger: Ledger, final: bool, started_ns: int,
              numbers: Mapping[str, StreamNumbers] | None = None) -> None:
         """Take the newest ledger of the incarnation that was started at a time, UTC ns."""
         before = self._last.get(started_ns)
+        if before is None and len(self._last) >= _MOST:
+            self._refused += 1
+            return
         if before is None or not before.final:
             self._last[started_ns] = _Last(ledger, final, numbers or {})
 
@@ -130,6 +137,9 @@ class Incarnations:
 
     def problems(self) -> Iterator[str]:
         """Yield, in plain sentences, what restarts of the synchronizer have left uncounted."""
+        if self._refused:
+            yield (f'{self._refused} ledgers of further starts of the synchronizer were refused: '
+                   f'{_MOST} are kept')
         ordered = self._in_order
         for (_, before), (started_ns, after) in zip(ordered, ordered[1:]):
             counted = before.count_until(after)

@@ -116,6 +116,8 @@ _PENDING = (LedgerKey.TS_PENDING, LedgerKey.RS_PENDING)
 
 # A cut this far before the newest settled reading still divides exactly.
 _SLACK_NS = 60_000_000_000
+#: Losses remembered one by one; at 1 kHz, ten seconds of nothing but losses.
+_MOST_GAPS = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +202,12 @@ class Ledger:
     def lose(self, key: LedgerKey, stamp_ns: np.ndarray, n: np.ndarray) -> None:
         """Count `n` readings at each stamp that were lost, or rejected before they were sent."""
         if len(stamp_ns):
-            self._gaps.setdefault(key, []).append((stamp_ns, n))
+            gaps = self._gaps.setdefault(key, [])
+            gaps.append((stamp_ns, n))
+            if len(gaps) > _MOST_GAPS:
+                # Told for times that never come: later cuts no longer divide them.
+                self._fold(self._counts, key, *(np.concatenate(column) for column in zip(*gaps)))
+                gaps.clear()
             if not key.lost:
                 self._received[key.stream] += int(n.sum())
 

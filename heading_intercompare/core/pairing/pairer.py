@@ -130,6 +130,8 @@ class Pairer:
             between the runs.
 
         """
+        if not len(losses):
+            return
         stream = self._ts if key.stream == 'ts' else self._rs
         stream.lose(key, losses, self._run_gap_ns)
 

@@ -31,6 +31,7 @@ _ALIKE, _SLOWED_N = 10, 8
 # A gap of this many usual steps is no jump, however slow the sensor.
 _USUAL_STEPS = 3
 _RECENT, _MOST_LINES, _MOST_NAMED, _BLOCK = 4, 16, 100, 64
+_MOST_HELD, _MOST_SLOWED = 20_000, 1000
 
 _HELD, _ACCEPTED, _LATE, _JUMPED = range(4)
 _NONE = np.empty(0, np.int64)
@@ -301,6 +302,10 @@ class JumpFilter(Generic[_Rows]):
         if line is not None and abs(stamp_ns - line.last_ns) <= bound_ns:
             if stamp_ns > line.last_ns:
                 line.add(row, stamp_ns)
+                if len(line.rows) > _MOST_HELD:
+                    # No sensor sends this number of readings within five seconds.
+                    fate[line.rows] = _JUMPED
+                    self._lines.remove(line)
             else:
                 fate[row] = _LATE
             return
@@ -316,9 +321,11 @@ class JumpFilter(Generic[_Rows]):
                 return line.rows
         needed = _CONFIRMED_N if len(self._recent) < _RECENT else _SLOWED_N
         # Only a sensor slower than the bound has several lines and does not fall back.
-        held = sorted(row for line in self._lines for row in line.rows)
-        if len(self._lines) < 2 or len(held) < needed:
+        # It has few readings in a line; to look at many at each reading would take for ever.
+        if len(self._lines) < 2 or not (
+                needed <= sum(len(line.rows) for line in self._lines) <= _MOST_SLOWED):
             return []
+        held = sorted(row for line in self._lines for row in line.rows)
         times = [int(stamps[row]) for row in held]
         steps = [b - a for a, b in zip(times, times[1:])]
         last = steps[1 - needed:]

@@ -10,11 +10,12 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.gk import apply_gk, Printed
 from heading_intercompare.core.decision.guarded import decide, gather_evidence
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.statistics.moments import Moments
 
 from .rolling_window import Rolling
 from .run_series import RunSeries
 
-__all__ = ['compute_figures']
+__all__ = ['compute_figures', 'name_moments']
 
 
 def _apply_gk_so_far(part: RunSeries | Rolling, limits: Limits, settings: Settings) -> Printed:
@@ -22,6 +23,13 @@ def _apply_gk_so_far(part: RunSeries | Rolling, limits: Limits, settings: Settin
     center = 0.0 if settings.variant == 'A' else moments.mean_deg
     return apply_gk(moments.n, moments.mean_deg, moments.variance_deg2,
                     lambda limit: part.count_outside(center, limit), limits, settings)
+
+
+def name_moments(moments: Moments) -> dict[str, Any]:
+    """Return the figures that cost little, so that they can be published with every batch."""
+    return {'n': moments.n, 'mean_deg': moments.mean_deg, 'std_deg': moments.std_deg,
+            'min_deg': moments.min_deg, 'max_deg': moments.max_deg,
+            'variance_deg2': moments.variance_deg2}
 
 
 def compute_figures(part: RunSeries | Rolling, limits: Limits,
@@ -52,9 +60,7 @@ def compute_figures(part: RunSeries | Rolling, limits: Limits,
         offset_u_deg=settings.installation_offset_u_deg)
     now = decide(evidence, limits, settings.risk)
     return {
-        'n': moments.n, 'mean_deg': moments.mean_deg, 'std_deg': moments.std_deg,
-        'min_deg': moments.min_deg, 'max_deg': moments.max_deg,
-        'variance_deg2': moments.variance_deg2,
+        **name_moments(moments),
         'limit_deg2': limits.limit_deg2, 'tightened_limit_deg2': limits.tightened_limit_deg2,
         'n_plus': printed.counts.n_plus, 'n_plus_plus': printed.counts.n_plus_plus,
         'allowed': printed.counts.allowed,

@@ -66,6 +66,7 @@ class Rolling:
         self._open: list[Differences] = []
         self._open_key = 0
         self._newest_ns = 0
+        self._closed: Moments | None = None
 
     def update(self, differences: Differences) -> None:
         """Take differences in stamp order; values that are not finite are skipped."""
@@ -85,11 +86,13 @@ class Rolling:
             self._open.append(differences[lo:hi])
         while self._panes and self._panes[0].key <= self._open_key - _PANES:
             self._panes.popleft()
+            self._closed = None
 
     def _close(self) -> None:
         if self._open:
             self._panes.append(_Pane.of(self._open_key, self._open))
             self._open = []
+            self._closed = None
 
     def _list_panes(self) -> list[_Pane]:
         if len(self._open) > 1:
@@ -100,8 +103,10 @@ class Rolling:
     @property
     def start_ns(self) -> int | None:
         """First stamp in the window; None if it is empty."""
-        panes = self._list_panes()
-        return int(panes[0].stamp_ns[0]) if panes else None
+        if not (self._panes or self._open):
+            return None
+        first = self._panes[0] if self._panes else self._open[0]
+        return int(first.stamp_ns[0])
 
     def cells(self) -> Cells:
         """Return the differences in the window, summed over cells."""
@@ -118,7 +123,9 @@ class Rolling:
 
     def moments(self) -> Moments:
         """Return the moments of the differences in the window."""
-        return sum((p.moments for p in self._list_panes()), Moments())
+        if self._closed is None:
+            self._closed = sum((p.moments for p in self._panes), Moments())
+        return sum((p.moments for p in self._list_panes()[len(self._panes):]), self._closed)
 
     def count_outside(self, center_deg: float, limit_deg: float) -> int:
         """Count the differences farther than the limit from the centre."""

@@ -16,6 +16,7 @@ from heading_intercompare.core.pairing.incarnation_choice import IncarnationChoi
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.stamps import header_frame, header_stamp_ns
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.batches import Unwatched
 from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.intake import Intake
@@ -41,6 +42,8 @@ class PairIntake(Intake):
         As for `Intake`.
     taking : Taking
         Settings.
+    arrivals : Unwatched, optional
+        As for `Intake`.
 
     Attributes
     ----------
@@ -57,9 +60,10 @@ class PairIntake(Intake):
 
     """
 
-    def __init__(self, node: Node, health: Health, taking: Taking) -> None:
+    def __init__(self, node: Node, health: Health, taking: Taking,
+                 arrivals: Unwatched | None = None) -> None:
         super().__init__(node, 'pairs', PAIRS_TYPES, qos.PAIRS, health, stale_s=taking.stale_s,
-                         lost_shown_s=taking.lost_shown_s, counted=False)
+                         lost_shown_s=taking.lost_shown_s, counted=False, arrivals=arrivals)
         self._choice = IncarnationChoice()
         self._held: dict[int, deque[tuple[bytes, Mapping[str, int]]]] = {}
         self._ledgers: dict[int, LedgerMessage] = {}

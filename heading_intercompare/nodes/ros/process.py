@@ -10,6 +10,7 @@ they are not installed, and a flag ends the loop instead.
 from __future__ import annotations
 
 from contextlib import contextmanager
+import gc
 import os
 import signal
 import sys
@@ -18,7 +19,6 @@ from typing import Any, Callable, Iterator, Protocol, Sequence
 
 import rclpy
 from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
@@ -26,7 +26,10 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.drivers.settings import DriverError
 
-__all__ = ['end', 'error_words', 'run', 'spin_nodes', 'Stop']
+from .quick_executor import QuickExecutor
+from .security import check_security, say_security_errors
+
+__all__ = ['end', 'error_words', 'run', 'settle_memory', 'spin_nodes', 'Stop']
 
 _MISTAKES = (SettingsError, DriverError, BagError, OSError)
 """The errors that a user can cause; the text of each is one line that says what is wrong."""
@@ -80,9 +83,9 @@ class Stop:
 
 
 @contextmanager
-def spin_nodes(context: Context) -> Iterator[tuple[SingleThreadedExecutor, list[Node]]]:
+def spin_nodes(context: Context) -> Iterator[tuple[QuickExecutor, list[Node]]]:
     """Yield an executor and a list; destroy the nodes in the list at the end, in any case."""
-    executor, nodes = SingleThreadedExecutor(context=context), []
+    executor, nodes = QuickExecutor(context=context), []
     try:
         yield executor, nodes
     finally:
@@ -91,8 +94,9 @@ def spin_nodes(context: Context) -> Iterator[tuple[SingleThreadedExecutor, list[
             node.destroy_node()
 
 
-def end(executor: SingleThreadedExecutor, nodes: Sequence[Node], linger_s: float = 0.0) -> None:
+def end(executor: QuickExecutor, nodes: Sequence[Node], linger_s: float = 0.0) -> None:
     """End and destroy nodes in the given order; spin each for `linger_s` after its end."""
+    executor.eager = True
     for node in nodes:
         node.end()
         deadline_s = time.monotonic() + _END_S
@@ -103,6 +107,12 @@ def end(executor: SingleThreadedExecutor, nodes: Sequence[Node], linger_s: float
             executor.spin_once(0.05)
         executor.remove_node(node)
         node.destroy_node()
+
+
+def settle_memory() -> None:
+    """Let the garbage collector leave alone what has been loaded: it took tens of milliseconds."""
+    gc.collect()
+    gc.freeze()
 
 
 def error_words(error: Exception) -> str:
@@ -135,14 +145,17 @@ def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None)
     context = Context()
     try:
         with Stop() as stop:
+            check_security()
             try:
                 rclpy.init(args=args, context=context,
                            signal_handler_options=SignalHandlerOptions.NO)
             except RuntimeError as error:
                 raise SettingsError(str(error).partition(', at ')[0]) from error
             with spin_nodes(context) as (executor, nodes):
-                nodes.append(make(context=context))
+                with say_security_errors():
+                    nodes.append(make(context=context))
                 executor.add_node(nodes[0])
+                settle_memory()
                 while not (stop.requested or nodes[0].done):
                     executor.spin_once(0.2)
                 end(executor, nodes, _LINGER_S)

@@ -64,6 +64,8 @@ class Intake:
         The messages begin with a header, so `take_losses` can say where some are missing.
     counted : bool
         Count what is missing; not where any number of publishers may come and go.
+    arrivals : Unwatched, optional
+        Callback group of the subscription: what a `QuickExecutor` does when a message arrives.
 
     Attributes
     ----------
@@ -100,13 +102,13 @@ class Intake:
                  health: Health, *, unreliable: QoSProfile | None = None,
                  stale_s: float | None = None, lost_shown_s: float = 600.0,
                  sole: bool = True, needed: bool = True, stamped: bool = False,
-                 counted: bool = True) -> None:
+                 counted: bool = True, arrivals: Unwatched | None = None) -> None:
         self._node, self._topic, self._types = node, topic, types
         self._reliable, self._unreliable, self._qos = qos, unreliable, qos
         self._health, self._stale_s, self._sole, self._needed = health, stale_s, sole, needed
         self.full_name = resolve_topic(node, topic)
         self._subscription: Subscription | None = None
-        self._group = Unwatched()
+        self._group = arrivals or Unwatched()
         self._newest_s = time.monotonic()
         self._beat_s, self._beat_n, self._latency_s = self._newest_s, 0, 0.0
         self.type_name: str | None = None

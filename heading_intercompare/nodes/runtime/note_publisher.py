@@ -17,6 +17,7 @@ from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.messages.texts import encode_text
 from heading_intercompare.nodes.ros.process import spin_nodes
 from heading_intercompare.nodes.ros.qos import NOTE
+from heading_intercompare.nodes.ros.security import check_security, say_security_errors
 
 from .publishing import await_acknowledgement
 
@@ -37,10 +38,12 @@ def publish_note(text: str, patience_s: float = _PATIENCE_S) -> None:
 
     """
     context = Context()
+    check_security()
     rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
     try:
         with spin_nodes(context) as (executor, nodes):
-            nodes.append(Node('operator_note', context=context))
+            with say_security_errors():
+                nodes.append(Node('operator_note', context=context))
             publisher = nodes[0].create_publisher(String, NOTE_TOPIC, NOTE)
             executor.add_node(nodes[0])
             deadline_s = time.monotonic() + patience_s

@@ -13,17 +13,25 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
+from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 
 from .health import Health
 from .sole_node import SoleNode
 
-__all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'Backlog', 'FlowControl']
+__all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'Backlog', 'FlowControl',
+           'HeadingQueue']
 
 # Discovery between processes takes up to two seconds; a longer wait than this is a warning.
 _PATIENCE_S = 5.0
 # DDS gives up a process that hangs after 20 s; after this time its connection must be broken.
 _BROKEN_S = 30.0
+
+# Number of messages that go out before the first question whether they have come.
+_UNASKED = 500
+
+# Less than a subscription holds; at 1 kHz four seconds.
+_WINDOW = 4000
 
 
 class Audience:
@@ -117,13 +125,17 @@ class FlowControl:
 
     def has_room(self) -> bool:
         """Tell whether a message may be published now."""
-        if self._sent < self._window:
+        if self._sent < min(_UNASKED, self._window):
             return True
+        # Asked early and often: DDS asks its readers what they have while messages go out, and
+        # once these have stopped only every three seconds.
         if all(publisher.wait_for_all_acked(Duration(nanoseconds=0))
                for publisher in self._publishers):
             if self._full_s < math.inf:
                 self._health.note('flow', OK, 'subscribers keep up')
             self._sent, self._full_s = 0, math.inf
+            return True
+        if self._sent < self._window:
             return True
         now_s = time.monotonic()
         self._full_s = min(self._full_s, now_s)
@@ -140,6 +152,42 @@ class FlowControl:
     def spend(self, n: int) -> None:
         """Count messages that were published."""
         self._sent += n
+
+
+class HeadingQueue:
+    """
+    Headings of a driver that wait to be published, in pieces.
+
+    Attributes
+    ----------
+    overrun : int
+        Headings that found the queue full and are lost: more than any sensor sends.
+
+    """
+
+    def __init__(self, most: int = 100_000, piece: int = 200) -> None:
+        self._most, self._piece = most, piece
+        self._waiting: deque[Headings] = deque()
+        self._n = self.overrun = 0
+
+    def __len__(self) -> int:
+        return self._n
+
+    def add(self, headings: Headings) -> Headings:
+        """Let headings wait, if there is room for them; return those that do."""
+        room = max(0, self._most - self._n)
+        self.overrun += max(0, len(headings) - room)
+        headings = headings[:room]
+        self._waiting += [headings[lo:lo + self._piece]
+                          for lo in range(0, len(headings), self._piece)]
+        self._n += len(headings)
+        return headings
+
+    def popleft(self) -> Headings:
+        """Return the next piece."""
+        piece = self._waiting.popleft()
+        self._n -= len(piece)
+        return piece
 
 
 class Backlog:
@@ -162,7 +210,7 @@ class Backlog:
     def __init__(self, publisher: Publisher, health: Health, *, burst: int = 200,
                  patience_s: float = _BROKEN_S) -> None:
         self._publisher, self._burst = publisher, burst
-        self._flow = FlowControl([publisher], health, patience_s=patience_s)
+        self._flow = FlowControl([publisher], health, window=_WINDOW, patience_s=patience_s)
         self._waiting: deque[bytes] = deque()
 
     def __len__(self) -> int:

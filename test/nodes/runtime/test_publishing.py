@@ -10,11 +10,12 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from sensor_msgs.msg import Imu
 
+from heading_intercompare.core.records import Headings
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
 from heading_intercompare.nodes.runtime import publishing
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.publishing import FlowControl
+from heading_intercompare.nodes.runtime.publishing import FlowControl, HeadingQueue
 
 
 def flow_of(ros, **kwargs):
@@ -41,6 +42,25 @@ def test_there_is_room_while_subscribers_acknowledge(ros):
         ros.spin_until(flow.has_room)
     ros.spin_until(lambda: taken.extend(take_all(taker)) or len(taken) == 2000)
     assert [info['publication_sequence_number'] for _, info in taken] == list(range(1, 2001))
+
+
+class NowAndThen:
+    """A publisher whose messages are all acknowledged only every eighth time it is asked."""
+
+    asked = 0
+
+    def wait_for_all_acked(self, timeout):
+        """Tell at once whether all is acknowledged."""
+        self.asked += 1
+        return self.asked % 8 == 0
+
+
+def test_a_steady_stream_is_not_stopped_to_learn_that_it_came(ros):
+    """DDS hears from its readers while messages go out, and then only every three seconds."""
+    flow = FlowControl([NowAndThen()], Health(ros.plain), window=2000)
+    for _ in range(1000):
+        assert flow.has_room()
+        flow.spend(20)
 
 
 class Unacknowledged:
@@ -94,3 +114,13 @@ def test_without_a_publisher_there_is_always_room(ros):
     flow = FlowControl([], Health(ros.plain), window=1)
     flow.spend(5)
     assert flow.has_room()
+
+
+def test_headings_that_nobody_can_publish_in_time_are_counted_and_not_kept():
+    queue = HeadingQueue(most=500)
+    kept = [len(queue.add(Headings.of([*range(1, 301)], [1.0] * 300))) for _ in range(3)]
+    assert kept == [300, 200, 0] and queue.overrun == 400 and len(queue) == 500
+    pieces = []
+    while queue:
+        pieces.append(len(queue.popleft()))
+    assert sum(pieces) == 500 and max(pieces) <= 200

@@ -1,0 +1,424 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The running graph next to its peers: CPU, losses, latency, start-up, memory.
+
+    python benchmarks/live.py                                     # 2 topics x 10, 100, 1000 Hz
+    python benchmarks/live.py --rates 1000 --seconds 600 --only graph live --rounds 1
+    python benchmarks/live.py --judging                           # does the judge hold up others?
+    python benchmarks/live.py --day                               # memory over 24 h of stamps
+
+One process publishes two topics of sensor_msgs/Imu. It stands for the drivers, and its CPU is not
+counted. The candidates take the topics in turn, each with a publisher of its own:
+
+* plain: an rclpy node with two subscriptions and a SingleThreadedExecutor, which only counts;
+* message_filters: the same with an ApproximateTimeSynchronizer, if that package is installed;
+* graph: synchronizer, compliance and recorder, a process each, as the launch file runs them;
+* live: the same nodes in one process, as the command `live` runs them.
+
+CPU is the share of one core, user and system, of all threads. The ratio is to the plain subscriber
+of the same round, and the table shows the least of all rounds. Latency is the time from the stamp
+of the later reading of a pair, which is published at that time, to the publication of the first
+`compliance/rolling` that covers the pair. For the peers it is the time to the callback. Lost are
+readings without an entry in the ledger of the last report, and messages missing in the bag.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from pathlib import Path
+import signal
+import subprocess
+import sys
+from tempfile import TemporaryDirectory
+import threading
+import time
+from typing import Any, Iterator, Sequence
+
+import numpy as np
+
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.core.pipeline import Compliance
+from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.heading_messages import imu_messages
+from heading_intercompare.messages.stamps import header_stamp_ns
+
+HERE = str(Path(__file__).resolve())
+TOPICS = ('ts/heading', 'rs/heading')
+NORMS = {'norms.sigma_max_deg': 0.2, 'norms.sigma_ref_max_deg': 0.1}
+TICK_S = 1.0 / os.sysconf('SC_CLK_TCK')
+#: The run is judged from the first reading on.
+SETTINGS = {**NORMS, 'runs.stabilization_s': 0.0, 'pairing.method': 'interpolate'}
+FIRST_WAIT_S, LONGEST_WAIT_S = 3.0, 60.0
+NODES = ('synchronizer', 'compliance', 'recorder')
+CANDIDATES = ('plain', 'message_filters', 'graph', 'live')
+
+
+def publish(rate_hz: float, seconds: float, subscribers: int, faster: float) -> None:
+    """Publish both topics once both have their subscriptions; print when, and when it is over."""
+    import rclpy
+    from rclpy.qos import QoSProfile
+    from sensor_msgs.msg import Imu
+    rclpy.init()
+    node = rclpy.create_node('benchmark_publisher')
+    publishers = [node.create_publisher(Imu, topic, QoSProfile(depth=5000)) for topic in TOPICS]
+    deadline_s = time.monotonic() + LONGEST_WAIT_S
+    while any(p.get_subscription_count() < subscribers for p in publishers):
+        if time.monotonic() > deadline_s:
+            raise SystemExit('no subscriber')
+        time.sleep(0.02)
+    print(time.time(), flush=True)
+    rng, n = np.random.default_rng(1), round(rate_hz * seconds)
+    period_ns = round(1e9 / rate_hz)
+    began_ns, began_s = time.time_ns(), time.monotonic()
+    stamps: list[list[int]] = [[], []]
+    if faster:
+        pour(publishers, began_ns, period_ns, n, rng)
+    for i in range(0 if faster else n):
+        for late, publisher in enumerate(publishers):
+            # The RS speaks a third of a period after the TS.
+            due_s = began_s + (i + late / 3) / rate_hz
+            time.sleep(max(0.0, due_s - time.monotonic()))
+            stamps[late].append(time.time_ns())
+            one = Headings.of(stamps[late][-1:], [90.0 + rng.normal(0.0, 0.1)])
+            publisher.publish(imu_messages(one, 'gyro')[0])
+    np.save('sent.npy', stamps)
+    print(2 * n, flush=True)
+    for publisher in publishers:
+        publisher.wait_for_all_acked(rclpy.duration.Duration(seconds=20))
+    sys.stdin.readline()
+    rclpy.try_shutdown()
+
+
+def pour(publishers: Sequence[Any], began_ns: int, period_ns: int, n: int,
+         rng: np.random.Generator) -> None:
+    """Publish n readings of each sensor as fast as the subscribers acknowledge them."""
+    from rclpy.duration import Duration
+    for lo in range(0, n, 500):
+        at = began_ns + period_ns * np.arange(lo, min(lo + 500, n), dtype=np.int64)
+        for late, publisher in enumerate(publishers):
+            stamps = at + late * period_ns // 3
+            for message in imu_messages(
+                    Headings.of(stamps, 90.0 + rng.normal(0.0, 0.1, len(at))), 'gyro'):
+                publisher.publish(message)
+        for publisher in publishers:
+            publisher.wait_for_all_acked(Duration(seconds=60))
+
+
+def peer(kind: str) -> None:
+    """Subscribe as a plain node or with message_filters; print latencies at SIGINT."""
+    import rclpy
+    from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+    from rclpy.qos import QoSProfile
+    from sensor_msgs.msg import Imu
+    rclpy.init()
+    node = rclpy.create_node('benchmark_peer')
+    late_s: list[float] = []
+
+    def take(*messages: Any) -> None:
+        newest = max(m.header.stamp.sec * 10 ** 9 + m.header.stamp.nanosec for m in messages)
+        late_s.append((time.time_ns() - newest) / 1e9)
+    if kind == 'message_filters':
+        import message_filters
+        inputs = [message_filters.Subscriber(node, Imu, topic, qos_profile=QoSProfile(depth=5000))
+                  for topic in TOPICS]
+        joined = message_filters.ApproximateTimeSynchronizer(inputs, 100, 0.1)
+        joined.registerCallback(take)
+    else:
+        for topic in TOPICS:
+            node.create_subscription(Imu, topic, take, QoSProfile(depth=5000))
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    try:
+        executor.spin()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    found = np.quantile(late_s, (0.5, 0.99)).tolist() if late_s else [float('nan')] * 2
+    print(json.dumps({'taken': len(late_s), 'p50_s': found[0], 'p99_s': found[1]}), flush=True)
+
+
+def watch() -> None:
+    """Note the figures as they are published, at the time of publication; print at SIGINT."""
+    from diagnostic_msgs.msg import DiagnosticArray
+    import rclpy
+    from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+    from rclpy.qos import QoSProfile
+    rclpy.init()
+    node = rclpy.create_node('benchmark_watch')
+    heard: list[tuple[int, int]] = []
+    node.create_subscription(
+        DiagnosticArray, 'compliance/rolling',
+        lambda data, info: heard.append((info['source_timestamp'], header_stamp_ns(data))),
+        QoSProfile(depth=5000), raw=True)
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    try:
+        executor.spin()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    print(json.dumps(heard), flush=True)
+
+
+class Process:
+    """A process of this benchmark."""
+
+    def __init__(self, words: Sequence[str], folder: Path, domain: int) -> None:
+        environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain),
+                       'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+        self.began_s = time.time()
+        self.process = subprocess.Popen(
+            [sys.executable, *words], env=environment, cwd=folder, text=True,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+
+    def cpu_s(self) -> float:
+        """Return the CPU time so far, of all threads, user and system."""
+        text = Path(f'/proc/{self.process.pid}/stat').read_text('utf-8')
+        times = text.rpartition(') ')[2].split()
+        return TICK_S * (int(times[11]) + int(times[12]))
+
+    def memory_mb(self) -> float:
+        """Return the resident memory now."""
+        text = Path(f'/proc/{self.process.pid}/status').read_text('utf-8')
+        return int(text.partition('VmRSS:')[2].split()[0]) / 1024.0
+
+    def say(self) -> str:
+        """Return the next line that it prints."""
+        assert self.process.stdout is not None
+        return self.process.stdout.readline()
+
+    def interrupt(self) -> str:
+        """Interrupt it and return what it prints."""
+        self.process.send_signal(signal.SIGINT)
+        return self.process.communicate(timeout=60.0)[0]
+
+
+def node_words(name: str, settings: dict[str, Any]) -> list[str]:
+    """Return the arguments of Python for a node."""
+    given = [word for key, value in settings.items() for word in ('-p', f'{key}:={value}')]
+    return ['-c', f'from heading_intercompare.nodes.{name} import main; main()', '--ros-args',
+            *given]
+
+
+def start(candidate: str, folder: Path, domain: int) -> dict[str, Process]:
+    """Start a candidate; return its processes by name."""
+    if candidate == 'graph':
+        own = {'recorder': {'output': str(folder / 'bag')}, 'compliance': {'report_dir': 'out'},
+               'synchronizer': {'subscribers': 2}}
+        return {name: Process(node_words(name, {**SETTINGS, **own[name]}), folder, domain)
+                for name in NODES}
+    if candidate == 'live':
+        settings = [word for key, value in SETTINGS.items() for word in
+                    ('--set', f'{key}={value}')]
+        words = ['-m', 'heading_intercompare', 'live', '--ts', TOPICS[0], '--rs', TOPICS[1],
+                 *settings, '-o', 'bag', '--quiet', '--json', 'verdict.json']
+        return {'live': Process(words, folder, domain)}
+    return {candidate: Process([HERE, '--peer', candidate], folder, domain)}
+
+
+def read_losses(folder: Path, sent: int) -> dict[str, Any]:
+    """Return what the last report and the bag lack of the readings sent."""
+    found = sorted((folder / 'out').glob('*.json')) or [folder / 'verdict.json']
+    with open(found[-1], encoding='utf-8') as file:
+        verdict = json.load(file)
+    runs = [run['pairing'] for run in verdict['runs']]
+    received = sum(run['ts_received'] + run['rs_received'] for run in runs)
+    topics = BagReader(folder / 'bag').topics
+    recorded = sum(topics[f'/{topic}'].count for topic in TOPICS)
+    pairs = topics['/pairs'].count
+    return {'lost': sent - received, 'missing in the bag': sent - recorded,
+            'paired': sum(run['paired'] for run in runs), 'pairs in the bag': pairs,
+            'ledger_complete': verdict['ledger_complete']}
+
+
+def latencies(heard: Sequence[tuple[int, int]], since_ns: int, until_ns: int,
+              folder: Path) -> tuple[float, float]:
+    """Return median and 99 % quantile of the time from the later reading of a pair to figures."""
+    published, newest = np.array(heard, np.int64).T
+    ts_ns, rs_ns = np.load(folder / 'sent.npy')
+    inside = (since_ns < ts_ns) & (ts_ns < until_ns)
+    at = np.searchsorted(newest, ts_ns[inside])
+    late_s = (published[np.minimum(at, len(newest) - 1)] - rs_ns[inside]) / 1e9
+    return float(np.quantile(late_s, 0.5)), float(np.quantile(late_s, 0.99))
+
+
+def measure(candidate: str, rate_hz: float, seconds: float) -> dict[str, Any]:
+    """Run a candidate with a publisher; return its figures."""
+    domain = 1 + (os.getpid() * 7 + int(time.time())) % 100
+    with TemporaryDirectory(prefix='live') as name:
+        folder = Path(name)
+        parts = start(candidate, folder, domain)
+        ours = candidate in ('graph', 'live')
+        watcher = Process([HERE, '--watch'], folder, domain) if ours else None
+        source = Process([HERE, '--publish', f'--rate={rate_hz}',
+                          f'--seconds={seconds + FIRST_WAIT_S}',
+                          f'--subscribers={2 if ours else 1}'], folder, domain)
+        there_s = float(source.say())
+        ready_s = there_s - next(iter(parts.values())).began_s
+        time.sleep(FIRST_WAIT_S)
+        before = {part: process.cpu_s() for part, process in parts.items()}
+        since = time.time_ns(), time.monotonic()
+        time.sleep(max(0.1, seconds - 1.0))
+        span_s = time.monotonic() - since[1]
+        cpu = {part: (process.cpu_s() - before[part]) / span_s
+               for part, process in parts.items()}
+        until_ns = time.time_ns()
+        memory = {part: process.memory_mb() for part, process in parts.items()}
+        sent = int(source.say())
+        time.sleep(0.5)
+        said = {}
+        source.process.communicate('\n', timeout=60.0)
+        for process in parts.values():
+            process.process.send_signal(signal.SIGINT)
+        for part, process in parts.items():
+            said[part] = process.process.communicate(timeout=60.0)[0]
+        row = {'cpu': cpu, 'memory': memory, 'ready_s': ready_s}
+        if watcher is not None:
+            heard = json.loads(watcher.interrupt())
+            p50_s, p99_s = latencies(heard, since[0], until_ns, folder)
+            return {**row, 'p50_s': p50_s, 'p99_s': p99_s, **read_losses(folder, sent)}
+        figures = json.loads(said[candidate])
+        # message_filters calls back once per pair, which takes two readings.
+        taken = figures['taken'] * (2 if candidate == 'message_filters' else 1)
+        return {**row, **figures, 'lost': sent - taken}
+
+
+def show(candidate: str, row: dict[str, Any], ratio: float | None) -> str:
+    """Return the line of the table for a candidate."""
+    parts = '  '.join(f'{name} {cpu:.1%}' for name, cpu in row['cpu'].items())
+    memory = sum(row['memory'].values())
+    return (f'{candidate:16s} {sum(row["cpu"].values()):7.1%} '
+            f'{"" if ratio is None else f"{ratio:.2f}":>6s} {1e3 * row["p50_s"]:7.1f} ms '
+            f'{1e3 * row["p99_s"]:7.1f} ms {row["lost"]:>6} {row.get("missing in the bag", ""):>6}'
+            f' {memory:6.0f} MB {row["ready_s"]:6.1f} s   {parts}')
+
+
+def compare(arguments: argparse.Namespace) -> None:
+    """Measure the candidates in turn, round by round, and print a table for each rate."""
+    candidates = [name for name in CANDIDATES if name in arguments.only]
+    if 'message_filters' in candidates and not has_message_filters():
+        candidates.remove('message_filters')
+        print('message_filters is not installed: that peer is skipped')
+    for rate_hz in arguments.rates:
+        print(f'\n2 topics x {rate_hz:g} Hz for {arguments.seconds:g} s, the least of '
+              f'{arguments.rounds} rounds; the publisher is not counted\n'
+              f'{"":16s} {"CPU":>7s} {"ratio":>6s} {"p50":>10s} {"p99":>10s} {"lost":>6s} '
+              f'{"bag":>6s} {"memory":>9s} {"ready":>8s}', flush=True)
+        rows: dict[str, list[dict[str, Any]]] = {name: [] for name in candidates}
+        for _ in range(arguments.rounds):
+            for name in candidates:
+                rows[name].append(measure(name, rate_hz, arguments.seconds))
+        for name in candidates:
+            best = min(rows[name], key=lambda row: sum(row['cpu'].values()))
+            best['lost'] = max(row['lost'] for row in rows[name])
+            for figure in ('p50_s', 'p99_s', 'ready_s'):
+                best[figure] = min(row[figure] for row in rows[name])
+            ratio = None if 'plain' not in rows else min(
+                sum(one['cpu'].values()) / sum(peer['cpu'].values())
+                for one, peer in zip(rows[name], rows['plain']))
+            print(show(name, best, ratio), flush=True)
+
+
+def has_message_filters() -> bool:
+    """Tell whether the peer of that name can run."""
+    from importlib.util import find_spec
+    return find_spec('message_filters') is not None
+
+
+def rows_of_memory(rate_hz: float, hours: float) -> Iterator[tuple[float, dict[str, float]]]:
+    """Yield the share of a day that was fed faster than real time, and the memory by then."""
+    domain = 1 + (os.getpid() * 7 + int(time.time())) % 100
+    with TemporaryDirectory(prefix='live') as name:
+        folder = Path(name)
+        parts = start('graph', folder, domain)
+        source = Process([HERE, '--publish', f'--rate={rate_hz}', '--subscribers=2',
+                          f'--seconds={3600 * hours}', '--faster=1'], folder, domain)
+        began_s = float(source.say())
+        done = False
+        over = threading.Event()
+        threading.Thread(target=lambda: (source.say(), over.set()), daemon=True).start()
+        while not done:
+            done = over.wait(5.0)
+            yield (time.time() - began_s, {part: process.memory_mb()
+                                           for part, process in parts.items()})
+        source.process.communicate('\n', timeout=60.0)
+        for process in parts.values():
+            process.process.send_signal(signal.SIGINT)
+        for process in parts.values():
+            process.process.communicate(timeout=300.0)
+
+
+def day(arguments: argparse.Namespace) -> None:
+    """Print the memory of each node while a day of stamps passes."""
+    print(f'{arguments.hours:g} h of stamps at 2 x {arguments.day_rate:g} Hz, as fast as the '
+          'graph takes them: resident memory, MB')
+    print(f'{"after":>8s} ' + ' '.join(f'{name:>13s}' for name in NODES))
+    for span_s, memory in rows_of_memory(arguments.day_rate, arguments.hours):
+        print(f'{span_s:6.0f} s ' + ' '.join(f'{memory[name]:13.0f}' for name in NODES),
+              flush=True)
+
+
+def lateness_ms(over: threading.Event) -> np.ndarray:
+    """Wake every 5 ms as a thread that reads a source does; return how late it was, ms."""
+    late = []
+    while not over.is_set():
+        due_s = time.monotonic() + 0.005
+        time.sleep(0.005)
+        late.append(1e3 * (time.monotonic() - due_s))
+    return np.array(late)
+
+
+def judging(arguments: argparse.Namespace) -> None:
+    """Print how late a thread wakes while another one judges a long run, and without."""
+    rng, n = np.random.default_rng(1), round(3600 * arguments.hours * arguments.day_rate)
+    compliance = Compliance(Settings.from_mapping(NORMS))
+    stamps = 10 ** 18 + round(1e9 / arguments.day_rate) * np.arange(n)
+    for lo in range(0, n, 100000):
+        part = stamps[lo:lo + 100000]
+        rs_deg = 90.0 + 5.0 * np.sin(part / 3e10)
+        compliance.update(Pairs.of(part, rs_deg + rng.normal(0.0, 0.1, len(part)), rs_deg))
+    print(f'a run of {arguments.hours:g} h at {arguments.day_rate:g} Hz: how late a thread wakes '
+          'that shares the process\n'
+          f'{"":10s} {"span":>8s} {"median":>9s} {"p99":>9s} {"most":>9s}')
+    for name, work in (('idle', lambda: time.sleep(3.0)), ('judging', compliance.finish)):
+        over, began_s = threading.Event(), time.monotonic()
+        worker = threading.Thread(target=lambda work=work, over=over: (work(), over.set()))
+        worker.start()
+        late = lateness_ms(over)
+        print(f'{name:10s} {time.monotonic() - began_s:6.1f} s {np.median(late):6.1f} ms '
+              f'{np.quantile(late, 0.99):6.1f} ms {late.max():6.1f} ms', flush=True)
+
+
+if __name__ == '__main__':
+    parser = argparse.ArgumentParser(description=__doc__.partition('\n\n')[0].strip())
+    parser.add_argument('--rates', type=float, nargs='+', default=[10.0, 100.0, 1000.0],
+                        help='messages per second and topic')
+    parser.add_argument('--seconds', type=float, default=15.0, help='length of a measurement')
+    parser.add_argument('--rounds', type=int, default=3, help='goes of each candidate')
+    parser.add_argument('--only', nargs='+', choices=CANDIDATES, default=CANDIDATES,
+                        help='candidates to measure')
+    parser.add_argument('--day', action='store_true', help='memory over many hours of stamps')
+    parser.add_argument('--judging', action='store_true', help='threads beside the judge')
+    parser.add_argument('--hours', type=float, default=24.0, help='hours of stamps')
+    parser.add_argument('--day-rate', type=float, default=10.0, help='rate of the stamps')
+    parser.add_argument('--publish', action='store_true', help=argparse.SUPPRESS)
+    parser.add_argument('--rate', type=float, default=100.0, help=argparse.SUPPRESS)
+    parser.add_argument('--subscribers', type=int, default=1, help=argparse.SUPPRESS)
+    parser.add_argument('--faster', type=float, default=0.0, help=argparse.SUPPRESS)
+    parser.add_argument('--peer', default='', help=argparse.SUPPRESS)
+    parser.add_argument('--watch', action='store_true', help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if given.publish:
+        publish(given.rate, given.seconds, given.subscribers, given.faster)
+    elif given.peer:
+        peer(given.peer)
+    elif given.watch:
+        watch()
+    elif given.judging:
+        judging(given)
+    elif given.day:
+        day(given)
+    else:
+        compare(given)

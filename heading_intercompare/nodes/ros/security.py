@@ -1,0 +1,40 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A start under ROS security: one line that says what is missing, and never a start without."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+import os
+from pathlib import Path
+from typing import Iterator
+
+from heading_intercompare.core.settings import SettingsError
+
+__all__ = ['check_security', 'say_security_errors']
+
+
+def _wanted() -> bool:
+    return (os.environ.get('ROS_SECURITY_ENABLE') == 'true'
+            and os.environ.get('ROS_SECURITY_STRATEGY') == 'Enforce')
+
+
+def check_security() -> None:
+    """Raise SettingsError if security is enforced and there is no keystore."""
+    keystore = os.environ.get('ROS_SECURITY_KEYSTORE', '')
+    if _wanted() and not (keystore and Path(keystore, 'enclaves').is_dir()):
+        raise SettingsError(
+            f'ROS_SECURITY_STRATEGY is Enforce, but ROS_SECURITY_KEYSTORE = {keystore!r} is not a '
+            'keystore; share/heading_intercompare/security/make_keystore.py makes one')
+
+
+@contextmanager
+def say_security_errors() -> Iterator[None]:
+    """Turn what rcl says of missing keys or a middleware without security into SettingsError."""
+    try:
+        yield
+    except RuntimeError as error:
+        if not _wanted():
+            raise
+        words = ' '.join(str(error).split()).partition(', at /')[0]
+        raise SettingsError(f'ROS security is enforced: {words}') from error

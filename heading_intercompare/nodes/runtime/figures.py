@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Publishing of figures: the mean and scatter with every batch, the bounds once a second."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+
+from heading_intercompare.core.pipeline import Compliance
+from heading_intercompare.messages.status_messages import encode_figures, value_text
+from heading_intercompare.nodes.ros import qos
+
+__all__ = ['Figures']
+
+# Figures follow each other no faster than this, however small the batches are.
+_LEAST_S = 0.015
+
+
+class Figures:
+    """
+    Publishes the figures of the rolling window and of the run in progress.
+
+    Parameters
+    ----------
+    node : Node
+        The node that publishes.
+    compliance : Compliance
+        Has the figures.
+
+    """
+
+    def __init__(self, node: Node, compliance: Compliance) -> None:
+        self._compliance = compliance
+        self._rolling = node.create_publisher(DiagnosticArray, 'compliance/rolling', qos.STATUS)
+        self._run = node.create_publisher(DiagnosticArray, 'compliance/run', qos.STATUS)
+        self._bounds: dict[str, str] = {}
+        self._newest_ns: int | None = None
+        self._next_s = 0.0
+
+    def publish(self) -> None:
+        """Publish the rolling figures if there are new pairs; the bounds are the last ones."""
+        newest_ns, now_s = self._compliance.newest_ns, time.monotonic()
+        if newest_ns == self._newest_ns or newest_ns is None or now_s < self._next_s:
+            return
+        self._newest_ns, self._next_s = newest_ns, now_s + _LEAST_S
+        self._send(self._compliance.rolling_moments())
+
+    def compute(self) -> None:
+        """Compute all figures and publish them; it takes some milliseconds."""
+        figures = self._compliance.rolling_figures()
+        newest_ns = self._compliance.newest_ns
+        # As texts, because they are sent with many batches.
+        self._bounds = {key: value_text(value) for key, value in
+                        {'bounds_newest_ns': newest_ns, **figures}.items() if value is not None}
+        self._newest_ns = newest_ns
+        self._send(figures)
+        self._run.publish(encode_figures('run', self._compliance.run_figures(), newest_ns or 0))
+
+    def _send(self, figures: dict[str, Any]) -> None:
+        self._rolling.publish(encode_figures('rolling', {**figures, **{
+            key: value for key, value in self._bounds.items() if key not in figures}},
+            self._compliance.newest_ns or 0))

@@ -1,0 +1,187 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Security: policies that allow what the nodes do and nothing else, a start without keys."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+import socket
+import subprocess
+import sys
+from xml.etree import ElementTree
+
+import pytest
+from sensor_msgs.msg import Imu
+from std_msgs.msg import String
+
+from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.nodes.compliance import Compliance
+from heading_intercompare.nodes.nmea_driver import NmeaDriver
+from heading_intercompare.nodes.recorder import Recorder
+from heading_intercompare.nodes.replayer import Replayer
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.sensor_simulator import SensorSimulator
+from heading_intercompare.nodes.synchronizer import Synchronizer
+
+ROOT = Path(__file__).resolve().parents[2]
+POLICY = ElementTree.parse(ROOT / 'security' / 'heading_intercompare.policy.xml').getroot()
+NODES = ('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder')
+#: Made by the middleware, or by rclpy only with `use_sim_time`.
+EXEMPT = {'/clock'}
+
+
+def free_port():
+    """Return a port that nobody listens on."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
+        listener.bind(('127.0.0.1', 0))
+        return listener.getsockname()[1]
+
+
+def full(name, node):
+    """Return the full name of an expression in a policy."""
+    return name.replace('~', f'/{node}') if name[0] == '~' else f'/{name.lstrip("/")}'
+
+
+def allowed(profile):
+    """Return the topics published, the topics subscribed and the services of a profile."""
+    found = {'publish': set(), 'subscribe': set(), 'reply': set()}
+    for group in profile:
+        for what, value in group.attrib.items():
+            assert value == 'ALLOW'
+            found[what] |= {full(one.text, profile.get('node')) for one in group}
+    return found
+
+
+def profiles(enclave):
+    """Return the profiles of an enclave by node."""
+    found = POLICY.find(f'enclaves/enclave[@path="/heading_intercompare/{enclave}"]')
+    return {one.get('node'): one for one in found.findall('profiles/profile')}
+
+
+def made(node):
+    """Return the topics published, the topics subscribed and the services of a running node."""
+    name = node.get_name()
+
+    def names(rows):
+        return {topic for topic, _ in rows}
+    return {'publish': names(node.get_publisher_names_and_types_by_node(name, '/')),
+            'subscribe': names(node.get_subscriber_names_and_types_by_node(name, '/')),
+            'reply': names(node.get_service_names_and_types_by_node(name, '/'))}
+
+
+def check(ros, node):
+    """Wait until a node has made all that its policy allows; fail if it makes anything else."""
+    policy = allowed(profiles(node.get_name())[node.get_name()])
+    ros.spin_until(lambda: all(policy[what] - EXEMPT <= made(node)[what] for what in policy))
+    for what, names in made(node).items():
+        assert names - policy[what] == set(), what
+
+
+def test_each_node_of_the_graph_does_what_its_policy_allows_and_nothing_else(
+        ros, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for topic, kind, profile in (('truth/heading', Imu, qos.HEADINGS_OUT),
+                                 ('operator/note', String, qos.NOTE)):
+        ros.plain.create_publisher(kind, topic, profile)
+    nodes = [ros.ours(Compliance), ros.ours(Recorder, output=str(tmp_path / 'bag')),
+             ros.ours(Synchronizer, subscribers=0)]
+    nodes += [ros.ours(NmeaDriver, name=f'{role}_driver', source=f'udp://127.0.0.1:{free_port()}',
+                       topic=f'{role}/heading') for role in ('ts', 'rs')]
+    for node in nodes:
+        check(ros, node)
+
+
+def test_the_simulator_does_what_its_policy_allows_and_nothing_else(ros):
+    check(ros, ros.ours(SensorSimulator, subscribers=50))
+
+
+def test_the_replayer_does_what_its_policy_allows_and_nothing_else(ros, tmp_path):
+    with BagWriter(tmp_path / 'bag') as bag:
+        bag.metadata('heading_intercompare', {})
+        for topic in ('/ts/heading', '/rs/heading'):
+            bag.add_topic(topic, 'sensor_msgs/msg/Imu')
+            bag.write(topic, bytes(324), 5)
+        bag.add_topic('/compliance/marker', 'diagnostic_msgs/msg/DiagnosticArray')
+    check(ros, ros.ours(Replayer, bag=str(tmp_path / 'bag'), subscribers=50))
+
+
+def test_the_enclave_of_live_is_the_sum_of_its_nodes():
+    live = profiles('live')
+    assert set(live) == set(NODES)
+    for name in NODES:
+        assert allowed(live[name]) == allowed(profiles(name)[name])
+
+
+def test_the_policy_has_the_form_of_sros2():
+    """As its schema says: these elements, these attributes, in this order."""
+    assert (POLICY.tag, POLICY.attrib) == ('policy', {'version': '0.2.0'})
+    assert [one.tag for one in POLICY] == ['enclaves']
+    for enclave in POLICY[0]:
+        assert (enclave.tag, set(enclave.attrib)) == ('enclave', {'path'})
+        assert [one.tag for one in enclave] == ['profiles']
+        for profile in enclave[0]:
+            assert (profile.tag, set(profile.attrib)) == ('profile', {'ns', 'node'})
+            for group in profile:
+                one, attributes = {'topics': ('topic', {'publish', 'subscribe'}),
+                                   'services': ('service', {'reply', 'request'})}[group.tag]
+                assert set(group.attrib) <= attributes and len(group)
+                assert {each.tag for each in group} == {one}
+
+
+def test_no_node_but_the_drivers_may_publish_headings():
+    """A compromised recorder cannot invent readings."""
+    for name in ('synchronizer', 'compliance', 'recorder', 'operator_note'):
+        may = allowed(profiles(name)[name])
+        assert not may['publish'] & {'/ts/heading', '/rs/heading', '/clock'}
+    for name in set(NODES) - {'synchronizer'}:
+        assert '/pairs' not in allowed(profiles(name)[name])['publish']
+
+
+@pytest.mark.process
+@pytest.mark.parametrize('program', [
+    ['-c', 'import sys; from heading_intercompare.nodes.synchronizer import main; '
+     'sys.exit(main())'],
+    ['-m', 'heading_intercompare', 'live', '--quiet', '--set', 'norms.sigma_max_deg=0.2', '--set',
+     'norms.sigma_ref_max_deg=0.1', '-o', 'bag'],
+    ['-m', 'heading_intercompare', 'note', 'rough sea']])
+@pytest.mark.parametrize('keystore', ['absent', 'unset', 'empty'])
+def test_a_start_without_keys_fails_closed_in_one_line(program, keystore, tmp_path):
+    environment = {**os.environ, 'ROS_SECURITY_ENABLE': 'true', 'PYTHONPATH': str(ROOT),
+                   'ROS_SECURITY_STRATEGY': 'Enforce'}
+    environment.pop('ROS_SECURITY_KEYSTORE', None)
+    if keystore != 'unset':
+        environment['ROS_SECURITY_KEYSTORE'] = str(tmp_path / keystore)
+    if keystore == 'empty':
+        (tmp_path / 'empty' / 'enclaves').mkdir(parents=True)
+    done = subprocess.run([sys.executable, *program], env=environment, cwd=tmp_path, text=True,
+                          capture_output=True, timeout=60, check=False)
+    errors = [line for line in done.stderr.splitlines() if 'error: ' in line]
+    assert done.returncode == 2 and len(errors) == 1
+    assert 'security' in errors[0].lower() and 'Traceback' not in done.stderr
+    assert not (tmp_path / 'bag').exists()
+
+
+@pytest.mark.process
+def test_without_ros2_the_script_says_what_to_install(tmp_path):
+    done = subprocess.run([sys.executable, ROOT / 'security' / 'make_keystore.py', tmp_path / 'k'],
+                          env={**os.environ, 'PATH': str(tmp_path)}, text=True,
+                          capture_output=True, timeout=60, check=False)
+    assert done.returncode == 2
+    assert done.stderr.count('\n') == 1 and 'ros-jazzy-sros2' in done.stderr
+
+
+@pytest.mark.process
+def test_the_script_fills_in_namespace_and_topics(tmp_path):
+    """With a stand-in for ros2 that writes down its arguments."""
+    stand_in = tmp_path / 'ros2'
+    stand_in.write_text(f'#!/bin/sh\necho "$@" >> {tmp_path}/said\nmkdir -p "$3" || true\n')
+    stand_in.chmod(0o755)
+    subprocess.run([sys.executable, ROOT / 'security' / 'make_keystore.py', tmp_path / 'k',
+                    '--namespace', '/ship1', '--ts', '/gyro/imu'], timeout=60, check=True,
+                   env={**os.environ, 'PATH': f'{tmp_path}:{os.environ["PATH"]}'})
+    said = (tmp_path / 'said').read_text().splitlines()
+    assert [words.split()[1] for words in said] == ['create_keystore', 'generate_artifacts']
+    policy = (tmp_path / 'k' / 'heading_intercompare.policy.xml').read_text()
+    assert 'ns="/ship1"' in policy and 'ns="/"' not in policy
+    assert '<topic>/gyro/imu/lost</topic>' in policy and '<topic>ts/heading' not in policy
