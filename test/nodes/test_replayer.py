@@ -142,7 +142,8 @@ def test_marks_come_before_any_heading_wherever_they_stand_in_the_bag(ros, tmp_p
     marks = [('start', T0_NS + 10 ** 9), ('stop', T0_NS + 2 * 10 ** 9)]
     order = []
     for kind, topic, profile in ((DiagnosticArray, 'compliance/marker', qos.MARKER),
-                                 (Imu, 'ts/heading', qos.PAIRS_TAKEN), (Imu, 'rs/heading', qos.PAIRS_TAKEN)):
+                                 (Imu, 'ts/heading', qos.PAIRS_TAKEN),
+                                 (Imu, 'rs/heading', qos.PAIRS_TAKEN)):
         for _ in range(2):
             ros.plain.create_subscription(kind, topic, lambda m: order.append(m), profile)
     node = ros.ours(Replayer, bag=bag_of(tmp_path / 'bag', marks), rate=0.0)
