@@ -46,7 +46,7 @@ def free_port():
 
 def test_a_log_is_published_whole_with_its_stamps_and_then_the_node_is_done(ros, tmp_path):
     node = ros.ours(NmeaDriver, source=log(tmp_path / 'gyro.log', 300), speed=0.0)
-    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
     ros.spin_until(lambda: node.done)
     ros.spin_until(lambda: len(heard) == 300)
     headings = headings_from(heard, 'enu')
@@ -57,16 +57,16 @@ def test_a_log_is_published_whole_with_its_stamps_and_then_the_node_is_done(ros,
 
 def test_a_log_is_not_begun_before_it_is_heard(ros, tmp_path):
     node = ros.ours(NmeaDriver, source=log(tmp_path / 'gyro.log', 5), speed=0.0, subscribers=2)
-    first = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    first = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
     ros.spin_until(lambda: ros.executor.spin_once(0.3) is None)
     assert (first, node.done) == ([], False)
-    second = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    second = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
     ros.spin_until(lambda: len(first) == len(second) == 5)
 
 
 def test_a_log_is_played_at_its_own_pace_times_the_speed(ros, tmp_path):
     node = ros.ours(NmeaDriver, source=log(tmp_path / 'gyro.log', 31), speed=5.0)
-    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
     ros.spin_until(lambda: heard)
     began_s = time.monotonic()
     ros.spin_until(lambda: node.done)
@@ -80,7 +80,7 @@ def test_logs_that_begin_apart_are_played_in_step_from_one_origin(ros, tmp_path)
     node = ros.ours(NmeaDriver, source=late, topic='rs/heading', speed=20.0)
     assert node.first_ns == 1406851260 * 10 ** 9
     node.play_from(node.first_ns - 10 * 10 ** 9)
-    heard = ros.listen(Imu, 'rs/heading', qos.PAIRS)
+    heard = ros.listen(Imu, 'rs/heading', qos.PAIRS_TAKEN)
     began_s = time.monotonic()
     ros.spin_until(lambda: heard)
     assert time.monotonic() - began_s == pytest.approx(0.5, abs=0.25)
@@ -91,7 +91,7 @@ def test_logs_that_begin_apart_are_played_in_step_from_one_origin(ros, tmp_path)
 def test_sentences_over_udp_are_stamped_when_they_come(ros):
     port = free_port()
     ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{port}', sentence='HDT')
-    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         before_ns = time.time_ns()
         sender.sendto(sentence(123.45).encode(), ('127.0.0.1', port))
@@ -123,7 +123,7 @@ def test_what_gave_no_heading_is_in_the_diagnostics_by_reason(ros, tmp_path):
     source = log(path, 20)
     path.write_text(f'{path.read_text()}2014-08-01T00:00:59Z {sentence("")}')
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
-    ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
     ros.ours(NmeaDriver, source=source, speed=0.0)
 
     def shown():
@@ -140,7 +140,7 @@ def test_the_name_of_the_node_can_be_given(ros, tmp_path):
 
 def test_the_end_stops_a_log_that_is_under_way(ros, tmp_path):
     node = ros.ours(NmeaDriver, source=log(tmp_path / 'gyro.log', 600))
-    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
     ros.spin_until(lambda: len(heard) > 2)
     ros.end(node)
     assert node.ended
@@ -172,7 +172,7 @@ def test_an_error_of_the_source_reaches_the_process(ros, tmp_path):
     def read(timeout_s):
         raise OSError(5, 'Input/output error', 'gyro')
     node._reading.source.read = read
-    ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
     with pytest.raises(OSError, match='Input/output error'):
         ros.spin_until(lambda: node.done)
 
@@ -189,7 +189,7 @@ def losses_from(messages):
 def test_what_the_kernel_dropped_is_told_with_the_stamp_of_the_next_heading(ros):
     port = free_port()
     node = ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{port}', sentence='HDT')
-    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
     told = ros.listen(DiagnosticArray, 'ts/heading/lost', qos.LOST)
     ros.spin_until(lambda: node.count_subscribers('ts/heading/lost'))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
@@ -209,7 +209,7 @@ def test_a_burst_is_told_with_the_stamp_of_the_next_heading(ros):
     with socket.create_server(('127.0.0.1', 0)) as server:
         node = ros.ours(NmeaDriver, source=f'tcp://127.0.0.1:{server.getsockname()[1]}',
                         sentence='HDT')
-        heard = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+        heard = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
         told = ros.listen(DiagnosticArray, 'ts/heading/lost', qos.LOST)
         server.settimeout(10.0)
         line, _ = server.accept()

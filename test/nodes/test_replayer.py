@@ -68,7 +68,7 @@ def bag_of(path, marks=(), ts_topic='/ts/heading', noise_deg=None):
 
 def listeners(ros):
     """Return the messages on the topics of both sensors."""
-    return [ros.listen(Imu, f'{role}/heading', qos.PAIRS) for role in ('ts', 'rs')]
+    return [ros.listen(Imu, f'{role}/heading', qos.PAIRS_TAKEN) for role in ('ts', 'rs')]
 
 
 def test_headings_come_as_they_were_recorded_and_then_the_node_is_done(ros, tmp_path):
@@ -131,10 +131,10 @@ def test_a_part_can_be_replayed(ros, tmp_path):
 
 def test_nothing_is_sent_before_both_topics_are_heard(ros, tmp_path):
     node = ros.ours(Replayer, bag=bag_of(tmp_path / 'bag'), rate=0.0)
-    ts = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    ts = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
     ros.spin_until(lambda: ros.executor.spin_once(0.3) is None)
     assert (ts, node.done) == ([], False)
-    ros.listen(Imu, 'rs/heading', qos.PAIRS)
+    ros.listen(Imu, 'rs/heading', qos.PAIRS_TAKEN)
     ros.spin_until(lambda: node.done)
 
 
@@ -142,7 +142,8 @@ def test_marks_come_before_any_heading_wherever_they_stand_in_the_bag(ros, tmp_p
     marks = [('start', T0_NS + 10 ** 9), ('stop', T0_NS + 2 * 10 ** 9)]
     order = []
     for kind, topic, profile in ((DiagnosticArray, 'compliance/marker', qos.MARKER),
-                                 (Imu, 'ts/heading', qos.PAIRS), (Imu, 'rs/heading', qos.PAIRS)):
+                                 (Imu, 'ts/heading', qos.PAIRS_TAKEN),
+                                 (Imu, 'rs/heading', qos.PAIRS_TAKEN)):
         for _ in range(2):
             ros.plain.create_subscription(kind, topic, lambda m: order.append(m), profile)
     node = ros.ours(Replayer, bag=bag_of(tmp_path / 'bag', marks), rate=0.0)
@@ -358,7 +359,7 @@ REMAP = ['--ros-args', '-r', 'ts/heading:=gyro/heading', '-r', 'compliance/marke
      {'remapped': ['/ts/heading', 'compliance/marker']})])
 def test_remapping_changes_what_is_published_and_not_what_is_read(
         ros, tmp_path, marks, rules, options):
-    heard = ros.listen(Imu, 'gyro/heading', qos.PAIRS)
+    heard = ros.listen(Imu, 'gyro/heading', qos.PAIRS_TAKEN)
     old, _ = (ros.listen(DiagnosticArray, 'old/marks', qos.MARKER) for _ in range(2))
     listeners(ros)
     node = ros.add(Replayer, cli_args=rules, **options, parameter_overrides=make_overrides({
@@ -496,7 +497,7 @@ def test_another_process_hears_it_under_the_new_name(arguments, tmp_path, monkey
     monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     ros = Ros()
     bag = bag_of(tmp_path / 'bag')
-    gyro, rs = (ros.listen(Imu, name, qos.PAIRS) for name in ('gyro/heading', 'rs/heading'))
+    gyro, rs = (ros.listen(Imu, name, qos.PAIRS_TAKEN) for name in ('gyro/heading', 'rs/heading'))
     replayer = subprocess.Popen([sys.executable, *(part.format(bag) for part in arguments)],
                                 stdin=subprocess.DEVNULL)
     try:

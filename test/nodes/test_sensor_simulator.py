@@ -30,7 +30,7 @@ def run(ros, **values):
     """Return the messages on both topics until the trial is over."""
     node = ros.ours(SensorSimulator, **{k.replace('.', '__'): v for k, v in TRIAL.items()},
                     **values)
-    heard = [ros.listen(Imu, f'{role}/heading', qos.PAIRS) for role in ('ts', 'rs')]
+    heard = [ros.listen(Imu, f'{role}/heading', qos.PAIRS_TAKEN) for role in ('ts', 'rs')]
     ros.spin_until(lambda: node.done)
     ros.spin_until(lambda: (len(heard[0]), len(heard[1])) == (200, 80))
     return heard
@@ -60,10 +60,10 @@ def test_the_speed_is_kept(ros):
 
 def test_a_trial_is_not_begun_before_both_topics_are_heard(ros):
     node = ros.ours(SensorSimulator, duration_s=5.0, speed=0.0)
-    ts = ros.listen(Imu, 'ts/heading', qos.PAIRS)
+    ts = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
     ros.spin_until(lambda: ros.executor.spin_once(0.3) is None)
     assert (ts, node.done) == ([], False)
-    ros.listen(Imu, 'rs/heading', qos.PAIRS)
+    ros.listen(Imu, 'rs/heading', qos.PAIRS_TAKEN)
     ros.spin_until(lambda: node.done)
 
 
@@ -91,7 +91,7 @@ def values(heard, part):
 def begun(ros, **settings):
     """Return a node with a long trial, the messages of its TS, and the diagnostics."""
     node = ros.ours(SensorSimulator, stamps='scenario', duration_s=100000.0, **settings)
-    ts, _ = (ros.listen(Imu, f'{role}/heading', qos.PAIRS) for role in ('ts', 'rs'))
+    ts, _ = (ros.listen(Imu, f'{role}/heading', qos.PAIRS_TAKEN) for role in ('ts', 'rs'))
     diagnostics = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
     ros.spin_until(lambda: ts)
     return node, ts, diagnostics

@@ -40,7 +40,7 @@ def stream(rng, rate_hz, span_s, offset_ns=0):
 
 def graph(ros, **values):
     """Return a synchronizer, publishers of its inputs, and what it publishes."""
-    pairs = ros.listen(TwistStamped, 'pairs', qos.PAIRS)
+    pairs = ros.listen(TwistStamped, 'pairs', qos.PAIRS_TAKEN)
     ledgers = ros.listen(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
     sensors = [ros.plain.create_publisher(Imu, f'{role}/heading', qos.HEADINGS_OUT)
                for role in ('ts', 'rs')]
@@ -99,7 +99,7 @@ def test_one_stream_ahead_of_the_other_changes_nothing(ros, rng):
 def test_a_burst_of_pairs_does_not_overrun_who_takes_them(ros, rng):
     """The RS comes late: 2500 pairs at once, of which a subscription keeps 1000."""
     heard = ros.add(Node, 'taker')
-    intake = Intake(heard, 'pairs', PAIRS_TYPES, qos.PAIRS, Health(heard))
+    intake = Intake(heard, 'pairs', PAIRS_TYPES, qos.PAIRS_TAKEN, Health(heard))
     every(heard, 0.05, intake.take)
     node, sensors, _, ledgers = graph(ros)
     ts, rs = stream(rng, 100.0, 25.0), stream(rng, 10.0, 25.1)
@@ -158,7 +158,7 @@ def test_inputs_open_only_when_somebody_takes_the_pairs(ros):
     ros.spin_until(lambda: ros.executor.spin_once(0.2) is None)
     assert sensor.get_subscription_count() == 0
     assert node.count_publishers('ts/heading') == 1
-    ros.listen(TwistStamped, 'pairs', qos.PAIRS)
+    ros.listen(TwistStamped, 'pairs', qos.PAIRS_TAKEN)
     ros.spin_until(lambda: sensor.get_subscription_count() == 1)
 
 
@@ -169,7 +169,7 @@ def test_inputs_open_without_a_taker_after_the_startup_wait(ros):
 
 
 def test_the_convention_of_an_input_is_honoured(ros):
-    pairs = ros.listen(TwistStamped, 'pairs', qos.PAIRS)
+    pairs = ros.listen(TwistStamped, 'pairs', qos.PAIRS_TAKEN)
     ts = ros.plain.create_publisher(QuaternionStamped, 'compass', qos.HEADINGS_OUT)
     rs = ros.plain.create_publisher(Imu, 'rs/heading', qos.HEADINGS_OUT)
     ros.ours(Synchronizer, ts_topic='compass', ts_convention='ned',
@@ -334,7 +334,7 @@ def test_messages_lost_on_the_way_are_in_the_ledger_at_the_reading_after_them(
         depth=10, reliability=ReliabilityPolicy.BEST_EFFORT))
     sensor = ros.plain.create_publisher(Imu, 'ts/heading', qos.HEADINGS_UNRELIABLE)
     marker = ros.plain.create_publisher(DiagnosticArray, 'compliance/marker', qos.MARKER)
-    ros.listen(TwistStamped, 'pairs', qos.PAIRS)
+    ros.listen(TwistStamped, 'pairs', qos.PAIRS_TAKEN)
     ledgers = ros.listen(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
     node = ros.ours(Synchronizer)
     ros.spin_until(lambda: sensor.get_subscription_count() == 1)

@@ -14,8 +14,8 @@ import pytest
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.messages.status_messages import OK, WARN
+from heading_intercompare.nodes.judging import run_log
 from heading_intercompare.nodes.judging.run_log import RunLog
-from heading_intercompare.nodes.runtime import run_log
 from heading_intercompare.nodes.settings import ComplianceNode
 
 S = 1_000_000_000

@@ -190,7 +190,7 @@ def test_publishers_that_count_by_themselves_have_lost_nothing(ros):
 
 
 def test_a_qos_mismatch_is_an_error(ros):
-    intake, heard = intake_of(ros, qos.PAIRS)
+    intake, heard = intake_of(ros, qos.PAIRS_TAKEN)
     ros.plain.create_publisher(Imu, 'h', qos.HEADINGS_UNRELIABLE)
     ros.spin_until(lambda: state(heard, 'QoS mismatch'))
     assert 'test_node' in state(heard, 'QoS mismatch')[1]
