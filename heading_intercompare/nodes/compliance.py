@@ -134,7 +134,7 @@ class Compliance(Node):
         return response
 
     def _acknowledge(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        n = self._health.acknowledge() + self.alarms.panel.acknowledge_everywhere()
+        n = self._health.acknowledge() + self.alarms.acknowledge_everywhere()
         response.success, response.message = True, f'{n} alerts acknowledged'
         return response
 

@@ -27,8 +27,8 @@ from heading_intercompare.nodes.synchronizer import Synchronizer
 ROOT = Path(__file__).resolve().parents[2]
 POLICY = ElementTree.parse(ROOT / 'security' / 'heading_intercompare.policy.xml').getroot()
 NODES = ('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder')
-#: Made by the middleware, or by rclpy only with `use_sim_time`.
-EXEMPT = {'/clock'}
+#: Made by rclpy only with `use_sim_time`; while a node looks for another of its name.
+EXEMPT = {'/clock', '/diagnostics'}
 
 
 def free_port():

@@ -19,17 +19,19 @@ from heading_intercompare.messages.status_messages import (
     Status,
     WARN,
 )
-from heading_intercompare.messages.texts import decode_text, encode_text
+from heading_intercompare.messages.texts import decode_text
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.raw_subscription import subscribe
 from heading_intercompare.nodes.runtime.recorded_topics import ALARMS_TOPIC
 
-__all__ = ['ACKNOWLEDGE_TOPIC', 'alarm_level', 'AlarmPanel']
+__all__ = ['ACKNOWLEDGE_TOPIC', 'alarm_level', 'AlarmPanel', 'ALL']
 
 ACKNOWLEDGE_TOPIC = 'compliance/acknowledge'
 
-_ALL = 'all'
+ALL = 'all'
+"""What the topic says to acknowledge all alarms."""
+
 _SAID = {AlarmState.UNACKNOWLEDGED: 'alarm raised', AlarmState.ACKNOWLEDGED: 'alarm acknowledged',
          AlarmState.RECTIFIED: 'alarm cleared, not acknowledged',
          AlarmState.NORMAL: 'alarm over'}
@@ -75,7 +77,6 @@ class AlarmPanel:
         self._publisher = node.create_publisher(
             DiagnosticArray, ALARMS_TOPIC, qos.ALARMS,
             event_callbacks=health.of_publisher(ALARMS_TOPIC))
-        self._acknowledged = node.create_publisher(String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE)
         subscribe(node, String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE, health, decode_text,
                   self._hear)
         self._show(publish=True)
@@ -98,16 +99,11 @@ class AlarmPanel:
         self._note(changed)
         return len(changed)
 
-    def acknowledge_everywhere(self) -> int:
-        """Acknowledge the alarms of this node, and tell the other nodes to do the same."""
-        self._acknowledged.publish(encode_text(_ALL))
-        return self.acknowledge()
-
     def _hear(self, text: str) -> None:
         """Acknowledge the alarm that a message names: `jump`, `compliance: jump`, or `all`."""
         node, colon, name = text.strip().rpartition(':')
         if not colon or node.strip() == self._node.get_name():
-            self.acknowledge(None if name.strip() == _ALL else name.strip())
+            self.acknowledge(None if name.strip() == ALL else name.strip())
 
     def _note(self, changed: Iterable[Alarm]) -> None:
         changed = list(changed)

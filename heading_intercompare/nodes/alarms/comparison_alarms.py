@@ -5,13 +5,16 @@
 from __future__ import annotations
 
 from rclpy.node import Node
+from std_msgs.msg import String
 
 from heading_intercompare.core.alarms.comparison_watch import COMPARISON_RULES, ComparisonWatch
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.texts import encode_text
+from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.runtime.health import Health
 
-from .alarm_panel import AlarmPanel
+from .alarm_panel import ACKNOWLEDGE_TOPIC, AlarmPanel, ALL
 
 __all__ = ['ComparisonAlarms']
 
@@ -37,6 +40,7 @@ class ComparisonAlarms:
     def __init__(self, node: Node, health: Health, settings: Settings) -> None:
         self._watch = ComparisonWatch(settings)
         self.panel = AlarmPanel(node, health, COMPARISON_RULES)
+        self._acknowledged = node.create_publisher(String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE)
 
     def take(self, pairs: Pairs) -> None:
         """Take pairs in stamp order."""
@@ -47,6 +51,11 @@ class ComparisonAlarms:
         """Look for conditions in the newest pairs; call it once a second."""
         if not self.panel.muted and self._watch.newest_ns is not None:
             self.panel.update(self._watch.look(), self._watch.newest_ns)
+
+    def acknowledge_everywhere(self) -> int:
+        """Acknowledge the alarms of this node, and tell the other nodes to do the same."""
+        self._acknowledged.publish(encode_text(ALL))
+        return self.panel.acknowledge()
 
     def start_run(self) -> None:
         """Take the present level of the differences as the usual one."""
