@@ -65,8 +65,8 @@ release: test
 	@.ci/step 'large fuzz' env HYPOTHESIS_PROFILE=release $(BIN)/python $(TESTS) test/bags test/nodes
 	@.ci/venv .venv ros,serial,report,terminal,fast,dask,docs,test,dev,notebook
 	@.ci/step 'notebooks' $(BIN)/jupyter execute examples/*.ipynb
-	@.ci/step 'soak of 30 min' env HEADING_INTERCOMPARE_SOAK_S=1800 \
-		$(BIN)/python -m pytest test/nodes/test_soak.py
+	@.ci/step 'soaks of 30 min, without faults and with' env HEADING_INTERCOMPARE_SOAK_S=1800 \
+		$(BIN)/python -m pytest test/nodes/test_soak.py test/nodes/test_soak_with_faults.py
 	@for table in $(TABLES); do \
 		.ci/step "table $$table of the decision rule" \
 			$(BIN)/python benchmarks/decision_risk.py --keep --table $$table --jobs $(WORKERS) || exit 1; done

@@ -97,6 +97,7 @@ TESTS_OF_SEVERAL = {
     'nodes/test_alarms_on_the_graph', 'nodes/test_graph_processes', 'nodes/test_launch',
     'nodes/test_real_logs_over_udp',
     'nodes/test_months', 'nodes/test_recorder_process', 'nodes/test_security', 'nodes/test_soak',
+    'nodes/test_soak_with_faults',
     'report/test_in_browser',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_equations',
     'test_examples', 'test_packaging', 'test_plain_english', 'test_settings', 'test_site',

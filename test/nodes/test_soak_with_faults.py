@@ -1,0 +1,259 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A trial in which things go wrong at random: kills, stops, cuts and full disks.
+
+A ship sends both headings at 20 Hz, 20 times the rate of an ordinary gyrocompass. `make test`
+gives it a minute, `make release` half an hour: set `HEADING_INTERCOMPARE_SOAK_S`. The faults
+come from a seed, `HEADING_INTERCOMPARE_SOAK_SEED`.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+import json
+import os
+from pathlib import Path
+import random
+import resource
+import signal
+import socket
+from threading import Event, Thread
+import time
+
+import numpy as np
+import pytest
+import yaml
+
+from heading_intercompare.app.analysis import judge_bags
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.core.settings import Settings
+
+from .conftest import NORMS
+from .launch_files import nodes
+from .test_graph_processes import Processes, wait_for
+from .test_nmea_driver import free_port, sentence
+
+pytestmark = pytest.mark.process
+
+SOAK_S = float(os.environ.get('HEADING_INTERCOMPARE_SOAK_S', '60'))
+SEED = int(os.environ.get('HEADING_INTERCOMPARE_SOAK_SEED', '7'))
+RATE_HZ = 20.0
+NODES = ('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder')
+# Readings before the method of pairing is chosen would be most of a minute.
+SETTINGS = {**NORMS, 'pairing.method': 'interpolate'}
+# What a driver sent in its last seconds may not have arrived when it is killed: it waits before
+# its first heading, and what was lost on the way is sent again after 3 s at the latest.
+UNCERTAIN_S = 4.0
+# DDS shows a process that was killed for as long; meanwhile numbers cannot tell two drivers apart.
+GHOST_S = 30.0
+
+
+def is_bound(port: int) -> bool:
+    """Tell whether a process of this machine listens on a UDP port."""
+    return f':{port:04X} ' in Path('/proc/net/udp').read_text('ascii')
+
+
+class Ship(Thread):
+    """Sends two headings of a turning ship by UDP until stopped; a line that is cut sends none."""
+
+    def __init__(self, ports: dict[str, int]) -> None:
+        super().__init__(daemon=True)
+        self.ports, self.stopped = ports, Event()
+        self.cut: set[str] = set()
+        self.sent: Counter[str] = Counter()
+        self.sent_ns: dict[str, list[int]] = {name: [] for name in ports}
+
+    def run(self) -> None:
+        """Send, each sensor with its own noise: 0.1 deg the tested one, 0.02 deg the other."""
+        noise, began_s, step = np.random.default_rng(SEED), time.monotonic(), 0
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+            while not self.stopped.wait(max(0.0, began_s + step / RATE_HZ - time.monotonic())):
+                step += 1
+                true = 90.0 + 20.0 * np.sin(step / RATE_HZ / 30.0)
+                for name, sigma in (('ts', 0.1), ('rs', 0.02)):
+                    heading = (true + sigma * noise.standard_normal()) % 360.0
+                    if name not in self.cut:
+                        out.sendto(sentence(f'{heading:.2f}').encode(),
+                                   ('127.0.0.1', self.ports[name]))
+                        self.sent[name] += 1
+                        self.sent_ns[name].append(time.time_ns())
+
+
+class Graph:
+    """The graph as the launch file runs it, and what goes wrong with it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.processes, self.folder = Processes(folder), folder
+        ports = {'ts': free_port(), 'rs': free_port()}
+        config = folder / 'config.yaml'
+        config.write_text(yaml.dump({'/**': {'ros__parameters': SETTINGS}, **{
+            f'{name}_driver': {'ros__parameters': {'source': f'udp://127.0.0.1:{port}',
+                                                   'sentence': 'HDT'}}
+            for name, port in ports.items()}}))
+        self.plan = {node.name: node for node in nodes(
+            'intercompare.launch.py', config=str(config), report_dir=str(folder / 'reports'))}
+        self.ship = Ship(ports)
+        self.random = random.Random(SEED)
+        self.done: list[tuple[str, str]] = []
+        self.down_ns: dict[str, list[tuple[int, int]]] = {name: [] for name in NODES}
+        self.stopped_ns = 0, 0
+        self.resident: dict[str, list[int]] = {name: [] for name in NODES}
+
+    def start(self) -> None:
+        """Start all nodes, then the ship."""
+        for node in self.plan.values():
+            self.processes.start(node)
+        wait_for(lambda: all(is_bound(port) for port in self.ship.ports.values())
+                 and any(self.folder.glob('heading_*')))
+        self.ship.start()
+
+    def pause(self, span_s: float) -> None:
+        """Let time pass, in which no node may die by itself."""
+        end_s = time.monotonic() + span_s
+        while time.monotonic() < end_s:
+            for name, process in self.processes.running.items():
+                assert process.poll() is None, (self.folder / f'{name}.log').read_text()
+            self.ship.stopped.wait(0.05)
+
+    def measure(self) -> None:
+        """Note the memory of each node."""
+        for name, process in self.processes.running.items():
+            status = Path(f'/proc/{process.pid}/status').read_text('ascii')
+            self.resident[name].append(1024 * int(status.partition('VmRSS:')[2].split()[0]))
+
+    def go_wrong(self) -> None:
+        """Let one thing go wrong, and mend it."""
+        fault = self.random.choice([self.kill, self.stop, self.cut, self.fill_disk])
+        self.done.append((fault.__name__, fault()))
+
+    def kill(self) -> str:
+        """Kill a node, and start it again two seconds later, as the launch file does."""
+        name = self.random.choice(NODES)
+        process = self.processes.running.pop(name)
+        began_ns = time.time_ns()
+        process.kill()
+        process.wait()
+        self.pause(2.0)
+        log = self.folder / f'{name}.log'
+        log.rename(log.with_suffix(f'.{began_ns}'))
+        self.processes.start(self.plan[name])
+        if name.endswith('_driver'):
+            wait_for(lambda: is_bound(self.ship.ports[name[:2]]))
+        # What others had not taken while they were stopped dies with a driver.
+        since_ns = began_ns - round(UNCERTAIN_S * 1e9)
+        if self.stopped_ns[1] > since_ns:
+            since_ns = min(since_ns, self.stopped_ns[0])
+        self.down_ns[name].append((since_ns, time.time_ns()))
+        self.resident[name].clear()
+        return name
+
+    def stop(self) -> str:
+        """Stop a node for up to five seconds."""
+        name = self.random.choice(NODES)
+        process = self.processes.running[name]
+        began_ns = time.time_ns()
+        process.send_signal(signal.SIGSTOP)
+        self.pause(self.random.uniform(0.2, 5.0))
+        process.send_signal(signal.SIGCONT)
+        self.stopped_ns = began_ns, time.time_ns()
+        return name
+
+    def cut(self) -> str:
+        """Cut the line of a sensor for up to five seconds."""
+        name = self.random.choice(('ts', 'rs'))
+        self.ship.cut.add(name)
+        self.pause(self.random.uniform(0.2, 5.0))
+        self.ship.cut.discard(name)
+        return name
+
+    def fill_disk(self) -> str:
+        """Let the recorder write no more for up to five seconds."""
+        pid = self.processes.running['recorder'].pid
+        _, most = resource.prlimit(pid, resource.RLIMIT_FSIZE)
+        resource.prlimit(pid, resource.RLIMIT_FSIZE, (0, most))
+        self.pause(self.random.uniform(0.2, 5.0))
+        resource.prlimit(pid, resource.RLIMIT_FSIZE, (most, most))
+        return 'recorder'
+
+    def end(self) -> dict:
+        """End the ship, then the nodes; return the last report."""
+        self.ship.stopped.set()
+        self.ship.join()
+        self.pause(2.0)
+        self.processes.signal(signal.SIGINT)
+        self.processes.wait(*NODES, timeout_s=30.0)
+        newest = max((self.folder / 'reports').iterdir(), key=lambda path: path.stat().st_mtime)
+        return json.loads(newest.read_text('utf-8'))
+
+
+@pytest.fixture
+def graph(tmp_path):
+    """Return the graph of a test; none of its processes is left."""
+    made = Graph(tmp_path)
+    yield made
+    made.ship.stopped.set()
+    made.processes.reap()
+
+
+def count_sent(graph: Graph, name: str, lo_ns: float, hi_ns: float) -> int:
+    """Return how many headings of a sensor were sent from a time to another."""
+    sent_ns = np.array(graph.ship.sent_ns[name])
+    return int(np.count_nonzero((sent_ns >= lo_ns) & (sent_ns <= hi_ns)))
+
+
+def count_uncountable(graph: Graph, name: str) -> int:
+    """Return how many headings of a sensor went at most where nobody could count them."""
+    driver = graph.down_ns[f'{name}_driver']
+    most = sum(count_sent(graph, name, lo_ns, hi_ns + UNCERTAIN_S * 1e9)
+               for lo_ns, hi_ns in driver)
+    for lo_ns, hi_ns in graph.down_ns['synchronizer']:
+        # Its successor counts what came in between by the numbers of the one driver there is.
+        if any(0 < hi_ns - killed_ns < GHOST_S * 1e9 for _, killed_ns in driver):
+            most += count_sent(graph, name, lo_ns, hi_ns + 2 * UNCERTAIN_S * 1e9)
+    return most
+
+
+def check_account(graph: Graph, report: dict) -> None:
+    """Each heading is in the ledger, once; what cannot be is named."""
+    runs = [run['pairing'] for run in report['runs']]
+    for name, fates in (('ts', ('ts_paired', 'ts_used', 'ts_unpaired')),
+                        ('rs', ('rs_used', 'rs_unused'))):
+        received = sum(run[f'{name}_received'] for run in runs)
+        lost = sum(sum(run['lost'][name].values()) for run in runs)
+        rejected = sum(sum(run['rejected'][name].values()) for run in runs)
+        assert received == rejected + sum(run[fate] for run in runs for fate in fates)
+        missing = graph.ship.sent[name] - received - lost
+        assert 0 <= missing <= count_uncountable(graph, name), (name, runs, graph.done)
+    killed = len(graph.down_ns['synchronizer'])
+    assert report['ledger_complete'] == (not report['ledger_problems'])
+    assert sum('the synchronizer was restarted' in one
+               for one in report['ledger_problems']) == killed
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(SOAK_S + 600.0)
+def test_whatever_goes_wrong_each_reading_is_judged_or_accounted_for(graph, tmp_path):
+    graph.start()
+    graph.pause(3.0)
+    end_s = time.monotonic() + SOAK_S
+    while time.monotonic() < end_s:
+        graph.go_wrong()
+        graph.pause(graph.random.uniform(1.0, 3.0))
+        graph.measure()
+    report = graph.end()
+    check_account(graph, report)
+    n = sum(run['n'] for run in report['runs'])
+    scatter = sum(run['n'] * run['std_deg'] for run in report['runs']) / n
+    assert n > 0.4 * graph.ship.sent['ts']
+    assert scatter == pytest.approx(0.1, rel=0.15)
+    assert report['outcome'] != 'non-compliant'
+    for name, seen in graph.resident.items():
+        warm = seen[len(seen) // 4:]
+        assert not warm or warm[-1] < warm[0] + 30e6, (name, seen)
+    for log in tmp_path.glob('*.log*'):
+        assert 'Traceback' not in log.read_text('utf-8'), log
+    bags = sorted(str(path) for path in tmp_path.glob('heading_*'))
+    assert sum(BagReader(bag).topics['/ts/heading'].count for bag in bags) > 0.5 * n
+    for bag in bags:
+        judge_bags([bag], Settings.from_mapping(SETTINGS))
