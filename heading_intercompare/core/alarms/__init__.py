@@ -15,8 +15,6 @@ __getattr__, __dir__, __all__ = door(__name__, {
 })
 
 if TYPE_CHECKING:
-    pass
-if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
     from .alarm import (
         Alarm as Alarm,

@@ -14,8 +14,6 @@ __getattr__, __dir__, __all__ = door(__name__, {
 })
 
 if TYPE_CHECKING:
-    pass
-if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
     from .alarm_panel import AlarmPanel as AlarmPanel
     from .comparison_alarms import ComparisonAlarms as ComparisonAlarms
