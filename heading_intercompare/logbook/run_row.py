@@ -6,15 +6,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 import math
-from typing import Callable, Iterable
+from typing import Callable, Iterable, NamedTuple
 
 from heading_intercompare.core.verdict.validity import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
 __all__ = ['make_rows', 'RunKey', 'RunRow']
 
-RunKey = tuple[str, int, int, str]
-"""What a run is known by: ship, stamps of its first and last pair, hash of the settings."""
+
+class RunKey(NamedTuple):
+    """What a run is known by; the fields are those of `RunRow`."""
+
+    ship: str
+    start_ns: int
+    end_ns: int
+    settings_sha256: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +101,7 @@ class RunRow:
     @property
     def key(self) -> RunKey:
         """The run that the row is about."""
-        return self.ship, self.start_ns, self.end_ns, self.settings_sha256
+        return RunKey(self.ship, self.start_ns, self.end_ns, self.settings_sha256)
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:
