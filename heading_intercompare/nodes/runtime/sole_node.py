@@ -25,10 +25,10 @@ from .health import Health
 __all__ = ['SoleNode']
 
 #: A node that hears another one gives way for this long after its start.
-_STARTING_S = 5.0
-#: Usual time of discovery between processes, twice. Without it, the first headings of a driver
-#: would reach nobody, or mix with those of another one.
-_DISCOVERY_S = 1.5
+_STARTING_S = 8.0
+#: Time of discovery between processes on a busy computer. Without it, the first headings of a
+#: driver would reach nobody, or mix with those of another one.
+_DISCOVERY_S = 3.0
 #: A live node says its state on /diagnostics every second.
 _PATIENCE_S = 3.2
 _LOOK_S = 0.1
