@@ -365,9 +365,13 @@ def test_a_second_graph_in_one_namespace_is_refused_and_the_first_goes_on(proces
     processes.signal(signal.SIGINT)
     processes.wait(*first, timeout_s=20.0)
     written, = reports.iterdir()
-    report = json.loads(written.read_text('utf-8'))
-    assert report['runs'][0]['n'] == 299
-    assert_same(report, offline(bag))
+    run, = json.loads(written.read_text('utf-8'))['runs']
+    expected, = offline(bag)['runs']
+    # On a busy computer the second drivers may be late to see the first ones. What they publish
+    # until then is older, and rejected.
+    assert run['n'] == run['pairing']['paired'] == 299
+    assert (run['mean_deg'], run['std_deg']) == pytest.approx(
+        (expected['mean_deg'], expected['std_deg']), rel=1e-9)
 
 
 @pytest.mark.slow

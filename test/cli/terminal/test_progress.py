@@ -138,7 +138,9 @@ def test_a_line_that_stays_stands_above_the_one_that_is_overwritten(terminal, mo
         line.show('17 pairs')
         line.tell('compliance: alarm raised: jump\x1b[2J')
         line.show('18 pairs')
-    shown = terminal.seen().replace('\r\n', '\n')
+    shown = ''
+    while '18 pairs' not in shown:   # A terminal hands over what it has so far.
+        shown += terminal.seen().replace('\r\n', '\n')
     assert 'compliance: alarm raised: jump\ufffd[2J\n' in shown
     assert shown.rindex('18 pairs') > shown.index('alarm')
 
