@@ -29,8 +29,8 @@ from heading_intercompare.drivers.settings import DriverSettings
 
 from .conftest import NORMS
 from .launch_files import make_environment, nodes
+from .lines import free_port, sentence
 from .test_graph import assert_same, log, offline
-from .test_nmea_driver import free_port, sentence
 
 pytestmark = pytest.mark.process
 

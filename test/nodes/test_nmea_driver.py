@@ -18,16 +18,8 @@ from heading_intercompare.messages.ledger_messages import decode_losses
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.ros import qos
 
+from .lines import free_port, sentence
 from .rclpy_objects import headings_from
-
-
-def sentence(heading):
-    """Return an HDT sentence with a heading, a number or text."""
-    body = f'HEHDT,{heading},T'
-    checksum = 0
-    for character in body.encode():
-        checksum ^= character
-    return f'${body}*{checksum:02X}\r\n'
 
 
 def log(path, n, start='2014-08-01T00:00:', rate_hz=10):
@@ -35,13 +27,6 @@ def log(path, n, start='2014-08-01T00:00:', rate_hz=10):
     path.write_text(''.join(f'{start}{i / rate_hz:09.6f}Z {sentence(round(10.0 + i / 10, 2))}'
                             for i in range(n)))
     return f'file:{path}'
-
-
-def free_port():
-    """Return a port of UDP that nobody listens to."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(('127.0.0.1', 0))
-        return probe.getsockname()[1]
 
 
 def test_a_log_is_published_whole_with_its_stamps_and_then_the_node_is_done(ros, tmp_path):

@@ -24,6 +24,7 @@ from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.report.json import parse, read
 
 from .launch_files import make_environment
+from .lines import free_port
 
 pytestmark = pytest.mark.process
 
@@ -56,12 +57,6 @@ def datagrams(log: Path, form: str) -> list[tuple[float, bytes]]:
         rows.append((ms / 1000, b'UdPbC\0\\' + tag + b'*' + checksum(tag) + b'\\' + sentence
                      + b'\r\n'))
     return rows
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(('127.0.0.1', 0))
-        return probe.getsockname()[1]
 
 
 class Graph:

@@ -32,8 +32,8 @@ from heading_intercompare.messages.ledger_messages import decode_ledger
 
 from .conftest import NORMS
 from .launch_files import nodes
+from .lines import free_port, sentence
 from .test_graph_processes import Processes, wait_for
-from .test_nmea_driver import free_port, sentence
 
 pytestmark = pytest.mark.process
 

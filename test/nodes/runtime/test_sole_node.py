@@ -19,7 +19,7 @@ from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 from heading_intercompare.nodes.synchronizer import Synchronizer
 
-from ..test_nmea_driver import free_port
+from ..lines import free_port
 
 
 def spin_for(ros, span_s):
