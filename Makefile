@@ -59,9 +59,10 @@ else
 endif
 
 test-pins: .venv-pins/.test
-	.venv-pins/bin/python $(TESTS) -m 'not slow or colcon' $(PYTEST)
+	.venv-pins/bin/python $(TESTS) -m 'not (slow or ros) or colcon' $(PYTEST)
 
 release: test
+	@.ci/step 'nodes with the versions of Ubuntu 24.04' .venv-pins/bin/python $(TESTS) -m 'not slow' test/nodes
 	@.ci/step 'large fuzz' env HYPOTHESIS_PROFILE=release $(BIN)/python $(TESTS) test/bags test/nodes
 	@.ci/venv .venv ros,serial,report,terminal,fast,dask,docs,test,dev,notebook
 	@.ci/step 'notebooks' $(BIN)/jupyter execute examples/*.ipynb
