@@ -31,7 +31,7 @@ from heading_intercompare.core.verdict.verdict_document import Input, Verdict
 
 from .kept_state import KeptRun, KeptState
 from .outcome import Outcome, worst
-from .records import Headings, Losses, Pairs
+from .records import Differences, Headings, Losses, Pairs
 from .settings import Settings
 
 __all__ = ['Compliance', 'Intercomparison', 'join']
@@ -90,18 +90,23 @@ class Compliance:
         """Take pairs in stamp order; judge the runs that end with them."""
         if not len(pairs):
             return
-        differences = subtract(pairs, self.settings.installation_offset_deg,
-                               self.settings.wrap_center_deg)
+        differences = self._subtract(pairs)
         for piece in self._cutter.update(pairs.stamp_ns):
             if self._run is None or piece.key != self._run_key:
                 self._end_run()
-                self._run = RunSeries(piece.cut_ns, self.settings, self._look,
-                                      self._keeper(), piece.since_ns)
-                self._run_key = piece.key
+                self._run = self._begin_run(piece.key, piece.cut_ns, piece.since_ns)
             self._run.update(pairs[piece.lo:piece.hi], differences[piece.lo:piece.hi])
         self._rolling.update(differences)
         self.newest_ns = int(pairs.stamp_ns[-1])
         self._end_run_if_cut()
+
+    def _subtract(self, pairs: Pairs) -> Differences:
+        return subtract(pairs, self.settings.installation_offset_deg,
+                        self.settings.wrap_center_deg)
+
+    def _begin_run(self, key: int, cut_ns: int, since_ns: int) -> RunSeries:
+        self._run_key = key
+        return RunSeries(cut_ns, self.settings, self._look, self._keeper(), since_ns)
 
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Start or stop a run after the pair with this stamp; see `RunCutter.mark`."""
@@ -146,11 +151,8 @@ class Compliance:
         self._n_earlier, self._n_short = state.n_earlier, state.n_short
         cut_ns = state.cutter.cut_ns
         if state.in_run and cut_ns is not None:
-            differences = subtract(pairs, self.settings.installation_offset_deg,
-                                   self.settings.wrap_center_deg)
-            self._run = RunSeries(cut_ns, self.settings, self._look, self._keeper(),
-                                  state.cutter.since_ns)
-            self._run_key = state.cutter.key
+            differences = self._subtract(pairs)
+            self._run = self._begin_run(state.cutter.key, cut_ns, state.cutter.since_ns)
             self._run.update(pairs, differences)
             self._rolling.update(differences)
 

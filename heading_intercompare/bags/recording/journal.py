@@ -106,6 +106,14 @@ def _pack(record: Record) -> bytes:
     return _HEAD.pack(len(record.data), checksum, record.kind) + record.data
 
 
+def _write_all(descriptor: int, data: bytes, at: int) -> None:
+    """Write bytes at a position, however many the system takes at once."""
+    view = memoryview(data)
+    while view:
+        n = os.pwrite(descriptor, view, at)
+        at, view = at + n, view[n:]
+
+
 def read_journal(path: Path) -> JournalContents:
     """
     Return the whole records of a journal.
@@ -234,16 +242,13 @@ class Journal:
             self.fault, self._retry_s = '', 0.0
 
     def _write(self, data: bytes) -> None:
-        at, view = self._size, memoryview(data)
         try:
-            while view:
-                n = os.pwrite(self._file, view, at)
-                at, view = at + n, view[n:]
+            _write_all(self._file, data, self._size)
         except OSError:
             with suppress(OSError):
                 os.ftruncate(self._file, self._size)
             raise
-        self._size = at
+        self._size += len(data)
 
     def _fail(self, error: OSError, now_s: float) -> None:
         self.fault, self._retry_s = error.strerror or str(error), now_s + _RETRY_S
@@ -266,10 +271,7 @@ class Journal:
         try:
             descriptor = self._open(draft)
             os.ftruncate(descriptor, 0)
-            view, at = memoryview(data), 0
-            while view:
-                n = os.pwrite(descriptor, view, at)
-                at, view = at + n, view[n:]
+            _write_all(descriptor, data, 0)
             os.fsync(descriptor)
             os.replace(draft, self.path)
         except OSError as error:

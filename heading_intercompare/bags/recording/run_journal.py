@@ -117,9 +117,8 @@ class RunJournal:
     def __init__(self, path: Path, compliance: Compliance, *, within_s: float, now_ns: int,
                  bag: str | None = None) -> None:
         self._path, self._compliance = path, compliance
-        settings = leave_out_added(compliance.settings.to_mapping())
-        self._about = {'settings_sha256': settings_sha256(settings), 'settings': settings,
-                       'software': VERSION, 'began_ns': now_ns, 'bag': bag}
+        self._about = {**_name_settings(compliance.settings), 'software': VERSION,
+                       'began_ns': now_ns, 'bag': bag}
         self.kept = Kept()
         self.resumed = self.set_aside = ''
         self._written: dict[int, list[Any]] = {}
@@ -332,6 +331,12 @@ def _text(value: Any) -> bytes:
     return json.dumps(value, separators=(',', ':')).encode()
 
 
+def _name_settings(settings: Settings) -> dict[str, Any]:
+    """Return the settings and their hash, by which a journal knows its trial."""
+    mapping = leave_out_added(settings.to_mapping())
+    return {'settings_sha256': settings_sha256(mapping), 'settings': mapping}
+
+
 def _find_mismatch(theirs: Mapping[str, Any], ours: Mapping[str, Any]) -> str:
     """Say which settings of a journal differ from those of this trial; '' if none."""
     if theirs.get('settings_sha256') == ours['settings_sha256']:
@@ -371,9 +376,7 @@ def find_bag(path: Path, settings: Settings, *, within_s: float, now_ns: int) ->
         Journal.probe(path)
         records = read_journal(path).records
         about = [json.loads(record.data) for record in records if record.kind == _ABOUT]
-        mapping = leave_out_added(settings.to_mapping())
-        ours = {'settings_sha256': settings_sha256(mapping), 'settings': mapping}
-        if not about or _find_mismatch(about[0], ours):
+        if not about or _find_mismatch(about[0], _name_settings(settings)):
             return None
         bag = about[-1].get('bag')
     except (OSError, ValueError, AttributeError, IndexError):

@@ -229,6 +229,7 @@ class Ledger:
         if n > 0:
             self._counts[:n + 1] = [sum(self._counts[:n + 1], Counter())]
             self._starts = self._starts[n:]
+
     def cut_run(self, stamp_ns: int) -> None:
         """
         Open a segment where a run starts or stops, and at the pairs around that stamp.
