@@ -49,7 +49,7 @@ def write_page(histories: Sequence[History], path: str, since_ns: int | None = N
                      f'{history.settings_sha256[:8]}</h2>\n')
         said = [trend.words for trend in history.trends] or [f'No charts: {history.why_no_chart}']
         parts += [f'<p>{escape(words[0].upper() + words[1:])}.</p>\n' for words in said]
-        points = [p for p in history.points if since_ns is None or p.row.end_ns >= since_ns]
+        points = history.list_since(since_ns)
         parts += [_draw(points, figure, f'h{number}{figure}') + '\n' for figure in _NAMES]
     Path(path).write_text(''.join(parts) + '</body></html>\n', 'utf-8')
 

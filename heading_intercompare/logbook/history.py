@@ -122,6 +122,10 @@ class History:
     baseline: int
     why_no_chart: str | None
 
+    def list_since(self, since_ns: int | None) -> list[Point]:
+        """Return the points of runs that ended at this stamp or later; None: all of them."""
+        return [p for p in self.points if since_ns is None or p.row.end_ns >= since_ns]
+
     @property
     def differs(self) -> bool:
         """Whether a chart shows a lasting change."""

@@ -97,12 +97,24 @@ def config_of(folder, ts, rs, speed):
     return str(path)
 
 
+def plan_trial(config, bag, reports):
+    """Return the nodes of a live trial by name."""
+    return {node.name: node for node in nodes('intercompare.launch.py', config=config,
+                                              output=str(bag), report_dir=str(reports))}
+
+
+def end_trial(processes):
+    """Wait for the drivers, end the other nodes with a signal; they end well."""
+    processes.wait('ts_driver', 'rs_driver', timeout_s=60.0)
+    processes.signal(signal.SIGINT)
+    processes.wait('synchronizer', 'compliance', 'recorder', timeout_s=20.0)
+
+
 def run_live(processes, config, order, number, timeout_s):
     """Run the live graph on two logs, end it with a signal; return its report and its bag."""
     folder = processes.folder
     bag, reports = folder / 'bag', folder / 'reports'
-    made = {n.name: n for n in nodes('intercompare.launch.py', config=config, output=str(bag),
-                                     report_dir=str(reports))}
+    made = plan_trial(config, bag, reports)
     for name in order:
         processes.start(made[name])
     processes.wait('ts_driver', 'rs_driver', timeout_s=timeout_s)
@@ -380,17 +392,14 @@ def test_a_synchronizer_that_was_killed_may_start_again_at_once(processes, tmp_p
     config = config_of(tmp_path, log(tmp_path / 'ts.log', 1200, 0.0, 90.0),
                        log(tmp_path / 'rs.log', 1200, 0.05, 90.1), 10.0)
     bag, reports = tmp_path / 'bag', tmp_path / 'reports'
-    made = {n.name: n for n in nodes('intercompare.launch.py', config=config, output=str(bag),
-                                     report_dir=str(reports))}
+    made = plan_trial(config, bag, reports)
     for node in made.values():
         processes.start(node)
     wait_for(lambda: count_recorded(bag) >= 300)
     processes.running['synchronizer'].kill()
     processes.running['synchronizer'].wait()
     processes.start(made['synchronizer'])
-    processes.wait('ts_driver', 'rs_driver', timeout_s=60.0)
-    processes.signal(signal.SIGINT)
-    processes.wait('synchronizer', 'compliance', 'recorder', timeout_s=20.0)
+    end_trial(processes)
     written, = reports.iterdir()
     report = json.loads(written.read_text('utf-8'))
     run, = report['runs']
@@ -405,8 +414,7 @@ def test_a_compliance_that_is_killed_goes_on_and_the_verdict_is_that_of_the_bag(
     config = config_of(tmp_path, log(tmp_path / 'ts.log', 1200, 0.0, 90.0),
                        log(tmp_path / 'rs.log', 1200, 0.05, 90.1), 10.0)
     bag, reports = tmp_path / 'bag', tmp_path / 'reports'
-    made = {n.name: n for n in nodes('intercompare.launch.py', config=config, output=str(bag),
-                                     report_dir=str(reports))}
+    made = plan_trial(config, bag, reports)
     for node in made.values():
         processes.start(node)
     for n in (250, 500, 750):
@@ -414,9 +422,7 @@ def test_a_compliance_that_is_killed_goes_on_and_the_verdict_is_that_of_the_bag(
         processes.running['compliance'].kill()
         processes.running['compliance'].wait()
         processes.start(made['compliance'])
-    processes.wait('ts_driver', 'rs_driver', timeout_s=60.0)
-    processes.signal(signal.SIGINT)
-    processes.wait('synchronizer', 'compliance', 'recorder', timeout_s=20.0)
+    end_trial(processes)
     written, = reports.iterdir()
     report = json.loads(written.read_text('utf-8'))
     assert report['ledger_problems'] == []

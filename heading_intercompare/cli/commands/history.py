@@ -107,10 +107,6 @@ def _read_since(text: str) -> int:
                          '2026-03-01T12:00:00Z') from None
 
 
-def _pick(history: History, since_ns: int | None) -> list[Point]:
-    return [p for p in history.points if since_ns is None or p.row.end_ns >= since_ns]
-
-
 def _list(histories: Sequence[History], since_ns: int | None) -> list[str]:
     """Return the lines on standard output: runs, newest last, then what the charts say."""
     lines = []
@@ -119,7 +115,7 @@ def _list(histories: Sequence[History], since_ns: int | None) -> list[str]:
                   f'{len(history.points)} runs',
                   f'  {"start, UTC":16}  {"hours":>7}  {"n":>9}  {"mean/deg":>9}  {"sd/deg":>8}  '
                   'outcome']
-        lines += [f'  {_describe(point)}' for point in _pick(history, since_ns)]
+        lines += [f'  {_describe(point)}' for point in history.list_since(since_ns)]
         if history.why_no_chart is not None:
             lines.append(f'  no charts yet: {history.why_no_chart}')
         lines += [f'  {trend.words}' for trend in history.trends]
@@ -143,7 +139,7 @@ def _render(histories: Sequence[History], arguments: argparse.Namespace,
             since_ns: int | None) -> str:
     """Return runs and charts as JSON."""
     plain: list[dict[str, Any]] = [
-        {**make_plain(history), 'points': make_plain(_pick(history, since_ns))}
+        {**make_plain(history), 'points': make_plain(history.list_since(since_ns))}
         for history in histories]
     return json.dumps({'schema': SCHEMA, 'software': make_plain(Software()),
                        'one_in': arguments.one_in, 'histories': plain},
@@ -156,7 +152,7 @@ def _write_csv(histories: Sequence[History], file: Any, since_ns: int | None) ->
     table = csv.writer(file, lineterminator='\n')
     table.writerow([*columns, *_LIMITS, 'outside'])
     for history in histories:
-        for point in _pick(history, since_ns):
+        for point in history.list_since(since_ns):
             table.writerow([*(getattr(point.row, name) for name in columns),
                             *(getattr(point, name) for name in _LIMITS),
                             ' '.join(point.outside)])
