@@ -67,8 +67,8 @@ ORDER = {
              'sensors', 'simulator'),
     'bags': ('errors', 'checked_text', 'settings', 'mcap', 'parallel', 'rosbag2',
              'recording', 'recovery', 'csv'),
-    'nodes': ('settings', 'ros', 'runtime', 'alarms', 'judging', 'synchronizer', 'compliance',
-              'recorder', 'replayer', 'nmea_driver', 'sensor_simulator', 'graph'),
+    'nodes': ('settings', 'ros', 'runtime', 'taking', 'alarms', 'judging', 'synchronizer',
+              'compliance', 'recorder', 'replayer', 'nmea_driver', 'sensor_simulator', 'graph'),
     'cli': ('terminal', 'completion', 'node_command', 'commands', 'program'),
 }
 

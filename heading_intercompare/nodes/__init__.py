@@ -3,7 +3,8 @@
 """
 The ROS 2 nodes, and their graph in one process.
 
-Each node is a module here and an executable; the rooms `ros` and `runtime` hold what they share.
+Each node is a module here and an executable; the rooms `ros`, `runtime` and `taking` hold what
+they share.
 """
 
 from typing import TYPE_CHECKING

@@ -31,9 +31,9 @@ from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.figures import Figures
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.mark_intake import MarkIntake
-from heading_intercompare.nodes.runtime.raw_subscription import subscribe
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
+from heading_intercompare.nodes.taking.mark_intake import MarkIntake
+from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
 from .settings import ComplianceNode, Taking
 

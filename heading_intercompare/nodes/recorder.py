@@ -35,7 +35,7 @@ from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.recorded_topics import make_intakes, report_files, text_of
+from heading_intercompare.nodes.taking.recorded_topics import make_intakes, report_files, text_of
 
 from .settings import RecorderNode, Taking
 

@@ -27,11 +27,12 @@ from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.intake import Intake
-from heading_intercompare.nodes.runtime.mark_intake import MarkIntake
 from heading_intercompare.nodes.runtime.publishing import await_acknowledgement, Backlog
-from heading_intercompare.nodes.runtime.raw_subscription import subscribe
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
+from heading_intercompare.nodes.taking.intake import Intake
+from heading_intercompare.nodes.taking.mark_intake import MarkIntake
+from heading_intercompare.nodes.taking.predecessor import Predecessor
+from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
 from .settings import SynchronizerNode, Taking
 
@@ -64,21 +65,20 @@ class Synchronizer(Node):
         self.sole = SoleNode(self, ['pairs'], self._health)
         self._ledger = self.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
         arrivals = Arrivals(self, self._drain, taking.drain_period_s)
-        self._inputs = [
-            (Intake(self, topic, HEADING_TYPES, qos.HEADINGS_IN, self._health,
-                    unreliable=qos.HEADINGS_UNRELIABLE, stale_s=taking.stale_s,
-                    lost_shown_s=taking.lost_shown_s, stamped=True, arrivals=arrivals),
-             convention)
-            for topic, convention in ((settings.ts_topic, settings.ts_convention),
-                                      (settings.rs_topic, settings.rs_convention))]
+        self._intakes = {stream: Intake(
+            self, topic, HEADING_TYPES, qos.HEADINGS_IN, self._health,
+            unreliable=qos.HEADINGS_UNRELIABLE, kept=qos.HEADINGS_KEPT, stale_s=taking.stale_s,
+            lost_shown_s=taking.lost_shown_s, stamped=True, arrivals=arrivals)
+            for stream, topic in (('ts', settings.ts_topic), ('rs', settings.rs_topic))}
+        self._conventions = settings.ts_convention, settings.rs_convention
         subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self._health, decode_marks,
                   self._mark)
-        for stream, (intake, _) in zip(('ts', 'rs'), self._inputs):
+        self._predecessor = Predecessor(self, self._health, self._intakes)
+        for stream, intake in self._intakes.items():
             subscribe(self, DiagnosticArray, lost_topic(intake.full_name), qos.LOST, self._health,
                       decode_losses, partial(self._lose, stream))
-        self._open_at_s = time.monotonic() + self._own.startup_wait_s
-        for intake, _ in self._inputs:
             intake.open = False
+        self._open_at_s = time.monotonic() + self._own.startup_wait_s
         self._waiting = Backlog(self._pairs, self._health, patience_s=_PATIENCE_S)
         self._flushed = self.ended = False
         self._end_s: float | None = None
@@ -97,14 +97,15 @@ class Synchronizer(Node):
 
     def _open_when_wanted(self) -> None:
         """Open the inputs once the pairs have their subscribers, or after `startup_wait_s`."""
-        if (self._pairs.get_subscription_count() >= self._own.subscribers
+        heard = self._pairs.get_subscription_count() >= self._own.subscribers
+        if (heard and self._predecessor.is_known
                 or time.monotonic() > self._open_at_s):
-            for intake, _ in self._inputs:
+            for intake in self._intakes.values():
                 intake.open = True
 
     def _take(self) -> Sequence[Headings]:
-        taken = [self._read(intake, convention) for intake, convention in self._inputs]
-        for stream, (intake, _) in zip(('ts', 'rs'), self._inputs):
+        taken = [*map(self._read, self._intakes.values(), self._conventions)]
+        for stream, intake in self._intakes.items():
             self._lose(stream, {'lost.on_the_way': intake.take_losses()})
         return taken
 
@@ -121,10 +122,10 @@ class Synchronizer(Node):
 
     def _beat(self) -> None:
         self._pairer.forget_earlier()
-        numbers = {stream: one.numbers for stream, (one, _) in zip(('ts', 'rs'), self._inputs)}
+        numbers = {stream: intake.numbers for stream, intake in self._intakes.items()}
         self._ledger.publish(encode_ledger(self._pairer.ledger, self.ended, self._started_ns,
                                            numbers))
-        self.alarms.look(self._pairer, [intake for intake, _ in self._inputs])
+        self.alarms.look(self._pairer, [*self._intakes.values()])
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
         for kind, stamp_ns in marks:
@@ -140,7 +141,7 @@ class Synchronizer(Node):
 
     def _finish_if_quiet(self) -> None:
         publishers = 0
-        for intake, _ in self._inputs:
+        for intake in self._intakes.values():
             intake.look()
             publishers += intake.publishers
         if publishers and time.monotonic() < self._end_s:

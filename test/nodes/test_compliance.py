@@ -13,6 +13,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 import numpy as np
 import pytest
+from rclpy.qos import QoSProfile
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -489,25 +490,28 @@ def test_pairs_that_never_came_are_told_even_if_they_come_after_the_end(ros, rng
     assert graph.reports() == [report]
 
 
-def test_with_a_real_synchronizer_that_is_killed_the_sums_hold(ros, rng):
+@pytest.mark.parametrize('kept', [True, False])
+def test_with_a_real_synchronizer_that_is_killed_the_sums_hold(ros, rng, kept):
     """The driver goes on: each of its readings stands in one row, or the report says why not."""
     values_of = {'pairing.method': 'interpolate', 'runs.min_duration_s': 0.0}
-    sensors = [ros.plain.create_publisher(Imu, f'{role}/heading', qos.HEADINGS_OUT)
+    offered = qos.HEADINGS_OUT if kept else QoSProfile(depth=5000)
+    sensors = [ros.plain.create_publisher(Imu, f'{role}/heading', offered)
                for role in ('ts', 'rs')]
     compliance = ros.ours(Compliance, **values_of)
     stamps = T0_NS + np.arange(400) * S_NS // 10
     readings = Headings.of(stamps, 90.0 + rng.normal(0.0, 0.1, 400))
+    began = 150 if kept else 160
 
-    def send(synchronizer, lo, hi):
+    def send(synchronizer, lo, hi, paired):
         ros.spin_until(lambda: all(s.get_subscription_count() == 1 for s in sensors))
         for sensor in sensors:
             for message in imu_messages(readings[lo:hi], 'x'):
                 sensor.publish(message)
         last = int(stamps[hi - 1])
-        ros.spin_until(lambda: synchronizer._pairer.ledger.paired == hi - lo
+        ros.spin_until(lambda: synchronizer._pairer.ledger.paired == paired
                        and synchronizer._pairer.ledger.newest_ns == last)
     first = ros.ours(Synchronizer, **values_of)
-    send(first, 0, 150)
+    send(first, 0, 150, 150)
     ros.spin_until(lambda: compliance._reporting.paired == 150 and compliance.n_pairs == 150)
     ros.executor.remove_node(first)
     ros.nodes.remove(first)
@@ -517,16 +521,21 @@ def test_with_a_real_synchronizer_that_is_killed_the_sums_hold(ros, rng):
         for message in imu_messages(readings[150:160], 'x'):
             sensor.publish(message)
     second = ros.ours(Synchronizer, **values_of)
-    send(second, 160, 400)
+    send(second, 160, 400, 400 - began)
     for sensor in sensors:
         ros.plain.destroy_publisher(sensor)
     ros.end(second, compliance)
     report = compliance.verdict.to_dict()
     run, = report['runs']
     pairing = run['pairing']
+    n = 550 - began
     assert (run['n'], pairing['paired'], pairing['ts_received'], pairing['rs_received']) == (
-        390, 390, 390, 390)
-    # Ten readings of each came in between; the numbers of their publishers show it.
+        n, n, n, n)
+    if kept:
+        # The ten readings that came in between were kept by the driver.
+        assert pairing['lost'] == {'ts': {}, 'rs': {}} and report['ledger_problems'] == []
+        return
+    # The numbers of their publishers show them.
     assert pairing['lost'] == {'ts': {'on_the_way': 10}, 'rs': {'on_the_way': 10}}
     problem, = report['ledger_problems']
     assert 'was restarted at' in problem

@@ -23,8 +23,8 @@ from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.intake import Intake
 from heading_intercompare.nodes.synchronizer import Synchronizer
+from heading_intercompare.nodes.taking.intake import Intake
 
 from .rclpy_objects import heading_messages, headings_from, ledger_from, marker_message, pairs_from
 

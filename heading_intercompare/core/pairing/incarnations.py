@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from typing import Iterator, Mapping, NamedTuple
+from typing import Iterator, Mapping, NamedTuple, Sequence
 
 from heading_intercompare.core.utc_text import utc
 
@@ -49,13 +49,17 @@ class _Last:
     numbers: Mapping[str, StreamNumbers]
 
     def count_until(self, after: '_Last') -> dict[str, int]:
-        """Return how many readings of each sensor came until the next one took its first."""
+        """
+        Return how many readings of each sensor came until the next one took its first.
+
+        A negative count says how many of the newest ones the next one took again.
+        """
         found = {}
         for stream in ('ts', 'rs'):
             here, there = self.numbers.get(stream), after.numbers.get(stream)
             if (here and there and here.last_publisher
                     and here.last_publisher == there.first_publisher
-                    and there.first > here.last > 0):
+                    and here.last > 0):
                 found[stream] = there.first - here.last - 1
         return found
 
@@ -117,8 +121,9 @@ class Incarnations:
             if at and newest_ns is not None:
                 for stream, n in ordered[at - 1].count_until(ordered[at]).items():
                     counts.setdefault(newest_ns + 1, Counter())[
-                        LedgerKey.of_lost(stream, 'on_the_way')] += n
-            for segment in ledger.segments:
+                        LedgerKey.of_lost(stream, 'on_the_way')] += max(0, n)
+            again = (ordered[at].count_until(ordered[at + 1]) if at + 1 < len(ordered) else {})
+            for segment in _without_pending(ledger.segments, again):
                 start_ns = segment.start_ns
                 if start_ns is None and newest_ns is not None:
                     # What an incarnation received before its first cut came after the one before.
@@ -144,7 +149,7 @@ class Incarnations:
         for (_, before), (started_ns, after) in zip(ordered, ordered[1:]):
             counted = before.count_until(after)
             if len(counted) == 2:
-                if not before.final or any(counted.values()):
+                if any(n > 0 for n in counted.values()):
                     yield (f'the synchronizer was restarted at {utc(started_ns)} UTC; '
                            f'{counted["ts"]} TS and {counted["rs"]} RS readings came after its '
                            'last ledger, and count as lost')
@@ -155,3 +160,18 @@ class Incarnations:
                 yield (f'the synchronizer was restarted at {utc(started_ns)} UTC; its last ledger '
                        'was not final: up to 1 s of readings is missing, and those that came '
                        'while it was down')
+
+
+def _without_pending(segments: Sequence[LedgerSegment],
+                     again: Mapping[str, int]) -> list[LedgerSegment]:
+    """Return segments without the pending readings that the next incarnation took again."""
+    left = {LedgerKey.of_pending(stream): max(0, -n) for stream, n in again.items()}
+    found = []
+    for segment in reversed(segments):
+        counts = dict(segment.counts)
+        for key in left:
+            taken = min(left[key], counts.get(key, 0))
+            counts[key] = counts.get(key, 0) - taken
+            left[key] -= taken
+        found.append(LedgerSegment(segment.start_ns, counts))
+    return found[::-1]

@@ -22,8 +22,8 @@ from heading_intercompare.messages.status_messages import (
 from heading_intercompare.messages.texts import decode_text
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.raw_subscription import subscribe
-from heading_intercompare.nodes.runtime.recorded_topics import ALARMS_TOPIC
+from heading_intercompare.nodes.taking.raw_subscription import subscribe
+from heading_intercompare.nodes.taking.recorded_topics import ALARMS_TOPIC
 
 __all__ = ['ACKNOWLEDGE_TOPIC', 'alarm_level', 'AlarmPanel', 'ALL']
 

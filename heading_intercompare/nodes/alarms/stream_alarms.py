@@ -16,8 +16,8 @@ from heading_intercompare.core.pairing.pairing_watch import PairingWatch
 from heading_intercompare.core.settings import Pairing
 from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.intake import Intake
 from heading_intercompare.nodes.settings import Taking
+from heading_intercompare.nodes.taking.intake import Intake
 
 from .alarm_panel import AlarmPanel
 

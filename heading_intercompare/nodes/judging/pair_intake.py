@@ -19,8 +19,8 @@ from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import Unwatched
 from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.intake import Intake
 from heading_intercompare.nodes.settings import Taking
+from heading_intercompare.nodes.taking.intake import Intake
 
 __all__ = ['PairIntake']
 
@@ -70,6 +70,8 @@ class PairIntake(Intake):
         self._numbers: dict[str, Numbering] = {}
         self._newest_ns = 0
         self._resuming: dict[str, int] = {}
+        self._booked = self._twice = 0
+        self._behind = False
         self.left_out = self.missed = 0
 
     def take(self) -> _Taken:
@@ -88,10 +90,10 @@ class PairIntake(Intake):
                 self._hold(started_ns, batch)
         before, current = self._choice.current, self._choice.look(now_s)
         if current != before and current is not None:
-            held = self._held.pop(current, deque())
-            fresh = [one for one in held if header_stamp_ns(one[0]) > self._newest_ns]
-            self.left_out += len(held) - len(fresh)
-            found += self._accept(str(current), fresh)
+            # The successor pairs again what the last ledger of the one before does not count.
+            self._twice = max(0, self.last_sequence - self._booked)
+            self._behind = True
+            found += self._accept(str(current), [*self._held.pop(current, deque())])
         return found
 
     def _accept(self, name: str, batch: _Taken) -> _Taken:
@@ -107,8 +109,20 @@ class PairIntake(Intake):
             if self._resuming.pop(name, None) is not None:
                 self.missed += numbering.missing - before
             self.last_sequence = numbers[-1]
+            if self._behind:
+                batch = self._leave_out(batch)
+        if batch:
             self._newest_ns = header_stamp_ns(batch[-1][0])
         return batch
+
+    def _leave_out(self, batch: _Taken) -> _Taken:
+        """Leave out the pairs that the synchronizer before has published."""
+        fresh = [one for one in batch if header_stamp_ns(one[0]) > self._newest_ns]
+        again = len(batch) - len(fresh)
+        self.left_out += max(0, again - self._twice)
+        self._twice = max(0, self._twice - again)
+        self._behind = not fresh
+        return fresh
 
     @property
     def numbers(self) -> dict[str, tuple[int, int, int]]:
@@ -134,6 +148,8 @@ class PairIntake(Intake):
         """Take a ledger; return those of the followed synchronizer that have come by now."""
         self._choice.hear(newest.started_ns, time.monotonic(), newest.final)
         self._ledgers[newest.started_ns] = newest
+        if newest.started_ns == self._choice.current:
+            self._booked = newest.ledger.paired
         return self.ledgers()
 
     def ledgers(self) -> list[LedgerMessage]:

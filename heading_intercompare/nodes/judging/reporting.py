@@ -20,9 +20,10 @@ from std_srvs.srv import Trigger
 from heading_intercompare.bags.recording.disk_sync import replace_file
 from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.pairing.incarnations import Incarnations
+from heading_intercompare.core.pairing.ledger import Ledger
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.verdict.verdict_document import Verdict
-from heading_intercompare.messages.ledger_messages import LedgerMessage
+from heading_intercompare.messages.ledger_messages import encode_ledger, LedgerMessage
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.messages.texts import encode_text
 from heading_intercompare.messages.verdict_messages import (
@@ -33,6 +34,7 @@ from heading_intercompare.messages.verdict_messages import (
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import ComplianceNode
+from heading_intercompare.nodes.taking.predecessor import LEDGER_TAKEN_TOPIC
 from heading_intercompare.report.json import render
 
 from .pair_intake import PairIntake
@@ -75,8 +77,12 @@ class Reporting:
                  journal: TrialJournal) -> None:
         self._node, self._compliance, self._own, self._health = node, compliance, own, health
         self._pairs, self._ledgers, self._journal = pairs, Incarnations(), journal
+        self._taken = node.create_publisher(DiagnosticArray, LEDGER_TAKEN_TOPIC, qos.LEDGER_TAKEN)
+        newest = LedgerMessage(Ledger(), False, 0)
         for kept in journal.kept.ledgers.values():
             self._ledgers.take(*kept)
+            newest = max(newest, kept, key=lambda one: one.started_ns)
+        self._taken.publish(encode_ledger(*newest))
         self._verdict = node.create_publisher(
             DiagnosticArray, 'compliance/verdict', qos.VERDICT,
             event_callbacks=health.of_publisher('compliance/verdict'))
@@ -102,6 +108,7 @@ class Reporting:
         for ledger in ledgers:
             self._ledgers.take(*ledger)
             self._journal.book(ledger)
+            self._taken.publish(encode_ledger(*ledger))
 
     @property
     def final(self) -> bool:

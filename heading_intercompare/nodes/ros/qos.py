@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-__all__ = ['ACKNOWLEDGE', 'ALARMS', 'CLOCK', 'DIAGNOSTICS_IN', 'HEADINGS_IN', 'HEADINGS_OUT',
-           'HEADINGS_UNRELIABLE', 'LEDGER', 'LOST', 'MARKER', 'NOTE', 'PAIRS', 'PAIRS_TAKEN',
-           'REPORT', 'STATUS', 'VERDICT']
+__all__ = ['ACKNOWLEDGE', 'ALARMS', 'CLOCK', 'DIAGNOSTICS_IN', 'HEADINGS_IN', 'HEADINGS_KEPT',
+           'HEADINGS_OUT', 'HEADINGS_UNRELIABLE', 'LEDGER', 'LEDGER_TAKEN', 'LOST', 'MARKER',
+           'NOTE', 'PAIRS', 'PAIRS_TAKEN', 'REPORT', 'STATUS', 'VERDICT']
 
 
 def _keep_last(depth: int) -> QoSProfile:
@@ -19,15 +19,19 @@ def _keep_last(depth: int) -> QoSProfile:
 #: Fast DDS keeps no more; where a profile asks for more, a full subscription stops for ever.
 _MOST = 5000
 
-# Kept until every reliable subscriber has them: 50 s at 100 Hz of a network that is cut off.
-HEADINGS_OUT = QoSProfile(depth=_MOST)
+# Kept for subscribers that a cut network keeps away: 50 s at 100 Hz.
+HEADINGS_OUT = _keep_last(_MOST)
+# A first subscription, which begins with the newest heading, and the one that takes over.
 HEADINGS_IN = QoSProfile(depth=_MOST)
+HEADINGS_KEPT = _keep_last(_MOST)
 # For publishers that do not send again what is lost.
 HEADINGS_UNRELIABLE = QoSProfile(depth=_MOST, reliability=ReliabilityPolicy.BEST_EFFORT)
 # A compliance node that was killed gets again what it missed.
 PAIRS = _keep_last(_MOST)
 PAIRS_TAKEN = QoSProfile(depth=_MOST)
 LEDGER = QoSProfile(depth=10)
+# For a synchronizer that starts again.
+LEDGER_TAKEN = _keep_last(1)
 LOST = QoSProfile(depth=1000)
 STATUS = QoSProfile(depth=10)
 # All nodes of a ship may say their state within one batch.

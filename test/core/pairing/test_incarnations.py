@@ -9,6 +9,7 @@ import pytest
 
 from heading_intercompare import Headings, Settings
 from heading_intercompare.core.pairing.incarnations import Incarnations, StreamNumbers
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.pairing.pairer import Pairer
 
 STEP_NS = 10 ** 8
@@ -95,3 +96,21 @@ def test_readings_between_two_starts_count_as_lost_if_one_publisher_numbered_the
     assert ('20 TS and 20 RS readings came after' in problem) == counted
     inside = found.total.count_between(int(STAMPS[0]), int(STAMPS[-1]))
     assert inside.lost('ts') == ({'on_the_way': 20} if counted else {})
+
+
+def test_readings_that_waited_and_were_taken_again_count_once():
+    """The first was killed with 7 TS and 9 RS readings pending; the second took those again."""
+    found = Incarnations()
+    first = Ledger.from_segments([
+        LedgerSegment(None, {'paired': 60, 'ts_paired': 60, 'rs_used': 60, 'ts_pending': 2}),
+        LedgerSegment(1000, {'ts_pending': 5, 'rs_pending': 9})], 2000)
+    second = Ledger.from_segments([
+        LedgerSegment(None, {'paired': 40, 'ts_paired': 40, 'rs_used': 39, 'rs_unused': 3})], 4000)
+    found.take(first, False, 1, {'ts': StreamNumbers('a', 1, 'a', 67),
+                                 'rs': StreamNumbers('b', 1, 'b', 69)})
+    found.take(second, True, 2, {'ts': StreamNumbers('a', 61, 'a', 100),
+                                 'rs': StreamNumbers('b', 61, 'b', 102)})
+    total = found.total.total
+    assert (total.received('ts'), total.received('rs'), found.total.paired) == (100, 102, 100)
+    assert total.counts.get('ts_unpaired', 0) == 0 and total.counts['rs_unused'] == 3
+    assert [*found.problems()] == []

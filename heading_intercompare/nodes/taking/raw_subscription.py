@@ -11,8 +11,7 @@ from rclpy.qos import QoSProfile
 
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.status_messages import WARN
-
-from .health import Health
+from heading_intercompare.nodes.runtime.health import Health
 
 __all__ = ['subscribe']
 

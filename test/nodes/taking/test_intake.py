@@ -6,8 +6,9 @@ from __future__ import annotations
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import QuaternionStamped
+import pytest
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
@@ -17,7 +18,7 @@ from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.intake import Intake
+from heading_intercompare.nodes.taking.intake import Intake
 
 from ..rclpy_objects import heading_messages
 
@@ -226,7 +227,7 @@ def test_a_best_effort_publisher_that_joins_is_heard_beside_a_reliable_one(ros):
     intake, heard = intake_of(ros, unreliable=qos.HEADINGS_UNRELIABLE, sole=False)
     one = publisher_to(ros, intake)
     one.publish(headings(1, 2)[0])
-    ros.spin_until(lambda: intake._subscription is not None)
+    ros.spin_until(lambda: intake.type_name is not None)
     other = ros.plain.create_publisher(Imu, 'h', qos.HEADINGS_UNRELIABLE)
     ros.spin_until(lambda: intake.look() == '' and other.get_subscription_count() == 1)
     assert reliability(ros) == [ReliabilityPolicy.BEST_EFFORT] and intake.resubscribed == 1
@@ -244,6 +245,46 @@ def test_when_all_publishers_are_gone_the_next_reliable_one_is_heard_reliably(ro
     ros.spin_until(lambda: intake.look() == '' and not intake.publishers)
     publisher_to(ros, intake)
     assert reliability(ros) == [ReliabilityPolicy.RELIABLE] and intake.resubscribed == 0
+
+
+def durability(ros):
+    """Return the durabilities of the subscriptions to `h`."""
+    return [info.qos_profile.durability for info in ros.plain.get_subscriptions_info_by_topic('h')]
+
+
+def test_after_the_first_message_the_intake_also_hears_what_was_sent_while_it_was_cut_off(ros):
+    """Old messages do not come, and those of a publisher that keeps none are heard, too."""
+    intake, _ = intake_of(ros, kept=qos.HEADINGS_KEPT, sole=False)
+    publisher = ros.plain.create_publisher(Imu, 'h', qos.HEADINGS_OUT)
+    for message in headings(0, 50):
+        publisher.publish(message)
+    ros.spin_until(lambda: intake.take() == [] and publisher.get_subscription_count() == 1)
+    publisher.publish(headings(50, 51)[0])
+    assert seconds(take(ros, intake, 1)) == [50]
+    ros.spin_until(lambda: intake.look() == '' and intake.take() == []
+                   and durability(ros) == [DurabilityPolicy.TRANSIENT_LOCAL])
+    assert (intake.received, intake.lost, intake.resubscribed) == (1, 0, 0)
+    volatile = ros.plain.create_publisher(Imu, 'h', QoSProfile(depth=5000))
+    ros.spin_until(lambda: intake.look() == '' and volatile.get_subscription_count() == 1)
+    assert intake.resubscribed == 1
+    volatile.publish(headings(51, 52)[0])
+    assert seconds(take(ros, intake, 1)) == [51]
+
+
+@pytest.mark.parametrize('own, first', [(True, 31), (False, 51)])
+def test_an_intake_resumes_after_a_number_of_the_publisher_that_gave_it(ros, own, first):
+    intake, _ = intake_of(ros, kept=qos.HEADINGS_KEPT)
+    publisher = ros.plain.create_publisher(Imu, 'h', qos.HEADINGS_OUT)
+    for message in headings(1, 51):
+        publisher.publish(message)
+    ros.spin_until(lambda: ros.plain.count_publishers('h') == 1)
+    info, = ros.plain.get_publishers_info_by_topic('h')
+    intake.resume_after(bytes(info.endpoint_gid).hex() if own else 'another', 30)
+    ros.spin_until(lambda: intake.look() == '' and publisher.get_subscription_count() == 1)
+    for message in headings(51, 61):
+        publisher.publish(message)
+    assert seconds(take(ros, intake, 61 - first)) == [*range(first, 61)]
+    assert intake.numbers.first == first and intake.lost == 0
 
 
 def test_silence_is_a_warning(ros):

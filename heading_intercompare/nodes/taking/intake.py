@@ -9,12 +9,12 @@ from typing import Mapping, Sequence
 
 from rclpy.node import Node
 from rclpy.qos import (
+    DurabilityPolicy,
     qos_check_compatible,
     QoSCompatibility,
     QoSProfile,
     ReliabilityPolicy,
 )
-from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
@@ -23,10 +23,11 @@ from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.records import Losses
 from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
-from heading_intercompare.nodes.ros.batches import take_all, Unwatched
+from heading_intercompare.nodes.ros.batches import Unwatched
 from heading_intercompare.nodes.ros.parameters import resolve_topic
+from heading_intercompare.nodes.runtime.health import Health
 
-from .health import Health
+from .reception import Message, number_of, Reception
 
 __all__ = ['Intake']
 
@@ -50,6 +51,9 @@ class Intake:
         Quality of service of the subscription.
     unreliable : QoSProfile, optional
         The same where a publisher is best effort, which a reliable subscription does not hear.
+    kept : QoSProfile, optional
+        The same once a first message has come, where the publishers keep their newest messages:
+        what they send while they cannot be reached comes later.
     health : Health
         Shows the state of this input.
     stale_s : float, optional
@@ -80,7 +84,7 @@ class Intake:
     publishers : int
         Publishers seen at the last `look`.
     resubscribed : int
-        How often the subscription was made again for a best-effort publisher that joined.
+        How often the subscription was made again for a publisher that joined and offers less.
     counted : bool
         Messages that are missing are counted.
     open : bool
@@ -96,26 +100,28 @@ class Intake:
     ones, it is made again; what they publish in between is counted as lost. It stays best effort
     until all publishers are gone.
 
+    DDS gives up a publisher that it cannot reach for 20 s. A subscription that is `kept` gets what
+    this publisher sent in the meantime when it is back.
+
     """
 
     def __init__(self, node: Node, topic: str, types: Mapping[str, type], qos: QoSProfile,
                  health: Health, *, unreliable: QoSProfile | None = None,
+                 kept: QoSProfile | None = None,
                  stale_s: float | None = None, lost_shown_s: float = 600.0,
                  sole: bool = True, needed: bool = True, stamped: bool = False,
                  counted: bool = True, arrivals: Unwatched | None = None) -> None:
         self._node, self._topic, self._types = node, topic, types
-        self._reliable, self._unreliable, self._qos = qos, unreliable, qos
+        self._reliable, self._unreliable, self._kept, self._qos = qos, unreliable, kept, qos
         self._health, self._stale_s, self._sole, self._needed = health, stale_s, sole, needed
         self.full_name = resolve_topic(node, topic)
-        self._subscription: Subscription | None = None
-        self._group = arrivals or Unwatched()
+        self._reception = Reception(node, topic, arrivals or Unwatched())
         self._newest_s = time.monotonic()
         self._beat_s, self._beat_n, self._latency_s = self._newest_s, 0, 0.0
         self.type_name: str | None = None
         self.open = True
         self.received = self.last_sequence = self.refused = self.publishers = 0
         self.resubscribed = 0
-        self._left: list[tuple[bytes, Mapping[str, int]]] = []
         self._why_refused = ''
         self._numbering, self._stamped, self.counted = Numbering(), stamped, counted
         self._losses: list[Losses] = []
@@ -123,17 +129,16 @@ class Intake:
         self._recent = RecentCount(lost_shown_s), RecentCount(lost_shown_s)
         self._rivals_since_s: float | None = None
         self._ghost = False
+        self._after = '', 0
         health.add_refresher(self._note)
 
-    def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
+    def take(self) -> list[Message]:
         """Return the messages since the last call, each with its info."""
-        if self._subscription is None:
+        if not self._reception.there:
             self.look()
-        taken, self._left = self._left, []
-        if self._subscription is not None:
-            taken += take_all(self._subscription)
+        taken = self._reception.take()
         if taken:
-            numbers = [info['publication_sequence_number'] for _, info in taken]
+            numbers = [number_of(message) for message in taken]
             if self._stamped:
                 self._losses.append(self._numbering.take(
                     numbers, [header_stamp_ns(message) for message, _ in taken]))
@@ -145,6 +150,10 @@ class Intake:
             self._newest_s = time.monotonic()
             self._latency_s = (info['received_timestamp'] - info['source_timestamp']) / 1e9
         return taken
+
+    def resume_after(self, publisher: str, number: int) -> None:
+        """Begin after a number that this publisher gave, if it keeps its newest messages."""
+        self._after = publisher, number
 
     def take_losses(self) -> Losses:
         """Return the gaps among the messages taken since the last call, at their stamps."""
@@ -181,7 +190,7 @@ class Intake:
             self._rivals_since_s = None
         if not self.publishers:
             if self._qos is self._unreliable:
-                self._unsubscribe()
+                self._reception.close()
                 self._qos = self._reliable
             return ''
         infos = self._node.get_publishers_info_by_topic(self.full_name)
@@ -189,14 +198,12 @@ class Intake:
         self._publishers = self._publishers[0] or newest, newest
         found = {info.topic_type for info in infos}
         good = [name for name in self._types if name in found]
-        if self._unreliable is not None and self._qos is self._reliable and any(
-                info.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT for info in infos):
-            self._qos = self._unreliable
-            self.resubscribed += self._subscription is not None
-            self._unsubscribe()
+        self._change_qos(infos)
         wanted = [name for name in good if self.type_name in (None, name)]
-        if self.open and wanted and self._subscription is None:
-            self._subscribe(wanted[0])
+        if self.open and wanted and not self._reception.there:
+            self.type_name = wanted[0]
+            self._reception.open(self._types[wanted[0]], self._qos,
+                                 self._after[1] if self._qos is self._kept else 0)
         strange = sorted(found - {self.type_name} - set(() if self.type_name else good))
         if strange:
             return (f'{self._topic} has the type {", ".join(strange)}; must be '
@@ -222,18 +229,29 @@ class Intake:
                     'the old one may be dead and disappears within 20 s')
         return f'{len(infos)} publishers on {self._topic} instead of one: {", ".join(names)}'
 
-    def _subscribe(self, type_name: str) -> None:
-        self._subscription = self._node.create_subscription(
-            self._types[type_name], self._topic, lambda message: None, self._qos,
-            callback_group=self._group, raw=True)
-        self.type_name = type_name
+    @property
+    def _may_look_back(self) -> bool:
+        """Whether it is known with which number to begin."""
+        return bool(self._reception.newest or self._after[0] == self._publishers[1] != '')
 
-    def _unsubscribe(self) -> None:
-        """Give up the subscription, but not what it holds."""
-        if self._subscription is not None:
-            self._left += take_all(self._subscription)
-            self._node.destroy_subscription(self._subscription)
-            self._subscription = None
+    def _change_qos(self, infos: Sequence[TopicEndpointInfo]) -> None:
+        """Subscribe with what hears all publishers and loses least."""
+        if self._unreliable is not None and (self._qos is self._unreliable or any(
+                info.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT for info in infos)):
+            best = self._unreliable
+        elif self._kept is not None and self._may_look_back and all(
+                info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in infos):
+            best = self._kept
+        else:
+            best = self._reliable
+        if best is self._qos:
+            return
+        self._qos = best
+        if best is self._kept and self._reception.there:
+            self._reception.hand_over(best)
+        else:
+            self.resubscribed += self._reception.there
+            self._reception.close()
 
     def _note(self) -> None:
         """Report the state of this input."""

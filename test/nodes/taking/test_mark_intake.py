@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.mark_intake import MarkIntake
+from heading_intercompare.nodes.taking.mark_intake import MarkIntake
 
 
 def test_a_mark_is_taken_once_and_marks_without_end_are_refused(ros):

@@ -8,8 +8,7 @@ from typing import Iterable
 
 from heading_intercompare.messages.marks import MARKS
 from heading_intercompare.messages.status_messages import WARN
-
-from .health import Health
+from heading_intercompare.nodes.runtime.health import Health
 
 __all__ = ['MarkIntake']
 

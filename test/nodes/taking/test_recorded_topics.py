@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from heading_intercompare.nodes.runtime.recorded_topics import report_files
+from heading_intercompare.nodes.taking.recorded_topics import report_files
 from heading_intercompare.report.json import render
 
 

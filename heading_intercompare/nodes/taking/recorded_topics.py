@@ -33,13 +33,15 @@ from heading_intercompare.nodes.ros.message_types import (
     TRUTH_TYPES,
 )
 from heading_intercompare.nodes.ros.parameters import resolve_topic
+from heading_intercompare.nodes.runtime.health import Health
 
-from .health import Health
 from .intake import Intake
 
 __all__ = ['ALARMS_TOPIC', 'make_intakes', 'Recorded', 'report_files', 'text_of']
 
 ALARMS_TOPIC = 'compliance/alarms'
+
+_HEADINGS = {'unreliable': qos.HEADINGS_UNRELIABLE, 'kept': qos.HEADINGS_KEPT}
 
 
 class Recorded(NamedTuple):
@@ -143,7 +145,7 @@ def make_intakes(node: Node, settings: Settings, health: Health,
              for topic in headings]
     found = {topic: Recorded(_offer(offered), Intake(
         node, topic, types, taken, health, sole=False, needed=expected,
-        unreliable=qos.HEADINGS_UNRELIABLE if taken is qos.HEADINGS_IN else None), expected)
+        **(_HEADINGS if taken is qos.HEADINGS_IN else {})), expected)
         for topic, types, taken, offered, expected in rows}
     ledgers = _Ledgers(node, health)
     found['pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True)

@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The subscription to one topic, and how another one takes over from it: each message once."""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import Mapping, Sequence
+
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+
+from heading_intercompare.nodes.ros.batches import take_all, Unwatched
+
+__all__ = ['Message', 'number_of', 'Reception']
+
+#: A message as bytes, and its info.
+Message = tuple[bytes, Mapping[str, int]]
+
+#: More messages than any publisher keeps for late subscriptions.
+_REMEMBERED = 12_000
+
+
+def number_of(message: Message) -> int:
+    """Return the sequence number that the publisher gave to a message."""
+    return message[1]['publication_sequence_number']
+
+
+class Reception:
+    """
+    Takes each message of one topic once, whatever becomes of the subscription.
+
+    Parameters
+    ----------
+    node : Node
+        The node that takes the messages.
+    topic : str
+        Relative or absolute name.
+    group : Unwatched
+        Callback group of the subscriptions.
+
+    Attributes
+    ----------
+    newest : int
+        Number of the newest message taken; 0 before the first.
+
+    Notes
+    -----
+    A transient local subscription gets again what a publisher sent while it could not be reached,
+    but also what it sent long before. So a first subscription that is volatile says where to
+    begin, and a second one that is transient local takes over as soon as it has come as far. What
+    both deliver is known by its number and its time of sending.
+
+    """
+
+    def __init__(self, node: Node, topic: str, group: Unwatched) -> None:
+        self._node, self._topic, self._group = node, topic, group
+        self._current: Subscription | None = None
+        self._successor: Subscription | None = None
+        self._left: list[Message] = []
+        self._known: dict[tuple[int, int], None] = {}
+        self._skip_until = self.newest = self._newest_ns = 0
+        self._handed_over = 0, 0
+
+    @property
+    def there(self) -> bool:
+        """Whether there is a subscription."""
+        return self._current is not None
+
+    def open(self, kind: type, profile: QoSProfile, after: int = 0) -> None:
+        """Subscribe; leave out the first messages up to the number `after`."""
+        self._current, self._skip_until = self._subscribe(kind, profile), after
+
+    def hand_over(self, profile: QoSProfile) -> None:
+        """Subscribe with another profile, too, and keep only that one once it has come as far."""
+        assert self._current is not None
+        if self._successor is not None:
+            self._node.destroy_subscription(self._successor)
+        self._handed_over = self.newest, self._newest_ns
+        self._successor = self._subscribe(self._current.msg_type, profile)
+
+    def take(self) -> list[Message]:
+        """Return the messages since the last call."""
+        taken, self._left = self._left, []
+        if self._current is not None:
+            taken += self._once(take_all(self._current))
+        if self._successor is not None:
+            again = take_all(self._successor)
+            caught_up = bool(again) and number_of(again[-1]) >= self.newest
+            taken += self._once([one for one in again if not self._is_earlier(one)])
+            if caught_up:
+                # What the first one still holds comes to the second one, too.
+                self._node.destroy_subscription(self._current)
+                self._current, self._successor = self._successor, None
+        return taken
+
+    def close(self) -> None:
+        """Give up the subscription, but not what it holds."""
+        self._left = self.take()
+        for subscription in (self._current, self._successor):
+            if subscription is not None:
+                self._node.destroy_subscription(subscription)
+        self._current = self._successor = None
+
+    def _subscribe(self, kind: type, profile: QoSProfile) -> Subscription:
+        return self._node.create_subscription(kind, self._topic, lambda message: None, profile,
+                                              callback_group=self._group, raw=True)
+
+    def _once(self, messages: Sequence[Message]) -> list[Message]:
+        """Return the messages that were not taken before."""
+        fresh = []
+        for message in messages:
+            number = number_of(message)
+            if self._skip_until:
+                if number <= self._skip_until:
+                    continue
+                self._skip_until = 0
+            name = number, message[1]['source_timestamp']
+            if name not in self._known:
+                self._known[name] = None
+                fresh.append(message)
+        for name in [*islice(self._known, max(0, len(self._known) - _REMEMBERED))]:
+            del self._known[name]
+        if fresh:
+            self.newest, self._newest_ns = number_of(fresh[-1]), fresh[-1][1]['source_timestamp']
+        return fresh
+
+    def _is_earlier(self, message: Message) -> bool:
+        """Tell whether a message was sent before the second subscription was made."""
+        number, sent_ns = self._handed_over
+        return number_of(message) <= number and message[1]['source_timestamp'] <= sent_ns

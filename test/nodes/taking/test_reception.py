@@ -1,0 +1,115 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A subscription takes over from another one, and each message comes once."""
+
+from __future__ import annotations
+
+import pytest
+from std_msgs.msg import String
+
+from heading_intercompare.messages.texts import decode_text, encode_text
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.batches import Unwatched
+from heading_intercompare.nodes.taking.reception import Reception
+
+
+class Line:
+    """A publisher, a reception of its topic, and what came."""
+
+    def __init__(self, ros):
+        self.ros, self.sent, self.taken = ros, 0, []
+        self.publisher = ros.plain.create_publisher(String, 's', qos.HEADINGS_OUT)
+        self.reception = Reception(ros.plain, 's', Unwatched())
+
+    def send(self, n):
+        """Publish the next n numbers."""
+        for _ in range(n):
+            self.sent += 1
+            self.publisher.publish(encode_text(str(self.sent)))
+
+    def take(self):
+        """Take what has come."""
+        self.taken += [int(decode_text(data)) for data, _ in self.reception.take()]
+
+    def take_until(self, condition):
+        """Take what comes until a condition holds."""
+        self.ros.spin_until(lambda: (self.take(), condition())[1])
+
+    def open(self, profile=qos.HEADINGS_IN, after=0):
+        """Subscribe, and wait for the publisher."""
+        self.reception.open(String, profile, after)
+        self.ros.spin_until(lambda: self.publisher.get_subscription_count() == 1)
+
+
+@pytest.fixture
+def line(ros):
+    """Return a line."""
+    return Line(ros)
+
+
+def test_the_one_that_takes_over_leaves_out_what_came_before_the_first(line):
+    line.send(100)
+    line.open()
+    line.send(20)
+    line.take_until(lambda: len(line.taken) == 20)
+    line.reception.hand_over(qos.HEADINGS_KEPT)
+    line.take_until(lambda: line.publisher.get_subscription_count() == 1)
+    line.send(30)
+    line.take_until(lambda: len(line.taken) == 50)
+    assert line.taken == [*range(101, 151)] and line.reception.newest == 150
+
+
+def test_while_one_takes_over_nothing_comes_twice_and_nothing_is_lost(line):
+    line.send(10)
+    line.open()
+    line.send(200)
+    line.take_until(lambda: line.taken)
+    line.reception.hand_over(qos.HEADINGS_KEPT)
+    for _ in range(40):
+        line.send(50)
+        line.take()
+    line.take_until(lambda: len(line.taken) == 2200)
+    assert line.taken == [*range(11, 2211)]
+    line.take_until(lambda: line.publisher.get_subscription_count() == 1)
+
+
+def test_a_later_publisher_is_heard_from_its_first_message(line):
+    """Its numbers begin with 1 again, and are not those that came before."""
+    line.open()
+    line.send(50)
+    line.take_until(lambda: len(line.taken) == 50)
+    line.reception.hand_over(qos.HEADINGS_KEPT)
+    line.take_until(lambda: line.publisher.get_subscription_count() == 1)
+    line.ros.plain.destroy_publisher(line.publisher)
+    line.publisher = line.ros.plain.create_publisher(String, 's', qos.HEADINGS_OUT)
+    line.send(60)
+    line.take_until(lambda: len(line.taken) == 110)
+    assert line.taken == [*range(1, 111)]
+
+
+def test_it_begins_after_a_number(line):
+    line.send(100)
+    line.open(qos.HEADINGS_KEPT, after=70)
+    line.take_until(lambda: len(line.taken) == 30)
+    line.send(5)
+    line.take_until(lambda: len(line.taken) == 35)
+    assert line.taken == [*range(71, 106)]
+
+
+def test_what_a_closed_one_held_is_not_lost(line):
+    line.open()
+    line.send(10)
+    line.ros.spin_until(lambda: line.publisher.wait_for_all_acked())
+    line.reception.close()
+    assert not line.reception.there
+    line.take_until(lambda: len(line.taken) == 10)
+
+
+def test_a_second_hand_over_replaces_one_that_is_not_done(line):
+    line.open()
+    line.reception.hand_over(qos.HEADINGS_KEPT)
+    line.reception.hand_over(qos.HEADINGS_KEPT)
+    line.send(10)
+    line.take_until(lambda: line.publisher.get_subscription_count() == 1
+                    and len(line.taken) == 10)
+    assert line.taken == [*range(1, 11)]
