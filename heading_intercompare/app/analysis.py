@@ -60,7 +60,7 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
     Parameters
     ----------
     paths : sequence of path
-        ``.mcap`` files, rosbag2 directories or ``.csv`` files of pairs, at least one.
+        ``.mcap`` files, rosbag2 directories, ``.csv`` files of pairs or journals, at least one.
     settings : Settings
         Settings with the norms.
     runs : path or sequence of (start_ns, stop_ns, source), optional
@@ -120,7 +120,7 @@ def analyze_bag(path: Place, settings: Settings, *, runs: Place | RunTable | Non
     Parameters
     ----------
     path : path
-        ``.mcap`` file, rosbag2 directory or ``.csv`` file of pairs.
+        ``.mcap`` file, rosbag2 directory, ``.csv`` file of pairs or journal of a live run.
     settings, runs, jobs, progress
         As for `judge_bags`.
 

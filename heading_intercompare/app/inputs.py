@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The inputs of an analysis with their runs: MCAP files, rosbag2 directories, csv of pairs."""
+"""
+The inputs of an analysis with their runs: bags, csv of pairs, and journals of live runs.
+
+A bag is an MCAP file or a rosbag2 directory.
+"""
 
 from __future__ import annotations
 
@@ -8,32 +12,91 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 import hashlib
 from pathlib import Path
-from typing import Callable, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.bags.csv.pairs_csv import read_pairs_csv
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import mcap_files
 from heading_intercompare.bags.recording.bag_losses import BagLosses
-from heading_intercompare.bags.recording.recorder_losses import RECORDING, tell_missing
+from heading_intercompare.bags.recording.journal import (
+    is_journal,
+    JournalContents,
+    read_journal,
+)
+from heading_intercompare.bags.recording.journal_reading import (
+    compare_settings,
+    describe_gaps,
+    JournalOrigin,
+    JournalReader,
+    read_origin,
+)
+from heading_intercompare.bags.recording.recorder_losses import (
+    count_words,
+    RECORDING,
+    tell_missing,
+)
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
+from heading_intercompare.core.kept_state import KeptState
 from heading_intercompare.core.offline import judge_aligned
-from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import Decided, JumpFilter
 from heading_intercompare.core.pipeline import Compliance, Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Pairs
-from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.settings import leave_out_added, Settings, SettingsError
+from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
 from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
 from heading_intercompare.messages.status_messages import STATUS_TYPE
 
+from .config import Config, load_config
 from .run_table import RunTable
 
-__all__ = ['analyze_input', 'sha256']
+__all__ = ['analyze_input', 'load_config_or_journal', 'sha256']
+
+#: Its settings are at the start of a journal.
+_HEAD_BYTES = 1_000_000
 
 #: Runs of the verdict, earlier runs, notes, and the ledger.
 _Found = tuple[list[RunResult], list[RunResult], tuple[str, ...], Ledger]
+
+
+def load_config_or_journal(path: str | None, inputs: Sequence[str]) -> Config:
+    """
+    Read a ROS parameter file; without one, the settings that the inputs hold if all are journals.
+
+    Parameters
+    ----------
+    path : str or None
+        The parameter file.
+    inputs : sequence of str
+        The inputs to judge.
+
+    Raises
+    ------
+    OSError, BagError
+        If the parameter file, or every journal, cannot be read.
+    SettingsError
+        If it is not a ROS parameter file, or if journals have different settings.
+
+    """
+    if path is not None or not all(map(is_journal, inputs)):
+        return load_config(path)
+    stored: dict[str, Mapping[str, Any]] = {}
+    for each in inputs:
+        try:
+            stored[each] = read_origin(read_journal(Path(each), _HEAD_BYTES), Path(each)).settings
+        except (OSError, ValueError):
+            # The judging names it, and goes on with the others.
+            if each == inputs[-1] and not stored:
+                raise
+    first = next(iter(stored))
+    for other, settings in stored.items():
+        if differing := compare_settings(settings, stored[first]):
+            raise SettingsError(f'{other}: has other settings than {first}: {differing}; '
+                                'give the settings for all with --config')
+    return Config(first, stored[first])
 
 
 def analyze_input(path: str, settings: Settings, table: RunTable | None,
@@ -47,7 +110,7 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
     Parameters
     ----------
     path : str
-        ``.mcap`` file, rosbag2 directory or ``.csv`` file of pairs.
+        ``.mcap`` file, rosbag2 directory, ``.csv`` file of pairs or journal of a live run.
     settings : Settings
     table : sequence of (start_ns, stop_ns, source), optional
         Runs; those with a source apply only to the input of that name, see `assign_runs`.
@@ -76,7 +139,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
     OSError
         If the input cannot be read.
     BagError
-        If it is damaged, or not a bag or csv of pairs with the topics or columns needed.
+        If it is damaged, or not a bag or csv of pairs with the topics or columns needed, or a
+        journal of another version.
 
     """
     name = path if name is None else name
@@ -89,16 +153,24 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         def start_digest() -> None:
             # Called once all is read: only a process with a single thread can start helpers.
             digest.append(beside.submit(sha256, path))
-        if Path(path).suffix == '.csv':
-            bag = None
+        if is_journal(path):
+            # A node may be writing it: the hash is that of the bytes that were read.
+            contents = read_journal(Path(path))
+            origin = read_origin(contents, Path(path))
+            results, earlier, problems, ledger = _analyze_journal(
+                contents, origin, path, name, settings, runs, takers, progress)
+            described = Input(name, contents.sha256, origin.settings.get('ts_topic'),
+                              origin.settings.get('rs_topic'))
+        elif Path(path).suffix == '.csv':
             results, earlier, problems, ledger = _analyze_csv(
                 path, name, settings, runs, takers, progress, start_digest)
+            described = Input(name, digest[0].result())
         else:
             bag, *rest = [BagReader(one) for one in (path, *parts)]
             results, earlier, problems, ledger = _analyze_bag(
                 [bag, *rest], name, settings, runs, takers, progress, start_digest, helpers)
-        described = replace(_describe(bag, name, settings, digest[0].result()),
-                            ledger_problems=problems or None)
+            described = _describe(bag, name, settings, digest[0].result())
+        described = replace(described, ledger_problems=problems or None)
     notes = [f'{name}: {problem}' for problem in problems]
     if not results:
         described = replace(described, no_run=_say_why_no_run(ledger, settings, runs))
@@ -144,6 +216,74 @@ def _book_rows(decided: Decided[Pairs], ledger: Ledger) -> None:
             ledger.add(LedgerKey.of_rejected(stream, reason), stamps)
     for key in (LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED):
         ledger.add(key, decided.accepted.stamp_ns)
+
+
+class _Resumed:
+    """A compliance that goes on from a journal, and hands out the pairs."""
+
+    def __init__(self, compliance: Compliance, whole: bool, ignore_marks: bool,
+                 takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
+                 ) -> None:
+        self._compliance, self._whole, self._ignore_marks = compliance, whole, ignore_marks
+        self._takers, self._progress, self._n = takers, progress, 0
+
+    def update(self, pairs: Pairs) -> None:
+        self._compliance.update(pairs)
+        self._hand_out(pairs)
+
+    def mark(self, kind: str, stamp_ns: int) -> None:
+        self._compliance.mark(kind, stamp_ns)
+
+    def go_on(self, state: KeptState, pairs: Pairs) -> None:
+        if self._whole:
+            self._compliance.go_on(state, pairs)
+        elif state.cutter.marked and not self._ignore_marks:
+            # The marks before stay in force.
+            self._compliance.go_on(replace(state, finished=(), earlier=(), n_earlier=0, n_short=0,
+                                           earlier_ns=None), pairs)
+        else:
+            self._compliance.update(pairs)
+        self._hand_out(pairs)
+
+    def _hand_out(self, pairs: Pairs) -> None:
+        for take in self._takers:
+            take(pairs)
+        self._n += len(pairs)
+        self._progress(f'{self._n:,} pairs')
+
+
+def _analyze_journal(contents: JournalContents, origin: JournalOrigin, path: str, name: str,
+                     settings: Settings, runs: Sequence[tuple[int, int]] | None,
+                     takers: Sequence[Callable[[Pairs], None]],
+                     progress: Callable[[str], None]) -> _Found:
+    compliance = Compliance(settings, source=name, table=runs)
+    others = compare_settings(origin.settings, leave_out_added(settings.to_mapping()))
+    whole = runs is None and not others
+    reader = JournalReader(Path(path))
+    state = reader.read(contents, _Resumed(compliance, whole, runs is not None, takers, progress))
+    compliance.finish()
+    kept = reader.kept
+    total = kept.sum_ledgers().total
+    # The node called the source of the runs that it judged by another name.
+    results, earlier = ([replace(one, verdict=replace(one.verdict, source=name)) for one in some]
+                        for some in (compliance.results(total), compliance.take_earlier()))
+    judged = 0 if state is None else state.n_judged
+    problems = [f'is the journal of a live run, begun at {utc(origin.began_ns)} UTC by version '
+                f'{origin.software}' + (f', recorded to {origin.bag}' if origin.bag else '')
+                + f': it holds {count_words(kept.n_pairs, "pair")}, '
+                f'{count_words(len(kept.marks), "mark")} and {count_words(judged, "judged run")}']
+    if others:
+        problems.append('its pairs were judged by other settings than those of its node: '
+                        f'{others}')
+    if judged and not whole:
+        problems.append(f'left out: {count_words(judged, "judged run")}, whose pairs are not in '
+                        'it: ' + ('the table of runs' if not others else
+                                                   'these settings') + ' cannot judge them again')
+    problems += describe_gaps(kept, contents.torn)
+    if total is None or not total.paired:
+        n = dict.fromkeys((LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED), kept.n_pairs)
+        total = Ledger.from_segments([LedgerSegment(None, n)])
+    return results, earlier, tuple(problems), total
 
 
 def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
@@ -228,9 +368,7 @@ def _set_marks(comparison: Intercomparison, reader: BagReader) -> None:
                            reader.path) from error
 
 
-def _describe(bag: BagReader | None, name: str, settings: Settings, digest: str) -> Input:
-    if bag is None:
-        return Input(name, digest)
+def _describe(bag: BagReader, name: str, settings: Settings, digest: str) -> Input:
     notes = tuple(OperatorNote(note.stamp_ns, note.text) for note in read_notes(bag))
     return Input(name, digest, settings.ts_topic, settings.rs_topic, notes or None)
 

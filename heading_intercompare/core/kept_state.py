@@ -78,6 +78,11 @@ class KeptState:
     n_short: int
     earlier_ns: int | None
 
+    @property
+    def n_judged(self) -> int:
+        """Number of runs judged so far."""
+        return self.n_earlier + len(self.finished)
+
     def to_text(self) -> str:
         """Return the state as text; `from_text` gives the same state to the bit."""
         return json.dumps(make_plain(self, exact=True))

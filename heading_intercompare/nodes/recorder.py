@@ -117,15 +117,15 @@ class Recorder(Node):
                  f'recording again after {count_words(bag.faults, "fault")}')
         level = ERROR if bag.fault else WARN if bag.remark or bag.faults or gone else OK
         self._health.note('bag', level, bag.fault or (f'{state}; {gone}' if gone else state),
-                          messages=bag.written, waiting=bag.waiting, lost=lost,
-                          faults=bag.faults, absent=bag.absent)
+                          messages=bag.written, waiting=bag.waiting, lost=lost, faults=bag.faults,
+                          absent=bag.absent, notes_cut=self._notes.cut,
+                          notes_left_out=self._notes.left_out, parts_cut=self._states.cut)
 
     def end(self) -> None:
         """Keep recording until the other nodes are gone or time is up, for the last verdict."""
         self._health.mute()
-        now_s = time.monotonic()
-        self._ending, self._quiet_s, self._end_s = (True, now_s + _QUIET_S,
-                                                    now_s + self._own.end_wait_s)
+        now_s, self._ending = time.monotonic(), True
+        self._quiet_s, self._end_s = now_s + _QUIET_S, now_s + self._own.end_wait_s
 
     def _close_if_quiet(self) -> None:
         now_s = time.monotonic()

@@ -42,7 +42,8 @@ def ask(line, folder, code=ASK):
 def folder(tmp_path):
     """Return a folder with a bag and files of several kinds."""
     (tmp_path / 'trial_bag').mkdir()
-    for name in ('trial.mcap', 'trial.csv', 'trial.json', 'trial.yaml', 'trial.txt'):
+    for name in ('trial.mcap', 'trial.csv', 'trial.json', 'trial.yaml', 'trial.txt',
+                 'trial.journal'):
         (tmp_path / name).touch()
     return tmp_path
 
@@ -51,7 +52,7 @@ def folder(tmp_path):
     ('', {*COMMANDS, '--help', '--version'}),
     ('re', {'record', 'recover', 'rejudge', 'replay', 'report'}), ('analyze --se', {'--set'}),
     ('replay --lo', {'--loop'}), ('norms --', {'--help', '--quiet'}),
-    ('analyze tri', {'trial_bag/', 'trial.mcap', 'trial.csv', 'trial.json'}),
+    ('analyze tri', {'trial_bag/', 'trial.mcap', 'trial.csv', 'trial.json', 'trial.journal'}),
     ('info tri', {'trial_bag/', 'trial.mcap'}), ('recover tri', {'trial_bag/', 'trial.mcap'}),
     ('rejudge x tri', {'trial_bag/', 'trial.mcap'}),
     ('analyze x --config tri', {'trial_bag/', 'trial.yaml'}),

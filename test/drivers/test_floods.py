@@ -101,10 +101,25 @@ def test_names_and_words_of_parts_are_kept_short():
     assert len(name) == 500 and len(said) < 600
 
 
-def test_a_huge_note_is_kept_in_part():
+def test_parts_that_were_cut_are_counted_once_each():
+    states = PartStates(10.0)
+    for at in range(3):
+        states.take(encode_statuses(0, [Status('n' * 501, 0, ''), Status('a', 0, 'w' * 501),
+                                        Status('b' * 500, 0, 'w' * 500)]), at)
+    assert states.cut == 2
+    for at in range(3000):
+        states.take(encode_statuses(0, [Status(f'{at}' + 'n' * 501, 0, '')]), at)
+    assert states.cut == 999
+
+
+def test_a_huge_note_is_kept_in_part_and_counted():
     written = []
-    note, = Notes(lambda name, values: written.append(values)).add('x' * 10 ** 6, 0)
+    notes = Notes(lambda name, values: written.append(values))
+    note, _ = notes.add('x' * 10 ** 6 + '\n' + 'y' * 10_000, 0)
     assert len(note.text) == 10_000 == len(written[0]['text'])
+    assert (notes.cut, notes.left_out) == (1, 0)
+    notes.add('calm sea\n' * 1500, 0)
+    assert len(written) == 1000 and (notes.cut, notes.left_out) == (1, 503)
 
 
 def test_ledgers_of_made_up_starts_are_refused_and_said():

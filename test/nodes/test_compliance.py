@@ -11,6 +11,7 @@ import time
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
+from journals import plain
 import numpy as np
 import pytest
 from rclpy.qos import QoSProfile
@@ -18,6 +19,9 @@ from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
+from heading_intercompare.app.analysis import judge_bags
+from heading_intercompare.app.config import settings_for
+from heading_intercompare.app.inputs import load_config_or_journal
 from heading_intercompare.core import pipeline
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.records import Headings, Pairs
@@ -668,7 +672,33 @@ def test_a_journal_of_another_trial_is_named_and_set_aside(ros, rng, tmp_path):
     assert node._compliance.newest_ns is None
     ros.spin_until(lambda: any('other settings: norms.sigma_max_deg; it is kept as' in s.message
                                for m in shown for s in m.status))
-    assert (tmp_path / 'compliance.journal.1').exists()
+    aside = tmp_path / 'compliance.journal.1'
+    assert any(s.message.endswith(f'heading-intercompare analyze {aside}')
+               for m in shown for s in m.status)
+    settings = settings_for(load_config_or_journal(None, [str(aside)]))
+    assert settings.norms.sigma_max_deg == 0.2
+    assert judge_bags([aside], settings).verdict.runs[0].n == 100
+
+
+@pytest.mark.parametrize('every_h', [None, 0.25])
+def test_the_journal_gives_the_verdict_of_its_node(ros, rng, tmp_path, every_h):
+    """`analyze` reads it while the node runs, and the node then reports the same figures."""
+    trial = Killed(ros, tmp_path, **({'runs__every_h': every_h} if every_h else {}))
+    path = tmp_path / 'compliance.journal'
+    for lo in range(0, 2000, 500):
+        trial.send(some_pairs(rng, lo, lo + 500))
+    trial.ledger.publish(ledger_of(2000, final=True))
+
+    def judge():
+        settings = settings_for(load_config_or_journal(None, [str(path)]))
+        return judge_bags([path], settings).verdict
+    ros.spin_until(lambda: trial.node._reporting.final)
+    # The journal is written with the next batch of pairs.
+    ros.spin_until(lambda: trial.node._drain() or 'ledger' not in str(judge().ledger_problems))
+    judged = plain(judge())
+    ros.end(trial.node)
+    assert judged == plain(trial.node.verdict)
+    assert not path.exists()
 
 
 def test_a_journal_that_cannot_be_opened_is_a_warning_and_the_trial_goes_on(ros, rng, tmp_path):

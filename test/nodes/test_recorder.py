@@ -8,7 +8,7 @@ import json
 import shutil
 import time
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import QuaternionStamped
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
@@ -148,6 +148,24 @@ def test_notes_given_at_the_start_and_while_recording_are_in_the_bag(ros, tmp_pa
     assert ship.text == 'MV Example' and ship.stamp_ns < before_ns
     message, = bag.messages(['operator/note'])
     assert turn == (message.log_time_ns, 'course change') and turn.stamp_ns >= before_ns
+
+
+def test_what_is_cut_of_notes_and_parts_is_counted_in_the_diagnostics(ros, tmp_path):
+    node = recorder_of(ros, tmp_path, diagnostics_period_s=10.0)
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    notes = ros.plain.create_publisher(String, 'operator/note', qos.NOTE)
+    parts = ros.plain.create_publisher(DiagnosticArray, '/diagnostics', qos.STATUS)
+    ros.spin_until(lambda: notes.get_subscription_count() == 1
+                   and parts.get_subscription_count() == 2)
+    notes.publish(String(data='x' * 10_001 + '\ncalm sea'))
+    parts.publish(DiagnosticArray(status=[DiagnosticStatus(name='n' * 501)]))
+
+    def shown():
+        of_bags = of_bag(states)
+        found = figures(of_bags[-1]) if of_bags else {}
+        return [found.get(name) for name in ('notes_cut', 'notes_left_out', 'parts_cut')]
+    ros.spin_until(lambda: shown() == ['1', '0', '1'])
+    assert len(read_notes(finish(ros, node, notes, parts))) == 2
 
 
 def test_a_note_that_is_no_text_is_recorded_and_does_no_harm(ros, tmp_path):

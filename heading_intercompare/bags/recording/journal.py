@@ -12,8 +12,10 @@ from __future__ import annotations
 from collections import deque
 from contextlib import suppress
 import fcntl
+import hashlib
 import os
 from pathlib import Path
+import re
 import struct
 from typing import Iterable, NamedTuple
 import zlib
@@ -25,11 +27,13 @@ from heading_intercompare.core.records import Pairs
 
 from .disk_sync import Syncing
 
-__all__ = ['decode_columns', 'encode_columns', 'Journal', 'JournalContents', 'read_journal',
-           'Record']
+__all__ = ['decode_columns', 'encode_columns', 'is_journal', 'Journal', 'JournalContents',
+           'read_journal', 'Record']
 
 _MAGIC = b'heading_intercompare journal 1\n'
 _KIND = _MAGIC[:-3]
+#: A journal, also one that was set aside.
+_NAMED = re.compile(r'.+\.journal(\.[0-9]+)?')
 _HEAD = struct.Struct('<IIc')
 _SYNC_S = 1.0
 #: Records that wait for a disk that is full; older ones are given up.
@@ -58,12 +62,15 @@ class JournalContents(NamedTuple):
         Bytes up to the end of the last whole record.
     torn : int
         Bytes after it, of a record that was cut.
+    sha256 : str
+        Hash of all bytes.
 
     """
 
     records: list[Record]
     size: int
     torn: int
+    sha256: str
 
 
 def encode_columns(pairs: Pairs) -> bytes:
@@ -114,9 +121,32 @@ def _write_all(descriptor: int, data: bytes, at: int) -> None:
         at, view = at + n, view[n:]
 
 
-def read_journal(path: Path) -> JournalContents:
+def is_journal(path: str | os.PathLike[str]) -> bool:
+    """Tell whether a file is to be read as a journal: it begins like one, or has its name."""
+    place = Path(path)
+    if place.is_dir():
+        return False
+    if _NAMED.fullmatch(place.name):
+        return True
+    try:
+        if not place.is_file():
+            return False
+        with place.open('rb') as file:
+            return file.read(len(_KIND)) == _KIND
+    except OSError:
+        return False
+
+
+def read_journal(path: Path, most_bytes: int = -1) -> JournalContents:
     """
-    Return the whole records of a journal.
+    Return the whole records of a journal. It takes no lock and changes nothing.
+
+    Parameters
+    ----------
+    path : Path
+        The file; another process may be writing it.
+    most_bytes : int
+        Read the first bytes only; by default all.
 
     Raises
     ------
@@ -126,7 +156,8 @@ def read_journal(path: Path) -> JournalContents:
         If it is no journal, or one of another version.
 
     """
-    data = path.read_bytes()
+    with path.open('rb') as file:
+        data = file.read(most_bytes)
     if not data.startswith(_MAGIC):
         if data.startswith(_KIND):
             version = data[len(_KIND):].partition(b'\n')[0][:20].decode('ascii', 'replace').strip()
@@ -140,7 +171,7 @@ def read_journal(path: Path) -> JournalContents:
             break
         records.append(Record(kind, body))
         at += _HEAD.size + size
-    return JournalContents(records, at, len(data) - at)
+    return JournalContents(records, at, len(data) - at, hashlib.sha256(data).hexdigest())
 
 
 class Journal:

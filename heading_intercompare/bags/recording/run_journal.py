@@ -11,17 +11,12 @@ never holds more than one run.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 import json
 from pathlib import Path
-import struct
+import shlex
 from typing import Any, Iterator, Mapping
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.core.kept_state import KeptState
-from heading_intercompare.core.pairing.incarnations import StreamNumbers
-from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
-from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import leave_out_added, Settings, settings_sha256
@@ -29,54 +24,27 @@ from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 
-from .journal import (
-    decode_columns,
-    encode_columns,
-    Journal,
-    JournalContents,
-    read_journal,
-    Record,
+from .journal import encode_columns, Journal, read_journal, Record
+from .journal_reading import (
+    ABOUT,
+    compare_settings,
+    HOLE,
+    JournalReader,
+    Kept,
+    LEDGER,
+    LENGTH,
+    MARK,
+    Numbers,
+    PAIRS,
+    read_state,
+    RUN,
+    STATE,
 )
 
-__all__ = ['find_bag', 'Kept', 'RunJournal']
+__all__ = ['find_bag', 'RunJournal']
 
 #: Pairs wait at most this long for the system to take them.
 _PERIOD_S = 0.25
-#: Pairs judged at once when a journal is read.
-_AT_ONCE = 65536
-_ABOUT, _STATE, _RUN, _PAIRS, _MARK, _LEDGER, _HOLE = (
-    b'H', b'S', b'R', b'P', b'M', b'L', b'G')
-_LENGTH = struct.Struct('<I')
-
-#: First number, newest number and missing numbers of the pairs of each synchronizer, by name.
-Numbers = Mapping[str, tuple[int, int, int]]
-
-
-@dataclass(slots=True)
-class Kept:
-    """
-    What a journal says besides the pairs.
-
-    Attributes
-    ----------
-    ledgers : dict of int to LedgerMessage
-        The last ledger of each synchronizer, by its start.
-    marks : set of (kind, stamp_ns)
-        Marks that took effect.
-    numbers : mapping
-        First number, newest number and missing numbers of the pairs, by synchronizer.
-    n_pairs : int
-        Pairs of the runs that the journal holds.
-    dropped : int
-        Records that could not be written.
-
-    """
-
-    ledgers: dict[int, LedgerMessage] = field(default_factory=dict)
-    marks: set[tuple[str, int]] = field(default_factory=set)
-    numbers: Numbers = field(default_factory=dict)
-    n_pairs: int = 0
-    dropped: int = 0
 
 
 class RunJournal:
@@ -128,11 +96,11 @@ class RunJournal:
         self._due_s = 0.0
         self._n_finished = 0
         size = self._find_size(within_s, now_ns)
-        self._journal = Journal(path, Record(_ABOUT, _text(self._about)), size)
+        self._journal = Journal(path, Record(ABOUT, _text(self._about)), size)
         self._told_dropped = 0
         if size is not None:
             # The newest recording of the trial.
-            self._journal.append(_ABOUT, _text(self._about))
+            self._journal.append(ABOUT, _text(self._about))
         self._n_finished = compliance.finished_runs
 
     @property
@@ -152,24 +120,21 @@ class RunJournal:
         except BagError as error:
             self._put_aside(error.problem)
             return None
-        if all(record.kind == _ABOUT for record in contents.records):
+        if all(record.kind == ABOUT for record in contents.records):
             return None
-        state, why = None, ''
         try:
             why = _find_mismatch(json.loads(contents.records[0].data), self._about)
-            for kind, data in contents.records:
-                if kind == _STATE:
-                    plain = json.loads(data)
-                    state = KeptState.from_text(plain['state'])
-                    self.kept.marks = {(word, stamp_ns) for word, stamp_ns in plain['marks']}
+            read_state(contents.records)
         except (ValueError, KeyError, TypeError, AttributeError) as error:
-            why = f'this version cannot read it: {" ".join(str(error).split())[:200]}'
+            self._put_aside(f'this version cannot read it: {" ".join(str(error).split())[:200]}')
+            return None
         why = why or _find_age(age_s, within_s)
         if why:
-            self.kept = Kept()
-            self._put_aside(why)
+            self._put_aside(why, readable=True)
             return None
-        self._read(contents, state)
+        reader = JournalReader(self._path)
+        reader.read(contents, self._compliance)
+        self.kept, self._numbers, self._written = reader.kept, reader.kept.numbers, reader.rows
         newest_ns = self._compliance.newest_ns
         self.resumed = (
             f'goes on with {self._compliance.finished_runs} runs and the run in progress, '
@@ -179,67 +144,21 @@ class RunJournal:
             self.resumed += f'; the last {contents.torn} bytes of {self._path} were cut'
         return contents.size
 
-    def _put_aside(self, why: str) -> None:
-        """Rename the journal, so that nothing of it is lost."""
+    def _put_aside(self, why: str, *, readable: bool = False) -> None:
+        """Rename the journal, so that nothing of it is lost; say how to read it."""
         at = 1
         while (aside := self._path.with_name(f'{self._path.name}.{at}')).exists():
             at += 1
         self._path.rename(aside)
         self.set_aside = f'the run in progress in {self._path} is not this one: {why}; it is ' \
                          f'kept as {aside}'
-
-    def _read(self, contents: JournalContents, state: KeptState | None) -> None:
-        """Give the compliance what the journal holds."""
-        waiting: list[Pairs] = []
-        judged = 0
-
-        def judge() -> None:
-            nonlocal judged
-            self._compliance.update(Pairs.concatenate(waiting))
-            waiting.clear()
-            judged = self.kept.n_pairs
-        for kind, data in contents.records:
-            if kind == _RUN and state is not None:
-                pairs = self._take_pairs(data)
-                self._compliance.go_on(state, pairs)
-            elif kind == _PAIRS:
-                waiting.append(self._take_pairs(data))
-                if self.kept.n_pairs - judged > _AT_ONCE:
-                    judge()
-            elif kind == _MARK:
-                judge()
-                word, stamp_ns = json.loads(data)
-                self.kept.marks.add((word, stamp_ns))
-                self._compliance.mark(word, stamp_ns)
-            elif kind == _LEDGER:
-                self._read_ledger(json.loads(data))
-            elif kind == _HOLE:
-                self.kept.dropped += json.loads(data)
-        judge()
-
-    def _take_pairs(self, data: bytes) -> Pairs:
-        size, = _LENGTH.unpack_from(data)
-        at = _LENGTH.size + size
-        self.kept.numbers = self._numbers = {
-            name: (first, last, missing) for name, (first, last, missing)
-            in json.loads(data[_LENGTH.size:at]).items()}
-        pairs = decode_columns(data[at:])
-        self.kept.n_pairs += len(pairs)
-        return pairs
+        if readable:
+            self.set_aside += ('; to judge what it holds: heading-intercompare analyze '
+                               f'{shlex.quote(str(aside))}')
 
     def _pack_pairs(self, pairs: Pairs) -> bytes:
         numbers = _text(self._numbers)
-        return _LENGTH.pack(len(numbers)) + numbers + encode_columns(pairs)
-
-    def _read_ledger(self, plain: Mapping[str, Any]) -> None:
-        started_ns = plain['started_ns']
-        rows = self._written.get(started_ns, [])[:plain['at']] + plain['segments']
-        self._written[started_ns] = rows
-        ledger = Ledger.from_segments(
-            [LedgerSegment(start_ns, counts) for start_ns, counts in rows], plain['newest_ns'],
-            [SetBack(*one) for one in plain['set_backs']])
-        numbers = {stream: StreamNumbers(*one) for stream, one in plain['numbers'].items()}
-        self.kept.ledgers[started_ns] = LedgerMessage(ledger, plain['final'], started_ns, numbers)
+        return LENGTH.pack(len(numbers)) + numbers + encode_columns(pairs)
 
     def _pack_ledger(self, message: LedgerMessage, whole: bool = False) -> bytes:
         """Return a ledger; only the segments from the first that has changed, unless `whole`."""
@@ -267,7 +186,7 @@ class RunJournal:
         """Keep a mark, before it takes effect."""
         self._put_pairs()
         self.kept.marks.add((kind, stamp_ns))
-        self._journal.append(_MARK, _text([kind, stamp_ns]))
+        self._journal.append(MARK, _text([kind, stamp_ns]))
 
     def book(self, message: LedgerMessage) -> None:
         """Keep the newest ledger of a synchronizer."""
@@ -276,7 +195,7 @@ class RunJournal:
 
     def _put_pairs(self) -> None:
         if self._waiting:
-            self._journal.append(_PAIRS, self._pack_pairs(Pairs.concatenate(self._waiting)))
+            self._journal.append(PAIRS, self._pack_pairs(Pairs.concatenate(self._waiting)))
             self._waiting.clear()
 
     def tick(self, now_s: float) -> None:
@@ -289,10 +208,10 @@ class RunJournal:
         self._due_s = now_s + _PERIOD_S
         self._put_pairs()
         for started_ns in sorted(self._changed):
-            self._journal.append(_LEDGER, self._pack_ledger(self.kept.ledgers[started_ns]))
+            self._journal.append(LEDGER, self._pack_ledger(self.kept.ledgers[started_ns]))
         self._changed.clear()
         if self._journal.dropped > self._told_dropped:
-            self._journal.append(_HOLE, _text(self._journal.dropped - self._told_dropped))
+            self._journal.append(HOLE, _text(self._journal.dropped - self._told_dropped))
             self._told_dropped = self._journal.dropped
         self._journal.flush(now_s)
 
@@ -308,16 +227,16 @@ class RunJournal:
             self._changed.clear()
 
     def _records(self) -> Iterator[Record]:
-        yield Record(_ABOUT, _text(self._about))
-        yield Record(_STATE, _text({'state': self._compliance.keep().to_text(),
+        yield Record(ABOUT, _text(self._about))
+        yield Record(STATE, _text({'state': self._compliance.keep().to_text(),
                                     'marks': sorted(self.kept.marks)}))
         start_ns = self._compliance.run_start_ns
         # The run has begun within the newest chunk, or it would not be the one after a judged run.
         chunk = self._waiting[-1] if self._waiting and start_ns is not None else Pairs.empty()
-        yield Record(_RUN, self._pack_pairs(
+        yield Record(RUN, self._pack_pairs(
             chunk if start_ns is None else chunk[chunk.stamp_ns >= start_ns]))
         for message in self.kept.ledgers.values():
-            yield Record(_LEDGER, self._pack_ledger(message, whole=True))
+            yield Record(LEDGER, self._pack_ledger(message, whole=True))
 
     def close(self, *, over: bool) -> None:
         """Remove the journal if the trial is over, otherwise write what waits."""
@@ -341,10 +260,7 @@ def _find_mismatch(theirs: Mapping[str, Any], ours: Mapping[str, Any]) -> str:
     """Say which settings of a journal differ from those of this trial; '' if none."""
     if theirs.get('settings_sha256') == ours['settings_sha256']:
         return ''
-    one, other = theirs.get('settings') or {}, ours['settings']
-    names = [name for name in {**other, **one} if one.get(name) != other.get(name)]
-    more = f' and {len(names) - 3} more' if len(names) > 3 else ''
-    return f'it has other settings: {", ".join(names[:3])}{more}'
+    return f'it has other settings: {compare_settings(theirs.get("settings"), ours["settings"])}'
 
 
 def _find_age(age_s: float, within_s: float) -> str:
@@ -375,7 +291,7 @@ def find_bag(path: Path, settings: Settings, *, within_s: float, now_ns: int) ->
             return None
         Journal.probe(path)
         records = read_journal(path).records
-        about = [json.loads(record.data) for record in records if record.kind == _ABOUT]
+        about = [json.loads(record.data) for record in records if record.kind == ABOUT]
         if not about or _find_mismatch(about[0], _name_settings(settings)):
             return None
         bag = about[-1].get('bag')

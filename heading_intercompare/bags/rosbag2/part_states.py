@@ -63,12 +63,20 @@ class PartStates:
     ----------
     kept : bool
         Whether messages are to be kept.
+    cut : int
+        Parts of whose name or words only the first 500 letters were ever kept.
 
     """
 
     def __init__(self, period_s: float = 0.0) -> None:
         self._period_ns, self.kept = round(period_s * 1e9), period_s > 0.0
         self._parts: dict[str, _Said] = {}
+        self._cut: set[str] = set()
+
+    @property
+    def cut(self) -> int:
+        """Number of parts with a name or words that were cut."""
+        return len(self._cut)
 
     def take(self, data: bytes, now_ns: int) -> bool:
         """
@@ -81,6 +89,8 @@ class PartStates:
             _, statuses = decode_statuses(data)
         except MessageError:
             return True
+        cut = {one.name[:_LONGEST] for one in statuses
+               if max(len(one.name), len(one.message)) > _LONGEST}
         statuses = [replace(one, name=one.name[:_LONGEST], message=one.message[:_LONGEST])
                     for one in statuses]
         keep = any(self._is_due(status, now_ns) for status in statuses)
@@ -90,6 +100,7 @@ class PartStates:
                 continue
             kept_ns = now_ns if keep or before is None else before.kept_ns
             self._parts[one.name] = _Said(one.level, one.message, now_ns, kept_ns)
+        self._cut |= cut & self._parts.keys()
         return keep
 
     def _is_due(self, status: Status, now_ns: int) -> bool:

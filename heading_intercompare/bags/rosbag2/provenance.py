@@ -111,11 +111,18 @@ class Notes:
     metadata : callable
         Writes a metadata record, given its name and a mapping.
 
+    Attributes
+    ----------
+    cut : int
+        Notes of which only the first 10 000 letters were written.
+    left_out : int
+        Notes that were not written at all, because there were a thousand already.
+
     """
 
     def __init__(self, metadata: Callable[[str, Mapping[str, object]], object]) -> None:
         self._metadata = metadata
-        self._count = 0
+        self._count = self.cut = self.left_out = 0
 
     def add(self, text: str, now_ns: int) -> list[Note]:
         """
@@ -138,11 +145,16 @@ class Notes:
         written = []
         for line in note_lines(text):
             if self._count == _MOST:
-                break
+                self.left_out += 1
+                continue
             self._count += 1
             note = _parse_note(line[:_LONGEST], now_ns)
             if self._count == _MOST:
+                # This word takes the place of the note.
+                self.left_out += 1
                 note = Note(now_ns, f'too many notes: later ones are only in topic {NOTE_TOPIC}')
+            elif len(line) > _LONGEST:
+                self.cut += 1
             self._metadata(f'{_NOTE}{self._count}', {'time': _time(note.stamp_ns),
                                                      'text': note.text})
             written.append(note)

@@ -13,7 +13,8 @@ import sys
 from typing import ContextManager, Sequence
 
 from heading_intercompare.app.analysis import judge_bags
-from heading_intercompare.app.config import Config, load_config, settings_for
+from heading_intercompare.app.config import Config, settings_for
+from heading_intercompare.app.inputs import load_config_or_journal
 from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
 from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
@@ -50,7 +51,8 @@ def add_verdict_arguments(parser: argparse.ArgumentParser) -> None:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('inputs', nargs='+', metavar='INPUT',
-                        help='.mcap file, rosbag2 directory or .csv of pairs')
+                        help='.mcap file, rosbag2 directory, .csv of pairs, or .journal of a live '
+                        'run, which brings its settings')
     add_analysis_arguments(parser)
     parser.add_argument('--report', metavar='F.html', help='write the protocol, with plots')
     add_verdict_arguments(parser)
@@ -82,7 +84,7 @@ def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Judge the inputs; print and write the verdict."""
-    config = load_config(arguments.config)
+    config = load_config_or_journal(arguments.config, arguments.inputs)
     settings = settings_for(config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs)
     Limits.of(settings.norms, settings.model)
     _check_options(arguments)

@@ -1,14 +1,22 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``info``: the contents of a bag, and whether all of it is intact."""
+"""The command ``info``: the contents of a bag or journal, and whether all of it is intact."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
+import shlex
 from typing import Iterator, Mapping, Sequence
 
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.recording.journal import is_journal, read_journal
+from heading_intercompare.bags.recording.journal_reading import (
+    describe_gaps,
+    JournalReader,
+    read_origin,
+    Unjudged,
+)
 from heading_intercompare.bags.recording.recorder_losses import RECORDING, tell_missing
 from heading_intercompare.bags.rosbag2.bag_check import BagCheck, check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import Attachment, BagReader
@@ -36,7 +44,7 @@ _LOSSES = {'received': 'received', 'lost_on_the_way': 'lost on the way',
 _ABSENT = ('None', 'none', '')
 _REPORT, _RUNS = 'report.json', 'runs.csv'
 #: Highlights on a terminal.
-_MARKS = (*VERDICT_MARKS, (r'(?m)^(?:bag|span|software|attachment): ', 'bold'),
+_MARKS = (*VERDICT_MARKS, (r'(?m)^(?:bag|journal|span|software|attachment): ', 'bold'),
           (r'(?m)^topic +type +messages\b.*$', 'bold'), (r'(?m)^complete: (yes)$', 'green'),
           (r'(?m)^complete: (no): ', 'yellow'), (r'(?m)^  every checksum is correct$', 'green'),
           (r'(?m)^  wrong: .*$', 'red'))
@@ -44,7 +52,8 @@ _MARKS = (*VERDICT_MARKS, (r'(?m)^(?:bag|span|software|attachment): ', 'bold'),
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    parser.add_argument('bag', metavar='BAG', help='.mcap file or rosbag2 directory')
+    parser.add_argument('bag', metavar='BAG', help='.mcap file or rosbag2 directory, or '
+                        '.journal of a live run')
     parser.add_argument('--check', action='store_true', help='read the whole bag: verify '
                         'every checksum, and count the missing sequence numbers of the messages; '
                         'exit code 2 if something is wrong')
@@ -54,6 +63,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the contents of the bag, and with --check the result of reading it through."""
+    if is_journal(arguments.bag):
+        return _show_journal(arguments)
     checked = None
     if arguments.check:
         with Progress(arguments.bag, arguments.quiet) as progress:
@@ -70,6 +81,31 @@ def run(arguments: argparse.Namespace) -> int:
     say('\n'.join(lines), _MARKS)
     if checked is not None and checked.faults:
         raise BagError('; '.join(checked.faults), arguments.bag)
+    return 0
+
+
+def _show_journal(arguments: argparse.Namespace) -> int:
+    """Print the contents of a journal, which always has checksums and no attachment."""
+    path = Path(arguments.bag)
+    if arguments.extract is not None:
+        raise ValueError(f'--extract {arguments.extract}: {path} is a journal, which has no '
+                         'attachments; leave it out')
+    contents = read_journal(path)
+    origin, found = read_origin(contents, path), JournalReader(path)
+    state, kept = found.read(contents, Unjudged()), found.kept
+    lines = [f'journal: {path}', f'software: {RECORD} {origin.software}',
+             f'begun: {utc(origin.began_ns)} UTC', f'bag: {origin.bag or "-"}',
+             f'span: {utc(kept.start_ns)} to {utc(kept.newest_ns)} UTC, {kept.n_pairs} pairs',
+             f'runs judged before: {0 if state is None else state.n_judged}',
+             'marks:', *(f'  {utc(ns)} UTC  {kind}'
+                         for kind, ns in sorted(kept.marks, key=lambda mark: mark[1])),
+             'missing:', *(f'  {gap}' for gap in describe_gaps(kept, contents.torn)),
+             'settings:', *(f'  {name}: {"none" if value is None else value}'
+                            for name, value in origin.settings.items()),
+             '', f'to judge it: heading-intercompare analyze {shlex.quote(str(path))}']
+    say('\n'.join(lines), _MARKS)
+    if arguments.check and contents.torn:
+        raise BagError(f'its last {contents.torn} bytes are of a record that was cut', path)
     return 0
 
 

@@ -21,8 +21,8 @@ _JUDGING = ('ts', 'rs', 'config', 'set', 'runs', 'csv', 'ensembles', 'jobs', 'da
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('inputs', nargs='+', metavar='INPUT',
-                        help='.mcap file, rosbag2 directory or .csv of pairs; or one .json '
-                        'written by analyze --json or a node, which is not judged again')
+                        help='.mcap file, rosbag2 directory, .csv of pairs or .journal; or one '
+                        '.json written by analyze --json or a node, which is not judged again')
     parser.add_argument('-o', '--output', dest='report', metavar='F.html', required=True,
                         help='the protocol')
     analyze.add_analysis_arguments(parser)

@@ -248,7 +248,7 @@ class Input:
     sha256 : str or None
         Hash of its data; None if it could not be read.
     ts_topic, rs_topic : str or None
-        Topics read; None for a csv of pairs.
+        Topics read, or of the readings that made the pairs of a journal; None for a csv of pairs.
     notes : tuple of OperatorNote, or None
         Notes of the operator, in time order.
     error : str or None

@@ -10,7 +10,8 @@ import time
 
 from rclpy.node import Node
 
-from heading_intercompare.bags.recording.run_journal import Kept, Numbers, RunJournal
+from heading_intercompare.bags.recording.journal_reading import Kept, Numbers
+from heading_intercompare.bags.recording.run_journal import RunJournal
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.messages.ledger_messages import LedgerMessage

@@ -173,6 +173,7 @@ def test_another_journal_is_named_and_set_aside_and_nothing_of_it_is_lost(
         node = Node(path, settings())
         if number == 1:
             assert why in node.journal.set_aside
+            assert ('heading-intercompare analyze' in node.journal.set_aside) == ('ago' in why)
             assert str(tmp_path / 'j.1') in node.journal.set_aside
         assert not node.journal.resumed and node.compliance.newest_ns is None
         node.kill()
@@ -185,7 +186,10 @@ def test_a_journal_of_other_settings_is_set_aside_and_they_are_named(tmp_path, r
     node.take(some_pairs(rng, 50))
     node.kill()
     node = Node(path, settings(norms__sigma_max_deg=0.4))
-    assert 'other settings: norms.sigma_max_deg; it is kept as' in node.journal.set_aside
+    aside = tmp_path / 'j.1'
+    assert node.journal.set_aside.endswith(
+        f'other settings: norms.sigma_max_deg; it is kept as {aside}; to judge what it holds: '
+        f'heading-intercompare analyze {aside}')
 
 
 def test_a_state_that_this_version_cannot_read_is_set_aside(tmp_path, rng, monkeypatch):
