@@ -41,8 +41,6 @@ __all__ = ['ALARMS_TOPIC', 'make_intakes', 'Recorded', 'report_files', 'text_of'
 
 ALARMS_TOPIC = 'compliance/alarms'
 
-_HEADINGS = {'unreliable': qos.HEADINGS_UNRELIABLE, 'kept': qos.HEADINGS_KEPT}
-
 
 class Recorded(NamedTuple):
     """
@@ -77,6 +75,13 @@ class Recorded(NamedTuple):
 def _offer(profile: QoSProfile) -> Qos:
     kept = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
     return Qos(depth=profile.depth, durability='transient_local' if kept else 'volatile')
+
+
+def _keep(taken: QoSProfile) -> dict[str, QoSProfile]:
+    """Return what a subscription becomes whose messages must not be missing."""
+    if taken is qos.HEADINGS_IN:
+        return {'unreliable': qos.HEADINGS_UNRELIABLE, 'kept': qos.HEADINGS_KEPT}
+    return {'kept': qos.PAIRS} if taken is qos.PAIRS_TAKEN else {}
 
 
 class _Alarms(Intake):
@@ -144,8 +149,7 @@ def make_intakes(node: Node, settings: Settings, health: Health,
     rows += [(lost_topic(resolve_topic(node, topic)), STATUS_TYPES, qos.LOST, qos.LOST, False)
              for topic in headings]
     found = {topic: Recorded(_offer(offered), Intake(
-        node, topic, types, taken, health, sole=False, needed=expected,
-        **(_HEADINGS if taken is qos.HEADINGS_IN else {})), expected)
+        node, topic, types, taken, health, sole=False, needed=expected, **_keep(taken)), expected)
         for topic, types, taken, offered, expected in rows}
     ledgers = _Ledgers(node, health)
     found['pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True)
