@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
 import sys
 
@@ -26,6 +27,7 @@ import decision_risk  # noqa: E402
 import error_processes as processes  # noqa: E402
 from former_rule import former_rule  # noqa: E402
 import history  # noqa: E402
+import live  # noqa: E402
 import plain_rule  # noqa: E402
 from risk_campaigns import CAMPAIGNS  # noqa: E402
 from risk_rows import ROWS  # noqa: E402
@@ -69,6 +71,37 @@ def test_a_damaged_history_is_refused_with_its_line(tmp_path):
     kept.write_text('{"benchmark": "x", "figures": {"a": 1}}\n{"benchmark": "x"}\n', 'utf-8')
     with pytest.raises(ValueError, match='history.jsonl, line 2: is not a run of a benchmark'):
         history.read_runs(kept)
+
+
+def test_the_peer_of_the_graph_is_a_package_and_not_a_folder_of_its_name(tmp_path, monkeypatch):
+    """A checkout of message_filters beside the user is a folder of that name."""
+    monkeypatch.setattr(sys, 'path', [str(tmp_path)])
+    package = tmp_path / 'message_filters'
+    package.mkdir()
+    assert not live.has_message_filters()
+    (package / '__init__.py').touch()
+    importlib.invalidate_caches()
+    assert live.has_message_filters()
+
+
+def test_a_process_of_a_benchmark_finds_a_peer_on_a_relative_path(tmp_path, monkeypatch):
+    """It runs in another folder, where the relative path leads nowhere."""
+    (tmp_path / 'elsewhere').mkdir()
+    (tmp_path / 'peers').mkdir()
+    (tmp_path / 'peers' / 'only_there.py').touch()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv('PYTHONPATH', 'peers')
+    process = live.Process(['-c', 'import only_there; print(only_there.__name__)'],
+                           tmp_path / 'elsewhere', 1)
+    assert process.process.communicate(timeout=60.0)[0] == 'only_there\n'
+
+
+def test_ratios_to_a_peer_are_those_of_the_median_round():
+    peer = [{'cpu': {'plain': 0.1}, 'p50_s': 1.0, 'p99_s': late_s} for late_s in (2.0, 2.0, 90.0)]
+    graph = [{'cpu': {'a': 0.1, 'b': 0.2}, 'p50_s': p50_s, 'p99_s': 4.0}
+             for p50_s in (5.0, 6.0, 9.0)]
+    assert live.describe_ratios('graph', 'plain', {'plain': peer, 'graph': graph}) == (
+        'graph / plain: CPU 3.00, p50 6.0, p99 2.0')
 
 
 @pytest.mark.parametrize('row, kinds', [
