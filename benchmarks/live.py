@@ -7,35 +7,44 @@ The running graph next to its peers: CPU, losses, latency, start-up, memory.
     python benchmarks/live.py --rates 1000 --seconds 600 --only graph live --rounds 1
     python benchmarks/live.py --judging                           # does the judge hold up others?
     python benchmarks/live.py --day                               # memory over 24 h of stamps
+    PYTHONPATH=filters/src python benchmarks/live.py              # with message_filters
 
 One process publishes two topics of sensor_msgs/Imu. It stands for the drivers, and its CPU is not
 counted. The candidates take the topics in turn, each with a publisher of its own:
 
 * plain: an rclpy node with two subscriptions and a SingleThreadedExecutor, which only counts;
-* message_filters: the same with an ApproximateTimeSynchronizer, if that package is installed;
+* message_filters: the same with an ApproximateTimeSynchronizer, if that package can be found;
 * graph: synchronizer, compliance and recorder, a process each, as the launch file runs them;
 * live: the same nodes in one process, as the command `live` runs them.
 
-CPU is the share of one core, user and system, of all threads. The ratio is to the plain subscriber
-of the same round, and the table shows the least of all rounds. Latency is the time from the stamp
-of the later reading of a pair, which is published at that time, to the publication of the first
-`compliance/rolling` that covers the pair. For the peers it is the time to the callback. Lost are
-readings without an entry in the ledger of the last report, and messages missing in the bag.
+No wheel has message_filters. Its Python part needs only rclpy, so a checkout is enough:
+
+    git clone -b jazzy https://github.com/ros2/message_filters filters
+
+CPU is the share of one core, user and system, of all threads. The table shows the least of all
+rounds. Below it are the ratios to each peer in the same round, the median of all rounds. Latency
+is the time from the stamp of the later reading of a pair, which is published at that time, to the
+publication of the first `compliance/rolling` that covers the pair. For the peers it is the time to
+the callback. Lost are readings without an entry in the ledger of the last report, and messages
+missing in the bag.
 """
 
 from __future__ import annotations
 
 import argparse
+from importlib.util import find_spec
+import itertools
 import json
 import os
 from pathlib import Path
 import signal
+from statistics import median
 import subprocess
 import sys
 from tempfile import TemporaryDirectory
 import threading
 import time
-from typing import Any, Iterator, Sequence
+from typing import Any, Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -49,22 +58,24 @@ from heading_intercompare.messages.stamps import header_stamp_ns
 HERE = str(Path(__file__).resolve())
 TOPICS = ('ts/heading', 'rs/heading')
 NORMS = {'norms.sigma_max_deg': 0.2, 'norms.sigma_ref_max_deg': 0.1}
+#: Of every publisher and subscription; that of the nodes.
+DEPTH = 5000
 TICK_S = 1.0 / os.sysconf('SC_CLK_TCK')
 #: The run is judged from the first reading on.
 SETTINGS = {**NORMS, 'runs.stabilization_s': 0.0, 'pairing.method': 'interpolate'}
 FIRST_WAIT_S, LONGEST_WAIT_S = 3.0, 60.0
 NODES = ('synchronizer', 'compliance', 'recorder')
-CANDIDATES = ('plain', 'message_filters', 'graph', 'live')
+PEERS, OURS = ('plain', 'message_filters'), ('graph', 'live')
+CANDIDATES = PEERS + OURS
 
 
 def publish(rate_hz: float, seconds: float, subscribers: int, faster: float) -> None:
     """Publish both topics once both have their subscriptions; print when, and when it is over."""
     import rclpy
-    from rclpy.qos import QoSProfile
     from sensor_msgs.msg import Imu
     rclpy.init()
     node = rclpy.create_node('benchmark_publisher')
-    publishers = [node.create_publisher(Imu, topic, QoSProfile(depth=5000)) for topic in TOPICS]
+    publishers = [node.create_publisher(Imu, topic, DEPTH) for topic in TOPICS]
     deadline_s = time.monotonic() + LONGEST_WAIT_S
     while any(p.get_subscription_count() < subscribers for p in publishers):
         if time.monotonic() > deadline_s:
@@ -108,65 +119,67 @@ def pour(publishers: Sequence[Any], began_ns: int, period_ns: int, n: int,
             publisher.wait_for_all_acked(Duration(seconds=60))
 
 
-def peer(kind: str) -> None:
-    """Subscribe as a plain node or with message_filters; print latencies at SIGINT."""
+def listen(name: str, subscribe: Callable[[Any], None], found: Callable[[], Any]) -> None:
+    """Make a node, let it subscribe, and spin until SIGINT; then print what it found."""
     import rclpy
     from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-    from rclpy.qos import QoSProfile
-    from sensor_msgs.msg import Imu
     rclpy.init()
-    node = rclpy.create_node('benchmark_peer')
+    node = rclpy.create_node(name)
+    subscribe(node)
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    try:
+        executor.spin()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    print(json.dumps(found()), flush=True)
+
+
+def peer(kind: str) -> None:
+    """Subscribe as a plain node or with message_filters; print latencies at SIGINT."""
+    from sensor_msgs.msg import Imu
     late_s: list[float] = []
 
     def take(*messages: Any) -> None:
         newest = max(m.header.stamp.sec * 10 ** 9 + m.header.stamp.nanosec for m in messages)
         late_s.append((time.time_ns() - newest) / 1e9)
-    if kind == 'message_filters':
-        import message_filters
-        inputs = [message_filters.Subscriber(node, Imu, topic, qos_profile=QoSProfile(depth=5000))
-                  for topic in TOPICS]
-        joined = message_filters.ApproximateTimeSynchronizer(inputs, 100, 0.1)
-        joined.registerCallback(take)
-    else:
-        for topic in TOPICS:
-            node.create_subscription(Imu, topic, take, QoSProfile(depth=5000))
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
-    try:
-        executor.spin()
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    found = np.quantile(late_s, (0.5, 0.99)).tolist() if late_s else [float('nan')] * 2
-    print(json.dumps({'taken': len(late_s), 'p50_s': found[0], 'p99_s': found[1]}), flush=True)
+
+    def subscribe(node: Any) -> None:
+        if kind == 'message_filters':
+            import message_filters
+            inputs = [message_filters.Subscriber(node, Imu, topic, qos_profile=DEPTH)
+                      for topic in TOPICS]
+            joined = message_filters.ApproximateTimeSynchronizer(inputs, 100, 0.1)
+            joined.registerCallback(take)
+        else:
+            for topic in TOPICS:
+                node.create_subscription(Imu, topic, take, DEPTH)
+
+    def found() -> dict[str, float]:
+        p50_s, p99_s = np.quantile(late_s, (0.5, 0.99)) if late_s else [float('nan')] * 2
+        return {'taken': len(late_s), 'p50_s': p50_s, 'p99_s': p99_s}
+    listen('benchmark_peer', subscribe, found)
 
 
 def watch() -> None:
     """Note the figures as they are published, at the time of publication; print at SIGINT."""
     from diagnostic_msgs.msg import DiagnosticArray
-    import rclpy
-    from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-    from rclpy.qos import QoSProfile
-    rclpy.init()
-    node = rclpy.create_node('benchmark_watch')
     heard: list[tuple[int, int]] = []
-    node.create_subscription(
-        DiagnosticArray, 'compliance/rolling',
-        lambda data, info: heard.append((info['source_timestamp'], header_stamp_ns(data))),
-        QoSProfile(depth=5000), raw=True)
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
-    try:
-        executor.spin()
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    print(json.dumps(heard), flush=True)
+
+    def take(data: bytes, info: Mapping[str, int]) -> None:
+        heard.append((info['source_timestamp'], header_stamp_ns(data)))
+    listen('benchmark_watch', lambda node: node.create_subscription(
+        DiagnosticArray, 'compliance/rolling', take, DEPTH, raw=True), lambda: heard)
 
 
 class Process:
     """A process of this benchmark."""
 
     def __init__(self, words: Sequence[str], folder: Path, domain: int) -> None:
-        environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain),
+        # It runs in another folder, so relative entries would be lost.
+        given = os.environ.get('PYTHONPATH', '').split(os.pathsep)
+        path = os.pathsep.join(os.path.abspath(entry) for entry in given if entry)
+        environment = {**os.environ, 'PYTHONPATH': path, 'ROS_DOMAIN_ID': str(domain),
                        'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
         self.began_s = time.time()
         self.process = subprocess.Popen(
@@ -250,7 +263,7 @@ def measure(candidate: str, rate_hz: float, seconds: float) -> dict[str, Any]:
     with TemporaryDirectory(prefix='live') as name:
         folder = Path(name)
         parts = start(candidate, folder, domain)
-        ours = candidate in ('graph', 'live')
+        ours = candidate in OURS
         watcher = Process([HERE, '--watch'], folder, domain) if ours else None
         source = Process([HERE, '--publish', f'--rate={rate_hz}',
                           f'--seconds={seconds + FIRST_WAIT_S}',
@@ -285,14 +298,24 @@ def measure(candidate: str, rate_hz: float, seconds: float) -> dict[str, Any]:
         return {**row, **figures, 'lost': sent - taken}
 
 
-def show(candidate: str, row: dict[str, Any], ratio: float | None) -> str:
+def describe(candidate: str, row: Mapping[str, Any]) -> str:
     """Return the line of the table for a candidate."""
     parts = '  '.join(f'{name} {cpu:.1%}' for name, cpu in row['cpu'].items())
     memory = sum(row['memory'].values())
     return (f'{candidate:16s} {sum(row["cpu"].values()):7.1%} '
-            f'{"" if ratio is None else f"{ratio:.2f}":>6s} {1e3 * row["p50_s"]:7.1f} ms '
+            f'{1e3 * row["p50_s"]:7.1f} ms '
             f'{1e3 * row["p99_s"]:7.1f} ms {row["lost"]:>6} {row.get("missing in the bag", ""):>6}'
             f' {memory:6.0f} MB {row["ready_s"]:6.1f} s   {parts}')
+
+
+def describe_ratios(ours: str, peer: str,
+                    rows: Mapping[str, Sequence[Mapping[str, Any]]]) -> str:
+    """Return CPU and latencies of a graph as ratios to a peer: in one round, then the median."""
+    rounds = [(one['p50_s'] / other['p50_s'], one['p99_s'] / other['p99_s'],
+               sum(one['cpu'].values()) / sum(other['cpu'].values()))
+              for one, other in zip(rows[ours], rows[peer])]
+    p50, p99, cpu = (median(column) for column in zip(*rounds))
+    return f'{ours} / {peer}: CPU {cpu:.2f}, p50 {p50:.1f}, p99 {p99:.1f}'
 
 
 def compare(arguments: argparse.Namespace) -> None:
@@ -300,31 +323,34 @@ def compare(arguments: argparse.Namespace) -> None:
     candidates = [name for name in CANDIDATES if name in arguments.only]
     if 'message_filters' in candidates and not has_message_filters():
         candidates.remove('message_filters')
-        print('message_filters is not installed: that peer is skipped')
+        print('message_filters is not there, so that peer is skipped. To have it, put '
+              'filters/src on PYTHONPATH after\n'
+              'git clone -b jazzy https://github.com/ros2/message_filters filters')
     for rate_hz in arguments.rates:
         print(f'\n2 topics x {rate_hz:g} Hz for {arguments.seconds:g} s, the least of '
               f'{arguments.rounds} rounds; the publisher is not counted\n'
-              f'{"":16s} {"CPU":>7s} {"ratio":>6s} {"p50":>10s} {"p99":>10s} {"lost":>6s} '
+              f'{"":16s} {"CPU":>7s} {"p50":>10s} {"p99":>10s} {"lost":>6s} '
               f'{"bag":>6s} {"memory":>9s} {"ready":>8s}', flush=True)
         rows: dict[str, list[dict[str, Any]]] = {name: [] for name in candidates}
         for _ in range(arguments.rounds):
             for name in candidates:
                 rows[name].append(measure(name, rate_hz, arguments.seconds))
         for name in candidates:
-            best = min(rows[name], key=lambda row: sum(row['cpu'].values()))
-            best['lost'] = max(row['lost'] for row in rows[name])
-            for figure in ('p50_s', 'p99_s', 'ready_s'):
-                best[figure] = min(row[figure] for row in rows[name])
-            ratio = None if 'plain' not in rows else min(
-                sum(one['cpu'].values()) / sum(peer['cpu'].values())
-                for one, peer in zip(rows[name], rows['plain']))
-            print(show(name, best, ratio), flush=True)
+            least = {figure: min(row[figure] for row in rows[name])
+                     for figure in ('p50_s', 'p99_s', 'ready_s')}
+            print(describe(name, {
+                **min(rows[name], key=lambda row: sum(row['cpu'].values())), **least,
+                'lost': max(row['lost'] for row in rows[name])}), flush=True)
+        for ours, other in itertools.product(OURS, PEERS):
+            if ours in rows and other in rows:
+                print(describe_ratios(ours, other, rows), flush=True)
 
 
 def has_message_filters() -> bool:
     """Tell whether the peer of that name can run."""
-    from importlib.util import find_spec
-    return find_spec('message_filters') is not None
+    spec = find_spec('message_filters')
+    # A bare folder of that name, such as a checkout of it, counts as a package without a file.
+    return spec is not None and spec.origin is not None
 
 
 def rows_of_memory(rate_hz: float, hours: float) -> Iterator[tuple[float, dict[str, float]]]:

@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
 import sys
 
 import numpy as np
 import pytest
 
+from heading_intercompare.core.alarms.comparison_watch import COMPARISON_RULES
 from heading_intercompare.core.statistics.cells import Cells
 from heading_intercompare.core.statistics.variance_uncertainty import (
     between_runs,
@@ -22,10 +24,12 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
 BENCHMARKS = Path(__file__).resolve().parent.parent / 'benchmarks'
 sys.path.insert(0, str(BENCHMARKS))
 
+import alarms  # noqa: E402
 import decision_risk  # noqa: E402
 import error_processes as processes  # noqa: E402
 from former_rule import former_rule  # noqa: E402
 import history  # noqa: E402
+import live  # noqa: E402
 import plain_rule  # noqa: E402
 from risk_campaigns import CAMPAIGNS  # noqa: E402
 from risk_rows import ROWS  # noqa: E402
@@ -69,6 +73,75 @@ def test_a_damaged_history_is_refused_with_its_line(tmp_path):
     kept.write_text('{"benchmark": "x", "figures": {"a": 1}}\n{"benchmark": "x"}\n', 'utf-8')
     with pytest.raises(ValueError, match='history.jsonl, line 2: is not a run of a benchmark'):
         history.read_runs(kept)
+
+
+def test_false_alarms_are_counted_by_kind_and_bounded(capsys):
+    """Two voyages of 10 min each; 1 / 3 h and 3.0 / (2 / 3 h), per 1000 h."""
+    assert alarms.main(['--hours', '0.2', '--kind', '1 Hz', '1 Hz, alongside', '--seed', '3']) == 0
+    _, _, *rows = capsys.readouterr().out.splitlines()
+    cells = [[cell.strip() for cell in row.strip('|').split('|')] for row in rows]
+    assert [row[:2] for row in cells] == [['1 Hz', '0.3'], ['1 Hz, alongside', '0.3'],
+                                          ['all', '0.7']]
+    assert [(row[2], row[4], row[5]) for row in cells] == [
+        ('none', '0', '8987'), ('none', '0', '8987'), ('none', '0', '4494')]
+    assert all(float(row[3]) > 0.0 for row in cells)
+
+
+def test_an_alarm_that_is_raised_is_named_in_the_row_of_its_kind(monkeypatch):
+    """A TS that lags by five seconds in turns of 3 °/s is not sound."""
+    monkeypatch.setitem(alarms.KINDS, 'swell', {'motion': 'turning', 'late_s': 5.0})
+    found = alarms.count_alarms('swell', 0.1, 1)
+    assert found.raised and set(found.raised) <= {rule.name for rule in COMPARISON_RULES}
+    assert str(found.raised.most_common(1)[0][0]) in alarms.describe('swell', found)
+    assert (found + found).raised.total() == 2 * found.raised.total()
+
+
+@pytest.mark.parametrize('n, upper', [(0, 2.9957), (1, 4.7439), (5, 10.5130)])
+def test_the_upper_limit_of_a_rate_is_that_of_a_poisson_count(n, upper):
+    """Printed tables of exact limits, one-sided 95 %: 3.00, 4.74, 10.51."""
+    assert alarms.most_per_1000_h(n, 1000.0) == pytest.approx(upper, abs=1e-4)
+
+
+@pytest.mark.parametrize('words, said', [
+    (['--hours', '-1'], '-1 must be a number of hours above 0'),
+    (['--hours', 'x'], 'x must be a number of hours above 0'),
+    (['--seed', '-1'], '-1 must be a whole number, at least 0'),
+    (['--kind', 'airship'], "invalid choice: 'airship'")])
+def test_a_mistake_in_the_options_of_the_alarms_is_told_in_a_line(words, said, capsys):
+    with pytest.raises(SystemExit) as ended:
+        alarms.main(words)
+    assert ended.value.code == 2 and said in capsys.readouterr().err.splitlines()[-1]
+
+
+def test_the_peer_of_the_graph_is_a_package_and_not_a_folder_of_its_name(tmp_path, monkeypatch):
+    """A checkout of message_filters beside the user is a folder of that name."""
+    monkeypatch.setattr(sys, 'path', [str(tmp_path)])
+    package = tmp_path / 'message_filters'
+    package.mkdir()
+    assert not live.has_message_filters()
+    (package / '__init__.py').touch()
+    importlib.invalidate_caches()
+    assert live.has_message_filters()
+
+
+def test_a_process_of_a_benchmark_finds_a_peer_on_a_relative_path(tmp_path, monkeypatch):
+    """It runs in another folder, where the relative path leads nowhere."""
+    (tmp_path / 'elsewhere').mkdir()
+    (tmp_path / 'peers').mkdir()
+    (tmp_path / 'peers' / 'only_there.py').touch()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv('PYTHONPATH', 'peers')
+    process = live.Process(['-c', 'import only_there; print(only_there.__name__)'],
+                           tmp_path / 'elsewhere', 1)
+    assert process.process.communicate(timeout=60.0)[0] == 'only_there\n'
+
+
+def test_ratios_to_a_peer_are_those_of_the_median_round():
+    peer = [{'cpu': {'plain': 0.1}, 'p50_s': 1.0, 'p99_s': late_s} for late_s in (2.0, 2.0, 90.0)]
+    graph = [{'cpu': {'a': 0.1, 'b': 0.2}, 'p50_s': p50_s, 'p99_s': 4.0}
+             for p50_s in (5.0, 6.0, 9.0)]
+    assert live.describe_ratios('graph', 'plain', {'plain': peer, 'graph': graph}) == (
+        'graph / plain: CPU 3.00, p50 6.0, p99 2.0')
 
 
 @pytest.mark.parametrize('row, kinds', [

@@ -101,11 +101,6 @@ class UdpSource:
         return (f'{self._listening}; heard from {", ".join(names)}'
                 + (f' and {more} more' if more else ''))
 
-    @property
-    def senders(self) -> int:
-        """How many hosts sent datagrams that were taken."""
-        return len(self._senders)
-
     def read(self, timeout_s: float) -> list[Received]:
         """Return the datagrams received, at most 1000."""
         datagrams: list[Received] = []

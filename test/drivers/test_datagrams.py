@@ -104,7 +104,7 @@ def test_datagrams_of_other_senders_are_counted_and_left_out(listen):
         other.bind(('127.0.0.2', 0))
         other.sendto(HDT[1], sender.getpeername())
         assert joined(read_until(source, len)) == HDT[1]
-    assert source.counts == {'other_sender': 1} and source.senders == 1
+    assert source.counts == {'other_sender': 1}
     assert source.status.endswith('heard from 127.0.0.2')
 
 
@@ -116,7 +116,7 @@ def test_the_status_names_the_hosts_that_send(listen):
             one.bind((host, 0))
             one.sendto(HDT[0], sender.getpeername())
     read_until(source, lambda got: len(got) == 4)
-    assert source.status.endswith('and 1 more') and source.senders == 4
+    assert source.status.endswith('and 1 more')
 
 
 def test_a_sender_that_is_no_address_is_refused():

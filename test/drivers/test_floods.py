@@ -81,7 +81,7 @@ def test_forged_senders_are_not_remembered_without_end(udp):
     source._senders.update(f'10.0.{at >> 8}.{at & 255}' for at in range(1000))
     send(b'x')
     assert len(source.read(1.0)) == 1
-    assert source.senders == 1001 and source._senders['others'] == 1
+    assert source.status.endswith('and 998 more') and source._senders['others'] == 1
 
 
 def test_a_status_array_of_a_million_entries_is_refused_before_it_is_decoded():

@@ -317,11 +317,15 @@ class Ledger:
 
     @property
     def total(self) -> LedgerSegment:
-        """The sum of the counts of all segments."""
-        total: Counter[LedgerKey] = Counter()
-        for segment in self.segments:
-            total.update(segment.counts)
-        return LedgerSegment(None, dict(sorted(total.items())))
+        """The sum of the counts of all segments, found without dividing readings among them."""
+        total = self._pending.copy()
+        for counts in self._counts:
+            total.update(counts)
+        for key, chunks in self._recent.items():
+            total[key] += sum(map(len, chunks))
+        for key, gaps in self._gaps.items():
+            total[key] += sum(int(n.sum()) for _, n in gaps)
+        return LedgerSegment(None, {key: n for key, n in sorted(total.items()) if n})
 
     @property
     def troubles(self) -> list[str]:

@@ -29,6 +29,8 @@ _BROKEN_S = 30.0
 
 # Number of messages that go out before the first question whether they have come.
 _UNASKED = 500
+# A question costs twice as much as a message; until the window is full, it waits this long.
+_ASKED_EVERY_S = 0.005
 
 # Less than a subscription holds; at 1 kHz four seconds.
 _WINDOW = 4000
@@ -121,12 +123,16 @@ class FlowControl:
                  patience_s: float = _BROKEN_S) -> None:
         self._publishers, self._health = [*publishers], health
         self._window, self._patience_s = window, patience_s
-        self._sent, self._full_s = 0, math.inf
+        self._sent, self._full_s, self._asked_s = 0, math.inf, -math.inf
 
     def has_room(self) -> bool:
         """Tell whether a message may be published now."""
         if self._sent < min(_UNASKED, self._window):
             return True
+        now_s = time.monotonic()
+        if self._sent < self._window and now_s < self._asked_s + _ASKED_EVERY_S:
+            return True
+        self._asked_s = now_s
         # Asked early and often: DDS asks its readers what they have while messages go out, and
         # once these have stopped only every three seconds.
         if all(publisher.wait_for_all_acked(Duration(nanoseconds=0))
@@ -137,7 +143,6 @@ class FlowControl:
             return True
         if self._sent < self._window:
             return True
-        now_s = time.monotonic()
         self._full_s = min(self._full_s, now_s)
         waited_s = now_s - self._full_s
         if waited_s > self._patience_s:

@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+import sys
+
 import numpy as np
 import pytest
 
@@ -12,29 +15,15 @@ from heading_intercompare.core.alarms.comparison_watch import ComparisonWatch
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 
-from .made_up_ships import NORMS, raised, T0_NS, voyage, watch
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / 'benchmarks'))
 
-#: Sound sensors of many kinds.
-SOUND = {
-    'swell': {}, 'alongside': {'motion': 'alongside'}, 'turning': {'motion': 'turning'},
-    'late': {'motion': 'turning', 'late_s': 1.2}, '1 Hz': {'rate_hz': 1.0},
-    '1 Hz, late': {'rate_hz': 1.0, 'motion': 'turning', 'late_s': 1.0},
-    '100 Hz': {'rate_hz': 100.0, 'motion': 'turning', 'span_s': 150.0},
-    'tenths': {'step_deg': 0.1, 'motion': 'turning'},
-    'tenths alongside': {'step_deg': 0.1, 'motion': 'alongside'},
-    'whole degrees': {'step_deg': 1.0, 'motion': 'turning'},
-    'whole degrees alongside': {'step_deg': 1.0, 'motion': 'alongside'},
-    'whole degrees, 1 Hz': {'step_deg': 1.0, 'motion': 'turning', 'rate_hz': 1.0},
-    'correlated': {'tau_s': 60.0, 'ts_deg': 0.2},
-    'correlated, 1 Hz': {'tau_s': 300.0, 'ts_deg': 0.2, 'rate_hz': 1.0},
-    'Laplace': {'laplace': True, 'ts_deg': 0.2, 'motion': 'turning'},
-}
+from made_up_ships import KINDS, NORMS, raised, T0_NS, voyage, watch  # noqa: E402
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('kind', SOUND)
+@pytest.mark.parametrize('kind', KINDS)
 def test_sound_sensors_raise_nothing(rng, kind):
-    changes, table = watch(*voyage(rng, **{'span_s': 400.0, **SOUND[kind]}))
+    changes, table = watch(*voyage(rng, span_s=400.0, **KINDS[kind]))
     assert raised(changes) == []
     assert {alarm.state for alarm in table.alarms} == {AlarmState.NORMAL}
 

@@ -4,12 +4,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+import sys
+
 import numpy as np
 import pytest
 
 from heading_intercompare.core.alarms.alarm import AlarmState
 
-from .made_up_ships import raised, voyage, watch
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / 'benchmarks'))
+
+from made_up_ships import raised, voyage, watch  # noqa: E402
 
 
 def times_of(changes, name):

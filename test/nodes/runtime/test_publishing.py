@@ -45,22 +45,40 @@ def test_there_is_room_while_subscribers_acknowledge(ros):
 
 
 class NowAndThen:
-    """A publisher whose messages are all acknowledged only every eighth time it is asked."""
+    """A publisher whose messages are all acknowledged only every so many times it is asked."""
 
-    asked = 0
+    def __init__(self, every=8):
+        self.asked, self._every = 0, every
 
     def wait_for_all_acked(self, timeout):
         """Tell at once whether all is acknowledged."""
         self.asked += 1
-        return self.asked % 8 == 0
+        return self.asked % self._every == 0
 
 
-def test_a_steady_stream_is_not_stopped_to_learn_that_it_came(ros):
+def pass_a_tick(monkeypatch, now_s):
+    """Let the clock of the flow show a time."""
+    monkeypatch.setattr(publishing.time, 'monotonic', lambda: now_s)
+
+
+def test_a_steady_stream_is_not_stopped_to_learn_that_it_came(ros, monkeypatch):
     """DDS hears from its readers while messages go out, and then only every three seconds."""
     flow = FlowControl([NowAndThen()], Health(ros.plain), window=2000)
-    for _ in range(1000):
+    for tick in range(1000):
+        pass_a_tick(monkeypatch, 0.02 * tick)
         assert flow.has_room()
         flow.spend(20)
+
+
+def test_a_fast_replay_asks_a_few_times_a_tick_and_not_for_each_message(ros, monkeypatch):
+    """A question costs more than a message; at 2000 Hz it took most of the CPU of a replay."""
+    publisher = NowAndThen(every=100)
+    flow = FlowControl([publisher], Health(ros.plain), window=2000)
+    for message in range(10_000):
+        pass_a_tick(monkeypatch, message / 2000.0)
+        assert flow.has_room()
+        flow.spend(1)
+    assert 500 < publisher.asked <= 1000
 
 
 class Unacknowledged:

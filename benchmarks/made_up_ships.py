@@ -1,11 +1,17 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pairs of made-up ships, and the alarms that a watch raises on them."""
+"""
+Pairs of made-up ships with two sound sensors, and the alarms that a watch raises on them.
+
+The tests of the alarms and the benchmark `alarms` use them.
+"""
 
 from __future__ import annotations
 
+from typing import Any
+
+from error_processes import ar1
 import numpy as np
-from scipy.signal import lfilter
 
 from heading_intercompare.core.alarms.alarm_table import AlarmTable
 from heading_intercompare.core.alarms.comparison_watch import COMPARISON_RULES, ComparisonWatch
@@ -14,6 +20,35 @@ from heading_intercompare.core.settings import Settings
 
 NORMS = {'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.1}}
 T0_NS = 1_700_000_000_000_000_000
+
+_TURNING, _ALONGSIDE = {'motion': 'turning'}, {'motion': 'alongside'}
+#: Kinds of ships, as arguments of `voyage`; in a swell, at 10 Hz, unless they say otherwise.
+KINDS: dict[str, dict[str, Any]] = {
+    'swell': {},
+    'alongside': _ALONGSIDE,
+    'turning': _TURNING,
+    'turning, 1.2 s late': {**_TURNING, 'late_s': 1.2},
+    'turning, 0.5 s early': {**_TURNING, 'late_s': -0.5},
+    '1 Hz': {'rate_hz': 1.0},
+    '1 Hz, turning, 1 s late': {'rate_hz': 1.0, **_TURNING, 'late_s': 1.0},
+    '1 Hz, alongside': {'rate_hz': 1.0, **_ALONGSIDE},
+    '100 Hz': {'rate_hz': 100.0},
+    '100 Hz, turning': {'rate_hz': 100.0, **_TURNING},
+    'tenths': {'step_deg': 0.1},
+    'tenths, turning': {'step_deg': 0.1, **_TURNING},
+    'tenths, alongside': {'step_deg': 0.1, **_ALONGSIDE},
+    'whole degrees': {'step_deg': 1.0},
+    'whole degrees, turning': {'step_deg': 1.0, **_TURNING},
+    'whole degrees, alongside': {'step_deg': 1.0, **_ALONGSIDE},
+    'whole degrees, 1 Hz, turning': {'step_deg': 1.0, 'rate_hz': 1.0, **_TURNING},
+    'AR(1) of 60 s': {'tau_s': 60.0, 'ts_deg': 0.2},
+    'AR(1) of 10 s, turning, 0.4 s late': {'tau_s': 10.0, 'ts_deg': 0.2, **_TURNING,
+                                           'late_s': 0.4},
+    'AR(1) of 300 s, alongside': {'tau_s': 300.0, 'ts_deg': 0.2, **_ALONGSIDE},
+    'AR(1) of 60 s, 1 Hz': {'tau_s': 60.0, 'ts_deg': 0.2, 'rate_hz': 1.0},
+    'Laplace': {'laplace': True, 'ts_deg': 0.2},
+    'Laplace, 1 Hz, turning': {'laplace': True, 'rate_hz': 1.0, **_TURNING},
+}
 
 
 def course(rng, t_s, motion):
@@ -34,13 +69,6 @@ def course(rng, t_s, motion):
     return 20.0 + 0.5 * swell + np.cumsum(rate * step)
 
 
-def correlated(rng, n, rate_hz, tau_s):
-    """Return n errors of unit variance whose correlation falls to 1/e in a time."""
-    phi = np.exp(-1.0 / (tau_s * rate_hz))
-    white = rng.standard_normal(n) * np.sqrt(1.0 - phi * phi)
-    return lfilter([1.0], [1.0, -phi], white, zi=[phi * rng.standard_normal()])[0]
-
-
 def voyage(rng, *, motion='swell', rate_hz=10.0, span_s=300.0, ts_deg=0.1, rs_deg=0.03, tau_s=0.0,
            step_deg=0.0, late_s=0.0, laplace=False):
     """Return time, TS and RS of a voyage, TS late, both rounded."""
@@ -52,7 +80,7 @@ def voyage(rng, *, motion='swell', rate_hz=10.0, span_s=300.0, ts_deg=0.1, rs_de
         path = course(rng, fine - fine[0], motion)
         both = np.concatenate((np.interp(t - late_s, fine, path), np.interp(t, fine, path)))
     noise = rng.laplace(0.0, np.sqrt(0.5), n) if laplace else rng.standard_normal(n)
-    ts = both[:n] + ts_deg * (correlated(rng, n, rate_hz, tau_s) if tau_s else noise)
+    ts = both[:n] + ts_deg * (ar1(tau_s * rate_hz)(rng, 1, n)[0] if tau_s else noise)
     rs = both[n:] + rs_deg * rng.standard_normal(n)
     if tau_s:
         ts = ts + 0.2 * ts_deg * rng.standard_normal(n)
