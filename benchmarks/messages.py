@@ -171,7 +171,7 @@ def run_nodes(count: int) -> None:
     executor = SingleThreadedExecutor()
     for node in nodes:
         executor.add_node(node)
-    taken = [intake for intake, _ in nodes[1]._inputs]
+    taken = [*nodes[1]._intakes.values()]
     while not any(intake.received for intake in taken):
         executor.spin_once(0.05)
     cpu_s, began_s = time.process_time(), time.monotonic()

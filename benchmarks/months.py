@@ -90,7 +90,7 @@ def run(days: int, step_s: float, folder: str) -> Iterator[Day]:
                 for message in imu_messages(chunk[lo:lo + AT_ONCE], 'x'):
                     sensor.publish(message)
             taken = day * per_day + min(lo + AT_ONCE, per_day)
-            while min(intake.received for intake, _ in synchronizer._inputs) < taken:
+            while min(intake.received for intake in synchronizer._intakes.values()) < taken:
                 executor.spin_once(0.05)
         while compliance.n_pairs < synchronizer._pairer.ledger.paired:
             executor.spin_once(0.05)

@@ -81,11 +81,11 @@ def nodes(context):
              node('compliance', 'compliance', namespace, parameters, judging,
                   respawn=True, respawn_delay=1.0, on_exit=end_with('the compliance node'))]
     if record == 'true':
-        # The trial goes on without it; without a name of its own a new bag is begun.
-        named = output or sections.get('recorder', {}).get('output')
+        # The trial goes on without it; it starts again with a new bag.
         made.append(node('recorder', 'recorder', namespace, parameters,
-                         {'parameter_file': config, **({'output': output} if output else {})},
-                         respawn=not named, respawn_delay=2.0))
+                         {'parameter_file': config, 'go_on': True,
+                          **({'output': output} if output else {})},
+                         respawn=True, respawn_delay=2.0))
     return made
 
 

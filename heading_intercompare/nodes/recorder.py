@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from datetime import datetime, timezone
 from pathlib import Path
 import time
 from typing import Any, Mapping, Sequence
@@ -28,6 +27,7 @@ from heading_intercompare.bags.rosbag2.provenance import (
     RECORD,
     REPORT_TOPIC,
 )
+from heading_intercompare.bags.rosbag2.trial_parts import find_place, name_first
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
@@ -57,20 +57,21 @@ class Recorder(Node):
             self, Settings, Taking, BagSettings, RecorderNode)
         self.ended = False
         self._health = Health(self)
-        self.path = self._own.output or f'heading_{datetime.now(timezone.utc):%Y%m%dT%H%M%SZ}'
-        file = self._own.parameter_file
-        copy = None if file is None else Path(file).read_bytes()
+        self.path, self._before = self._own.output or name_first(), self._own.continues
+        if self._own.go_on:
+            self.path, self._before = find_place(self.path)
+        copies = [(Path(file).name, 'application/yaml', Path(file).read_bytes())
+                  for file in [self._own.parameter_file] if file is not None]
         self._states = PartStates(self._own.diagnostics_period_s)
         self._topics = make_intakes(self, self._settings, self._health, self._states)
         self._bag = Recording(self.path, bag_settings)
         self.state_sources({})
-        if copy is not None:
-            self._bag.attachment(Path(file).name, 'application/yaml', copy)
+        for copy in copies:
+            self._bag.attachment(*copy)
         self._notes = Notes(self._bag.metadata)
         self._notes.add(self._own.note or '', time.time_ns())
         self._state = self._report = ''
-        self._quiet_s = self._end_s = 0.0
-        self._ending = False
+        self._quiet_s, self._end_s = 0.0, None
         self._health.add_refresher(self._note)
         every(self, max(taking.drain_period_s, _DRAIN_S), self._drain)
 
@@ -82,7 +83,7 @@ class Recorder(Node):
     def state_sources(self, sources: Mapping[str, Mapping[str, Any]]) -> None:
         """Record where the headings come from: the settings of each source, by node name."""
         self._bag.metadata(RECORD, describe_origin(
-            self._settings.to_mapping(), sources, self._own.continues))
+            self._settings.to_mapping(), sources, self._before))
 
     def _drain(self) -> None:
         if self.ended:
@@ -99,16 +100,15 @@ class Recorder(Node):
                     self.get_logger().info(f'note: {note.text}')
             rows += [(info['received_timestamp'], intake.full_name, data, info)
                      for data, info in taken]
-        rows.sort(key=lambda row: row[0])
-        for received_ns, name, data, info in rows:
+        for received_ns, name, data, info in sorted(rows, key=lambda row: row[0]):
             self._bag.write(name, data, received_ns, info['source_timestamp'],
                             info['publication_sequence_number'])
         self._bag.tick(time.monotonic())
         if self._bag.fault + self._bag.remark != self._state:
             self._state = self._bag.fault + self._bag.remark
             self._note()
-        if self._ending:
-            self._close_if_quiet()
+        if self._end_s is not None:
+            self._close_if_quiet(self._end_s)
 
     def _note(self) -> None:
         bag, lost = self._bag, sum(self._bag.lost.values())
@@ -124,15 +124,15 @@ class Recorder(Node):
     def end(self) -> None:
         """Keep recording until the other nodes are gone or time is up, for the last verdict."""
         self._health.mute()
-        now_s, self._ending = time.monotonic(), True
+        now_s = time.monotonic()
         self._quiet_s, self._end_s = now_s + _QUIET_S, now_s + self._own.end_wait_s
 
-    def _close_if_quiet(self) -> None:
+    def _close_if_quiet(self, end_s: float) -> None:
         now_s = time.monotonic()
         if any(self.count_publishers(one.intake.full_name)
                for one in self._topics.values() if one.expected):
             self._quiet_s = now_s + _QUIET_S
-        if now_s < min(self._quiet_s, self._end_s):
+        if now_s < min(self._quiet_s, end_s):
             return
         self._bag.settle()
         for file in report_files(self._report) if self._report else ():

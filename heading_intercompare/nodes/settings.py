@@ -105,6 +105,9 @@ class RecorderNode(Checked):
 
     output: str | None = setting(
         None, 'bag to write, a folder that does not exist; none: heading_<UTC> here')
+    go_on: bool = setting(
+        False, 'if the bag is there, record NAME_2; it belongs to the same trial if the recorder '
+        'of NAME was cut off; the launch file gives it')
     continues: str | None = setting(
         None, 'name of the bag of the same trial before this one, which ended in a crash; the '
         'command live gives it')

@@ -345,10 +345,12 @@ def test_nodes_that_the_middleware_had_given_up_miss_nothing(processes, tmp_path
 
 @pytest.mark.slow
 def test_a_recorder_that_is_killed_leaves_all_but_the_last_second(processes, tmp_path):
+    """Started again by the launch file, it records the rest beside it, as the same trial."""
     config = config_of(tmp_path, log(tmp_path / 'ts.log', 3000, 0.0, 90.0),
                        log(tmp_path / 'rs.log', 3000, 0.05, 90.1), 20.0)
     bag = tmp_path / 'bag'
-    for node in nodes('intercompare.launch.py', config=config, output=str(bag)):
+    made = plan_trial(config, bag, tmp_path / 'reports')
+    for node in made.values():
         processes.start(node)
 
     wait_for(lambda: count_recorded(bag) >= 300)
@@ -360,6 +362,13 @@ def test_a_recorder_that_is_killed_leaves_all_but_the_last_second(processes, tmp
     # 100 a second for two seconds, less at most the last one and a quarter for a busy machine.
     assert count_recorded(bag) - before >= 75
     assert BagReader(bag).incomplete
+    processes.start(made['recorder'])
+    rest = tmp_path / 'bag_2'
+    wait_for(lambda: count_recorded(rest) >= 100)
+    end_trial(processes)
+    assert not BagReader(rest).incomplete
+    judged = judge_bags([str(bag), str(rest)], Settings.from_mapping(NORMS))
+    assert [one.continues for one in judged.verdict.inputs] == [None, str(bag)]
 
 
 def start_graph(processes, config, namespace, bag=None, reports=None):

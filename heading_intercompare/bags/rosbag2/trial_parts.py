@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bags of one trial: after a crash, `live` goes on in a new bag that names the one before it."""
+"""Bags of one trial: after a crash, a new bag goes on and names the one before it."""
 
 from __future__ import annotations
 
+from datetime import datetime, timezone
 import os
 from pathlib import Path
 from typing import Sequence
@@ -11,7 +12,7 @@ from typing import Sequence
 from .bag_reader import BagReader
 from .provenance import CONTINUES, RECORD
 
-__all__ = ['find_parts']
+__all__ = ['find_parts', 'find_place', 'name_first', 'name_next']
 
 
 def find_parts(paths: Sequence[str]) -> dict[str, list[str]]:
@@ -45,6 +46,49 @@ def find_parts(paths: Sequence[str]) -> dict[str, list[str]]:
             if len(chain) > 1:
                 found[path] = chain[1:]
     return found
+
+
+def name_first() -> str:
+    """Return the name of a bag that begins now: heading_<UTC>."""
+    return f'heading_{datetime.now(timezone.utc):%Y%m%dT%H%M%SZ}'
+
+
+def name_next(output: str) -> str:
+    """Return the name of the next bag of a trial: NAME_2, NAME_3 and so on, if NAME is there."""
+    return _list_names(output)[-1]
+
+
+def find_place(output: str) -> tuple[str, str | None]:
+    """
+    Return where to record a trial that may have begun, and which bag it goes on with.
+
+    Parameters
+    ----------
+    output : str
+        The bag wanted.
+
+    Returns
+    -------
+    place : str
+        The same, or the next name that is free.
+    continues : str or None
+        Name of the newest bag that is there, if its recorder was cut off.
+
+    """
+    *there, place = _list_names(output)
+    try:
+        cut_off = bool(there) and BagReader(there[-1]).incomplete is not None
+    except (OSError, ValueError):
+        cut_off = False
+    return place, Path(there[-1]).name if cut_off else None
+
+
+def _list_names(output: str) -> list[str]:
+    """Return the names of the bags that are there, and the first that is free."""
+    names = [output]
+    while os.path.exists(names[-1]):
+        names.append(f'{output.rstrip("/")}_{len(names) + 1}')
+    return names
 
 
 def _read_continues(path: str) -> str | None:

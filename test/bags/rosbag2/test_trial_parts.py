@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ import pytest
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.provenance import describe_origin, RECORD
-from heading_intercompare.bags.rosbag2.trial_parts import find_parts
+from heading_intercompare.bags.rosbag2.trial_parts import find_parts, find_place
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
@@ -80,3 +81,24 @@ def test_other_bags_beside_them_stay_runs_of_their_own(tmp_path, rng):
     others, _ = parts_of(rng, tmp_path / 'other')
     judged = judge_bags([others[0], *paths], SETTINGS)
     assert sorted(run.n for run in judged.verdict.runs) in ([579, 3 * 579], [579, 579, 2 * 579])
+
+
+def test_a_bag_goes_on_with_the_newest_one_if_that_was_cut_off(tmp_path, rng):
+    """The names are taken in order; a bag that was closed is not continued."""
+    wanted = str(tmp_path / 'trial')
+    assert find_place(wanted) == (wanted, None)
+    (tmp_path / 'made').mkdir()
+    paths, _ = parts_of(rng, tmp_path / 'made')
+    for path, name in zip(paths, ('trial', 'trial_2', 'trial_3')):
+        assert find_place(wanted + '/')[0].rstrip('/') == str(tmp_path / name)
+        Path(path).rename(tmp_path / name)
+    assert find_place(wanted) == (f'{wanted}_4', None)
+    recording, = (tmp_path / 'trial_3').glob('*.mcap')
+    recording.write_bytes(recording.read_bytes()[:-100])
+    (tmp_path / 'trial_3' / 'metadata.yaml').unlink()
+    assert find_place(wanted) == (f'{wanted}_4', 'trial_3')
+
+
+def test_something_else_of_that_name_is_left_alone(tmp_path):
+    (tmp_path / 'trial').write_text('no bag')
+    assert find_place(str(tmp_path / 'trial')) == (str(tmp_path / 'trial_2'), None)

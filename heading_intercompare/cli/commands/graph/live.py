@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import argparse
-from datetime import datetime, timezone
 import os
 from pathlib import Path
 import sys
@@ -13,6 +12,7 @@ import time
 
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.bags.recording.run_journal import find_bag
+from heading_intercompare.bags.rosbag2.trial_parts import name_first, name_next
 from heading_intercompare.cli.commands.analyze import (
     add_settings_arguments,
     add_verdict_arguments,
@@ -43,15 +43,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_verdict_arguments(parser)
 
 
-def _find_next(output: str) -> str:
-    """Return the name of the next bag of a trial: NAME_2, NAME_3 and so on."""
-    found, number = output, 1
-    while os.path.exists(found):
-        number += 1
-        found = f'{output.rstrip("/")}_{number}'
-    return found
-
-
 def run(arguments: argparse.Namespace) -> int:
     """Run until the sources end or the user presses Ctrl-C; print the verdict."""
     config = load_config(arguments.config)
@@ -79,10 +70,9 @@ def run(arguments: argparse.Namespace) -> int:
     if before is not None:
         recorder['continues'] = os.path.basename(before)
     if output is None:
-        output = f'heading_{datetime.now(timezone.utc):%Y%m%dT%H%M%SZ}'
+        output = name_first()
     elif before is not None:
-        output = _find_next(output)
-
+        output = name_next(output)
 
     from heading_intercompare.nodes.graph import intercompare, Source
     from heading_intercompare.nodes.nmea_driver import NmeaDriver
