@@ -73,11 +73,11 @@ class Synchronizer(Node):
         self._conventions = settings.ts_convention, settings.rs_convention
         subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self._health, decode_marks,
                   self._mark)
-        self._predecessor = Predecessor(self, self._health, self._intakes)
         for stream, intake in self._intakes.items():
             subscribe(self, DiagnosticArray, lost_topic(intake.full_name), qos.LOST, self._health,
                       decode_losses, partial(self._lose, stream))
             intake.open = False
+        self._predecessor = Predecessor(self, self._health, self._intakes, self._started_ns)
         self._open_at_s = time.monotonic() + self._own.startup_wait_s
         self._waiting = Backlog(self._pairs, self._health, patience_s=_PATIENCE_S)
         self._flushed = self.ended = False
@@ -98,7 +98,7 @@ class Synchronizer(Node):
     def _open_when_wanted(self) -> None:
         """Open the inputs once the pairs have their subscribers, or after `startup_wait_s`."""
         heard = self._pairs.get_subscription_count() >= self._own.subscribers
-        if (heard and self._predecessor.is_known
+        if (heard and self._predecessor.is_known()
                 or time.monotonic() > self._open_at_s):
             for intake in self._intakes.values():
                 intake.open = True

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from typing import Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -21,6 +23,9 @@ __all__ = ['LEDGER_TAKEN_TOPIC', 'Predecessor']
 
 LEDGER_TAKEN_TOPIC = 'compliance/ledger_taken'
 
+# The subscription of a node to the pairs may be known this much earlier than its publishers.
+_FOUND_S = 2.0
+
 
 class Predecessor:
     """
@@ -33,27 +38,34 @@ class Predecessor:
     health : Health
         Shows messages that cannot be read.
     intakes : mapping of str to Intake
-        The headings, by sensor.
+        The headings, by sensor; not open yet.
+    started_ns : int
+        When this synchronizer was started, UTC ns.
 
     """
 
-    def __init__(self, node: Node, health: Health, intakes: Mapping[str, Intake]) -> None:
-        self._node, self._intakes, self._told = node, intakes, False
+    def __init__(self, node: Node, health: Health, intakes: Mapping[str, Intake],
+                 started_ns: int) -> None:
+        self._node, self._intakes, self._started_ns = node, intakes, started_ns
+        self._told = False
+        self._asked_s = math.inf
         subscribe(node, DiagnosticArray, LEDGER_TAKEN_TOPIC, qos.LEDGER_TAKEN, health,
                   decode_ledger, self._take)
 
-    @property
     def is_known(self) -> bool:
-        """Whether the compliance node has said what it knows, or there is none."""
-        return self._told or not self._node.count_publishers(LEDGER_TAKEN_TOPIC)
+        """Tell whether the compliance node has said what it knows, or there is none."""
+        now_s = time.monotonic()
+        self._asked_s = min(self._asked_s, now_s)
+        return self._told or (now_s > self._asked_s + _FOUND_S
+                              and not self._node.count_publishers(LEDGER_TAKEN_TOPIC))
 
     def _take(self, newest: LedgerMessage) -> None:
-        """Take the first message; later ones are about this synchronizer."""
-        if self._told:
-            return
+        """Take what is known so far; the last ledger may come late."""
         self._told = True
-        if not newest.final:
-            for stream, numbers in newest.numbers.items():
+        if newest.final or newest.started_ns == self._started_ns:
+            return
+        for stream, numbers in newest.numbers.items():
+            if not self._intakes[stream].open:
                 # What waited for a partner is taken again.
                 waited = newest.ledger.total.counts.get(LedgerKey.of_pending(stream), 0)
                 self._intakes[stream].resume_after(numbers.last_publisher, numbers.last - waited)
