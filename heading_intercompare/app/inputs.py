@@ -47,7 +47,7 @@ from heading_intercompare.core.verdict.verdict_document import Input, OperatorNo
 from .config import Config, load_config
 from .run_table import RunTable
 
-__all__ = ['analyze_input', 'load_config_or_journal', 'sha256']
+__all__ = ['analyze_input', 'explain_no_run', 'load_config_or_journal', 'sha256']
 
 #: Its settings are at the start of a journal.
 _HEAD_BYTES = 1_000_000
@@ -167,7 +167,7 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         described = replace(described, ledger_problems=problems or None)
     notes = [f'{name}: {problem}' for problem in problems]
     if not results:
-        described = replace(described, no_run=_say_why_no_run(ledger, settings, runs))
+        described = replace(described, no_run=explain_no_run(ledger, settings, runs))
         notes.append(f'{name}: no run: {described.no_run}')
     return results, earlier, notes, described
 
@@ -331,9 +331,9 @@ def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
     return results, comparison.compliance.take_earlier(), tuple(problems), comparison.ledger
 
 
-def _say_why_no_run(ledger: Ledger, settings: Settings,
+def explain_no_run(ledger: Ledger, settings: Settings,
                     runs: Sequence[tuple[int, int]] | None) -> str:
-    """Say why an input gave no run, and how its readings were counted."""
+    """Return in words why an input gave no run, and how its readings were counted."""
     total = ledger.total
     # In the order in which the keys first occurred.
     keys = dict.fromkeys(key for segment in ledger.segments for key in segment.counts)
