@@ -12,8 +12,6 @@ __getattr__, __dir__, __all__ = door(__name__, {
 })
 
 if TYPE_CHECKING:
-    pass
-if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
     from .log_import import import_log as import_log, ImportedLog as ImportedLog
     from .two_logs import find_logs as find_logs, judge_logs as judge_logs
