@@ -160,8 +160,8 @@ def stamps(t: np.ndarray) -> np.ndarray:
 
 def judge(run: Run, ts_t: np.ndarray, ts: np.ndarray) -> OneSource:
     """Test a TS just as the judge of a run does."""
-    pairs, _ = pair(Headings.of(stamps(ts_t), ts % 360.0),
-                    Headings.of(stamps(run.t + run.jitter), run.rs % 360.0), run.settings)
+    pairs, _ = pair(Headings.as_sent(stamps(ts_t), ts % 360.0),
+                    Headings.as_sent(stamps(run.t + run.jitter), run.rs % 360.0), run.settings)
     taken = RunSeries(0, run.settings)
     taken.update(pairs, subtract(pairs))
     return find_one_source(taken.stamp_ns.values, taken.x_deg.values, taken.rs_deg.values,

@@ -15,6 +15,7 @@ from heading_intercompare.core.version import VERSION as __version__
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'app.analysis': ('analyze_bag', 'analyze_bags', 'judge_bags'),
+    'bags.recording.recorded_headings': ('read_bag', 'RecordedHeadings'),
     'bags.rosbag2.bag_reader': ('BagReader',),
     'core.diagnostics.three_cornered_hat': ('three_cornered_hat',),
     'core.offline': ('analyze',),
@@ -34,6 +35,10 @@ if TYPE_CHECKING:
         analyze_bag as analyze_bag,
         analyze_bags as analyze_bags,
         judge_bags as judge_bags,
+    )
+    from .bags.recording.recorded_headings import (
+        read_bag as read_bag,
+        RecordedHeadings as RecordedHeadings,
     )
     from .bags.rosbag2.bag_reader import BagReader as BagReader
     from .core.diagnostics.three_cornered_hat import three_cornered_hat as three_cornered_hat

@@ -200,3 +200,34 @@ def test_ros_reads_the_parameter_file_as_the_command_line_does():
             assert {n for n in expected if type(found[n]) is not type(expected[n])} == set()
     finally:
         context.try_shutdown()
+
+
+def test_keywords_name_settings_by_their_last_part_or_in_whole():
+    settings = Settings.of(sigma_max_deg=0.2, norms_sigma_ref_max_deg=0.1, ts_topic='gyro',
+                           risk_min_duration_s=1200.0, runs={'gap_s': 5.0},
+                           detectors=Settings().detectors)
+    assert settings == Settings.from_mapping({
+        'norms.sigma_max_deg': 0.2, 'norms.sigma_ref_max_deg': 0.1, 'ts_topic': 'gyro',
+        'risk.min_duration_s': 1200.0, 'runs.gap_s': 5.0})
+    assert Settings.of() == Settings()
+
+
+def test_every_setting_has_a_keyword_of_its_own():
+    for name, value in Settings().to_mapping().items():
+        assert Settings.of(**{name.replace('.', '_'): value}) == Settings()
+
+
+@pytest.mark.parametrize('given, words', [
+    ({'sigma_max': 0.2}, "unknown setting 'sigma_max'; did you mean 'sigma_max_deg'?"),
+    ({'norm': {}}, "unknown setting 'norm'; did you mean 'norms'?"),
+    ({'norms': {'m_lo': 1.0}}, "unknown setting 'norms.m_lo'; did you mean 'norms.m_low'?"),
+    ({'min_duration_s': 9.0}, "setting 'min_duration_s' is in several groups: "
+     'give runs_min_duration_s or risk_min_duration_s'),
+    ({'m_low': 0.1, 'norms_m_low': 0.2}, 'norms.m_low is given twice'),
+    ({'norms': 0.2}, 'norms = 0.2: must be Norms(...) or a mapping'),
+    ({'norms': Risk()}, 'norms = Risk('),
+    ({'sigma_max_deg': -1.0}, 'norms.sigma_max_deg = -1.0: must be ')])
+def test_a_wrong_keyword_is_refused_in_one_line(given, words):
+    with pytest.raises(SettingsError) as refused:
+        Settings.of(**given)
+    assert str(refused.value).startswith(words) and '\n' not in str(refused.value)

@@ -138,7 +138,7 @@ class SimulatedSensor:
             heading_deg = s.resolution_deg * np.rint(heading_deg / s.resolution_deg)
         given = self._rng['dropout'].random(t_s.size) >= s.dropout
         rate_deg_s = np.degrees(self._truth.heading_rate_rad_s(t_s))
-        return Readings(Headings.of(self._stamps(t_s), wrap360(heading_deg)), t_s, sigma_deg,
+        return Readings(Headings.as_sent(self._stamps(t_s), wrap360(heading_deg)), t_s, sigma_deg,
                         rate_deg_s)[given]
 
     def _errors(self, t_s: np.ndarray) -> np.ndarray:

@@ -276,7 +276,7 @@ class _Sender:
         heading_deg, stamp_ns, given = self.faults.put(
             sound.t_s, sound.headings.heading_deg, sound.headings.stamp_ns)
         sigma_deg = np.where(np.isnan(heading_deg), np.nan, sound.sigma_deg)
-        return Readings(Headings.of(stamp_ns, heading_deg), sound.t_s, sigma_deg,
+        return Readings(Headings.as_sent(stamp_ns, heading_deg), sound.t_s, sigma_deg,
                         sound.rate_deg_s)[given]
 
     def statuses(self, end_s: float) -> tuple[AhrsStatus, ...]:
@@ -304,5 +304,5 @@ class _Truth:
         t_s = self._phase_s + np.arange(self._next, stop) / self._rate_hz
         t_s = t_s[t_s < end_s]
         self._next += t_s.size
-        return Headings.of(self._start_ns + np.rint(t_s * 1e9).astype(np.int64),
+        return Headings.as_sent(self._start_ns + np.rint(t_s * 1e9).astype(np.int64),
                            self._ship.heading_deg(t_s))

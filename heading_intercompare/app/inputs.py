@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.bags.csv.pairs_csv import read_pairs_csv
-from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import mcap_files
 from heading_intercompare.bags.recording.bag_losses import BagLosses
 from heading_intercompare.bags.recording.journal import (
@@ -30,11 +29,8 @@ from heading_intercompare.bags.recording.journal_reading import (
     JournalReader,
     read_origin,
 )
-from heading_intercompare.bags.recording.recorder_losses import (
-    count_words,
-    RECORDING,
-    tell_missing,
-)
+from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
+from heading_intercompare.bags.recording.recorder_losses import count_words
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.core.kept_state import KeptState
@@ -47,13 +43,11 @@ from heading_intercompare.core.settings import leave_out_added, Settings, Settin
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
-from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
-from heading_intercompare.messages.status_messages import STATUS_TYPE
 
 from .config import Config, load_config
 from .run_table import RunTable
 
-__all__ = ['analyze_input', 'load_config_or_journal', 'sha256']
+__all__ = ['analyze_input', 'explain_no_run', 'load_config_or_journal', 'sha256']
 
 #: Its settings are at the start of a journal.
 _HEAD_BYTES = 1_000_000
@@ -173,7 +167,7 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         described = replace(described, ledger_problems=problems or None)
     notes = [f'{name}: {problem}' for problem in problems]
     if not results:
-        described = replace(described, no_run=_say_why_no_run(ledger, settings, runs))
+        described = replace(described, no_run=explain_no_run(ledger, settings, runs))
         notes.append(f'{name}: no run: {described.no_run}')
     return results, earlier, notes, described
 
@@ -328,8 +322,7 @@ def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
             start_digest()
         told.read_told()
         told.finish(comparison.pairer.ledger.newest_ns)
-        missing = tell_missing(reader.metadata().get(RECORDING, {}))
-        problems += [why for why in (reader.incomplete, reader.recovered, missing) if why]
+        problems += find_problems(reader)
     hand_out(comparison.finish())
     results = comparison.results()
     if kept:
@@ -338,9 +331,9 @@ def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
     return results, comparison.compliance.take_earlier(), tuple(problems), comparison.ledger
 
 
-def _say_why_no_run(ledger: Ledger, settings: Settings,
+def explain_no_run(ledger: Ledger, settings: Settings,
                     runs: Sequence[tuple[int, int]] | None) -> str:
-    """Say why an input gave no run, and how its readings were counted."""
+    """Return in words why an input gave no run, and how its readings were counted."""
     total = ledger.total
     # In the order in which the keys first occurred.
     keys = dict.fromkeys(key for segment in ledger.segments for key in segment.counts)
@@ -356,16 +349,8 @@ def _say_why_no_run(ledger: Ledger, settings: Settings,
 
 def _set_marks(comparison: Intercomparison, reader: BagReader) -> None:
     """Start and stop runs at the marks in the bag."""
-    topics = [t for t in reader.topics if t.lstrip('/') == MARKER_TOPIC]
-    for message in reader.messages(topics) if topics else ():
-        try:
-            if message.type_name != STATUS_TYPE:
-                raise BagError(f'is {message.type_name}, must be {STATUS_TYPE}')
-            for kind, stamp_ns in decode_marks(message.data):
-                comparison.mark(kind, stamp_ns)
-        except ValueError as error:
-            raise BagError(f'topic {message.topic!r}: {error}; --runs ignores all marks',
-                           reader.path) from error
+    for kind, stamp_ns in read_marks(reader):
+        comparison.mark(kind, stamp_ns)
 
 
 def _describe(bag: BagReader, name: str, settings: Settings, digest: str) -> Input:

@@ -24,8 +24,8 @@ from typing import (
 )
 
 __all__ = ['Checked', 'explain_unknown', 'flatten', 'from_mapping', 'leave_out_added',
-           'leave_out_gone', 'list_settings', 'Setting', 'setting', 'settings_sha256',
-           'SettingsError', 'to_mapping']
+           'leave_out_gone', 'list_settings', 'name_keywords', 'Setting', 'setting',
+           'settings_sha256', 'SettingsError', 'to_mapping']
 
 
 _NO_GATE = ('is gone: the decision has no gate any more, its bounds widen if the record says '
@@ -252,6 +252,51 @@ def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
             raise explain_unknown('setting', name, rules)
         values[name] = _check_value(rules[name], value)
     return _build(settings_class, values, '')
+
+
+def name_keywords(settings_class: type, given: Mapping[str, Any]) -> dict[str, Any]:
+    """
+    Return the dotted names and the values of settings given as keywords.
+
+    Parameters
+    ----------
+    settings_class : type
+        A dataclass whose fields are made by `setting` or are such dataclasses.
+    given : mapping
+        By the last part of the name, or by the whole name with ``_`` for the dot. A group takes
+        an object of its class, or a mapping.
+
+    Raises
+    ------
+    SettingsError
+        For a name that is unknown or that two groups have, and for a setting given twice.
+
+    """
+    names = [rule.name for rule in list_settings(settings_class)]
+    meant: dict[str, list[str]] = {}
+    for name in names:
+        for keyword in dict.fromkeys((name.rpartition('.')[2], name.replace('.', '_'))):
+            meant.setdefault(keyword, []).append(name)
+    groups = _groups_of(settings_class)
+    values: dict[str, Any] = {}
+    for keyword, value in given.items():
+        if keyword in groups:
+            inner = to_mapping(value) if isinstance(value, groups[keyword]) else value
+            if not isinstance(inner, Mapping):
+                raise SettingsError(f'{keyword} = {value!r}: must be {groups[keyword].__name__}'
+                                    '(...) or a mapping')
+            found = {f'{keyword}.{name}': each for name, each in flatten(inner).items()}
+        elif keyword not in meant:
+            raise explain_unknown('setting', keyword, [*meant, *groups])
+        elif len(meant[keyword]) > 1:
+            choices = ' or '.join(name.replace('.', '_') for name in meant[keyword])
+            raise SettingsError(f'setting {keyword!r} is in several groups: give {choices}')
+        else:
+            found = {meant[keyword][0]: value}
+        if twice := [name for name in found if name in values]:
+            raise SettingsError(f'{twice[0]} is given twice')
+        values.update(found)
+    return values
 
 
 def _build(settings_class: type, values: Mapping[str, Any], prefix: str) -> Any:

@@ -350,7 +350,7 @@ class Intercomparison:
     Examples
     --------
     >>> import numpy as np
-    >>> stamps = np.arange(1, 1001) * 10 ** 9
+    >>> stamps = 10 ** 18 + np.arange(1000) * 10 ** 9
     >>> rs = Headings.of(stamps, np.full(1000, 90.0))
     >>> ts = Headings.of(stamps, 90.0 + 0.1 * np.random.default_rng(1).standard_normal(1000))
     >>> comparison = Intercomparison(Settings.from_mapping(

@@ -14,6 +14,7 @@ from typing import Any, Iterable, TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .given_stamps import integer_stamps, utc_stamps
 from .utc_text import utc
 
 __all__ = ['Differences', 'Headings', 'Integers', 'Losses', 'Pairs', 'Reals']
@@ -92,13 +93,6 @@ class _Columns:
                      for name in cls.__slots__])
 
 
-def _stamps(stamp_ns: ArrayLike) -> Integers:
-    stamps = np.asarray(stamp_ns)
-    if stamps.size and stamps.dtype.kind not in 'iu':
-        raise ValueError(f'stamp_ns has dtype {stamps.dtype}: stamps are integer nanoseconds')
-    return stamps.astype(np.int64, copy=False).reshape(-1)
-
-
 def _reals(values: ArrayLike) -> Reals:
     return np.asarray(values, dtype=np.float64).reshape(-1)
 
@@ -123,12 +117,66 @@ class Headings(_Columns):
     @classmethod
     def empty(cls) -> 'Headings':
         """Return the empty chunk."""
-        return cls.of([], [])
+        return cls.as_sent([], [])
 
     @classmethod
     def of(cls, stamp_ns: ArrayLike, heading_deg: ArrayLike) -> 'Headings':
-        """Build a chunk from these columns; stamps must be integers."""
-        return cls(_stamps(stamp_ns), _reals(heading_deg))
+        """
+        Build a chunk from arrays or from columns of a table.
+
+        Parameters
+        ----------
+        stamp_ns : array_like, shape (n,)
+            UTC: integer nanoseconds since 1970, or datetime64 of any unit. A Series or
+            DatetimeIndex of pandas is taken as it is, with or without a time zone; without one it
+            is UTC. A stamp of 0 or NaT is a reading without a stamp, which the ledger counts.
+        heading_deg : array_like, shape (n,)
+            Degrees clockwise from true north; nan where the reading is invalid.
+
+        Returns
+        -------
+        Headings
+
+        Raises
+        ------
+        ValueError
+            If a stamp above 0 is before 1990: the numbers are of another unit, which the message
+            names, or of another clock (see `as_sent`). If stamps are neither integers nor
+            datetime64, or the columns differ in length.
+
+        Examples
+        --------
+        >>> Headings.of(np.array(['2014-08-01T00:00:00', '2014-08-01T00:00:01'], 'M8[us]'), [1, 2])
+        Headings(n=2, 2014-08-01 00:00:00.000 to 2014-08-01 00:00:01.000 UTC)
+
+        """
+        return cls(utc_stamps(stamp_ns), _reals(heading_deg))
+
+    @classmethod
+    def as_sent(cls, stamp_ns: ArrayLike, heading_deg: ArrayLike) -> 'Headings':
+        """
+        Build a chunk with the stamps of any clock, as messages and bags give them.
+
+        Nothing is checked: a stamp of 0 or below counts as none, and the pairing finds jumps.
+
+        Parameters
+        ----------
+        stamp_ns : array_like of int, shape (n,)
+            Nanoseconds; those of both sensors must be of one clock.
+        heading_deg : array_like, shape (n,)
+            Degrees clockwise from true north; nan where the reading is invalid.
+
+        Returns
+        -------
+        Headings
+
+        Raises
+        ------
+        ValueError
+            If stamps are not integers, or the columns differ in length.
+
+        """
+        return cls(integer_stamps(stamp_ns), _reals(heading_deg))
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -160,7 +208,7 @@ class Losses(_Columns):
     @classmethod
     def of(cls, stamp_ns: ArrayLike, since_ns: ArrayLike, count: ArrayLike) -> 'Losses':
         """Build a chunk from these columns, all of integers."""
-        return cls(_stamps(stamp_ns), _stamps(since_ns), _stamps(count))
+        return cls(integer_stamps(stamp_ns), integer_stamps(since_ns), integer_stamps(count))
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -199,8 +247,8 @@ class Pairs(_Columns):
            lag_ns: ArrayLike | None = None, rs_variance_factor: ArrayLike | None = None,
            ts_variance_factor: ArrayLike | None = None) -> 'Pairs':
         """Build a chunk from these columns; lags default to 0 and factors to 1."""
-        stamps = _stamps(stamp_ns)
-        lag = np.zeros(stamps.shape, np.int64) if lag_ns is None else _stamps(lag_ns)
+        stamps = integer_stamps(stamp_ns)
+        lag = np.zeros(stamps.shape, np.int64) if lag_ns is None else integer_stamps(lag_ns)
         factors = (np.ones(stamps.shape) if factor is None else _reals(factor)
                    for factor in (rs_variance_factor, ts_variance_factor))
         return cls(stamps, _reals(ts_deg), _reals(rs_deg), lag, *factors)
@@ -231,4 +279,4 @@ class Differences(_Columns):
     @classmethod
     def of(cls, stamp_ns: ArrayLike, x_deg: ArrayLike) -> 'Differences':
         """Build a chunk from these columns; stamps must be integers."""
-        return cls(_stamps(stamp_ns), _reals(x_deg))
+        return cls(integer_stamps(stamp_ns), _reals(x_deg))

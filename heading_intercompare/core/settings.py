@@ -21,6 +21,7 @@ from .declared_settings import (
     leave_out_added,
     leave_out_gone,
     list_settings,
+    name_keywords,
     Setting,
     setting,
     settings_sha256,
@@ -271,6 +272,33 @@ class Settings(Checked):
         """Return settings from nested or dotted names; see `from_mapping`."""
         made: Settings = from_mapping(cls, mapping)
         return made
+
+    @classmethod
+    def of(cls, **given: Any) -> 'Settings':
+        """
+        Return settings from keywords.
+
+        Parameters
+        ----------
+        given : object
+            Settings by the last part of their name (``sigma_max_deg=0.5``), or by the whole name
+            with ``_`` for the dot (``risk_min_duration_s=1200.0``). A group takes its class, or
+            a mapping (``norms={'m_low': 0.9}``).
+
+        Raises
+        ------
+        SettingsError
+            For a name that is unknown or that two groups have, a setting given twice, a wrong
+            type or a value outside its range; one line with the nearest name or what is allowed.
+
+        Examples
+        --------
+        >>> settings = Settings.of(sigma_max_deg=0.2, sigma_ref_max_deg=0.1, ts_topic='/gyro/imu')
+        >>> settings.norms.sigma_max_deg, settings.ts_topic
+        (0.2, '/gyro/imu')
+
+        """
+        return cls.from_mapping(name_keywords(cls, given))
 
     def to_mapping(self) -> dict[str, Any]:
         """Return dotted names and values, in the order of their declaration."""

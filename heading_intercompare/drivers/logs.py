@@ -7,6 +7,7 @@ from __future__ import annotations
 import dataclasses
 import os
 from os import PathLike
+import re
 from typing import Iterator
 
 from heading_intercompare.core.records import Headings
@@ -15,7 +16,26 @@ from .csv_log import CsvDecoder, is_csv
 from .nmea import NmeaDecoder
 from .settings import DriverError, DriverSettings
 
-__all__ = ['LogReader', 'read_log']
+__all__ = ['is_log', 'LogReader', 'read_log']
+
+_HEAD_BYTES = 1 << 16
+_MCAP = b'\x89MCAP'
+_SENTENCE = re.compile(rb'[$!][A-Z]{2,}[A-Z0-9]*,')
+
+
+def is_log(path: str | PathLike) -> bool:
+    """
+    Tell whether a path is a file whose beginning has an NMEA sentence or is a csv of headings.
+
+    An MCAP file, also under another name, and a file that does not exist are none.
+    """
+    if not os.path.isfile(path) or os.fspath(path).endswith('.mcap'):
+        return False
+    with open(path, 'rb') as file:
+        head = file.read(_HEAD_BYTES)
+    if head.startswith(_MCAP):
+        return False
+    return is_csv(head.partition(b'\n')[0]) or _SENTENCE.search(head) is not None
 
 
 class LogReader:

@@ -82,6 +82,7 @@ WORKS = {
     'import-nmea': (('--ts', 'ts.log', '--rs', 'rs.log', '-o', 'imported'), 'bag: imported'),
     'simulate': (('--scenario', 'scenario.yaml', '-o', 'simulated'), 'bag: simulated'),
     'report': (('v.json', '-o', 'same.json'), 'VERDICT: '),
+    'plan': ((*NORMS, '--set', 'risk.slowest_error_s=9', '--rate', '0.3'), 'a run must last '),
     'norms': ((), 'imo_msc116: '),
     'info': (('bag', '--check'), 'every checksum is correct'),
     'recover': (('bag', '-o', 'recovered'), 'lost: nothing'),

@@ -10,7 +10,7 @@ import pytest
 from heading_intercompare.core.records import Differences, Headings, Pairs
 
 S = 10 ** 9
-SIX = Headings.of(np.arange(6) * S, np.arange(6.0))
+SIX = Headings.as_sent(np.arange(6) * S, np.arange(6.0))
 
 
 @pytest.mark.parametrize('kind', [Headings, Pairs, Differences])
@@ -46,11 +46,11 @@ def test_a_number_takes_a_chunk_of_one_also_from_the_end():
 
 
 def test_nan_equals_nan_and_another_class_is_not_equal():
-    lost = Headings.of([0], [np.nan])
-    assert lost == Headings.of([0], [np.nan]) and lost != Headings.of([0], [1.0])
+    lost = Headings.as_sent([0], [np.nan])
+    assert lost == Headings.as_sent([0], [np.nan]) and lost != Headings.as_sent([0], [1.0])
     assert (lost == 3) is False
 
 
 def test_stamps_are_integers():
     with pytest.raises(ValueError, match='stamps are integer nanoseconds'):
-        Headings.of([0.5], [1.0])
+        Headings.as_sent([0.5], [1.0])

@@ -26,7 +26,7 @@ def csv(tmp_path):
 def test_two_columns_are_enough(csv):
     path = csv('t_ns,heading_deg', '1782972093006000001,1.5', '1782972093006000002, 360 ')
     headings, counts = read_log(path)
-    assert headings == Headings.of([1782972093006000001, 1782972093006000002], [1.5, 0.0])
+    assert headings == Headings.as_sent([1782972093006000001, 1782972093006000002], [1.5, 0.0])
     assert counts == {}
 
 
@@ -34,7 +34,7 @@ def test_two_columns_are_enough(csv):
     ('1,5,10.0,,7.0,0', 10.0), ('1,5,10.0,,,', 10.0), ('1,5,10.0,,7.0,1', 17.0),
     ('1,5,10.0,-1.0,7.0,1', 16.0), ('1,5,359.0,,7.0,1', 6.0), ('1,5,1.0,,-7.0,1', 354.0)])
 def test_magnetic_headings_are_turned_by_deviation_and_variation(csv, row, heading_deg):
-    assert read_log(csv(HEADER, row))[0] == Headings.of([1], [heading_deg])
+    assert read_log(csv(HEADER, row))[0] == Headings.as_sent([1], [heading_deg])
 
 
 @pytest.mark.parametrize('row, reason', [
@@ -46,14 +46,14 @@ def test_magnetic_headings_are_turned_by_deviation_and_variation(csv, row, headi
     ('1,5,10.0,,,0,0', 'bad_field'), ('1,6,10.0,,,0', 'other_talker.6')])
 def test_a_row_without_a_heading_is_counted_by_reason(csv, row, reason):
     headings, counts = read_log(csv(HEADER, '0,5,20.0,,,0', row))
-    assert headings == Headings.of([0], [20.0]) and counts == {reason: 1}
+    assert headings == Headings.as_sent([0], [20.0]) and counts == {reason: 1}
 
 
 def test_one_source_is_taken(csv):
     path = csv(HEADER, '1,52,10.0,,,0', '2,27,20.0,,,0', '3,52,30.0,,,0', '')
-    assert read_log(path) == (Headings.of([1, 3], [10.0, 30.0]), {'other_talker.27': 1})
+    assert read_log(path) == (Headings.as_sent([1, 3], [10.0, 30.0]), {'other_talker.27': 1})
     assert read_log(path, DriverSettings(talker='27')) == (
-        Headings.of([2], [20.0]), {'other_talker.52': 2})
+        Headings.as_sent([2], [20.0]), {'other_talker.52': 2})
 
 
 @pytest.mark.parametrize('block_bytes', [1, 3, 50])

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.records import Headings
-from heading_intercompare.drivers.logs import LogReader, read_log
+from heading_intercompare.drivers.logs import is_log, LogReader, read_log
 from heading_intercompare.drivers.sentence_choice import find_sentence
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 
@@ -198,3 +198,14 @@ def test_a_magnetic_compass_is_turned_by_its_variation(shared_data):
     headings, _ = read_log(shared_data / 'gpsd/bundg_zeus_9.log', DriverSettings(time='validity'))
     assert headings.heading_deg[0] == pytest.approx(231.6 + 1.3, abs=1e-9)
     assert headings.stamp_ns[0] == 1534758457 * S   # 2018-08-20 09:47:37
+
+
+def test_only_a_file_that_begins_with_sentences_or_headings_is_a_log(tmp_path):
+    for name, content, expected in (
+            ('gyro', b'x\n2014 $HEHDT,218.53,T*12\n', True),
+            ('a.csv', b't_ns,heading_deg\n', True),
+            ('pairs.csv', b'stamp_ns,ts_deg,rs_deg\n', False), ('empty', b'', False),
+            ('other', b'\x89MCAP0\r\n $HEHDT,1,T*12', False), ('b.mcap', b'$HEHDT,1,T', False)):
+        (tmp_path / name).write_bytes(content)
+        assert is_log(tmp_path / name) is expected, name
+    assert not is_log(tmp_path) and not is_log(tmp_path / 'nowhere.log')

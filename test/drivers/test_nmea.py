@@ -34,7 +34,7 @@ def decode(*pieces: bytes, **settings) -> tuple[Headings, dict[str, int]]:
 
 def test_a_live_sentence_is_stamped_with_its_receipt():
     headings, counts = decode(sentence('HEHDT,1.5,T'), sentence('HEHDT,2.5,T'), sentence='HDT')
-    assert headings == Headings.of([0, S], [1.5, 2.5])
+    assert headings == Headings.as_sent([0, S], [1.5, 2.5])
     assert counts == {}
 
 
@@ -71,7 +71,7 @@ def test_learning_holds_what_it_hears_and_loses_nothing():
     headings = decoder.feed(sentence('HETHS,12.5,A'), 12 * S)
     assert decoder.chosen == ('THS', 'HE')
     assert str(decoder.chosen) == 'HETHS'
-    assert headings == Headings.of([10 * S, 11 * S, 12 * S], [10.5, 11.5, 12.5])
+    assert headings == Headings.as_sent([10 * S, 11 * S, 12 * S], [10.5, 11.5, 12.5])
     assert decoder.counts == {'not_heading': 1, 'other_sentence.HDT': 2}
     assert len(decoder.feed(sentence('HEHDT,13.0,T'), 13 * S)) == 0
     assert decoder.counts['other_sentence.HDT'] == 3
@@ -80,7 +80,7 @@ def test_learning_holds_what_it_hears_and_loses_nothing():
 def test_time_passes_on_a_line_that_has_fallen_silent():
     decoder = NmeaDecoder(DriverSettings(learn_s=2.0))
     assert len(decoder.feed(sentence('HEHDT,1.0,T'), 0)) == 0
-    assert decoder.feed(b'', 2 * S) == Headings.of([0], [1.0])
+    assert decoder.feed(b'', 2 * S) == Headings.as_sent([0], [1.0])
 
 
 def test_a_clock_set_back_does_not_prolong_learning():
@@ -146,7 +146,7 @@ def test_a_heading_takes_the_time_of_the_zda_before_it():
         zda(0.17) + sentence('INHDT,1.0,T') + sentence('PSXN,23,0,0,1.0,0'),
         zda(1.17) + sentence('PSXN,23,0,0,2.0,0') + sentence('INHDT,2.0,T'),
         time='validity')
-    assert headings == Headings.of([NOON + 170_000_000, NOON + 1_170_000_000], [1.0, 2.0])
+    assert headings == Headings.as_sent([NOON + 170_000_000, NOON + 1_170_000_000], [1.0, 2.0])
     assert counts == {'not_heading': 2, 'other_sentence.PSXN,23': 2}
 
 
@@ -155,7 +155,7 @@ def test_the_first_burst_is_whole_for_every_kind():
     data = zda(0.17) + sentence('INHDT,1.0,T') + sentence('PSXN,23,0,0,1.5,0')
     for kind, heading_deg in (('HDT', 1.0), ('PSXN,23', 1.5)):
         headings, _ = decode(data, time='validity', sentence=kind)
-        assert headings == Headings.of([NOON + 170_000_000], [heading_deg])
+        assert headings == Headings.as_sent([NOON + 170_000_000], [heading_deg])
 
 
 @pytest.mark.parametrize('data, n, reasons', [
@@ -182,23 +182,23 @@ def test_pashr_takes_its_own_time_on_the_nearest_day():
             + sentence('PASHR,,3.0,T') + sentence('PASHR,9x,4.0,T'))
     headings, counts = decode(data, time='validity')
     midnight = NOON - 43_200 * S
-    assert headings == Headings.of([midnight - 50_000_000, midnight + 50_000_000], [1.0, 2.0])
+    assert headings == Headings.as_sent([midnight - 50_000_000, midnight + 50_000_000], [1.0, 2.0])
     assert counts == {'no_validity_time': 2, 'not_heading': 1}
 
 
 def test_pashr_without_zda_takes_the_day_from_its_receipt():
     decoder = NmeaDecoder(DriverSettings(time='validity', sentence='PASHR'))
     headings = decoder.feed(sentence('PASHR,115959.750,1.0,T'), NOON)
-    assert headings == Headings.of([NOON - 250_000_000], [1.0])
+    assert headings == Headings.as_sent([NOON - 250_000_000], [1.0])
     assert len(decoder.feed(sentence('PASHR,ATT,100.0,1.0,0,0'), NOON)) == 0
     assert decoder.counts == {'no_validity_time': 1}
 
 
 def test_a_stamp_on_a_live_line_is_used_only_if_asked_for():
     line = b'2014-08-01T00:00:00.183Z ' + sentence('HEHDT,1.0,T')
-    assert decode(line)[0] == Headings.of([0], [1.0])
+    assert decode(line)[0] == Headings.as_sent([0], [1.0])
     headings, counts = decode(line + sentence('HEHDT,2.0,T'), stamp_format='iso')
-    assert headings == Headings.of([1406851200183000000], [1.0])
+    assert headings == Headings.as_sent([1406851200183000000], [1.0])
     assert counts == {'no_stamp': 1}
 
 
@@ -206,7 +206,7 @@ def test_a_datagram_with_header_and_tag_block_gives_its_heading():
     data = b'UdPbC\0\\s:GY0001,n:1,c:1772366400*6E\\' + sentence('HETHS,100.1,A').strip()
     for settings in ({}, {'stamp_format': 'tag'}):
         headings, counts = decode(data, source='udp://239.192.0.3:60003', **settings)
-        assert headings == Headings.of([NOON if settings else 0], [100.1]) and counts == {}
+        assert headings == Headings.as_sent([NOON if settings else 0], [100.1]) and counts == {}
 
 
 def test_datagrams_are_not_joined():

@@ -87,7 +87,7 @@ def one_by_one(messages, convention):
         found, = heading_from_quaternion([q.x], [q.y], [q.z], [q.w], convention)
         absent = isinstance(message, Imu) and message.orientation_covariance[0] == -1.0
         heading_deg.append(math.nan if absent else found)
-    return Headings.of([stamp_ns(message) for message in messages], heading_deg)
+    return Headings.as_sent([stamp_ns(message) for message in messages], heading_deg)
 
 
 def test_every_type_of_headings_is_tried():
@@ -126,7 +126,7 @@ def test_an_imu_that_has_no_orientation_is_invalid():
                           st.floats(0.0, 10.0), RATES), max_size=5))
 def test_rclpy_receives_the_headings_that_were_sent(rows):
     stamps, heading_deg, sigma_deg, rate_deg_s = map(list, zip(*rows)) if rows else ([],) * 4
-    sent = imu_messages(Headings.of(stamps, heading_deg), 'ts_heading', sigma_deg=sigma_deg,
+    sent = imu_messages(Headings.as_sent(stamps, heading_deg), 'ts_heading', sigma_deg=sigma_deg,
                         turn_rate_deg_s=rate_deg_s)
     z, w = quaternion_from_heading(heading_deg)
     assert len(sent) == len(rows)
@@ -146,7 +146,7 @@ def test_rclpy_receives_the_headings_that_were_sent(rows):
 
 def test_the_fields_of_a_heading_by_hand():
     """Heading 0 is yaw 90; sigma 1 deg is 3.0462e-4 rad2; 2 deg/s to starboard is negative."""
-    data, = imu_messages(Headings.of([1_500_000_000], [0.0]), 'gyro', sigma_deg=[1.0],
+    data, = imu_messages(Headings.as_sent([1_500_000_000], [0.0]), 'gyro', sigma_deg=[1.0],
                          turn_rate_deg_s=[2.0])
     message = deserialize_message(data, Imu)
     assert (message.header.stamp.sec, message.header.stamp.nanosec) == (1, 500_000_000)

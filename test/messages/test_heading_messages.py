@@ -65,7 +65,7 @@ def one_by_one(type_name: str, convention: str, messages: list[bytes]) -> Headin
         if fields.get('orientation_covariance', [0.0])[0] == -1.0:
             heading_deg = [np.nan]
         values.append(heading_deg[0])
-    return Headings.of(stamps, values)
+    return Headings.as_sent(stamps, values)
 
 
 COMPONENT = st.floats(-2.0, 2.0) | st.sampled_from([0.0, np.nan, np.inf, 1e200])
@@ -136,7 +136,7 @@ def test_no_messages_give_no_headings():
 
 def imu_chunk(rng) -> Headings:
     heading_deg = np.concatenate((rng.uniform(0.0, 360.0, 50), [0.0, 90.0, 270.0, np.nan]))
-    return Headings.of(STAMP_NS + np.arange(54) * 10_000_000, heading_deg)
+    return Headings.as_sent(STAMP_NS + np.arange(54) * 10_000_000, heading_deg)
 
 
 @pytest.mark.parametrize('frame', ['', 'ts', 'antenna', 'Bücke'])
@@ -191,7 +191,7 @@ def test_no_headings_give_no_messages():
 @pytest.mark.parametrize('stamp_ns', [2**31 * 10**9, -2**31 * 10**9 - 1])
 def test_a_stamp_beyond_the_range_of_ros_is_refused(stamp_ns):
     with pytest.raises(MessageError, match=str(stamp_ns)):
-        encode_imu(Headings.of([STAMP_NS, stamp_ns], [1.0, 2.0]), 'ts')
+        encode_imu(Headings.as_sent([STAMP_NS, stamp_ns], [1.0, 2.0]), 'ts')
 
 
 def test_pairs_are_twists_to_the_bit():
@@ -311,6 +311,6 @@ def test_single_messages_are_the_rows_of_a_chunk(rng):
 
 
 def test_a_reading_whose_stamp_no_message_can_hold_is_left_out_with_what_it_claims():
-    headings = Headings.of([-1, 5, 2**31 * 10**9], [1.0, 2.0, 3.0])
+    headings = Headings.as_sent([-1, 5, 2**31 * 10**9], [1.0, 2.0, 3.0])
     assert imu_messages(headings, 'ts', sigma_deg=[0.1, 0.2, 0.3]) == imu_messages(
         headings[1:2], 'ts', sigma_deg=0.2)

@@ -31,8 +31,8 @@ def test_a_non_compliant_verdict_is_an_error_and_a_compliant_one_is_not():
     for amplitude_deg in (0.001, 5.0):
         comparison = Intercomparison(Settings.from_mapping(settings))
         noise_deg = np.random.default_rng(1).standard_normal((2, 2000))
-        comparison.update(ts=Headings.of(stamps, course_deg + amplitude_deg * noise_deg[0]),
-                          rs=Headings.of(stamps, course_deg + 0.001 * noise_deg[1]))
+        comparison.update(ts=Headings.as_sent(stamps, course_deg + amplitude_deg * noise_deg[0]),
+                          rs=Headings.as_sent(stamps, course_deg + 0.001 * noise_deg[1]))
         comparison.finish()
         levels.append(decode_statuses(encode_verdict(comparison.verdict(), 0))[1][0].level)
     assert levels == [OK, ERROR]

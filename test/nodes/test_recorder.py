@@ -43,7 +43,7 @@ REPORT = json.dumps({'runs': [{'start_ns': 5, 'end_ns': 9}]})
 
 def some_headings(n):
     """Return messages stamped 1 to n seconds."""
-    return heading_messages(Headings.of([i * 10 ** 9 for i in range(1, n + 1)],
+    return heading_messages(Headings.as_sent([i * 10 ** 9 for i in range(1, n + 1)],
                                         [i / 10 for i in range(n)]), 'gyro')
 
 

@@ -34,7 +34,8 @@ rclpy.init()
 node = rclpy.create_node('sender')
 publishers = [node.create_publisher(Imu, topic, qos.HEADINGS_OUT) for topic in topics]
 stamp_ns = 10 ** 18 + np.arange(count) * (10 ** 9 // rate_hz)
-messages = [row.tobytes() for row in encode_imu(Headings.of(stamp_ns, np.full(count, 90.0)), 'x')]
+readings = Headings.as_sent(stamp_ns, np.full(count, 90.0))
+messages = [row.tobytes() for row in encode_imu(readings, 'x')]
 until_s = time.monotonic() + 30.0
 while min(p.get_subscription_count() for p in publishers) < 1:
     if time.monotonic() > until_s:

@@ -38,7 +38,7 @@ from .rclpy_objects import headings_from, ledger_from, marker_message, marks_fro
 from .test_graph import assert_same
 
 T0_NS = 1_700_000_000_000_000_000
-HEADINGS = Headings.of(T0_NS + np.arange(300) * 10 ** 8, np.arange(300) % 360.0)
+HEADINGS = Headings.as_sent(T0_NS + np.arange(300) * 10 ** 8, np.arange(300) % 360.0)
 
 
 def stamp_of(time):
@@ -53,7 +53,7 @@ def bag_of(path, marks=(), ts_topic='/ts/heading', noise_deg=None):
         for topic in (ts_topic, '/rs/heading'):
             readings = HEADINGS
             if topic == ts_topic and noise_deg is not None:
-                readings = Headings.of(HEADINGS.stamp_ns,
+                readings = Headings.as_sent(HEADINGS.stamp_ns,
                                        (HEADINGS.heading_deg + noise_deg) % 360.0)
             bag.add_topic(topic, 'sensor_msgs/msg/Imu')
             rows.append(Rows(topic, encode_imu(readings, 'gyro'), HEADINGS.stamp_ns + 5))

@@ -35,7 +35,7 @@ def stream(rng, rate_hz, span_s, offset_ns=0):
     """Return readings at a rate, headings near north so that they wrap."""
     n = int(rate_hz * span_s)
     stamps = T0_NS + offset_ns + (np.arange(n) * (1e9 / rate_hz)).astype(np.int64)
-    return Headings.of(stamps, (rng.normal(0.0, 1.0, n)) % 360.0)
+    return Headings.as_sent(stamps, (rng.normal(0.0, 1.0, n)) % 360.0)
 
 
 def graph(ros, **values):
@@ -132,7 +132,7 @@ def test_the_ledger_comes_every_second_and_its_last_one_is_final(ros, rng):
 
 def test_rejected_readings_are_counted_by_reason(ros):
     node, sensors, _, ledgers = graph(ros)
-    send(sensors[0], Headings.of([T0_NS, T0_NS, 0, T0_NS + 1], [1.0, 2.0, 3.0, np.nan]))
+    send(sensors[0], Headings.as_sent([T0_NS, T0_NS, 0, T0_NS + 1], [1.0, 2.0, 3.0, np.nan]))
     ledger = finish(ros, node, sensors, ledgers)
     assert ledger.total.counts == {
         'ts_rejected.invalid': 1, 'ts_rejected.no_stamp': 1,
@@ -180,7 +180,7 @@ def test_the_convention_of_an_input_is_honoured(ros):
         north_ned = QuaternionStamped()
         north_ned.header.stamp.sec = second
         ts.publish(north_ned)
-        send(rs, Headings.of([second * 10 ** 9], [1.0]))
+        send(rs, Headings.as_sent([second * 10 ** 9], [1.0]))
     ros.spin_until(lambda: pairs)
     assert pairs_from(pairs).ts_deg[0] == pytest.approx(0.0)
     assert pairs_from(pairs).rs_deg[0] == pytest.approx(1.0)
@@ -206,7 +206,7 @@ def test_a_stamp_an_hour_ahead_costs_only_its_reading(ros, rng, who, rows):
     both = [stream(rng, 10.0, 40.0), stream(rng, 10.0, 40.0)]
     stamps = both[who].stamp_ns.copy()
     stamps[rows] += 3600 * 10 ** 9
-    both[who] = Headings.of(stamps, both[who].heading_deg)
+    both[who] = Headings.as_sent(stamps, both[who].heading_deg)
     for lo in range(0, 400, 20):
         for sensor, headings in zip(sensors, both):
             send(sensor, headings[lo:lo + 20])

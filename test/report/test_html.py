@@ -332,8 +332,8 @@ def test_a_doubtful_certificate_is_not_called_met_without_a_word(rng):
     """A sound TS five degrees off."""
     stamps = np.arange(1, 9001) * 10 ** 8
     rs = 100.0 + 30.0 * np.sin(np.arange(9000) / 500.0)
-    verdict = analyze(Headings.of(stamps, rs + 5.0 + 0.1 * rng.standard_normal(9000)),
-                      Headings.of(stamps, rs + 0.05 * rng.standard_normal(9000)),
+    verdict = analyze(Headings.as_sent(stamps, rs + 5.0 + 0.1 * rng.standard_normal(9000)),
+                      Headings.as_sent(stamps, rs + 0.05 * rng.standard_normal(9000)),
                       Settings.from_mapping({'norms': {'sigma_max_deg': 0.2,
                                                        'sigma_ref_max_deg': 0.1}}))
     page = html.render(verdict)

@@ -15,22 +15,29 @@ from typing import ContextManager, Sequence
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import Config, settings_for
 from heading_intercompare.app.inputs import load_config_or_journal
+from heading_intercompare.app.logs.two_logs import find_logs, judge_logs, ROLES
 from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
 from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.settings import from_mapping
 from heading_intercompare.core.verdict.validity import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.drivers.settings import DriverSettings, SENTENCES
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.report import check_form, json, SeriesSketch, write, WRITERS
 
-__all__ = ['add_analysis_arguments', 'add_arguments', 'add_settings_arguments',
-           'add_verdict_arguments', 'check_report', 'conclude', 'deliver', 'run']
+__all__ = ['add_analysis_arguments', 'add_arguments', 'add_log_arguments',
+           'add_settings_arguments', 'add_verdict_arguments', 'check_report', 'conclude',
+           'deliver', 'drivers_for', 'LOG_OPTIONS', 'run']
 
 _CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4
+
+LOG_OPTIONS = ('ts_sentence', 'rs_sentence', 'time', 'stamp_format')
+"""Options of `add_log_arguments`, by their names in the parser."""
 
 
 def add_settings_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,6 +45,28 @@ def add_settings_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--config', metavar='F', help='ROS parameter file with the settings')
     parser.add_argument('--set', metavar='name=value', action='append', default=[],
                         help='one setting, e.g. norms.sigma_max_deg=0.2; may be repeated')
+
+
+def add_log_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say how logs are read; see `drivers_for`."""
+    for role in ROLES:
+        parser.add_argument(f'--{role}-sentence', metavar='S',
+                            help=f'kind of sentence in the log of the {role.upper()}: '
+                            + ', '.join(SENTENCES) + ' (default: the first present)')
+    parser.add_argument('--time', choices=('receipt', 'validity'),
+                        help='stamp headings of logs with the time of receipt (of the line; '
+                        'default) or of validity (ZDA)')
+    parser.add_argument('--stamp-format', metavar='S',
+                        help='form of the stamps of the lines (default: recognised automatically)')
+
+
+def drivers_for(arguments: argparse.Namespace) -> dict[str, DriverSettings]:
+    """Return how to read the log of each sensor; SettingsError for a wrong option."""
+    given = {'time': arguments.time, 'stamp_format': arguments.stamp_format}
+    return {role: from_mapping(DriverSettings, {
+        name: value for name, value in
+        {**given, 'sentence': getattr(arguments, f'{role}_sentence')}.items()
+        if value is not None}) for role in ROLES}
 
 
 def add_verdict_arguments(parser: argparse.ArgumentParser) -> None:
@@ -52,7 +81,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('inputs', nargs='+', metavar='INPUT',
                         help='.mcap file, rosbag2 directory, .csv of pairs, or .journal of a live '
-                        'run, which brings its settings')
+                        'run, which brings its settings; or two logs of NMEA sentences, first '
+                        'that of the tested, then that of the reference sensor')
     add_analysis_arguments(parser)
     parser.add_argument('--report', metavar='F.html', help='write the protocol, with plots')
     add_verdict_arguments(parser)
@@ -62,6 +92,7 @@ def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options for judging inputs and for the tables of their pairs."""
     parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor')
     parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor')
+    add_log_arguments(parser)
     add_settings_arguments(parser)
     parser.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
     parser.add_argument('--csv', metavar='F', help='write one row per pair')
@@ -87,7 +118,8 @@ def run(arguments: argparse.Namespace) -> int:
     config = load_config_or_journal(arguments.config, arguments.inputs)
     settings = settings_for(config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs)
     Limits.of(settings.norms, settings.model)
-    _check_options(arguments)
+    logs = find_logs(arguments.inputs)
+    _check_options(arguments, logs is not None)
     outputs = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
                       arguments.ensemble_s)
     check_outputs(outputs, arguments.inputs, config=arguments.config, runs=arguments.runs)
@@ -95,9 +127,14 @@ def run(arguments: argparse.Namespace) -> int:
     with (ExitStack() as files, Progress(_label(arguments), arguments.quiet) as progress,
           _cluster(arguments.dask) as executor):
         takers = [files.enter_context(file).write for file in open_tables(outputs, settings)]
-        judged = judge_bags(arguments.inputs, settings, runs=arguments.runs or None,
-                            takers=takers, sketched=bool(arguments.report), jobs=arguments.jobs,
-                            executor=executor, progress=progress.show)
+        if logs is not None:
+            judged = judge_logs(*logs, settings, drivers_for(arguments), takers=takers,
+                                runs=arguments.runs or None, sketched=bool(arguments.report),
+                                progress=progress.show)
+        else:
+            judged = judge_bags(arguments.inputs, settings, runs=arguments.runs or None,
+                                takers=takers, sketched=bool(arguments.report),
+                                jobs=arguments.jobs, executor=executor, progress=progress.show)
     for note in judged.notes:
         print(f'note: {note}', file=sys.stderr)
     if book is not None:
@@ -155,19 +192,30 @@ def _cluster(address: str | None) -> ContextManager[Executor | None]:
     return open_cluster(address)
 
 
-def _check_options(arguments: argparse.Namespace) -> None:
-    """Reject options that do not go together."""
+def _check_options(arguments: argparse.Namespace, of_logs: bool) -> None:
+    """Reject options that do not go together, or not with these inputs."""
+    _check_log_options(arguments, of_logs)
     if arguments.dask is not None and arguments.jobs is not None:
         raise ValueError(f'--jobs {arguments.jobs}: with --dask the scheduler decides; '
                          'leave out one of them')
     check_report(arguments)
     for option in ('csv', 'ensembles'):
         path = getattr(arguments, option)
-        if path is not None and len(arguments.inputs) > 1:
+        if path is not None and len(arguments.inputs) > 1 and not of_logs:
             raise ValueError(f'--{option} {path}: takes the pairs of one INPUT, but '
                              f'{len(arguments.inputs)} are given')
         if path is not None and arguments.dask is not None:
             raise ValueError(f'--{option} {path}: the pairs stay on the workers; leave out --dask')
+
+
+def _check_log_options(arguments: argparse.Namespace, of_logs: bool) -> None:
+    """Reject options of logs without logs, and options of bags with logs."""
+    wrong, why = (
+        (('ts', 'rs', 'dask'), 'is for bags, and these INPUTs are logs; leave it out') if of_logs
+        else (LOG_OPTIONS, 'is for logs, and no INPUT is one; leave it out'))
+    for option in wrong:
+        if (value := getattr(arguments, option)) is not None:
+            raise ValueError(f'--{option.replace("_", "-")} {value}: {why}')
 
 
 def check_report(arguments: argparse.Namespace) -> None:

@@ -10,17 +10,14 @@ import time
 import numpy as np
 
 from heading_intercompare.app.config import load_config, settings_for
-from heading_intercompare.app.inputs import sha256
+from heading_intercompare.app.logs.log_import import import_log
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.provenance import describe_origin, Notes, RECORD
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.settings import from_mapping
-from heading_intercompare.drivers.logs import LogReader
-from heading_intercompare.drivers.settings import DriverSettings, SENTENCES
 from heading_intercompare.messages.heading_messages import encode_imu
 
-from .analyze import add_settings_arguments
+from .analyze import add_log_arguments, add_settings_arguments, drivers_for
 from .note import add_note_argument, read_notes
 
 __all__ = ['add_arguments', 'run']
@@ -33,14 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for role, words in (('ts', 'tested'), ('rs', 'reference')):
         parser.add_argument(f'--{role}', metavar='FILE', required=True,
                             help=f'log of the {words} sensor')
-        parser.add_argument(f'--{role}-sentence', metavar='S', default='auto',
-                            help='kind of sentence: ' + ', '.join(SENTENCES)
-                            + ' (default: the first present)')
-    parser.add_argument('--time', choices=('receipt', 'validity'), default='receipt',
-                        help='stamp headings with the time of receipt (of the line; default) or '
-                        'of validity (ZDA)')
-    parser.add_argument('--stamp-format', metavar='S', default='auto',
-                        help='form of the stamps of the lines (default: recognised automatically)')
+    add_log_arguments(parser)
     parser.add_argument('-o', '--output', metavar='BAG', required=True,
                         help='the rosbag2 directory to write')
     add_note_argument(parser)
@@ -52,37 +42,22 @@ def run(arguments: argparse.Namespace) -> int:
     settings = settings_for(load_config(arguments.config), arguments.set)
     notes = read_notes(arguments)
     topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic}
-    read, counts, sources = {}, {}, {}
+    drivers, logs = drivers_for(arguments), {}
     for role in topics:
         path = getattr(arguments, role)
-        driver = from_mapping(DriverSettings, {
-            'sentence': getattr(arguments, f'{role}_sentence'), 'time': arguments.time,
-            'stamp_format': arguments.stamp_format})
         with Progress(path, arguments.quiet) as progress:
-            reader = LogReader(path, driver)
-            chunks = []
-            for chunk in reader:
-                chunks.append(chunk)
-                progress.show(f'{reader.position / reader.size:.0%}')
-        read[role], counts[role] = Headings.concatenate(chunks), reader.counts
-        sources[role] = {
-            'path': path, 'sha256': sha256(path), 'bytes': reader.size,
-            'sentence': reader.sentence, 'time': arguments.time,
-            'stamp_format': arguments.stamp_format, 'headings': len(read[role]),
-            **{f'not_taken.{reason}': n for reason, n in reader.counts.items()}}
-    if not any(len(h) for h in read.values()):
+            logs[role] = import_log(path, drivers[role], progress.show)
+    if not any(len(log.headings) for log in logs.values()):
         raise ValueError(f'{arguments.ts}, {arguments.rs}: no heading in either log '
-                         f'({_counts_text(counts["ts"])}; {_counts_text(counts["rs"])})')
-    _write(arguments.output, read, topics, describe_origin(settings.to_mapping(), sources), notes)
+                         f'({logs["ts"].words_not_taken}; {logs["rs"].words_not_taken})')
+    origins = {role: log.origin for role, log in logs.items()}
+    read = {role: log.headings for role, log in logs.items()}
+    _write(arguments.output, read, topics, describe_origin(settings.to_mapping(), origins), notes)
     for role in topics:
-        print(f'{role.upper()} {getattr(arguments, role)}: {len(read[role])} headings on '
-              f'{topics[role]}; not taken: {_counts_text(counts[role])}')
+        print(f'{role.upper()} {logs[role].path}: {len(read[role])} headings on '
+              f'{topics[role]}; not taken: {logs[role].words_not_taken}')
     print(f'bag: {arguments.output}')
     return 0
-
-
-def _counts_text(counts: dict[str, int]) -> str:
-    return ', '.join(f'{n} {reason}' for reason, n in sorted(counts.items()) if n) or 'nothing'
 
 
 def _write(path: str, read: dict[str, Headings], topics: dict[str, str],

@@ -15,13 +15,15 @@ from . import analyze
 __all__ = ['add_arguments', 'run']
 
 #: Options that need readings, which a verdict lacks.
-_JUDGING = ('ts', 'rs', 'config', 'set', 'runs', 'csv', 'ensembles', 'jobs', 'dask')
+_JUDGING = ('ts', 'rs', 'config', 'set', 'runs', 'csv', 'ensembles', 'jobs', 'dask',
+            *analyze.LOG_OPTIONS)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('inputs', nargs='+', metavar='INPUT',
-                        help='.mcap file, rosbag2 directory, .csv of pairs or .journal; or one '
+                        help='.mcap file, rosbag2 directory, .csv of pairs or .journal; two '
+                        'logs, first that of the TS, then that of the RS; or one '
                         '.json written by analyze --json or a node, which is not judged again')
     parser.add_argument('-o', '--output', dest='report', metavar='F.html', required=True,
                         help='the protocol')
@@ -40,8 +42,8 @@ def run(arguments: argparse.Namespace) -> int:
     for option in _JUDGING:
         if value := getattr(arguments, option):
             shown = value[0] if isinstance(value, list) else value
-            raise ValueError(f'--{option} {shown}: {verdicts[0]} is a verdict, which is not '
-                             'judged again; leave it out')
+            raise ValueError(f'--{option.replace("_", "-")} {shown}: {verdicts[0]} is a verdict, '
+                             'which is not judged again; leave it out')
     analyze.check_report(arguments)
     check_outputs(Outputs(report=arguments.report, json=arguments.json), arguments.inputs)
     return analyze.deliver(json.read(verdicts[0]), arguments)

@@ -30,8 +30,8 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
 from .coverage import least_duration_s
 from .criteria import Limits
 
-__all__ = ['count_risk', 'decide', 'Evidence', 'gather_evidence', 'Guarded', 'REASONS',
-           'variance_risk']
+__all__ = ['count_risk', 'decide', 'decide_variance', 'Evidence', 'gather_evidence', 'Guarded',
+           'REASONS', 'variance_risk']
 
 REASONS = {
     'insufficient_data': 'fewer than 128 differences, or too unevenly spread in time',
@@ -237,8 +237,8 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
     lower = lower_bound(found, producer)
     least_s = least_duration_s(risk)
     is_long = evidence.span_s >= least_s
-    outcome, reason = _variance_outcome(found, lower, upper, evidence.drift_left_deg2, limits,
-                                        is_long)
+    outcome, reason = decide_variance(found, evidence.span_s, limits, risk,
+                                      evidence.drift_left_deg2)
     low_deg, up_deg = (m * limits.sigma_ref_max_deg for m in (limits.m_low, limits.m_up))
     rate_low = rate_lower(found.nu * rates[0], found.nu, count_risk(risk))
     rate_up = rate_upper(found.nu * rates[1], found.nu, risk.alpha_consumer)
@@ -281,9 +281,29 @@ def _refuse_to_decide(evidence: Evidence, accept_deg2: float, reject_deg2: float
         reason='insufficient_data')
 
 
-def _variance_outcome(found: Spread, lower: float, upper: float, drift_left_deg2: float,
-                      limits: Limits, is_long: bool) -> tuple[Outcome, str]:
-    """Apply the rows of the table of ``docs/risk.md`` in their order."""
+def decide_variance(found: Spread, span_s: float, limits: Limits, risk: Risk,
+                    drift_left_deg2: float = 0.0) -> tuple[Outcome, str]:
+    """
+    Return the outcome of the variance and a key of `REASONS`.
+
+    Parameters
+    ----------
+    found : Spread
+    span_s : float
+        Time from the first to the last difference, seconds.
+    limits : Limits
+    risk : Risk
+    drift_left_deg2 : float
+        Upper 95 % bound of the variance of the drift not removed, square degrees.
+
+    Notes
+    -----
+    It applies the rows of the table of ``docs/risk.md`` in their order.
+
+    """
+    upper = upper_bound(found, risk.alpha_consumer)
+    lower = lower_bound(found, variance_risk(risk))
+    is_long = span_s >= least_duration_s(risk)
     accept, reject = limits.tightened_limit_deg2, limits.rejection_limit_deg2
     if lower > reject:
         return Outcome.NON_COMPLIANT, 'lower_bound_above_rejection_limit'

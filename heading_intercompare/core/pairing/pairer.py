@@ -336,8 +336,8 @@ def pair(ts: Headings, rs: Headings, settings: Settings | None = None) -> tuple[
 
     Examples
     --------
-    >>> ts = Headings.of([10, 20, 40], [359.0, 1.0, 3.0])
-    >>> rs = Headings.of([5, 25], [358.0, 2.0])
+    >>> ts = Headings.as_sent([10, 20, 40], [359.0, 1.0, 3.0])
+    >>> rs = Headings.as_sent([5, 25], [358.0, 2.0])
     >>> pairs, ledger = pair(ts, rs)
     >>> pairs.rs_deg.tolist(), ledger.total.counts['ts_unpaired']
     ([359.0, 1.0], 1)

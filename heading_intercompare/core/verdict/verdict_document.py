@@ -249,6 +249,7 @@ class Input:
         Hash of its data; None if it could not be read.
     ts_topic, rs_topic : str or None
         Topics read, or of the readings that made the pairs of a journal; None for a csv of pairs.
+        Of a log one is its sentence ('HEHDT'), or 'csv', and the other None.
     notes : tuple of OperatorNote, or None
         Notes of the operator, in time order.
     error : str or None
@@ -261,6 +262,8 @@ class Input:
         Path of the input with the beginning of this trial; both were judged together.
     ledger_problems : tuple of str, or None
         Why its readings are not all accounted for.
+    not_taken : mapping of str to int, or None
+        Lines of a log that gave no heading, by reason; None if it is no log.
 
     """
 
@@ -274,6 +277,7 @@ class Input:
     same_as: str | None = leave_out_none()
     continues: str | None = leave_out_none()
     ledger_problems: tuple[str, ...] | None = leave_out_none()
+    not_taken: Mapping[str, int] | None = leave_out_none()
 
     @property
     def why_no_run(self) -> str | None:

@@ -20,7 +20,7 @@ def found(log_time_ns, place=None) -> Found:
     log = np.asarray(log_time_ns, np.int64)
     place = np.zeros(len(log), np.int16) if place is None else np.asarray(place, np.int16)
     return Found(log, place, np.zeros(len(log), np.uint32),
-                 Headings.of(np.arange(len(log)), np.zeros(len(log))))
+                 Headings.as_sent(np.arange(len(log)), np.zeros(len(log))))
 
 
 def numbers(minutes) -> list[list[list[int]]]:

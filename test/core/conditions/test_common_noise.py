@@ -113,8 +113,8 @@ def test_any_rates_may_meet(method, ts_hz, rs_hz, rng):
     settings = Settings.from_mapping({'pairing': {'method': method}})
 
     def found(ts):
-        pairs, _ = pair(Headings.of(stamps_of(t), ts % 360.0),
-                        Headings.of(stamps_of(t_rs), rs % 360.0), settings)
+        pairs, _ = pair(Headings.as_sent(stamps_of(t), ts % 360.0),
+                        Headings.as_sent(stamps_of(t_rs), rs % 360.0), settings)
         return find_common_noise(pairs.stamp_ns, subtract(pairs).x_deg, pairs.rs_deg,
                                  rs_factor=pairs.rs_variance_factor).kind
     assert found(own) != 'common'
@@ -142,7 +142,7 @@ def test_real_sensors_have_no_common_noise(name, real):
 def test_copies_of_a_real_sensor_are_found(name, logs):
     """Once a second, in a sea: its noise shows at the highest eighth of a hertz only."""
     rs = logs[name]
-    for ts in (rs, Headings.of(rs.stamp_ns + 7 * 10 ** 8, rs.heading_deg)):
+    for ts in (rs, Headings.as_sent(rs.stamp_ns + 7 * 10 ** 8, rs.heading_deg)):
         pairs, _ = pair(ts, rs)
         assert find_common_noise(pairs.stamp_ns, subtract(pairs).x_deg, pairs.rs_deg,
                                  rs_factor=pairs.rs_variance_factor,
@@ -174,7 +174,8 @@ def test_a_reference_faster_than_the_pairs_shares_only_the_motion():
     def heading(at_s):
         return 90.0 + sum(0.0063 * np.sin(2.0 * np.pi * f * at_s + p) for f, p in lines)
     rs = heading(t_rs) + 0.2 * rng.standard_normal(t_rs.size)
-    pairs, _ = pair(Headings.of(stamps_of(t), heading(t)), Headings.of(stamps_of(t_rs), rs))
+    pairs, _ = pair(Headings.as_sent(stamps_of(t), heading(t)),
+                    Headings.as_sent(stamps_of(t_rs), rs))
     assert find_common_noise(pairs.stamp_ns, subtract(pairs).x_deg, pairs.rs_deg,
                              rs_factor=pairs.rs_variance_factor).kind == 'independent'
 

@@ -84,8 +84,8 @@ def test_sensors_may_change_places(rng):
 
 
 def test_common_stamps_are_those_within_all_sensors():
-    one = Headings.of(np.arange(0, 100, 10) * 10 ** 9, np.arange(0, 100, 10) % 360.0)
-    two = Headings.of(np.arange(15, 85, 5) * 10 ** 9, np.arange(15, 85, 5) + 1.0)
+    one = Headings.as_sent(np.arange(0, 100, 10) * 10 ** 9, np.arange(0, 100, 10) % 360.0)
+    two = Headings.as_sent(np.arange(15, 85, 5) * 10 ** 9, np.arange(15, 85, 5) + 1.0)
     stamps, heading = at_common_stamps([one, two], (0.0, 2.0))
     assert (stamps // 10 ** 9).tolist() == [20, 30, 40, 50, 60, 70, 80]
     assert heading[1] - heading[0] == pytest.approx(-1.0)

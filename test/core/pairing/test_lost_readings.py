@@ -21,14 +21,14 @@ TS_LOST, RS_LOST = LedgerKey.TS_LOST_ON_THE_WAY, LedgerKey.RS_LOST_ON_THE_WAY
 
 def still(stamps):
     """Return readings at some stamps."""
-    return Headings.of(stamps, np.full(len(stamps), 90.0))
+    return Headings.as_sent(stamps, np.full(len(stamps), 90.0))
 
 
 def noisy(rng, stamps, sigma_deg=0.1):
     """Return readings of a ship that turns, at some stamps."""
     t = np.asarray(stamps) / 1e9
     ship = 90.0 + 40.0 * np.sin(t / 100.0) + np.sin(2.0 * np.pi * t / 8.0)
-    return Headings.of(stamps, ship + sigma_deg * rng.standard_normal(len(t)))
+    return Headings.as_sent(stamps, ship + sigma_deg * rng.standard_normal(len(t)))
 
 
 def losses_of(run):
@@ -129,7 +129,7 @@ def test_what_is_lost_and_what_is_rejected_add_up(rng, parts, effect):
     heading = ts.heading_deg.copy()
     heading[5 * np.arange(1, rejected + 1)] = np.nan
     comparison = Intercomparison(RULE)
-    comparison.update(Headings.of(stamps, heading), noisy(rng, stamps, 0.05))
+    comparison.update(Headings.as_sent(stamps, heading), noisy(rng, stamps, 0.05))
     comparison.lose(LedgerKey.TS_LOST_AT_SOURCE, Losses.of([6000 * STEP_NS], [0], [lost]))
     comparison.finish()
     found = losses_of(comparison.verdict().runs[0])
@@ -177,7 +177,7 @@ def test_readings_without_a_stamp_count_in_the_run_in_which_they_came(rng, size,
     if size < 12_000:
         stamps, unstamped = stamps[:1500], unstamped[:1500]
     rs = noisy(rng, stamps, 0.05)
-    rs = Headings.of(np.where(unstamped, 0, stamps), rs.heading_deg)
+    rs = Headings.as_sent(np.where(unstamped, 0, stamps), rs.heading_deg)
     ts = noisy(rng, stamps)
     comparison = Intercomparison(RULE)
     for lo in range(0, len(stamps), size):

@@ -30,7 +30,7 @@ def rules(method='interpolate', jump_s=100.0, **more):
 
 
 def headings(*rows):
-    return Headings.of([s for s, _ in rows] or np.empty(0, int), [h for _, h in rows])
+    return Headings.as_sent([s for s, _ in rows] or np.empty(0, int), [h for _, h in rows])
 
 
 # Stamps on a coarse grid make ties, duplicates and steps backwards common.
@@ -161,10 +161,10 @@ def test_chunks_and_order_of_arrival_do_not_matter(method, ts, rs, data):
 @given(ts=sorted_streams, rs=sorted_streams, turn=st.integers(0, 359))
 def test_a_constant_added_to_both_headings_leaves_the_differences(method, ts, rs, turn):
     # Headings on a binary grid, so that the addition itself is exact.
-    ts, rs = (Headings.of(s.stamp_ns, np.round(s.heading_deg * 1024) / 1024 % 360)
+    ts, rs = (Headings.as_sent(s.stamp_ns, np.round(s.heading_deg * 1024) / 1024 % 360)
               for s in (ts, rs))
     plain = subtract(pair(ts, rs, rules(method, tolerance_s=0.3))[0])
-    turned = [Headings.of(s.stamp_ns, (s.heading_deg + turn) % 360) for s in (ts, rs)]
+    turned = [Headings.as_sent(s.stamp_ns, (s.heading_deg + turn) % 360) for s in (ts, rs)]
     x = subtract(pair(*turned, rules(method, tolerance_s=0.3))[0])
     assert np.array_equal(x.stamp_ns, plain.stamp_ns)
     assert np.abs(wrap180(x.x_deg - plain.x_deg)).max(initial=0.0) < 1e-12
@@ -287,7 +287,7 @@ def test_memory_is_bounded_when_one_sensor_is_silent():
     pairer = Pairer(rules(max_wait_s=5.0))
     stamps_ = np.arange(1, 2001, dtype=np.int64) * S
     for k in range(0, 2000, 10):
-        chunk = Headings.of(stamps_[k:k + 10], np.zeros(10))
+        chunk = Headings.as_sent(stamps_[k:k + 10], np.zeros(10))
         pairer.update(rs=chunk, now_s=float(k))
     assert pairer.ledger.total.counts['rs_pending'] <= 20
     assert pairer.ledger.total.counts['rs_unused'] >= 1980
@@ -390,7 +390,7 @@ def test_old_segments_are_joined_and_nothing_is_lost():
 def test_segments_at_cuts_of_the_clock_do_not_depend_on_chunks(step_s, chunk, dead):
     """The RS is silent for a while, so that cuts pass without a pair."""
     stamps = np.arange(0, 2000, step_s) * S
-    ts, rs = Headings.of(stamps, stamps % 7 * 0.1), Headings.of(stamps, stamps % 5 * 0.1)
+    ts, rs = Headings.as_sent(stamps, stamps % 7 * 0.1), Headings.as_sent(stamps, stamps % 5 * 0.1)
     rs = rs[(rs.stamp_ns < 500 * S) | (rs.stamp_ns >= (500 + dead) * S)]
     rule = Settings.from_mapping({'runs.every_h': 0.05, 'runs.gap_s': 400.0,
                                   'pairing.max_gap_s': 60.0, 'pairing.method': 'interpolate'})

@@ -29,8 +29,8 @@ def judged(rng, slope_s_per_h, skew_s=0.0, *, span=7200.0, ts_hz=5.0, rs_hz=5.0,
     t, t_rs = np.arange(0.0, span, 1.0 / ts_hz), np.arange(0.0, span, 1.0 / rs_hz) + 0.03
     ts = heading(t - skew_s - slope_s_per_h * t / 3600.0) + 0.1 * rng.standard_normal(t.size)
     rs = heading(t_rs) + 0.05 * rng.standard_normal(t_rs.size)
-    pairs, _ = pair(Headings.of(stamps_of(t), ts % 360.0),
-                    Headings.of(stamps_of(t_rs), rs % 360.0))
+    pairs, _ = pair(Headings.as_sent(stamps_of(t), ts % 360.0),
+                    Headings.as_sent(stamps_of(t_rs), rs % 360.0))
     return estimate_clock_drift(pairs.stamp_ns, subtract(pairs).x_deg, pairs.rs_deg), pairs
 
 

@@ -31,8 +31,8 @@ def judged(rng, *, rs_s, ts_s, size=1.0, period=8.0, noise=(0.0, 0.0), span=1800
     t = np.arange(2.0 * rs_s + ts_s, span - 3.0 * rs_s, ts_s)
     rs = true(t_rs) + noise[1] * rng.standard_normal(t_rs.size)
     ts = true(t) + noise[0] * rng.standard_normal(t.size)
-    pairs, _ = pair(Headings.of(stamps_of(t), ts % 360.0),
-                    Headings.of(stamps_of(t_rs), rs % 360.0), RS_INTERPOLATED)
+    pairs, _ = pair(Headings.as_sent(stamps_of(t), ts % 360.0),
+                    Headings.as_sent(stamps_of(t_rs), rs % 360.0), RS_INTERPOLATED)
     found = estimate_interpolation_error(pairs.stamp_ns, pairs.rs_deg, pairs.ts_deg,
                                          pairs.rs_variance_factor, interval_s=rs_s if known
                                          else None)

@@ -23,7 +23,7 @@ def headings(yaw, n, rate_hz=10.0, late_s=0.0, noise=0.0, rng=None, phase_s=0.0)
     h = yaw(t - late_s)
     if noise:
         h = h + noise * rng.standard_normal(n)
-    return Headings.of(10 ** 18 + np.rint(t * 1e9).astype(np.int64), h % 360.0)
+    return Headings.as_sent(10 ** 18 + np.rint(t * 1e9).astype(np.int64), h % 360.0)
 
 
 @pytest.mark.parametrize('name', PAIRS)
@@ -64,8 +64,8 @@ def test_the_parabola_finds_the_minimum_between_grid_points():
         return 10.0 + 0.02 * (t - 50.0) ** 2
     t = np.arange(1001) / 10.0
     stamps = 10 ** 18 + np.arange(1001) * 10 ** 8
-    rs = Headings.of(stamps, turn(t) % 360.0)
-    ts = Headings.of(stamps, turn(t - 0.234) % 360.0)
+    rs = Headings.as_sent(stamps, turn(t) % 360.0)
+    ts = Headings.as_sent(stamps, turn(t - 0.234) % 360.0)
     assert scan_skew(ts, rs, 1.0, 0.1).skew_s == pytest.approx(0.234, abs=1e-3)
 
 
@@ -81,9 +81,9 @@ def test_the_uncertainty_of_the_scan_is_that_of_its_errors(yaw, rng):
 
 def test_sensors_that_keep_step_draw_the_minimum_between_the_readings(yaw, rng):
     """The bias of a noisy RS is seen, and it is within the bound given."""
-    slow = Headings.of(np.arange(4000) * 10 ** 9 + 10 ** 18,
+    slow = Headings.as_sent(np.arange(4000) * 10 ** 9 + 10 ** 18,
                        90.0 + 0.3 * np.sin(np.arange(4000) / 9.0))
-    noisy = Headings.of(slow.stamp_ns, slow.heading_deg + 0.1 * rng.standard_normal(4000))
+    noisy = Headings.as_sent(slow.stamp_ns, slow.heading_deg + 0.1 * rng.standard_normal(4000))
     found = scan_skew(slow, noisy, 2.0, 0.05)
     assert abs(found.skew_s) > 6.0 * found.u_s
     assert abs(found.skew_s) <= found.bias_s + 6.0 * found.u_s
@@ -101,7 +101,7 @@ def test_a_skew_beyond_the_range_is_at_its_edge(yaw):
 
 def test_turning_all_headings_changes_nothing(yaw, rng):
     ts, rs = headings(yaw, 900, late_s=0.2, noise=0.1, rng=rng), headings(yaw, 900)
-    turned = [Headings.of(h.stamp_ns, (h.heading_deg + 257.0) % 360.0) for h in (ts, rs)]
+    turned = [Headings.as_sent(h.stamp_ns, (h.heading_deg + 257.0) % 360.0) for h in (ts, rs)]
     a, b = scan_skew(ts, rs, 0.5), scan_skew(*turned, 0.5)
     assert (b.skew_s, b.std_deg) == pytest.approx((a.skew_s, a.std_deg), rel=1e-7)
     assert b.mean_deg == pytest.approx(a.mean_deg, abs=1e-9)
@@ -111,9 +111,9 @@ def test_differences_about_180_degrees_are_wrapped(rng):
     """The seam of the difference adds its jumps to the variance, as in the definition."""
     n = 600
     stamps = np.arange(n) * 10 ** 8 + 10 ** 18
-    rs = Headings.of(stamps, np.full(n, 10.0))
+    rs = Headings.as_sent(stamps, np.full(n, 10.0))
     noise = rng.standard_normal(n)
-    found = scan_skew(Headings.of(stamps, 190.0 + noise), rs, 0.2, 0.1)
+    found = scan_skew(Headings.as_sent(stamps, 190.0 + noise), rs, 0.2, 0.1)
     assert found.std_zero_deg > 100.0
     assert found.std_zero_deg == pytest.approx(
         wrap180(180.0 + noise[2:-2]).std(ddof=1), rel=1e-9)
@@ -128,7 +128,7 @@ def test_long_streams_are_searched_on_some_and_settled_on_all(yaw, rng, monkeypa
 
 def test_a_ship_that_does_not_turn_determines_no_skew(rng):
     stamps = np.arange(3000) * 10 ** 8
-    ts, rs = (Headings.of(stamps, 90.0 + s * rng.standard_normal(3000)) for s in (0.1, 0.05))
+    ts, rs = (Headings.as_sent(stamps, 90.0 + s * rng.standard_normal(3000)) for s in (0.1, 0.05))
     found = scan_skew(ts, rs, 1.0)
     assert not found.well_determined
     assert found.u_s is None
@@ -145,13 +145,13 @@ def test_readings_within_reach_of_a_silence_can_be_left_out(yaw):
 @pytest.mark.parametrize('n', [0, 1, 2, 30])
 def test_too_few_readings_give_no_scan(n):
     """Thirty readings are three seconds; the range takes four."""
-    some = Headings.of(np.arange(n) * 10 ** 8, np.zeros(n))
+    some = Headings.as_sent(np.arange(n) * 10 ** 8, np.zeros(n))
     assert scan_skew(some, some) is None
     assert scan_skew(some, Headings.empty()) is None
 
 
 def test_equal_readings_give_a_scan_without_a_finding():
-    some = Headings.of(np.arange(200) * 10 ** 8, np.full(200, 5.0))
+    some = Headings.as_sent(np.arange(200) * 10 ** 8, np.full(200, 5.0))
     found = scan_skew(some, some, 1.0)
     assert (found.std_deg, found.u_s, found.well_determined) == (0.0, None, False)
 

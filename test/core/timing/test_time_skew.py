@@ -28,13 +28,13 @@ def seconds(n, rate_hz=10.0):
 # --- a heading in time ---
 
 def test_a_track_interpolates_over_north():
-    track = Track(Headings.of([0, 2_000_000_000], [359.0, 3.0]))
+    track = Track(Headings.as_sent([0, 2_000_000_000], [359.0, 3.0]))
     assert track.at(np.array([0.0, 0.5, 2.0])).tolist() == [359.0, 360.0, 363.0]
     assert track.rate(np.array([1.0]), 0.5).tolist() == [2.0]
 
 
 def test_a_track_leaves_out_what_has_no_place_on_it():
-    track = Track(Headings.of([10, 10, 5, 20, 30], [1.0, 2.0, 3.0, math.nan, 4.0]), 10)
+    track = Track(Headings.as_sent([10, 10, 5, 20, 30], [1.0, 2.0, 3.0, math.nan, 4.0]), 10)
     assert track.t_s.tolist() == [0.0, 2e-8]
     assert track.heading_deg.tolist() == [1.0, 4.0]
 
@@ -44,7 +44,7 @@ def test_a_track_leaves_out_what_has_no_place_on_it():
                                           (-0.1, 0.5, False), (9.5, 10.1, False),
                                           (1.0, 1.0, True), (9.0, 9.0, True)])
 def test_a_track_covers_no_span_over_a_gap_or_beyond_its_ends(lo, hi, good):
-    track = Track(Headings.of(np.array([0, 1, 9, 10]) * 10 ** 9, [0.0] * 4))
+    track = Track(Headings.as_sent(np.array([0, 1, 9, 10]) * 10 ** 9, [0.0] * 4))
     assert track.covers(np.array([lo]), np.array([hi]), 3.0).tolist() == [good]
 
 
@@ -56,7 +56,7 @@ def test_an_empty_track_covers_nothing():
 
 def test_regression_by_hand():
     """RS turns at 1, 2, 3 deg/s about 0.5, 1.5, 2.5 s; x = 0.5 - 0.2 w exactly."""
-    rs = Headings.of(np.arange(4) * 10 ** 9, [0.0, 1.0, 3.0, 6.0])
+    rs = Headings.as_sent(np.arange(4) * 10 ** 9, [0.0, 1.0, 3.0, 6.0])
     found = regress_skew(np.array([5, 15, 25]) * 10 ** 8, [0.3, 0.1, -0.1], rs)
     assert found.n == 3
     assert found.skew_s == pytest.approx(0.2)
@@ -78,7 +78,7 @@ def test_regressions_of_real_logs_agree_with_independent_programs(name, real, go
 
 
 def test_no_regression_without_turning_or_samples():
-    rs = Headings.of(np.arange(10) * 10 ** 9, np.full(10, 5.0))
+    rs = Headings.as_sent(np.arange(10) * 10 ** 9, np.full(10, 5.0))
     assert regress_skew(np.arange(10) * 10 ** 9, np.arange(10.0), rs) is None
     assert regress_skew([], [], rs) is None
     assert regress_skew([1], [1.0], Headings.empty()) is None

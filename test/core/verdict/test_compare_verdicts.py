@@ -19,8 +19,8 @@ def verdict():
     """Return a verdict on one run."""
     rng = np.random.default_rng(1)
     stamps = np.arange(1, 601) * 10 ** 9
-    return analyze(Headings.of(stamps, 90.0 + 0.1 * rng.standard_normal(600)),
-                   Headings.of(stamps, np.full(600, 90.0)),
+    return analyze(Headings.as_sent(stamps, 90.0 + 0.1 * rng.standard_normal(600)),
+                   Headings.as_sent(stamps, np.full(600, 90.0)),
                    Settings(norms=Norms(sigma_max_deg=0.2, sigma_ref_max_deg=0.1)))
 
 

@@ -126,8 +126,9 @@ def test_one_run_of_three_is_rejected_at_a_third_of_the_risk(rng):
     rs = 180.0 + 30.0 * np.sin(np.arange(2000) / 40.0)
     e = rng.standard_normal(2000)
     e *= np.sqrt(0.1 * 1.070 / np.mean((e - e.mean()) ** 2))
-    bad = Headings.of(stamps, rs + e), Headings.of(stamps, rs)
-    good = Headings.of(stamps, rs + 0.1 * rng.standard_normal(2000)), Headings.of(stamps, rs)
+    bad = Headings.as_sent(stamps, rs + e), Headings.as_sent(stamps, rs)
+    good = (Headings.as_sent(stamps, rs + 0.1 * rng.standard_normal(2000)),
+            Headings.as_sent(stamps, rs))
     settings = Settings.from_mapping(NORMS)
     alone = analyze(*bad, settings)
     assert alone.runs[0].guarded.nu == pytest.approx(2000.0, rel=0.2)
@@ -138,9 +139,9 @@ def test_one_run_of_three_is_rejected_at_a_third_of_the_risk(rng):
 
 
 def test_the_runs_by_outcome_are_counted(pairs, rng):
-    ts = Headings.of(pairs.stamp_ns, pairs.ts_deg)
-    bad = Headings.of(pairs.stamp_ns, pairs.rs_deg + rng.standard_normal(1000))
-    rs = Headings.of(pairs.stamp_ns, pairs.rs_deg)
+    ts = Headings.as_sent(pairs.stamp_ns, pairs.ts_deg)
+    bad = Headings.as_sent(pairs.stamp_ns, pairs.rs_deg + rng.standard_normal(1000))
+    rs = Headings.as_sent(pairs.stamp_ns, pairs.rs_deg)
     verdict = analyze([ts, bad], [rs, rs], Settings.from_mapping(NORMS))
     assert verdict.campaign.runs_by_outcome == {
         'compliant': 1, 'indeterminate': 0, 'non_compliant': 1}

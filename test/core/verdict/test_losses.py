@@ -36,7 +36,7 @@ def test_a_look_judges_the_gaps_between_the_pairs(rng, kept, expected):
     stamps = stamps[(stamps > 900 * 10 ** 9) | (rng.random(stamps.size) < kept)]
     t = stamps / 1e9
     ship = 90.0 + 40.0 * np.sin(t / 100.0) + np.sin(2.0 * np.pi * t / 8.0)
-    ts, rs = (Headings.of(stamps, ship + s * rng.standard_normal(stamps.size))
+    ts, rs = (Headings.as_sent(stamps, ship + s * rng.standard_normal(stamps.size))
               for s in (0.1, 0.05))
     verdict = analyze(ts, rs, Settings.from_mapping({
         'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.1},
@@ -53,7 +53,7 @@ def judge(rng, **stamps):
     """Judge 36 000 readings of sound sensors at 10 Hz; `ts` and `rs` give other stamps."""
     regular = START_NS + np.arange(1, 36_001) * STEP_NS
     ship = 90.0 + 40.0 * np.sin(regular / 1e11)
-    streams = {who: Headings.of(stamps.get(who, regular),
+    streams = {who: Headings.as_sent(stamps.get(who, regular),
                                 ship + sigma * rng.standard_normal(regular.size))
                for who, sigma in (('ts', 0.1), ('rs', 0.05))}
     return analyze(streams['ts'], streams['rs'], Settings.from_mapping({
@@ -130,7 +130,8 @@ def test_readings_rejected_between_runs_are_not_lost_from_a_run(rng):
     ts = ship + 0.1 * rng.standard_normal(stamps.size)
     ts[14_000:] = np.nan
     rs = ship + 0.05 * rng.standard_normal(stamps.size)
-    run = analyze(Headings.of(stamps, ts), Headings.of(stamps, rs), Settings.from_mapping({
+    both = Headings.as_sent(stamps, ts), Headings.as_sent(stamps, rs)
+    run = analyze(*both, Settings.from_mapping({
         'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.1}})).runs[0]
     assert next(f for f in run.validity if f.condition == 'losses').effect == HOLDS
 @pytest.mark.parametrize('twin', ['TS', 'RS'])
@@ -143,7 +144,7 @@ def test_a_sound_sensor_that_sends_two_sentences_a_reading_is_certified(twin, rn
         heading, at = ship + sigma * rng.standard_normal(t.size), t
         if name == twin:
             heading, at = np.repeat(heading, 2), np.sort(np.concatenate((t, t + 0.005)))
-        streams.append(Headings.of(np.rint(at * 1e9).astype(np.int64), heading))
+        streams.append(Headings.as_sent(np.rint(at * 1e9).astype(np.int64), heading))
     verdict = analyze(*streams, Settings.from_mapping({
         'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}}))
     losses = next(f for f in verdict.runs[0].validity if f.condition == 'losses')

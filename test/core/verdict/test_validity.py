@@ -43,8 +43,8 @@ def pair(ship, rng):
 def judged(ts_deg, rs_deg, stamps=STAMPS, rs_stamps=None, **settings):
     """Return the verdict on two streams of headings."""
     rs_stamps = stamps if rs_stamps is None else rs_stamps
-    return analyze(Headings.of(stamps, np.mod(ts_deg, 360.0)),
-                   Headings.of(rs_stamps, np.mod(rs_deg, 360.0)),
+    return analyze(Headings.as_sent(stamps, np.mod(ts_deg, 360.0)),
+                   Headings.as_sent(rs_stamps, np.mod(rs_deg, 360.0)),
                    Settings.from_mapping({'norms': NORMS, **settings}))
 
 
@@ -343,9 +343,9 @@ def test_the_slowest_error_stated_asks_for_twenty_times_its_length(pair):
 @pytest.mark.slow
 def test_a_void_run_leaves_the_campaign_open_unless_another_is_rejected(pair, rng):
     ts, rs = pair
-    good, void = (Headings.of(STAMPS, ts), Headings.of(STAMPS, rs)), (
-        Headings.of(STAMPS, ts + 30.0), Headings.of(STAMPS, rs))
-    bad = Headings.of(STAMPS, rs + 0.5 * rng.standard_normal(N)), Headings.of(STAMPS, rs)
+    good, void = (Headings.as_sent(STAMPS, ts), Headings.as_sent(STAMPS, rs)), (
+        Headings.as_sent(STAMPS, ts + 30.0), Headings.as_sent(STAMPS, rs))
+    bad = Headings.as_sent(STAMPS, rs + 0.5 * rng.standard_normal(N)), Headings.as_sent(STAMPS, rs)
     settings = Settings.from_mapping({'norms': NORMS})
 
     def of(*inputs):
@@ -362,8 +362,8 @@ def test_a_void_run_leaves_the_campaign_open_unless_another_is_rejected(pair, rn
 def test_a_campaign_with_a_doubtful_run_is_doubtful(pair):
     ts, rs = pair
     settings = Settings.from_mapping({'norms': NORMS})
-    verdict = analyze([Headings.of(STAMPS, ts), Headings.of(STAMPS, ts + 5.0)],
-                      [Headings.of(STAMPS, rs)] * 2, settings)
+    verdict = analyze([Headings.as_sent(STAMPS, ts), Headings.as_sent(STAMPS, ts + 5.0)],
+                      [Headings.as_sent(STAMPS, rs)] * 2, settings)
     assert verdict.outcome is Outcome.COMPLIANT and verdict.validity_effect == DOUBTFUL
     assert 'run 2: the mean difference is 5.00 deg' in verdict.headline
 

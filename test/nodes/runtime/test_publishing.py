@@ -136,7 +136,7 @@ def test_without_a_publisher_there_is_always_room(ros):
 
 def test_headings_that_nobody_can_publish_in_time_are_counted_and_not_kept():
     queue = HeadingQueue(most=500)
-    kept = [len(queue.add(Headings.of([*range(1, 301)], [1.0] * 300))) for _ in range(3)]
+    kept = [len(queue.add(Headings.as_sent([*range(1, 301)], [1.0] * 300))) for _ in range(3)]
     assert kept == [300, 200, 0] and queue.overrun == 400 and len(queue) == 500
     pieces = []
     while queue:

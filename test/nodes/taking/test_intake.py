@@ -46,7 +46,7 @@ def take(ros, intake, n):
 
 def headings(lo, hi):
     """Return messages stamped lo to hi - 1 seconds."""
-    return heading_messages(Headings.of([i * 10 ** 9 for i in range(lo, hi)],
+    return heading_messages(Headings.as_sent([i * 10 ** 9 for i in range(lo, hi)],
                                         [1.0] * (hi - lo)), 'h')
 
 
@@ -325,7 +325,7 @@ def test_an_intake_that_is_not_open_takes_nothing(ros):
 def test_messages_come_as_they_were_serialized(ros):
     intake, _ = intake_of(ros)
     publisher = publisher_to(ros, intake)
-    message, = imu_messages(Headings.of([7 * 10 ** 9], [1.0]), 'h')
+    message, = imu_messages(Headings.as_sent([7 * 10 ** 9], [1.0]), 'h')
     publisher.publish(message)
     assert take(ros, intake, 1) == [message]
 

@@ -1,0 +1,17 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The logs of two sensors: their import, and their judging without a bag between."""
+
+from typing import TYPE_CHECKING
+
+from heading_intercompare._doors import door
+
+__getattr__, __dir__, __all__ = door(__name__, {
+    'log_import': ('import_log', 'ImportedLog'),
+    'two_logs': ('find_logs', 'judge_logs'),
+})
+
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .log_import import import_log as import_log, ImportedLog as ImportedLog
+    from .two_logs import find_logs as find_logs, judge_logs as judge_logs

@@ -1,0 +1,155 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The verdict on the logs of a TS and an RS, imported in memory."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+import os
+from typing import Callable, Iterable, Mapping, Sequence
+
+from heading_intercompare.app.analysis import Judgement
+from heading_intercompare.app.inputs import explain_no_run
+from heading_intercompare.app.run_table import assign_runs, read_run_table
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.offline import judge_aligned
+from heading_intercompare.core.pipeline import Intercomparison, join
+from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.verdict_document import Input
+from heading_intercompare.drivers.logs import is_log
+from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.report import SeriesSketch
+
+from .log_import import import_log, ImportedLog
+
+__all__ = ['find_logs', 'judge_logs', 'ROLES']
+
+ROLES = ('ts', 'rs')
+"""The sensors, in the order of their logs."""
+
+_USE = 'give two logs, first that of the TS, then that of the RS, and nothing else'
+
+
+def find_logs(inputs: Sequence[str]) -> tuple[str, str] | None:
+    """
+    Return the log of the TS and that of the RS, or None if no input is a log.
+
+    Parameters
+    ----------
+    inputs : sequence of str
+        The inputs as given.
+
+    Raises
+    ------
+    OSError
+        If one is a log and another cannot be read.
+    ValueError
+        If one is a log and they are not two different logs.
+
+    """
+    logs = [path for path in inputs if is_log(path)]
+    if not logs:
+        return None
+    for path in inputs:
+        os.stat(path)
+    for path in inputs:
+        if path not in logs:
+            raise ValueError(f'{path}: is not a log of NMEA sentences or headings, but {logs[0]} '
+                             f'is: {_USE}')
+    if len(inputs) != 2:
+        given = 'the log of one sensor' if len(inputs) == 1 else f'one of {len(inputs)} logs'
+        raise ValueError(f'{inputs[0]}: is {given}: {_USE}')
+    ts, rs = inputs
+    if os.path.samefile(ts, rs):
+        raise ValueError(f'{rs}: is given as TS and as RS: {_USE}')
+    return ts, rs
+
+
+def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, DriverSettings], *,
+               runs: str | None = None, takers: Iterable[Callable[[Pairs], None]] = (),
+               sketched: bool = False,
+               progress: Callable[[str], None] = lambda text: None) -> Judgement:
+    """
+    Judge the logs of two sensors, as `judge_bags` judges a bag of them.
+
+    Parameters
+    ----------
+    ts, rs : str
+        Logs of the TS and of the RS.
+    settings : Settings
+        Settings with the norms.
+    drivers : mapping of {'ts', 'rs'} to DriverSettings
+        How to read each log.
+    runs : str, optional
+        Table of runs, a csv file; its source is the log of the TS.
+    takers : iterable of callable
+        Each is called with the pairs, chunk by chunk.
+    sketched : bool
+        Collect the data for the graphs of a report.
+    progress : callable
+        Called with the progress in words.
+
+    Returns
+    -------
+    Judgement
+        The inputs of the verdict are the two logs; notes say what was taken from each.
+
+    Raises
+    ------
+    SettingsError
+        If a norm is missing.
+    OSError, ValueError
+        If a log cannot be read or has no heading, or the table of runs is wrong.
+
+    """
+    Limits.of(settings.norms, settings.model)
+    table: list[tuple[int, int]] | None = None
+    elsewhere: list[str] = []
+    if runs is not None:
+        found, elsewhere = assign_runs(read_run_table(runs), [ts])
+        table = [(start, stop) for start, stop, _ in found]
+    log = {role: import_log(path, drivers[role], progress)
+           for role, path in zip(ROLES, (ts, rs))}
+    for role in ROLES:
+        _check_headings(log[role], role)
+    sketch = SeriesSketch(ts) if sketched else None
+    takers = list(takers)
+    if sketch is not None:
+        takers.append(partial(sketch.update, settings=settings))
+    readings = log['ts'].headings, log['rs'].headings
+    comparison = Intercomparison(settings, source=ts, table=table)
+    for pairs in (comparison.update(*readings), comparison.finish()):
+        for take in takers:
+            take(pairs)
+    results = comparison.results()
+    if settings.alignment.skew == 'apply':
+        results = judge_aligned(*readings, results, settings, source=ts)
+    inputs = [_describe(log[role], role) for role in ROLES]
+    notes = [f'{words}: {log[role].path}, {len(log[role].headings)} headings of '
+             f'{log[role].sentence or "a csv"}; not taken: {log[role].words_not_taken}'
+             for role, words in zip(ROLES, ('tested sensor (TS)', 'reference sensor (RS)'))]
+    if not results:
+        why = explain_no_run(comparison.ledger, settings, table)
+        inputs[0] = replace(inputs[0], no_run=why)
+        notes.append(f'{ts}, {rs}: no run: {why}')
+    notes += [f'{runs}: source {source} is not the log of the TS' for source in elsewhere]
+    verdict = join(results, settings, inputs, incomplete=not results)
+    return Judgement(verdict, tuple(notes), () if sketch is None else (sketch,),
+                     tuple(each.verdict for each in comparison.compliance.take_earlier()))
+
+
+def _check_headings(log: ImportedLog, role: str) -> None:
+    """Raise ValueError for a log without a heading."""
+    if not len(log.headings):
+        raise ValueError(f'{log.path}: no heading in it (not taken: {log.words_not_taken}); it is '
+                         f'read as the {role.upper()}, --{role}-sentence names its sentence, and '
+                         '--stamp-format its stamps')
+
+
+def _describe(log: ImportedLog, role: str) -> Input:
+    """Return the entry of a log in the verdict; its topic is the sentence."""
+    sentence = log.sentence or 'csv'
+    return Input(log.path, log.sha256, sentence if role == 'ts' else None,
+                 sentence if role == 'rs' else None, not_taken=dict(log.not_taken))

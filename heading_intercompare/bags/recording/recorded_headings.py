@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""All headings of a bag at once, with its marks and notes, for scripts and notebooks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import os
+from typing import Iterator
+import warnings
+
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.provenance import Note, read_notes
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
+from heading_intercompare.messages.status_messages import STATUS_TYPE
+
+from .recorder_losses import RECORDING, tell_missing
+
+__all__ = ['find_problems', 'read_bag', 'read_marks', 'RecordedHeadings']
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedHeadings:
+    """
+    What a bag holds for an intercomparison.
+
+    Attributes
+    ----------
+    ts, rs : Headings
+        All readings of the two sensors, in the order of the bag.
+    marks : tuple of (str, int)
+        Marks of runs: 'start' or 'stop' and the stamp, nanoseconds; in the order of the bag.
+    notes : tuple of Note
+        Notes of the operator, with `stamp_ns` and `text`.
+    problems : tuple of str
+        What is missing from the recording, in words; empty if it is whole.
+
+    """
+
+    ts: Headings
+    rs: Headings
+    marks: tuple[tuple[str, int], ...]
+    notes: tuple[Note, ...]
+    problems: tuple[str, ...]
+
+
+def read_bag(path: str | os.PathLike[str], settings: Settings | None = None) -> RecordedHeadings:
+    """
+    Read the headings of both sensors from a bag.
+
+    Parameters
+    ----------
+    path : path
+        ``.mcap`` file or rosbag2 directory.
+    settings : Settings, optional
+        Only `ts_topic`, `rs_topic`, `ts_convention` and `rs_convention` are used; the defaults
+        name the topics of this package. ``Settings.of(ts_topic='/gyro/imu')`` names others.
+
+    Returns
+    -------
+    RecordedHeadings
+        Stamps are those of the messages, unchecked. What is missing from the recording is in
+        `problems`, and is issued as warnings.
+
+    Raises
+    ------
+    OSError
+        If the bag cannot be read.
+    BagError
+        If it is no bag, is damaged, or has no such topic; one line that names the topics it has.
+
+    """
+    rule = settings or Settings()
+    reader = BagReader(path)
+    topics = {rule.ts_topic: rule.ts_convention, rule.rs_topic: rule.rs_convention}
+    chunks = list(reader.headings(topics))
+    problems = tuple(find_problems(reader))
+    for problem in problems:
+        warnings.warn(f'{reader.path}: {problem}', stacklevel=2)
+    ts, rs = (Headings.concatenate([chunk[topic] for chunk in chunks])
+              for topic in (rule.ts_topic, rule.rs_topic))
+    return RecordedHeadings(ts, rs, tuple(read_marks(reader)), tuple(read_notes(reader)), problems)
+
+
+def read_marks(reader: BagReader) -> Iterator[tuple[str, int]]:
+    """Yield the marks of a bag: 'start' or 'stop', and the stamp; BagError for another message."""
+    topics = [t for t in reader.topics if t.lstrip('/') == MARKER_TOPIC]
+    for message in reader.messages(topics) if topics else ():
+        try:
+            if message.type_name != STATUS_TYPE:
+                raise BagError(f'is {message.type_name}, must be {STATUS_TYPE}')
+            yield from decode_marks(message.data)
+        except ValueError as error:
+            raise BagError(f'topic {message.topic!r}: {error}; --runs ignores all marks',
+                           reader.path) from error
+
+
+def find_problems(reader: BagReader) -> list[str]:
+    """Return what is missing from a recording, in words; call it once all is read."""
+    missing = tell_missing(reader.metadata().get(RECORDING, {}))
+    return [why for why in (reader.incomplete, reader.recovered, missing) if why]

@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``plan``: how long to measure, with the chances of a decision."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict
+import json
+from pathlib import Path
+import sys
+
+import numpy as np
+
+from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.app.outputs import check_outputs, name_file, Outputs
+from heading_intercompare.cli.terminal.console import say
+from heading_intercompare.cli.terminal.progress import Progress
+from heading_intercompare.core.decision.coverage import span_words
+from heading_intercompare.core.decision.trial_plan import LEVELS, plan_trial, TrialPlan
+from heading_intercompare.core.settings import Settings
+
+from .analyze import add_settings_arguments
+
+__all__ = ['add_arguments', 'run']
+
+_MARKS = ((r'(?m)^to certify .*$', 'bold'),)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    add_settings_arguments(parser)
+    parser.add_argument('--rate', metavar='HZ', type=float, default=1.0,
+                        help='pairs per second (default: 1)')
+    parser.add_argument('--slow-share', metavar='X', type=float, default=1.0,
+                        help='share of the TS variance that belongs to its slowest error; the '
+                        'rest is white (default: 1, the hardest case)')
+    parser.add_argument('--probability', metavar='P', type=float, default=0.8,
+                        help='probability of certifying to aim at (default: 0.8)')
+    parser.add_argument('--seed', metavar='N', type=int, default=1,
+                        help='seed of the simulated records (default: 1)')
+    parser.add_argument('--json', metavar='F', help="write the plan as JSON; '-' for stdout")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Simulate runs of several lengths, and print the chances of each outcome."""
+    settings = settings_for(load_config(arguments.config), arguments.set)
+    if arguments.seed < 0:
+        raise ValueError(f'--seed {arguments.seed}: must be at least 0')
+    check_outputs(Outputs(json=arguments.json), (), config=arguments.config)
+    with Progress('plan', arguments.quiet) as progress:
+        plan = plan_trial(settings, np.random.default_rng(arguments.seed),
+                          rate_hz=arguments.rate, slow_share=arguments.slow_share,
+                          wanted=arguments.probability, progress=progress.show)
+    text = json.dumps({'levels': LEVELS, **asdict(plan)}, indent=2) + '\n'
+    if arguments.json == '-':
+        sys.stdout.write(text)
+        return 0
+    say(_table(plan, settings, arguments), _MARKS)
+    if arguments.json:
+        with name_file(arguments.json):
+            Path(arguments.json).write_text(text, 'utf-8')
+    return 0
+
+
+def _table(plan: TrialPlan, settings: Settings, arguments: argparse.Namespace) -> str:
+    """Return the plan as text."""
+    risk = settings.risk
+    lines = [
+        f'a run must last {span_words(plan.least_s)} to comply; the slowest error stated is '
+        f'{span_words(plan.slowest_error_s)}',
+        f'RS at {plan.sigma_ref_deg:g} deg; {arguments.rate:g} pairs per second; '
+        f'{arguments.slow_share:g} of the TS variance is slow; risks: consumer '
+        f'{risk.alpha_consumer:g}, producer {risk.alpha_producer:g}', '',
+        'chances of COMPLIANT / NON-COMPLIANT / INDETERMINATE, in percent',
+        'run of    ' + ''.join(f'  TS at {level:g} of norm' for level in LEVELS)]
+    rows: dict[float, list[str]] = {}
+    for chance in plan.chances:
+        rows.setdefault(chance.duration_s, []).append(' / '.join(
+            f'{100.0 * p:3.0f}' for p in (chance.compliant, chance.non_compliant,
+                                          chance.indeterminate)))
+    lines += [f'{span_words(duration_s):<10}' + ''.join(
+        f'{cell:>{len(f"  TS at {level:g} of norm")}}' for level, cell in zip(LEVELS, cells))
+        for duration_s, cells in rows.items()]
+    longest = span_words(max(rows))
+    advice = ', '.join(f'{level:g} of the norm: ' + (
+        f'not within {longest}' if advised is None else span_words(advised))
+        for level, advised in zip(LEVELS, plan.advised_s))
+    error = 50.0 / plan.trials ** 0.5
+    return '\n'.join([*lines, '', f'to certify with probability {plan.wanted:g} a TS at {advice}',
+                      f'each chance is from {plan.trials} simulated runs; its standard error is '
+                      f'at most {error:.0f} percent'])

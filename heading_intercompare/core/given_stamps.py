@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Stamps as a caller has them, from numpy or pandas, as integer nanoseconds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ['EARLIEST_NS', 'integer_stamps', 'utc_stamps']
+
+#: 1990-01-01 00:00 UTC. Satellite time, and with it a UTC stamp on a heading, came later.
+EARLIEST_NS = 631_152_000 * 10 ** 9
+#: 2100-01-01 00:00 UTC, the end of the guess at the unit of small numbers.
+_LATEST_NS = 4_102_444_800 * 10 ** 9
+#: The last whole second that int64 nanoseconds can hold.
+_LAST_S = 9_223_372_036
+
+_UNITS = (('microseconds', 10 ** 3), ('milliseconds', 10 ** 6), ('seconds', 10 ** 9))
+
+
+def integer_stamps(stamp_ns: ArrayLike) -> NDArray[np.int64]:
+    """
+    Return integer nanoseconds of any clock as a column.
+
+    Parameters
+    ----------
+    stamp_ns : array_like of int, shape (n,)
+        Nanoseconds.
+
+    Returns
+    -------
+    ndarray of int64, shape (n,)
+
+    Raises
+    ------
+    ValueError
+        If they are not integers.
+
+    """
+    stamps = np.asarray(stamp_ns)
+    if stamps.size and stamps.dtype.kind not in 'iu':
+        raise ValueError(f'stamp_ns has dtype {stamps.dtype}: stamps are integer nanoseconds, '
+                         'or in Headings.of datetime64')
+    return stamps.astype(np.int64, copy=False).reshape(-1)
+
+
+def utc_stamps(stamps: ArrayLike) -> NDArray[np.int64]:
+    """
+    Return UTC stamps as integer nanoseconds.
+
+    Parameters
+    ----------
+    stamps : array_like, shape (n,)
+        Integer nanoseconds since 1970-01-01 00:00 UTC; or datetime64 of any unit, from numpy or
+        pandas. Times with a zone are converted to UTC, times without one are UTC.
+
+    Returns
+    -------
+    ndarray of int64, shape (n,)
+        0 for NaT: the reading has no stamp.
+
+    Raises
+    ------
+    ValueError
+        If stamps are neither integers nor datetime64; if one above 0 is before 1990, as numbers
+        of another unit are; or if one is after 2262, which nanoseconds cannot hold.
+
+    Examples
+    --------
+    >>> utc_stamps(np.array(['2014-08-01T00:00:00.25', 'NaT'], 'datetime64[us]')).tolist()
+    [1406851200250000000, 0]
+
+    """
+    given: Any = stamps
+    if getattr(getattr(given, 'dtype', None), 'tz', None) is not None:
+        # A column of pandas with a time zone: only its own conversion knows the zone.
+        given = np.asarray(given, dtype='datetime64[ns]')
+    column = np.asarray(given)
+    found = (_from_datetime64(column.reshape(-1)) if column.dtype.kind == 'M'
+             else integer_stamps(column))
+    early = (found > 0) & (found < EARLIEST_NS)
+    if early.any():
+        raise ValueError(_explain_early(found[early], found.size, column.dtype.kind == 'M'))
+    return found
+
+
+def _from_datetime64(column: np.ndarray) -> NDArray[np.int64]:
+    missing = np.isnat(column)
+    seconds = np.where(missing, 0, column.astype('datetime64[s]').astype(np.int64))
+    if (seconds >= _LAST_S).any():
+        last = column[~missing].max()
+        raise ValueError(f'stamp_ns: the stamp {last} is after 2262, which nanoseconds cannot '
+                         'hold; check how these times were made')
+    # A time before 1970 must not pass for a reading without a stamp.
+    found = column.astype('datetime64[ns]').astype(np.int64)
+    return np.where(missing, 0, np.where(seconds < 0, 1, np.maximum(found, 1)))
+
+
+def _explain_early(early: NDArray[np.int64], n: int, dated: bool) -> str:
+    """Return the error for stamps before 1990, with the unit that their numbers look like."""
+    typical = int(np.median(early))
+    what = f'stamp_ns: {early.size} of {n} stamps are before 1990-01-01'
+    if dated:
+        return (f'{what}: check how these times were made; a sensor without UTC gives no stamp '
+                '(NaT)')
+    for unit, factor in _UNITS:
+        if EARLIEST_NS <= typical * factor < _LATEST_NS:
+            return (f'{what}: numbers such as {typical} look like {unit}, and stamps are integer '
+                    f'nanoseconds; multiply by {factor}, or give the times as datetime64')
+    return (f'{what}: numbers such as {typical} are no UTC nanoseconds; give nanoseconds since '
+            '1970, datetime64, or the stamps of another clock to Headings.as_sent')

@@ -1,0 +1,21 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The import of a log says where its headings come from."""
+
+from __future__ import annotations
+
+import hashlib
+
+from heading_intercompare.app.logs.log_import import import_log
+from heading_intercompare.drivers.settings import DriverSettings
+
+
+def test_a_log_comes_with_its_hash_and_what_was_not_taken(tmp_path):
+    text = b't_ns,heading_deg\n1400000000000000000,1.0\n1400000001000000000,bad\n'
+    (tmp_path / 'a.csv').write_bytes(text)
+    shown = []
+    found = import_log(str(tmp_path / 'a.csv'), DriverSettings(), shown.append)
+    assert found.headings.heading_deg.tolist() == [1.0] and shown[-1] == '100%'
+    assert found.sha256 == hashlib.sha256(text).hexdigest() and found.size == len(text)
+    assert found.words_not_taken == '1 bad_field'
+    assert found.origin['headings'] == 1 and found.origin['not_taken.bad_field'] == 1

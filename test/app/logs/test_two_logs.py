@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Two logs are judged in one step as the bag that `import-nmea` makes of them."""
+
+from __future__ import annotations
+
+from functools import reduce
+import hashlib
+import json
+
+import numpy as np
+import pytest
+
+from heading_intercompare.cli import main
+
+NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1', '--quiet']
+N = 900
+
+
+def lines(talker, heading_deg):
+    """Return a log at 1 Hz from noon on, with a line of another kind at its end."""
+    for second, value in enumerate(heading_deg):
+        body = f'{talker}HDT,{value:.2f},T'
+        checksum = reduce(lambda a, b: a ^ b, body.encode())
+        yield (f'2014-08-01T12:{second // 60:02d}:{second % 60:02d}.000000Z '
+               f'${body}*{checksum:02X}\n')
+    yield 'the end\n'
+
+
+@pytest.fixture
+def logs(tmp_path, rng):
+    """Return 15 minutes of a TS with 0.1° sd and of an RS with 0.02°."""
+    paths = []
+    for name, talker, sigma in (('gyro.log', 'HE', 0.1), ('seapath.log', 'IN', 0.02)):
+        paths.append(tmp_path / name)
+        heading = 100.0 + 5.0 * np.sin(np.arange(N) / 40.0) + sigma * rng.standard_normal(N)
+        paths[-1].write_text(''.join(lines(talker, heading)))
+    return paths
+
+
+def verdict_of(capsys, *arguments):
+    """Return the JSON and the notes of `analyze`."""
+    assert main(['analyze', *map(str, arguments), *NORMS, '--json', '-']) == 0
+    out, err = capsys.readouterr()
+    return json.loads(out), err.splitlines()
+
+
+def refused(capsys, *arguments):
+    """Return the one line that a wrong command line gives."""
+    assert main(['analyze', *map(str, arguments), *NORMS]) == 2
+    out, err = capsys.readouterr()
+    assert out == '' and err.count('\n') == 1
+    return err.removeprefix('heading-intercompare: error: ').rstrip('\n')
+
+
+@pytest.mark.parametrize('skew', ['report', 'apply'])
+def test_two_logs_give_the_verdict_of_their_bag(logs, tmp_path, capsys, skew):
+    assert main(['import-nmea', '--ts', str(logs[0]), '--rs', str(logs[1]), '-o',
+                 str(tmp_path / 'bag'), '--quiet']) == 0
+    capsys.readouterr()
+    extra = ['--set', f'alignment.skew={skew}']
+    by_bag, _ = verdict_of(capsys, tmp_path / 'bag', *extra)
+    by_logs, _ = verdict_of(capsys, *logs, *extra)
+    assert by_logs['outcome'] == by_bag['outcome'] == 'compliant'
+    ours, theirs = by_logs['runs'][0], by_bag['runs'][0]
+    assert ours['n'] == theirs['n'] >= N - 1 and ours['source'] == str(logs[0])
+    for name in ('variance_deg2', 'mean_deg', 'max_deg'):
+        assert ours[name] == pytest.approx(theirs[name], rel=1e-9, abs=1e-11), name
+    assert by_logs['ledger_complete'] and by_bag['ledger_complete']
+
+
+def test_the_verdict_and_the_screen_say_which_log_is_which(logs, capsys):
+    verdict, notes = verdict_of(capsys, *logs)
+    ts, rs = verdict['inputs']
+    digests = [hashlib.sha256(path.read_bytes()).hexdigest() for path in logs]
+    assert (ts['path'], ts['sha256'], ts['ts_topic'], ts['rs_topic']) == (
+        str(logs[0]), digests[0], 'HEHDT', None)
+    assert (rs['path'], rs['sha256'], rs['ts_topic'], rs['rs_topic']) == (
+        str(logs[1]), digests[1], None, 'INHDT')
+    assert ts['not_taken'] == rs['not_taken'] == {'no_sentence': 1}
+    assert notes[:2] == [
+        f'note: tested sensor (TS): {logs[0]}, 900 headings of HEHDT; not taken: 1 no_sentence',
+        f'note: reference sensor (RS): {logs[1]}, 900 headings of INHDT; not taken: '
+        '1 no_sentence']
+
+
+def test_tables_runs_and_a_logbook_take_logs(logs, tmp_path, capsys):
+    table, pairs = tmp_path / 'runs.csv', tmp_path / 'pairs.csv'
+    table.write_text('start,stop,source\n2014-08-01T12:00:00Z,2014-08-01T12:05:00Z,gyro.log\n')
+    verdict, _ = verdict_of(capsys, *logs, '--runs', table, '--csv', pairs,
+                            '--logbook', tmp_path / 'book.sqlite')
+    assert [run['n'] for run in verdict['runs']] == [300]
+    assert len(pairs.read_text().splitlines()) == N + 1
+    assert main(['history', str(tmp_path / 'book.sqlite')]) == 0
+
+
+@pytest.mark.slow
+def test_report_is_analyze_with_report(logs, tmp_path, capsys):
+    pytest.importorskip('jinja2')
+    pytest.importorskip('matplotlib')
+    pages = [tmp_path / name for name in ('a.html', 'b.html')]
+    assert main(['analyze', *map(str, logs), *NORMS, '--report', str(pages[0])]) == 0
+    printed = capsys.readouterr()
+    assert main(['report', *map(str, logs), *NORMS, '-o', str(pages[1])]) == 0
+    assert capsys.readouterr() == printed
+    assert pages[0].read_text('utf-8') == pages[1].read_text('utf-8')
+    assert 'seapath.log that gave no heading: 1 no_sentence' in pages[0].read_text('utf-8')
+
+
+def test_no_run_is_said_with_both_logs(logs, capsys):
+    verdict, notes = verdict_of(capsys, *logs, '--set', 'runs.min_duration_s=3600')
+    assert verdict['outcome'] == 'indeterminate' and 'no_run' in verdict['inputs'][0]
+    assert notes[2].startswith(f'note: {logs[0]}, {logs[1]}: no run: none of its pairs')
+
+
+def test_wrong_inputs_are_refused_in_one_line(logs, tmp_path, capsys):
+    use = ': give two logs, first that of the TS, then that of the RS, and nothing else'
+    ts, rs = logs
+    assert refused(capsys, ts) == f'{ts}: is the log of one sensor{use}'
+    assert refused(capsys, ts, rs, rs) == f'{ts}: is one of 3 logs{use}'
+    assert refused(capsys, ts, ts) == f'{ts}: is given as TS and as RS{use}'
+    (tmp_path / 'bag').mkdir()
+    assert refused(capsys, tmp_path / 'bag', rs) == (
+        f'{tmp_path / "bag"}: is not a log of NMEA sentences or headings, but {rs} is{use}')
+    assert refused(capsys, ts, tmp_path / 'none.log') == (
+        f'{tmp_path / "none.log"}: No such file or directory')
+
+
+@pytest.mark.parametrize('option, value, words', [
+    ('--ts', 'gyro', '--ts gyro: is for bags, and these INPUTs are logs'),
+    ('--dask', 'tcp://h:1', '--dask tcp://h:1: is for bags, and these INPUTs are logs'),
+    ('--ts-sentence', 'THS', 'gyro.log: no heading in it (not taken: 1 no_sentence, '
+     '900 other_sentence.HDT); it is read as the TS'),
+    ('--rs-sentence', 'XXX', "sentence = 'XXX': must be 'auto' or 'THS'")])
+def test_options_that_do_not_fit_logs_are_refused(logs, capsys, option, value, words):
+    assert words in refused(capsys, *logs, option, value)
+
+
+def test_options_of_logs_are_refused_without_logs(tmp_path, capsys):
+    assert refused(capsys, tmp_path / 'trial.mcap', '--stamp-format', 'iso') == (
+        '--stamp-format iso: is for logs, and no INPUT is one; leave it out')

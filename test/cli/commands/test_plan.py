@@ -1,0 +1,40 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command `plan`: a table, the same plan as JSON, and mistakes in one line."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from heading_intercompare.cli import main
+
+NORMS = ['--set', 'norms.sigma_max_deg=0.2', '--set', 'norms.sigma_ref_max_deg=0.01']
+GIVEN = [*NORMS, '--set', 'risk.slowest_error_s=30', '--slow-share', '0.2', '--rate', '0.5',
+         '--quiet']
+
+
+def test_the_table_says_how_long_to_measure(capsys, tmp_path):
+    assert main(['plan', *GIVEN, '--json', str(tmp_path / 'p.json')]) == 0
+    out = capsys.readouterr().out
+    plan = json.loads((tmp_path / 'p.json').read_text())
+    assert out.startswith('a run must last 10 min to comply; the slowest error stated is 30 s\n')
+    assert '\n10 min ' in out
+    assert 'to certify with probability 0.8 a TS at 0.5 of the norm: ' in out
+    assert plan['least_s'] == 600.0 and plan['levels'] == [0.5, 0.7, 0.85]
+    assert len(out.splitlines()) == 8 + len(plan['chances']) // 3
+    assert main(['plan', *GIVEN, '--json', '-']) == 0
+    assert json.loads(capsys.readouterr().out) == plan
+
+
+@pytest.mark.parametrize('arguments, words', [
+    (NORMS, 'risk.slowest_error_s is missing'),
+    (['--set', 'risk.sensor_class=ins'], 'norms.sigma_max_deg is missing'),
+    ([*GIVEN, '--rate', '-1'], 'rate_hz = -1.0: must be greater than 0'),
+    ([*GIVEN, '--seed', '-1'], '--seed -1: must be at least 0'),
+    ([*GIVEN, '--json', '/'], '--json /: is a folder')])
+def test_a_mistake_is_one_line(arguments, words, capsys):
+    assert main(['plan', *arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == '' and err.count('\n') == 1 and words in err

@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The chances of a plan are those of real verdicts on simulated trials."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare.core.decision.trial_plan import LEVELS, plan_trial, simulate_differences
+from heading_intercompare.core.settings import SettingsError
+
+SETTINGS = Settings.of(sigma_max_deg=0.2, sigma_ref_max_deg=0.1, m_low=0.9, slowest_error_s=20.0)
+
+
+def ornstein_uhlenbeck(rng, n, step_s, slowest_s):
+    """Return a process of unit variance, step by step."""
+    x, phi = [rng.standard_normal()], math.exp(-step_s / slowest_s)
+    for _ in range(n - 1):
+        x.append(phi * x[-1] + math.sqrt(1.0 - phi * phi) * rng.standard_normal())
+    return np.array(x)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('level, factor', [(0.5, 1.0), (0.7, 3.0)])
+def test_the_chances_are_those_of_real_verdicts(rng, level, factor):
+    """60 verdicts of `analyze`, on a process made step by step: within five standard errors."""
+    plan = plan_trial(SETTINGS, np.random.default_rng(2), rate_hz=2.0, trials=200,
+                      times=(factor,))
+    chance = plan.chances[LEVELS.index(level)]
+    # One pair more, so that the last one is not short of the least duration.
+    n = round(chance.duration_s * 2.0) + 1
+    stamps = 10 ** 18 + np.arange(n) * 500_000_000
+    trials, compliant = 60, 0
+    for _ in range(trials):
+        ts = 0.2 * level * ornstein_uhlenbeck(rng, n, 0.5, 20.0)
+        rs = 0.1 * rng.standard_normal(n)
+        outcome = analyze(Headings.of(stamps, 90.0 + ts), Headings.of(stamps, 90.0 + rs),
+                          SETTINGS).outcome
+        compliant += outcome.value == 'compliant'
+    error = math.sqrt(0.25 / trials + 0.25 / plan.trials)
+    assert 0.2 < chance.compliant < 0.98
+    assert abs(compliant / trials - chance.compliant) < 5.0 * error
+
+
+def test_longer_runs_and_better_sensors_have_better_chances(rng):
+    plan = plan_trial(SETTINGS, rng, trials=60, times=(1.0, 16.0))
+    short, long = plan.chances[:3], plan.chances[3:]
+    assert plan.least_s == 400.0 and [c.duration_s for c in short + long] == [400.0] * 3 + [
+        6400.0] * 3
+    assert short[0].compliant > short[2].compliant
+    assert all(b.compliant > a.compliant for a, b in zip(short, long))
+    for each in plan.chances:
+        assert each.compliant + each.non_compliant + each.indeterminate == pytest.approx(1.0)
+        assert each.non_compliant <= 0.05
+
+
+def test_a_run_shorter_than_the_least_duration_is_never_certified(rng):
+    plan = plan_trial(SETTINGS, rng, trials=20, times=(0.5,))
+    assert {c.compliant for c in plan.chances} == {0.0} and plan.advised_s == (None,) * 3
+
+
+def test_the_advice_is_the_shortest_run_that_reaches_the_chance_wanted(rng):
+    plan = plan_trial(SETTINGS, rng, trials=60, wanted=0.8)
+    for level, advised in zip(LEVELS, plan.advised_s):
+        reached = [c.duration_s for c in plan.chances if c.level == level and c.compliant >= 0.8]
+        assert advised == min(reached, default=None)
+    assert plan.advised_s[0] < plan.advised_s[1]
+
+
+def test_the_differences_have_the_variance_and_the_correlation_asked_for(rng):
+    records = [simulate_differences(rng, 4000.0, 1.0, 0.1, 20.0, 0.2, 0.5) for _ in range(200)]
+    x = np.array([one for one, _ in records])
+    assert records[0][1] == pytest.approx(1.0, rel=1e-3)
+    assert np.mean(x ** 2) == pytest.approx(0.05, rel=0.03)
+    lagged = np.mean(x[:, 20:] * x[:, :-20])
+    assert lagged == pytest.approx(0.02 / math.e, rel=0.15)
+    assert simulate_differences(rng, 1e6, 10.0, 0.1, 20.0, 0.2, 1.0)[0].size == 4096
+
+
+@pytest.mark.parametrize('settings, given, words', [
+    (Settings.of(sigma_max_deg=0.2, sigma_ref_max_deg=0.1), {}, 'risk.slowest_error_s is missing'),
+    (Settings.of(sensor_class='ins'), {}, 'norms.sigma_max_deg is missing'),
+    (SETTINGS, {'rate_hz': 0.0}, 'rate_hz = 0.0: must be greater than 0'),
+    (SETTINGS, {'slow_share': 1.5}, 'slow_share = 1.5: must be from 0 to 1'),
+    (SETTINGS, {'wanted': -0.1}, 'wanted = -0.1: must be from 0 to 1')])
+def test_what_is_missing_is_said(settings, given, words, rng):
+    with pytest.raises((SettingsError, ValueError), match=words):
+        plan_trial(settings, rng, **given)
