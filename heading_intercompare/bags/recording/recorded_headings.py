@@ -14,7 +14,7 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import Note, read_notes
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
+from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC, MARKS
 from heading_intercompare.messages.status_messages import STATUS_TYPE
 
 from .recorder_losses import RECORDING, tell_missing
@@ -92,10 +92,13 @@ def read_marks(reader: BagReader) -> Iterator[tuple[str, int]]:
         try:
             if message.type_name != STATUS_TYPE:
                 raise BagError(f'is {message.type_name}, must be {STATUS_TYPE}')
-            yield from decode_marks(message.data)
+            marks = decode_marks(message.data)
+            if wrong := [kind for kind, _ in marks if kind not in MARKS]:
+                raise BagError(f"mark = {wrong[0]!r}: use 'start' or 'stop'")
         except ValueError as error:
             raise BagError(f'topic {message.topic!r}: {error}; --runs ignores all marks',
                            reader.path) from error
+        yield from marks
 
 
 def find_problems(reader: BagReader) -> list[str]:
