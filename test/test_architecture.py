@@ -45,8 +45,8 @@ ALLOWED = {
                     {'numpy', 'mcap', 'lz4', 'zstandard', 'isal'}),
     'report': Allowed({'core'}, {'numpy', 'jinja2', 'matplotlib'}),
     'logbook': Allowed({'core'}, {'numpy', 'scipy'}),
-    'web': Allowed({'core', 'messages'}, {'numpy'}),
-    'nodes': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'logbook'},
+    'web': Allowed({'core', 'messages'}, {'numpy', 'nicegui', 'fastapi', 'uvicorn'}),
+    'nodes': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'logbook', 'web'},
                      {'numpy', 'rclpy'} | MESSAGES),
     'app': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'logbook',
                     'yaml_file'},
@@ -68,9 +68,11 @@ ORDER = {
              'sensors', 'simulator'),
     'bags': ('errors', 'checked_text', 'settings', 'mcap', 'parallel', 'rosbag2',
              'recording', 'recovery', 'csv'),
-    'web': ('wording', 'stream_watch', 'trend', 'bridge_records', 'verdict_lamp', 'bridge_view'),
+    'web': ('wording', 'figures', 'bridge_records', 'verdict_lamp', 'bridge_view',
+            'controls', 'guard', 'palettes', 'trend_picture', 'page_texts', 'page', 'server'),
     'nodes': ('settings', 'ros', 'runtime', 'taking', 'alarms', 'judging', 'synchronizer',
-              'compliance', 'recorder', 'replayer', 'nmea_driver', 'sensor_simulator', 'graph'),
+              'compliance', 'recorder', 'replayer', 'nmea_driver', 'sensor_simulator', 'dashboard',
+              'graph'),
     'cli': ('terminal', 'completion', 'node_command', 'commands', 'program'),
 }
 
@@ -79,6 +81,7 @@ LOADED_BY = {
     'jinja2': {'report/html'}, 'matplotlib': {'report/graphs', 'report/plots'},
     'distributed': {'app/cluster'}, 'argcomplete': {'cli/completion'},
     'rich': {'cli/terminal/console', 'cli/terminal/progress'},
+    'nicegui': {'web/page', 'web/server'}, 'fastapi': {'web/server'}, 'uvicorn': {'web/server'},
 }
 
 # They take headings and pass them on, and start as fast as a plain node.

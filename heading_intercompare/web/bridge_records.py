@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from .trend import TrendColumn
+from heading_intercompare.web.figures.trend import TrendColumn
 
 __all__ = ['AlarmView', 'BagView', 'LampView', 'NodeView', 'RunView', 'Tone', 'TrendView',
            'ValidityView', 'WindowView']

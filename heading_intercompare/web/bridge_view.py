@@ -13,6 +13,8 @@ from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.status_messages import ERROR, OK, Status, WARN
+from heading_intercompare.web.figures.stream_watch import SensorView, StreamWatch
+from heading_intercompare.web.figures.trend import Trend
 
 from .bridge_records import (
     AlarmView,
@@ -25,8 +27,6 @@ from .bridge_records import (
     ValidityView,
     WindowView,
 )
-from .stream_watch import SensorView, StreamWatch
-from .trend import Trend
 from .verdict_lamp import light_lamp
 from .wording import integer, lacking_words, real, shorten
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.web.trend import Trend
+from heading_intercompare.web.figures.trend import Trend
 
 S = 10 ** 9
 T0 = 1_700_000_000 * S

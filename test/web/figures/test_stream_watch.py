@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.records import Headings
-from heading_intercompare.web.stream_watch import SensorView, StreamWatch
+from heading_intercompare.web.figures.stream_watch import SensorView, StreamWatch
 
 S = 10 ** 9
 T0 = 1_700_000_000 * S
