@@ -15,7 +15,7 @@ from heading_intercompare.bags.rosbag2.part_states import DIAGNOSTICS_TOPIC
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import read_headings, read_pairs
-from heading_intercompare.messages.ledger_messages import decode_ledger
+from heading_intercompare.messages.ledger_messages import decode_ledger, LedgerMessage
 from heading_intercompare.messages.status_messages import decode_statuses
 from heading_intercompare.nodes.judging.operator_actions import OperatorActions
 from heading_intercompare.nodes.ros import qos
@@ -40,7 +40,12 @@ _VIEW_S = 0.2
 
 
 class Dashboard(Node):
-    """Show a graph on a page; what a person does there goes to the nodes concerned."""
+    """
+    Show a graph on a page; what a person does there goes to the nodes concerned.
+
+    Headings and pairs are only heard once the synchronizer has readings. So the page is never
+    mistaken for one of the subscribers that a log or a simulation waits for.
+    """
 
     done = False
 
@@ -61,6 +66,8 @@ class Dashboard(Node):
         self._conventions = {'ts': settings.ts_convention, 'rs': settings.rs_convention}
         self._pairs = Intake(self, 'pairs', PAIRS_TYPES, qos.PAIRS_TAKEN, self._health,
                              needed=False, counted=False, arrivals=arrivals)
+        for intake in (*self._intakes.values(), self._pairs):
+            intake.open = False
         self._listen()
         self._actions = OperatorActions(self)
         self._seen: tuple[BridgeView, float] = BridgeView(), time.monotonic()
@@ -84,7 +91,13 @@ class Dashboard(Node):
             subscribe(self, DiagnosticArray, topic, profile, self._health, decode_statuses,
                       lambda told, take=act: take(told[1], time.monotonic()))
         subscribe(self, DiagnosticArray, 'pairs/ledger', qos.LEDGER, self._health, decode_ledger,
-                  lambda told: bridge.take_ledger(told, time.monotonic()))
+                  self._book)
+
+    def _book(self, told: LedgerMessage) -> None:
+        self._bridge.take_ledger(told, time.monotonic())
+        if any(told.ledger.total.counts.values()):
+            for intake in (*self._intakes.values(), self._pairs):
+                intake.open = True
 
     def _say_where(self, own: DashboardNode) -> None:
         """Print the address once, and a token that was made here; the log keeps no token."""

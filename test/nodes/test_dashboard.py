@@ -10,9 +10,11 @@ import pytest
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.messages.heading_messages import imu_messages
+from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.messages.status_messages import encode_statuses, Status, WARN
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.dashboard import Dashboard
@@ -53,11 +55,15 @@ def graph(ros, dashboard):
                for role in ('ts', 'rs')]
     ros.ours(Compliance, name='compliance', risk__min_duration_s=10.0)
     ros.ours(Synchronizer, name='synchronizer', pairing__method='interpolate')
-    ros.spin_until(lambda: all(s.get_subscription_count() == 2 for s in sensors))
+    ros.spin_until(lambda: all(s.get_subscription_count() == 1 for s in sensors))
     stamps = T0_NS + np.arange(400) * 10 ** 8
-    for sensor, heading_deg in zip(sensors, (20.5, 20.0)):
-        for message in imu_messages(Headings.of(stamps, np.full(400, heading_deg)), 'x'):
-            sensor.publish(message)
+    for part in (stamps[:200], stamps[200:]):
+        for sensor, heading_deg in zip(sensors, (20.5, 20.0)):
+            for message in imu_messages(Headings.of(part, np.full(200, heading_deg)), 'x'):
+                sensor.publish(message)
+        # The dashboard hears headings and pairs once the ledger counts some.
+        ros.spin_until(lambda: all(s.get_subscription_count() == 2 for s in sensors)
+                       and ros.plain.count_subscribers('pairs') == 2)
     ros.spin_until(lambda: see(dashboard).run.n > 300 and see(dashboard).paired)
     return dashboard
 
@@ -71,8 +77,20 @@ def test_the_page_sees_headings_pairs_figures_nodes_and_no_verdict(ros, graph):
     assert {node.name for node in view.nodes} == {'compliance', 'dashboard', 'synchronizer'}
     assert view.window.mean_deg == pytest.approx(0.5)
     assert view.lamp.word == 'NONE YET' and view.run.number == 1
-    assert view.trend.limit_deg > 0.2 and len(view.trend.columns) >= 13
+    assert view.trend.limit_deg > 0.2 and len(view.trend.columns) >= 6
     assert graph.page.controls.look()[1] < 1.0
+
+
+def test_the_page_is_no_subscriber_that_a_log_would_wait_for(ros, dashboard):
+    sensor = ros.plain.create_publisher(Imu, 'ts/heading', qos.HEADINGS_OUT)
+    ledgers = ros.plain.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
+    ros.spin_until(lambda: ledgers.get_subscription_count())
+    ledgers.publish(encode_ledger(Ledger()))
+    ros.spin_until(lambda: see(dashboard).paired == 0)
+    assert sensor.get_subscription_count() == 0
+    ledgers.publish(encode_ledger(Ledger.from_segments(
+        [LedgerSegment(None, {LedgerKey.TS_PENDING: 1})], T0_NS)))
+    ros.spin_until(lambda: sensor.get_subscription_count() == 1)
 
 
 def test_a_run_is_stopped_and_started_from_the_page(ros, graph):

@@ -10,12 +10,15 @@ import subprocess
 import sys
 from xml.etree import ElementTree
 
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 import pytest
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
 from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
+from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.dashboard import Dashboard
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
@@ -30,7 +33,7 @@ from .lines import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 POLICY = ElementTree.parse(ROOT / 'security' / 'heading_intercompare.policy.xml').getroot()
-NODES = ('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder')
+NODES = ('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder', 'dashboard')
 #: Made by rclpy only with `use_sim_time`; while a node looks for another of its name.
 EXEMPT = {'/clock', '/diagnostics'}
 
@@ -99,7 +102,12 @@ def test_the_dashboard_does_what_its_policy_allows_and_nothing_else(ros, monkeyp
     for role in ('ts', 'rs'):
         ros.plain.create_publisher(Imu, f'{role}/heading', qos.HEADINGS_OUT)
     ros.plain.create_publisher(TwistStamped, 'pairs', qos.PAIRS)
-    check(ros, ros.ours(Dashboard))
+    ledgers = ros.plain.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
+    dashboard = ros.ours(Dashboard)
+    ros.spin_until(ledgers.get_subscription_count)
+    ledgers.publish(encode_ledger(Ledger.from_segments(
+        [LedgerSegment(None, {LedgerKey.PAIRED: 1})], 1)))
+    check(ros, dashboard)
 
 
 def test_the_replayer_does_what_its_policy_allows_and_nothing_else(ros, tmp_path):
