@@ -51,7 +51,7 @@ setup(
         'dask': ['distributed>=2024.2', 'threadpoolctl>=3'],
         'test': ['pytest>=7.4', 'pytest-xdist>=3.4', 'pytest-timeout>=2.2', 'hypothesis>=6',
                  'rosbags', 'mcap-ros2-support', 'pybag-sdk',
-                 'jsonschema>=4'],
+                 'jsonschema>=4', 'nicegui>=3.0', 'playwright>=1.40'],
         'docs': ['sphinx>=7', 'myst-parser>=2', 'numpydoc>=1.6', 'pydata-sphinx-theme>=0.14'],
         'notebook': ['nbclient>=0.6', 'ipykernel>=6', 'matplotlib>=3.5'],
         'dev': ['ruff', 'mypy>=2.4', 'colcon-common-extensions'],

@@ -104,6 +104,7 @@ TESTS_OF_SEVERAL = {
     'nodes/test_months', 'nodes/test_recorder_process', 'nodes/test_security', 'nodes/test_soak',
     'nodes/test_soak_with_faults',
     'report/test_in_browser',
+    'web/test_in_browser',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_equations',
     'test_examples', 'test_packaging', 'test_plain_english', 'test_settings', 'test_site',
 }

@@ -93,13 +93,13 @@ class _Page:
                 for key, size in (('window', 'mid'), ('norm', 'row'), ('paired', 'row'),
                                   ('ledger', 'small'), ('bag', 'row'), ('graph', 'small')):
                     self._label(key, size)
+            self._build_controls()
             with self._box('panel wide'):
                 self._title('Alarms')
                 self._alarm_rows = self._box('k-alarms')
             with self._box('panel narrow'):
                 self._title('Nodes')
                 self._node_rows = self._box('k-nodes')
-            self._build_controls()
         self._beat = ui.label('').classes('k-beat').style('display: none')
         self.update()
         ui.timer(_PERIOD_S, self.update)

@@ -22,17 +22,21 @@ _STYLE = """
 html, body { background: var(--ground); color: var(--ink); margin: 0;
   font-family: system-ui, 'DejaVu Sans', sans-serif; }
 .nicegui-content { padding: 0 !important; }
-.bridge { display: grid; gap: 8px; padding: 8px; width: 100%; box-sizing: border-box;
+.bridge { display: grid; gap: 6px; padding: 6px 6px 36px 6px;
+  width: 100%; box-sizing: border-box;
   grid-template-columns: repeat(12, 1fr); }
 .panel { background: var(--panel); border: 1px solid var(--line); border-radius: 6px;
-  padding: 8px 12px; min-width: 0; overflow: hidden; }
+  padding: 4px 12px; min-width: 0; overflow: hidden; }
 .title { color: var(--faint); font-size: 15px; letter-spacing: 0.04em; }
-.big { font-size: clamp(56px, 8vw, 112px); font-weight: 700; line-height: 1.05;
+.big { font-size: clamp(56px, 7.2vw, 104px); font-weight: 700; line-height: 1.05;
   font-variant-numeric: tabular-nums; white-space: nowrap; }
-.mid { font-size: 30px; font-weight: 600; line-height: 1.2; font-variant-numeric: tabular-nums; }
-.lamp { font-size: clamp(36px, 4.6vw, 60px); font-weight: 800; line-height: 1.1; }
-.row { font-size: 18px; overflow-wrap: anywhere; font-variant-numeric: tabular-nums; }
-.small { font-size: 15px; color: var(--faint); overflow-wrap: anywhere; }
+.mid { font-size: 26px; font-weight: 600; line-height: 1.15;
+  font-variant-numeric: tabular-nums; }
+.lamp { font-size: clamp(36px, 4.2vw, 56px); font-weight: 800;
+  line-height: 1.05; }
+.row { font-size: 17px; line-height: 1.3;
+  overflow-wrap: anywhere; font-variant-numeric: tabular-nums; }
+.small { font-size: 15px; line-height: 1.3; color: var(--faint); overflow-wrap: anywhere; }
 .good { color: var(--good); } .doubt { color: var(--doubt); } .bad { color: var(--bad); }
 .box-good { border: 5px solid var(--good); } .box-doubt { border: 5px dashed var(--doubt); }
 .box-bad { border: 5px double var(--bad); } .box-none { border: 5px solid var(--line); }

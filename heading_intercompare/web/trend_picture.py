@@ -8,7 +8,7 @@ from .bridge_records import TrendView
 
 __all__ = ['draw_trend']
 
-_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 800, 220, 66, 8, 12, 26
+_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 800, 150, 66, 8, 8, 22
 
 
 def draw_trend(trend: TrendView) -> str:

@@ -28,7 +28,7 @@ def test_data_and_limits_are_inside_the_picture():
     text = draw_trend(TrendView((TrendColumn(9.0, -7.0, 9.0),), center_deg=1.0, limit_deg=2.0))
     tops = [float(y) for y in re.findall(r'y1="([-\d.]+)"', text)]
     tops += [float(y) for y in re.findall(r'[V ]([\d.]+)h', text)]
-    assert tops and all(0.0 < y < 200.0 for y in tops)
+    assert tops and all(0.0 < y < 140.0 for y in tops)
     assert '+3.00°' in text and '-1.00°' in text
 
 
