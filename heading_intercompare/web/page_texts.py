@@ -40,8 +40,7 @@ def tell(view: BridgeView) -> dict[str, Said]:
     return {
         'ts_heading': _heading(view.ts), 'ts_state': _sensor(view.ts),
         'rs_heading': _heading(view.rs), 'rs_state': _sensor(view.rs),
-        'difference': Said('– –' if view.difference_deg is None else
-                           f'{view.difference_deg:+.2f}°'),
+        'difference': Said(_big_difference(view.difference_deg)),
         'difference_state': _difference(view),
         'turn': Said('rate of turn not known' if view.turn_deg_min is None else
                      f'rate of turn {abs(view.turn_deg_min):.1f}°/min {_side(view.turn_deg_min)}'),
@@ -96,13 +95,26 @@ def _node(one: NodeView) -> Said:
 
 
 def _heading(one: SensorView) -> Said:
-    return Said('– –' if one.heading_deg is None else f'{one.heading_deg % 360.0:05.1f}°')
+    return Said('– –' if one.heading_deg is None else _compass(one.heading_deg))
+
+
+def _compass(heading_deg: float) -> str:
+    """Return a heading; what rounds to 360 is north."""
+    return f'{round(heading_deg, 1) % 360.0:05.1f}°'
+
+
+def _big_difference(x_deg: float | None) -> str:
+    """Return the difference with as many digits as fit its panel in any size."""
+    if x_deg is None:
+        return '– –'
+    digits = 2 if abs(x_deg) < 9.995 else 1 if abs(x_deg) < 99.95 else 0
+    return f'{x_deg:+.{digits}f}°'
 
 
 def _sensor(one: SensorView) -> Said:
     if one.age_s is None:
         return Said('never heard', Tone.DOUBT)
-    last = '' if one.last_deg is None else f'last {one.last_deg:05.1f}°, '
+    last = '' if one.last_deg is None else f'last {_compass(one.last_deg)}, '
     if one.stale:
         return Said(f'STALE: {last}{age_words(one.age_s)} ago', Tone.BAD)
     rate = 'rate not known' if one.rate_hz is None else f'{one.rate_hz:.1f} Hz'

@@ -90,3 +90,17 @@ def test_alarms_and_nodes_in_words():
     assert said.tone is Tone.BAD and quiet.tone is Tone.DOUBT
     lines = node_words(BridgeView(nodes=nodes))
     assert [line.text for line in lines] == ['a: OK, running', 'b: STALE, heard 9.0 s ago']
+
+
+@pytest.mark.parametrize('x_deg, words', [
+    (0.004, '+0.00°'), (-9.99, '-9.99°'), (9.996, '+10.0°'), (-99.94, '-99.9°'), (179.9, '+180°'),
+    (-179.99, '-180°')])
+def test_a_large_difference_has_fewer_digits_so_that_it_is_never_cut_off(x_deg, words):
+    assert tell(BridgeView(difference_deg=x_deg))['difference'].text == words
+
+
+@pytest.mark.parametrize('heading_deg, words', [(359.96, '000.0°'), (0.0, '000.0°'),
+                                                (359.94, '359.9°')])
+def test_a_heading_that_rounds_to_360_is_north(heading_deg, words):
+    said = tell(BridgeView(ts=SensorView(heading_deg, heading_deg, 0.1, 10.0, 0.0, 0.0, False)))
+    assert said['ts_heading'].text == words
