@@ -85,10 +85,10 @@ def alarm_words(view: BridgeView) -> list[tuple[str, Said]]:
 
 def node_words(view: BridgeView) -> list[Said]:
     """Return a line per node."""
-    return [_node(one) for one in view.nodes]
+    return [_node_line(one) for one in view.nodes]
 
 
-def _node(one: NodeView) -> Said:
+def _node_line(one: NodeView) -> Said:
     if one.stale:
         return Said(f'{one.name}: STALE, heard {age_words(round(one.age_s))} ago', Tone.BAD)
     return Said(f'{one.name}: {_LEVELS[one.level]}, {one.words}', _TONES[one.level])

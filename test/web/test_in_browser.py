@@ -172,7 +172,8 @@ def test_values_are_live_and_the_page_shows_its_age(page):
     assert await_text(page, '#page-age', r'^page 0\.\d s old$')
     assert 'COMPLIANT' not in page.text_content('.k-lamp')
     await_text(page, '.k-nodes', 'compliance.*dashboard.*recorder.*synchronizer')
-    assert page.locator('svg path').get_attribute('d')
+    # The trend is drawn once a second.
+    page.wait_for_function('document.querySelector("svg path.trace")?.getAttribute("d")')
 
 
 @pytest.mark.parametrize('size', [(1280, 800), (768, 1024)])
