@@ -202,7 +202,7 @@ class _Page:
         try:
             answer = await asyncio.wait_for(
                 asyncio.wrap_future(self._controls.act(what, text)), _PATIENCE_S)
-        except TimeoutError:
+        except asyncio.TimeoutError:
             self._answer.set_text(f'no answer in {_PATIENCE_S:g} s: is the graph running?')
             return False
         self._answer.set_text(answer)
