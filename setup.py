@@ -10,7 +10,8 @@ from setuptools import find_packages, setup
 NAME = 'heading_intercompare'
 VERSION = re.search(r"^VERSION = '([^']+)'", Path(NAME, 'core', 'version.py').read_text('utf-8'),
                     re.MULTILINE)[1]
-NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'recorder', 'replayer')
+NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'recorder', 'replayer',
+         'dashboard')
 
 
 def list_shared(*folders):
@@ -45,11 +46,12 @@ setup(
         'serial': ['pyserial>=3.5'],
         'report': ['jinja2>=3.0', 'matplotlib>=3.5'],
         'terminal': ['rich>=13', 'argcomplete>=3'],
+        'web': ['nicegui>=3.0'],
         'fast': ['isal>=1.5'],
         'dask': ['distributed>=2024.2', 'threadpoolctl>=3'],
         'test': ['pytest>=7.4', 'pytest-xdist>=3.4', 'pytest-timeout>=2.2', 'hypothesis>=6',
                  'rosbags', 'mcap-ros2-support', 'pybag-sdk',
-                 'jsonschema>=4'],
+                 'jsonschema>=4', 'nicegui>=3.0', 'playwright>=1.40'],
         'docs': ['sphinx>=7', 'myst-parser>=2', 'numpydoc>=1.6', 'pydata-sphinx-theme>=0.14'],
         'notebook': ['nbclient>=0.6', 'ipykernel>=6', 'matplotlib>=3.5'],
         'dev': ['ruff', 'mypy>=2.4', 'colcon-common-extensions'],

@@ -29,7 +29,8 @@ DOCS = Path(__file__).resolve().parent
 STOREYS = (
     (('cli', 1.0),),
     (('app', 0.4), ('nodes', 0.6)),
-    (('drivers', 0.12), ('ahrs', 0.22), ('report', 0.12), ('logbook', 0.11), ('bags', 0.43)),
+    (('drivers', 0.11), ('ahrs', 0.2), ('report', 0.11), ('logbook', 0.09), ('web', 0.1),
+     ('bags', 0.39)),
     (('messages', 1.0),),
     (('core', 1.0),),
 )

@@ -4,7 +4,7 @@
 Compare two sensors live: drivers, synchronizer, compliance, recorder.
 
     ros2 launch heading_intercompare intercompare.launch.py config:=FILE
-        [record:=false] [output:=BAG] [report_dir:=DIR] [namespace:=/ship1]
+        [record:=false] [dashboard:=true] [output:=BAG] [report_dir:=DIR] [namespace:=/ship1]
 
 A sensor without a driver section in the parameter file is heard on its topic, `ts_topic` or
 `rs_topic`: somebody else publishes it.
@@ -50,9 +50,9 @@ def end_with(name):
 
 def nodes(context):
     """Return the nodes; no heading is lost, in whatever order they start."""
-    config, record, output, report_dir, namespace = (
+    config, record, page, output, report_dir, namespace = (
         LaunchConfiguration(name).perform(context)
-        for name in ('config', 'record', 'output', 'report_dir', 'namespace'))
+        for name in ('config', 'record', 'dashboard', 'output', 'report_dir', 'namespace'))
     with open(config, encoding='utf-8') as file:
         sections = yaml.safe_load(file)
     sections = {name.lstrip('/'): (section or {}).get('ros__parameters') or {}
@@ -86,6 +86,9 @@ def nodes(context):
                          {'parameter_file': config, 'go_on': True,
                           **({'output': output} if output else {})},
                          respawn=True, respawn_delay=2.0))
+    if page == 'true':
+        # The trial goes on without it.
+        made.append(node('dashboard', 'dashboard', namespace, parameters, {}))
     return made
 
 
@@ -101,6 +104,8 @@ def generate_launch_description():
                               'the sections ts_driver and rs_driver of sensors with a driver'),
         DeclareLaunchArgument('record', default_value='true', choices=['true', 'false'],
                               description='record a bag'),
+        DeclareLaunchArgument('dashboard', default_value='false', choices=['true', 'false'],
+                              description='serve the live page'),
         DeclareLaunchArgument('output', default_value='', description='the bag; empty: that of '
                               'the parameter file, or heading_<UTC>'),
         DeclareLaunchArgument('report_dir', default_value='', description='folder for the '

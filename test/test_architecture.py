@@ -45,7 +45,8 @@ ALLOWED = {
                     {'numpy', 'mcap', 'lz4', 'zstandard', 'isal'}),
     'report': Allowed({'core'}, {'numpy', 'jinja2', 'matplotlib'}),
     'logbook': Allowed({'core'}, {'numpy', 'scipy'}),
-    'nodes': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'logbook'},
+    'web': Allowed({'core', 'messages'}, {'numpy', 'nicegui', 'fastapi', 'uvicorn'}),
+    'nodes': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'logbook', 'web'},
                      {'numpy', 'rclpy'} | MESSAGES),
     'app': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'logbook',
                     'yaml_file'},
@@ -67,8 +68,11 @@ ORDER = {
              'sensors', 'simulator'),
     'bags': ('errors', 'checked_text', 'settings', 'mcap', 'parallel', 'rosbag2',
              'recording', 'recovery', 'csv'),
+    'web': ('wording', 'figures', 'bridge_records', 'verdict_lamp', 'bridge_view',
+            'controls', 'guard', 'palettes', 'trend_picture', 'page_texts', 'page', 'server'),
     'nodes': ('settings', 'ros', 'runtime', 'taking', 'alarms', 'judging', 'synchronizer',
-              'compliance', 'recorder', 'replayer', 'nmea_driver', 'sensor_simulator', 'graph'),
+              'compliance', 'recorder', 'replayer', 'nmea_driver', 'sensor_simulator', 'dashboard',
+              'graph'),
     'cli': ('terminal', 'completion', 'node_command', 'commands', 'program'),
 }
 
@@ -77,6 +81,7 @@ LOADED_BY = {
     'jinja2': {'report/html'}, 'matplotlib': {'report/graphs', 'report/plots'},
     'distributed': {'app/cluster'}, 'argcomplete': {'cli/completion'},
     'rich': {'cli/terminal/console', 'cli/terminal/progress'},
+    'nicegui': {'web/page', 'web/server'}, 'fastapi': {'web/server'}, 'uvicorn': {'web/server'},
 }
 
 # They take headings and pass them on, and start as fast as a plain node.
@@ -99,6 +104,7 @@ TESTS_OF_SEVERAL = {
     'nodes/test_months', 'nodes/test_recorder_process', 'nodes/test_security', 'nodes/test_soak',
     'nodes/test_soak_with_faults',
     'report/test_in_browser',
+    'web/test_in_browser',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_equations',
     'test_examples', 'test_packaging', 'test_plain_english', 'test_settings', 'test_site',
 }

@@ -16,7 +16,11 @@ from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSe
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.runs.growing_columns import Keep
-from heading_intercompare.core.runs.live_figures import compute_figures, name_moments
+from heading_intercompare.core.runs.live_figures import (
+    compute_figures,
+    compute_run_figures,
+    name_moments,
+)
 from heading_intercompare.core.runs.rolling_window import Rolling
 from heading_intercompare.core.runs.run_cutter import RunCutter
 from heading_intercompare.core.runs.run_series import RunSeries
@@ -219,7 +223,7 @@ class Compliance:
         if not len(run):
             return {**result, 'n': 0}
         limits = run.limits(self.settings.norms, self.settings.model)
-        return result | compute_figures(run, limits, self.settings)
+        return result | compute_run_figures(run, limits, self.settings)
 
     def rolling_figures(self) -> dict[str, Any]:
         """Return the figures of the rolling window; ``n`` is 0 before the first pair."""

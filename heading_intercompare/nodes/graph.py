@@ -32,6 +32,7 @@ from heading_intercompare.nodes.ros.security import check_security, say_security
 from heading_intercompare.nodes.ros.transports import prefer_udp, set_variable
 
 from .compliance import Compliance
+from .dashboard import Dashboard
 from .recorder import Recorder
 from .synchronizer import Synchronizer
 
@@ -115,7 +116,7 @@ def _spin_in_thread(executor: Executor) -> Iterator[Future]:
 def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                  output: str | None = None, report_dir: str | None = None,
                  own: Mapping[str, Mapping[str, Any]] | None = None, private: bool = False,
-                 namespace: str = '/',
+                 namespace: str = '/', page: Mapping[str, Any] | None = None,
                  progress: Callable[[int], None] = lambda n_pairs: None,
                  tell: Callable[[str], None] | None = None) -> Verdict:
     """
@@ -139,6 +140,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         Hide the graph from other processes.
     namespace : str
         Namespace of all nodes and relative topics.
+    page : mapping, optional
+        Parameters of the node dashboard, which then serves the live page; it prints the address.
     progress : callable
         Called with the number of pairs several times per second.
     tell : callable, optional
@@ -164,6 +167,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     first: list[_Planned] = [
         (Compliance, 'compliance', judging_own),
         (Synchronizer, 'synchronizer', {**own.get('synchronizer', {}), **heard})]
+    if page is not None:
+        first.append((Dashboard, 'dashboard', page))
     then: list[_Planned] = [(s.make, s.name, {**heard, **s.settings}) for s in sources]
     if output is not None:
         then.insert(0, (Recorder, 'recorder', {**own.get('recorder', {}), 'output': output}))
@@ -178,13 +183,13 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                         parameter_overrides=make_overrides({**settings, **parameters})))
                 (judging if make is Compliance else executor).add_node(nodes[-1])
         start(first)
-        compliance, synchronizer = nodes
+        compliance, synchronizer, *pages = nodes
         # Beside another graph no bag is begun.
         while not (stop.requested or compliance.sole.clear and synchronizer.sole.clear):
             judging.spin_once(0.01)
             executor.spin_once(0.01)
         start(then)
-        recorders = nodes[2:len(nodes) - len(sources)]
+        recorders = nodes[2 + len(pages):len(nodes) - len(sources)]
         running = nodes[len(nodes) - len(sources):]
         for recorder in recorders:
             recorder.state_sources({source.name: source.settings for source in sources})
@@ -204,6 +209,7 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                     tell(told.get())
         judging.remove_node(compliance)
         executor.add_node(compliance)
-        # End the sources first, then the synchronizer, then compliance, then the recorder.
-        end(executor, [*running, synchronizer, compliance, *recorders])
+        # End the sources first, then the synchronizer, then compliance, then those that show and
+        # record what it says last.
+        end(executor, [*running, synchronizer, compliance, *recorders, *pages])
         return compliance.verdict

@@ -104,8 +104,8 @@ class Recorder(Node):
             self._bag.write(name, data, received_ns, info['source_timestamp'],
                             info['publication_sequence_number'])
         self._bag.tick(time.monotonic())
-        if self._bag.fault + self._bag.remark != self._state:
-            self._state = self._bag.fault + self._bag.remark
+        if (state := self._bag.fault + self._bag.remark) != self._state:
+            self._state = state
             self._note()
         if self._end_s is not None:
             self._close_if_quiet(self._end_s)
@@ -118,8 +118,9 @@ class Recorder(Node):
         level = ERROR if bag.fault else WARN if bag.remark or bag.faults or gone else OK
         self._health.note('bag', level, bag.fault or (f'{state}; {gone}' if gone else state),
                           messages=bag.written, waiting=bag.waiting, lost=lost, faults=bag.faults,
-                          absent=bag.absent, notes_cut=self._notes.cut,
-                          notes_left_out=self._notes.left_out, parts_cut=self._states.cut)
+                          absent=bag.absent, free_bytes=bag.free_bytes,
+                          notes_cut=self._notes.cut, notes_left_out=self._notes.left_out,
+                          parts_cut=self._states.cut)
 
     def end(self) -> None:
         """Keep recording until the other nodes are gone or time is up, for the last verdict."""
@@ -137,8 +138,7 @@ class Recorder(Node):
         self._bag.settle()
         for file in report_files(self._report) if self._report else ():
             self._bag.attachment(*file)
-        losses = self._losses()
-        if loss_words(losses):
+        if loss_words(losses := self._losses()):
             self.get_logger().warning(f'bag: {loss_words(losses)}')
         self._bag.metadata(STATES, self._states.record())
         self._bag.metadata(RECORDING, losses)

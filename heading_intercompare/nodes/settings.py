@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from heading_intercompare.core.settings import Checked, setting
 
-__all__ = ['ComplianceNode', 'DriverNode', 'RecorderNode', 'ReplayerNode', 'Sending',
-           'SimulatorNode', 'SynchronizerNode', 'Taking']
+__all__ = ['ComplianceNode', 'DashboardNode', 'DriverNode', 'RecorderNode', 'ReplayerNode',
+           'Sending', 'SimulatorNode', 'SynchronizerNode', 'Taking']
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +123,19 @@ class RecorderNode(Checked):
     end_wait_s: float = setting(
         7.0, 'at the end: how long to wait for the last verdict while other nodes run [s]', 0.0,
         8.0)
+
+
+@dataclass(frozen=True, slots=True)
+class DashboardNode(Checked):
+    """Settings of the node dashboard in addition to those of the analysis."""
+
+    host: str = setting(
+        '127.0.0.1', 'address to serve the page on; with another one than loopback, actions need '
+        'a token')
+    port: int = setting(8080, 'TCP port of the page; 0: any free one', 0, 65535)
+    token: str | None = setting(
+        None, 'token of at least 8 letters that actions need; none: none on loopback, otherwise '
+        'one is made and printed at the start')
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,20 @@ except ImportError:
 NORMS = {'norms.sigma_max_deg': 0.2, 'norms.sigma_ref_max_deg': 0.1}
 
 
+class NoPage:
+    """Stands for the server of the page, so that a test needs no browser and no NiceGUI."""
+
+    url, token = 'http://127.0.0.1:1/', None
+
+    def __init__(self, controls, **kwargs):
+        self.controls, self.kwargs = controls, kwargs
+        self.closed = False
+
+    def close(self):
+        """Note that it was closed."""
+        self.closed = True
+
+
 class Ros:
     """Nodes of one test: made, spun and destroyed."""
 

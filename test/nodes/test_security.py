@@ -10,12 +10,17 @@ import subprocess
 import sys
 from xml.etree import ElementTree
 
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TwistStamped
 import pytest
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
 from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
+from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.nodes.compliance import Compliance
+from heading_intercompare.nodes.dashboard import Dashboard
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.replayer import Replayer
@@ -23,11 +28,12 @@ from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 from heading_intercompare.nodes.synchronizer import Synchronizer
 
+from .conftest import NoPage
 from .lines import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 POLICY = ElementTree.parse(ROOT / 'security' / 'heading_intercompare.policy.xml').getroot()
-NODES = ('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder')
+NODES = ('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder', 'dashboard')
 #: Made by rclpy only with `use_sim_time`; while a node looks for another of its name.
 EXEMPT = {'/clock', '/diagnostics'}
 
@@ -38,8 +44,8 @@ def full(name, node):
 
 
 def allowed(profile):
-    """Return the topics published, the topics subscribed and the services of a profile."""
-    found = {'publish': set(), 'subscribe': set(), 'reply': set()}
+    """Return the topics published and subscribed, the services and calls of a profile."""
+    found = {'publish': set(), 'subscribe': set(), 'reply': set(), 'request': set()}
     for group in profile:
         for what, value in group.attrib.items():
             assert value == 'ALLOW'
@@ -54,14 +60,15 @@ def profiles(enclave):
 
 
 def made(node):
-    """Return the topics published, the topics subscribed and the services of a running node."""
+    """Return the topics published and subscribed, the services and calls of a node."""
     name = node.get_name()
 
     def names(rows):
         return {topic for topic, _ in rows}
     return {'publish': names(node.get_publisher_names_and_types_by_node(name, '/')),
             'subscribe': names(node.get_subscriber_names_and_types_by_node(name, '/')),
-            'reply': names(node.get_service_names_and_types_by_node(name, '/'))}
+            'reply': names(node.get_service_names_and_types_by_node(name, '/')),
+            'request': names(node.get_client_names_and_types_by_node(name, '/'))}
 
 
 def check(ros, node):
@@ -88,6 +95,19 @@ def test_each_node_of_the_graph_does_what_its_policy_allows_and_nothing_else(
 
 def test_the_simulator_does_what_its_policy_allows_and_nothing_else(ros):
     check(ros, ros.ours(SensorSimulator, subscribers=50))
+
+
+def test_the_dashboard_does_what_its_policy_allows_and_nothing_else(ros, monkeypatch):
+    monkeypatch.setattr('heading_intercompare.nodes.dashboard.PageServer', NoPage)
+    for role in ('ts', 'rs'):
+        ros.plain.create_publisher(Imu, f'{role}/heading', qos.HEADINGS_OUT)
+    ros.plain.create_publisher(TwistStamped, 'pairs', qos.PAIRS)
+    ledgers = ros.plain.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
+    dashboard = ros.ours(Dashboard)
+    ros.spin_until(ledgers.get_subscription_count)
+    ledgers.publish(encode_ledger(Ledger.from_segments(
+        [LedgerSegment(None, {LedgerKey.PAIRED: 1})], 1)))
+    check(ros, dashboard)
 
 
 def test_the_replayer_does_what_its_policy_allows_and_nothing_else(ros, tmp_path):
@@ -125,7 +145,7 @@ def test_the_policy_has_the_form_of_sros2():
 
 def test_no_node_but_the_drivers_may_publish_headings():
     """A compromised recorder cannot invent readings."""
-    for name in ('synchronizer', 'compliance', 'recorder', 'operator_note'):
+    for name in ('synchronizer', 'compliance', 'recorder', 'operator_note', 'dashboard'):
         may = allowed(profiles(name)[name])
         assert not may['publish'] & {'/ts/heading', '/rs/heading', '/clock'}
     for name in set(NODES) - {'synchronizer'}:

@@ -99,6 +99,14 @@ class Recording:
         self._attached: list[_Attached] = []
 
     @property
+    def free_bytes(self) -> int | None:
+        """Free bytes on the disk of the bag; None if the disk cannot be asked."""
+        try:
+            return self._free_bytes(self.path)
+        except OSError:
+            return None
+
+    @property
     def waiting(self) -> int:
         """Number of messages that wait in memory because they cannot be written."""
         return len(self._waiting)

@@ -164,6 +164,12 @@ class Looks:
                           for k, span in enumerate(spans))
         self.taken = 0
 
+    @property
+    def next_span_ns(self) -> int | None:
+        """Span of the next look, nanoseconds; None if only the planned end of the run is left."""
+        early = self.plan[:-1]
+        return early[self.taken].span_ns if self.taken < len(early) else None
+
     def take_due(self, span_s: float) -> list[Look]:
         """
         Take the looks that a run of this length has reached.

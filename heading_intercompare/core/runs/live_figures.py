@@ -8,14 +8,15 @@ from typing import Any
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.gk import apply_gk, Printed
-from heading_intercompare.core.decision.guarded import decide, gather_evidence
+from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence
+from heading_intercompare.core.decision.sequential import risk_at_the_end
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.moments import Moments
 
 from .rolling_window import Rolling
 from .run_series import RunSeries
 
-__all__ = ['compute_figures', 'name_moments']
+__all__ = ['compute_figures', 'compute_run_figures', 'name_moments']
 
 
 def _apply_gk_so_far(part: RunSeries | Rolling, limits: Limits, settings: Settings) -> Printed:
@@ -52,6 +53,43 @@ def compute_figures(part: RunSeries | Rolling, limits: Limits,
     at the end of a run; until then `not_yet_removed` names them.
 
     """
+    return _compute(part, limits, settings)[0]
+
+
+def compute_run_figures(run: RunSeries, limits: Limits, settings: Settings) -> dict[str, Any]:
+    """
+    Return the figures of a run in progress, and what it lacks.
+
+    Parameters
+    ----------
+    run : RunSeries
+        Must hold at least one difference.
+    limits : Limits
+    settings : Settings
+
+    Returns
+    -------
+    dict
+        Those of `compute_figures`, and: `span_s`, the time from the first to the last analysed
+        difference; `needed_s`, how much longer the run must be to decide at the risks of its end,
+        other things being equal (0: no longer; inf: no length of such data decides; None: not
+        known yet); `next_look_ns`, the stamp at which the next look is due, or None if none is.
+
+    Notes
+    -----
+    `needed_s` does not say which way the run will be decided.
+
+    """
+    figures, evidence = _compute(run, limits, settings)
+    hours = decide(evidence, limits, risk_at_the_end(settings)).hours_needed
+    needed_s = None if hours is None else max(0.0, hours * 3600.0 - run.span_s)
+    return {**figures, 'span_s': run.span_s, 'needed_s': needed_s,
+            'next_look_ns': run.next_look_ns}
+
+
+def _compute(part: RunSeries | Rolling, limits: Limits,
+             settings: Settings) -> tuple[dict[str, Any], Evidence]:
+    """Return the figures and the evidence that they rest on."""
     moments = part.moments()
     printed = _apply_gk_so_far(part, limits, settings)
     evidence = gather_evidence(
@@ -69,7 +107,7 @@ def compute_figures(part: RunSeries | Rolling, limits: Limits,
             'nu', 'f', 'slow_allowance_deg2', 'lower_bound_deg2', 'upper_bound_deg2',
             'acceptance_limit_deg2', 'rejection_limit_deg2', 'sigma_ts_lower_deg',
             'sigma_ts_upper_deg', 'bias_u_deg')},
-        'not_yet_removed': ' '.join(_list_not_yet_removed(settings)) or None}
+        'not_yet_removed': ' '.join(_list_not_yet_removed(settings)) or None}, evidence
 
 
 def _list_not_yet_removed(settings: Settings) -> list[str]:

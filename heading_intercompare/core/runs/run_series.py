@@ -121,6 +121,14 @@ class RunSeries:
         first = self.stamp_ns.first if len(self.stamp_ns) else stamp_ns[0]
         return self._looks.cuts(int(first), stamp_ns)
 
+    @property
+    def next_look_ns(self) -> int | None:
+        """Stamp at which the next look is due; None if there is none before the planned end."""
+        if self._looks is None or not len(self):
+            return None
+        span_ns = self._looks.next_span_ns
+        return None if span_ns is None else int(self.stamp_ns.first) + span_ns
+
     def _announce(self, look: Look) -> None:
         if self._looks is not None and self._on_look is not None:
             self._on_look(self, look, len(self._looks.plan))

@@ -513,3 +513,15 @@ def test_files_that_the_system_refuses_to_let_grow_are_followed_by_others(tmp_pa
     assert len(list((tmp_path / 'bag').glob('*.mcap'))) >= 3
     total = recover(tmp_path / 'bag', tmp_path / 'new')
     assert (total.messages, total.messages_lost, total.chunks_lost) == (2000, 0, 0)
+
+
+def test_the_free_space_is_told_while_the_disk_can_be_asked(tmp_path):
+    with_disk = Recording(tmp_path / 'one', free_bytes=lambda path: 7 * MB)
+    assert with_disk.free_bytes == 7 * MB
+    with_disk.close()
+
+    def fail(path):
+        raise OSError(errno.EIO, 'Input/output error')
+    without = Recording(tmp_path / 'two', free_bytes=fail)
+    assert without.free_bytes is None
+    without.close()

@@ -54,3 +54,42 @@ def test_what_is_taken_out_at_the_end_only_is_named(pairs, names, expected):
     live = compliance(**names)
     live.update(pairs)
     assert live.run_figures()['not_yet_removed'] == expected
+
+
+def test_what_a_run_lacks_is_the_length_that_its_end_would_ask_for(pairs):
+    """The judgement at the end says how long the run must be; what it has is subtracted."""
+    live, end = compliance(), compliance()
+    live.update(pairs[:400])
+    end.update(pairs[:400])
+    end.finish()
+    now, guarded = live.run_figures(), end.verdict().runs[0].guarded
+    assert now['span_s'] == pytest.approx(199.5)
+    assert now['needed_s'] == pytest.approx(guarded.hours_needed * 3600.0 - 199.5)
+    assert now['needed_s'] > 60.0
+
+
+def test_with_a_plan_the_next_look_has_a_time_and_more_data_are_needed(pairs):
+    """Planned 1000 s, least 200 s: looks at 250 s and 500 s; the last one is the end itself."""
+    planned = {'sequential.plan_s': 1000.0, 'risk.min_duration_s': 200.0}
+    plain, live = compliance(**{'risk.min_duration_s': 200.0}), compliance(**planned)
+    found = []
+    for lo in range(0, 2000, 400):
+        plain.update(pairs[lo:lo + 400])
+        live.update(pairs[lo:lo + 400])
+        found.append(live.run_figures()['next_look_ns'])
+        assert live.run_figures()['needed_s'] >= plain.run_figures()['needed_s']
+    first_ns = int(pairs.stamp_ns[0])
+    assert found == [first_ns + 250 * S, first_ns + 500 * S, None, None, None]
+    assert plain.run_figures()['next_look_ns'] is None
+
+
+def test_a_run_that_lacks_nothing_needs_no_more_time(pairs):
+    live = compliance(**{'risk.min_duration_s': 200.0})
+    live.update(pairs)
+    assert live.run_figures()['needed_s'] == 0.0
+
+
+def test_too_few_differences_say_nothing_about_what_is_needed(pairs):
+    live = compliance()
+    live.update(pairs[:50])
+    assert live.run_figures()['needed_s'] is None

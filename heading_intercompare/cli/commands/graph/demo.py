@@ -22,6 +22,8 @@ from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.report import check_form, SeriesSketch, write
 
+from .web_option import add_web_argument, read_web
+
 __all__ = ['add_arguments', 'run']
 
 _SETTINGS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
@@ -39,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='speed of the simulation as a multiple of real time (default: 50)')
     parser.add_argument('--duration', type=float, metavar='S',
                         help='simulated seconds (default: the whole scenario, 1200)')
+    add_web_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -47,6 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     from heading_intercompare.nodes.replayer import Replayer
     from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 
+    page = read_web(arguments, {})
     scenario = read_scenario('demo').scenario
     if arguments.duration is not None:
         scenario = replace(scenario, duration_s=arguments.duration)
@@ -63,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
         live = intercompare(
             [Source(SensorSimulator, 'sensor_simulator',
                     {**scenario.to_mapping(), 'speed': arguments.speed, 'stamps': 'scenario'})],
-            _SETTINGS, output=bag, report_dir=str(out / 'live'), private=True,
+            _SETTINGS, output=bag, report_dir=str(out / 'live'), private=True, page=page,
             progress=lambda n: progress.show(f'{n:,} pairs'))
     tell(f'2. replayed: {bag} -> synchronizer -> compliance')
     with Progress('replayed', arguments.quiet) as progress:

@@ -25,6 +25,8 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.settings import from_mapping, SettingsError
 from heading_intercompare.nodes.settings import ComplianceNode
 
+from .web_option import add_web_argument, read_web
+
 __all__ = ['add_arguments', 'run']
 
 _DRIVERS = ('ts_driver', 'rs_driver')
@@ -40,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--namespace', metavar='/NAME', default='/',
                         help='of all nodes and topics: one for each graph in a ROS domain')
     add_note_argument(parser)
+    add_web_argument(parser)
     add_verdict_arguments(parser)
 
 
@@ -60,6 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
         {'parameter_file': arguments.config} if arguments.config else {})}
     if notes := read_notes(arguments):
         recorder['note'] = notes
+    page = read_web(arguments, config.sections.get('dashboard', {}))
     own = {**config.sections.get('compliance', {})}
     output = arguments.output or recorder.get('output')
     own.setdefault('journal', f'{output or "heading"}.journal')
@@ -90,6 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
             {k: v for k, v in settings.to_mapping().items() if v is not None},
             output=output, report_dir=config.sections.get('compliance', {}).get('report_dir'),
             own={**config.sections, 'compliance': own, 'recorder': recorder},
-            namespace=arguments.namespace, progress=lambda n: progress.show(f'{n:,} pairs'),
+            namespace=arguments.namespace, page=page,
+            progress=lambda n: progress.show(f'{n:,} pairs'),
             tell=None if arguments.quiet else progress.tell)
     return conclude(verdict, arguments)

@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The option ``--web``: the live page, served by the process that runs the graph."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any, Mapping
+
+from heading_intercompare.core.settings import SettingsError
+
+__all__ = ['add_web_argument', 'read_web']
+
+
+def add_web_argument(parser: argparse.ArgumentParser) -> None:
+    """Add the option."""
+    parser.add_argument('--web', nargs='?', const='', metavar='HOST:PORT',
+                        help='serve the live page and print its address (default: '
+                        '127.0.0.1:8080; port 0: any free one); on another address than loopback, '
+                        'actions need a token')
+
+
+def read_web(arguments: argparse.Namespace,
+             section: Mapping[str, Any]) -> dict[str, Any] | None:
+    """
+    Return the parameters of the node dashboard; None without the option.
+
+    Parameters
+    ----------
+    arguments : Namespace
+    section : mapping
+        The section `dashboard` of the parameter file; the option goes before it.
+
+    Raises
+    ------
+    SettingsError
+        If the address is not HOST:PORT, HOST or :PORT.
+
+    """
+    if arguments.web is None:
+        return None
+    given: dict[str, Any] = {}
+    host, colon, port = arguments.web.rpartition(':')
+    if not colon or arguments.web.endswith(']'):
+        host, port = arguments.web, ''
+    if port and not (port.isdecimal() and port.isascii()):
+        raise SettingsError(f'--web {arguments.web}: must be HOST:PORT, e.g. 127.0.0.1:8080')
+    if host:
+        given['host'] = host.strip('[]')
+    if port:
+        given['port'] = int(port)
+    return {**section, **given}

@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What an operator asks of a graph: start or stop a run, acknowledge, keep a note."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future
+from functools import partial
+from queue import SimpleQueue
+from typing import Any
+
+from rclpy.node import Node
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from heading_intercompare.bags.rosbag2.provenance import NOTE_TOPIC
+from heading_intercompare.messages.texts import encode_text
+from heading_intercompare.nodes.alarms.alarm_panel import ACKNOWLEDGE_TOPIC
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.steady_timer import every
+
+__all__ = ['OperatorActions']
+
+_PERIOD_S = 0.05
+
+
+class OperatorActions:
+    """
+    Asks the nodes concerned, in the thread of its node, whichever thread wants it.
+
+    Parameters
+    ----------
+    node : Node
+        The node that asks.
+
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._callers = {what: node.create_client(Trigger, f'compliance/{service}')
+                         for what, service in (('start', 'start_run'), ('stop', 'stop_run'),
+                                               ('acknowledge', 'acknowledge'))}
+        self._acknowledge = node.create_publisher(String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE)
+        self._note = node.create_publisher(String, NOTE_TOPIC, qos.NOTE)
+        self._asked: SimpleQueue[tuple[str, str, Future[str]]] = SimpleQueue()
+        every(node, _PERIOD_S, self._serve)
+
+    def ask(self, what: str, text: str) -> Future[str]:
+        """
+        Ask for an action, from any thread.
+
+        Parameters
+        ----------
+        what : {'start', 'stop', 'acknowledge', 'note'}
+        text : str
+            The note; or the alarm to acknowledge, all if empty.
+
+        Returns
+        -------
+        Future of str
+            The answer in words.
+
+        """
+        answer: Future[str] = Future()
+        self._asked.put((what, text, answer))
+        return answer
+
+    def _serve(self) -> None:
+        while not self._asked.empty():
+            what, text, answer = self._asked.get()
+            if not answer.set_running_or_notify_cancel():
+                continue
+            if what == 'note' or text:
+                self._tell(what, text, answer)
+            elif not self._callers[what].service_is_ready():
+                answer.set_result('the compliance node does not answer: is it running?')
+            else:
+                self._callers[what].call_async(Trigger.Request()).add_done_callback(
+                    partial(self._finish, answer))
+
+    def _tell(self, what: str, text: str, answer: Future[str]) -> None:
+        """Publish a note, or the name of an alarm to acknowledge."""
+        publisher, done, nobody = (
+            (self._note, 'the note was sent to the recorder', 'no recorder listens: no note kept')
+            if what == 'note' else
+            (self._acknowledge, f'{text}: acknowledged', 'no node listens'))
+        if publisher.get_subscription_count():
+            publisher.publish(encode_text(text))
+            answer.set_result(done)
+        else:
+            answer.set_result(nobody)
+
+    @staticmethod
+    def _finish(answer: Future[str], called: Any) -> None:
+        answer.set_result(called.result().message)

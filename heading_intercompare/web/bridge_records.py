@@ -1,0 +1,188 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The parts of what the live page shows, each with its age where it can grow old."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from heading_intercompare.web.figures.trend import TrendColumn
+
+__all__ = ['AlarmView', 'BagView', 'LampView', 'NodeView', 'RunView', 'Tone', 'TrendView',
+           'ValidityView', 'WindowView']
+
+
+class Tone(str, Enum):
+    """
+    How a thing is coloured; its words always say the same.
+
+    Only a verdict that was given can be `GOOD`.
+    """
+
+    NONE = 'none'
+    GOOD = 'good'
+    DOUBT = 'doubt'
+    BAD = 'bad'
+
+    def __str__(self) -> str:
+        return self.value
+
+
+@dataclass(frozen=True, slots=True)
+class LampView:
+    """
+    The state lamp: the last verdict given at a look or at the end of a run.
+
+    Attributes
+    ----------
+    word : str
+        The outcome in capitals; or 'NONE YET'.
+    tone : Tone
+    given_ns : int or None
+        Stamp of the data at which the verdict was given.
+    what : str
+        Which look or run gave it, in words; without a verdict, when the next one comes.
+    headline : str
+        The result in one line; '' without a verdict.
+
+    """
+
+    word: str = 'NONE YET'
+    tone: Tone = Tone.NONE
+    given_ns: int | None = None
+    what: str = ''
+    headline: str = ''
+
+
+@dataclass(frozen=True, slots=True)
+class ValidityView:
+    """What speaks against the comparison now, in words, and how grave it is."""
+
+    words: str
+    tone: Tone
+
+
+@dataclass(frozen=True, slots=True)
+class AlarmView:
+    """
+    One alarm that is not normal.
+
+    Attributes
+    ----------
+    name : str
+        Node and alarm, as `compliance/acknowledge` takes it.
+    priority, state : str
+        As on the topic.
+    words : str
+    raised_ns : int or None
+        Stamp at which it was last raised.
+
+    """
+
+    name: str
+    priority: str
+    state: str
+    words: str
+    raised_ns: int | None
+
+    @property
+    def acknowledged(self) -> bool:
+        """Whether somebody has acknowledged it."""
+        return self.state == 'active_acknowledged'
+
+    @property
+    def active(self) -> bool:
+        """Whether its condition still holds."""
+        return self.state.startswith('active')
+
+
+@dataclass(frozen=True, slots=True)
+class NodeView:
+    """A node: its worst part in words with its level (0 OK, 1 warning, 2 error), and its age."""
+
+    name: str
+    level: int
+    words: str
+    age_s: float
+    stale: bool
+
+
+@dataclass(frozen=True, slots=True)
+class WindowView:
+    """
+    Mean and scatter of the rolling window, beside the norm; no judgement.
+
+    Attributes
+    ----------
+    n : int
+    mean_deg, std_deg : float or None
+        Degrees.
+    limit_deg : float or None
+        The norm for the scatter of the differences, degrees: root of GK (5).
+    age_s : float or None
+    stale : bool
+
+    """
+
+    n: int = 0
+    mean_deg: float | None = None
+    std_deg: float | None = None
+    limit_deg: float | None = None
+    age_s: float | None = None
+    stale: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class RunView:
+    """
+    The run in progress and what it lacks.
+
+    Attributes
+    ----------
+    number : int
+        Number of the run, from 1; 0: no run is in progress.
+    n : int
+        Differences analysed.
+    span_s, needed_s : float or None
+        As on `compliance/run`.
+    next_look_ns : int or None
+    lacking : str
+        What is missing, in words.
+    age_s : float or None
+    stale : bool
+
+    """
+
+    number: int = 0
+    n: int = 0
+    span_s: float | None = None
+    needed_s: float | None = None
+    next_look_ns: int | None = None
+    lacking: str = 'not heard'
+    age_s: float | None = None
+    stale: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class TrendView:
+    """The trend, its newest stamp, the centre and half width of its limits, and its age."""
+
+    columns: tuple[TrendColumn, ...] = ()
+    span_s: float = 1800.0
+    newest_ns: int | None = None
+    center_deg: float = 0.0
+    limit_deg: float | None = None
+    age_s: float | None = None
+    stale: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class BagView:
+    """The recording: words and level as on /diagnostics, free bytes on its disk, and its age."""
+
+    words: str = 'nothing is recorded'
+    level: int = 0
+    free_bytes: int | None = None
+    age_s: float | None = None
+    stale: bool = True

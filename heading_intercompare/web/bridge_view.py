@@ -1,0 +1,360 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Everything that the live page shows, from the messages of the graph and a steady clock."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+import math
+from typing import Mapping, Sequence
+
+from heading_intercompare.core.pairing.difference import subtract
+from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.ledger_messages import LedgerMessage
+from heading_intercompare.messages.status_messages import ERROR, OK, Status, WARN
+from heading_intercompare.web.figures.stream_watch import SensorView, StreamWatch
+from heading_intercompare.web.figures.trend import Trend
+
+from .bridge_records import (
+    AlarmView,
+    BagView,
+    LampView,
+    NodeView,
+    RunView,
+    Tone,
+    TrendView,
+    ValidityView,
+    WindowView,
+)
+from .verdict_lamp import light_lamp
+from .wording import integer, lacking_words, real, shorten
+
+__all__ = ['Bridge', 'BridgeView']
+
+#: Names in messages of others must not fill the memory.
+_MOST_NODES, _MOST_ALARMS, _MOST_PARTS, _LONGEST = 50, 200, 100, 300
+#: A node that has kept silent for this time has ended; its states are dropped.
+_FORGET_S = 600.0
+
+
+@dataclass(frozen=True, slots=True)
+class BridgeView:
+    """
+    Everything that the page shows, at a moment.
+
+    Attributes
+    ----------
+    ts, rs : SensorView
+        The two sensors.
+    difference_deg : float or None
+        TS - RS of the newest pair, wrapped, the installation offset removed, degrees; None if
+        it is stale.
+    last_difference_deg, difference_age_s : float or None
+        The last difference, however old, degrees; its age, seconds.
+    difference_stale : bool
+    turn_deg_min : float or None
+        Rate of turn by the RS, otherwise by the TS, degrees per minute, positive to starboard.
+    paired_share : float or None
+        Share of the readings that were paired in the last minute.
+    paired, rejected : int or None
+        Pairs made, and readings rejected, by the newest ledger.
+    lamp : LampView
+    validity : ValidityView
+        What speaks against the comparison now.
+    window : WindowView
+    run : RunView
+    trend : TrendView
+    alarms : tuple of AlarmView
+        Those that are not normal, the gravest first.
+    nodes : tuple of NodeView
+        By name.
+    mode : str or None
+        Mode of an AHRS, in words; None if there is none.
+    bag : BagView
+    graph_age_s : float or None
+        Time since anything came from the graph, seconds; None before the first message.
+    judged : bool
+        The node that judges is heard.
+
+    """
+
+    ts: SensorView = SensorView()
+    rs: SensorView = SensorView()
+    difference_deg: float | None = None
+    last_difference_deg: float | None = None
+    difference_age_s: float | None = None
+    difference_stale: bool = True
+    turn_deg_min: float | None = None
+    paired_share: float | None = None
+    paired: int | None = None
+    rejected: int | None = None
+    lamp: LampView = LampView()
+    validity: ValidityView = ValidityView('not known: nothing is heard', Tone.DOUBT)
+    window: WindowView = WindowView()
+    run: RunView = RunView()
+    trend: TrendView = TrendView()
+    alarms: tuple[AlarmView, ...] = ()
+    nodes: tuple[NodeView, ...] = ()
+    mode: str | None = None
+    bag: BagView = BagView()
+    graph_age_s: float | None = None
+    judged: bool = False
+
+
+@dataclass(slots=True)
+class _Told:
+    """The last message of one kind: its statuses by name, stamp, and time of receipt."""
+
+    statuses: tuple[Status, ...] = ()
+    stamp_ns: int = 0
+    came_s: float | None = None
+
+    def values(self, name: str) -> Mapping[str, str]:
+        """Return the values of a status; none if it is absent."""
+        return next((one.values for one in self.statuses if one.name == name), {})
+
+
+@dataclass(slots=True)
+class _Node:
+    """The parts of one node since its start, as last told."""
+
+    owner: str
+    came_s: float
+    parts: dict[str, Status] = field(default_factory=dict)
+
+
+class Bridge:
+    """
+    Takes decoded messages of a graph and says what to show of them.
+
+    Parameters
+    ----------
+    settings : Settings
+        Of the analysis.
+    trend_limit_deg : float, optional
+        Limit of a single difference, degrees; drawn about the centre of the trend.
+    stale_s : float
+        Age after which a figure is stale, seconds; a slow sensor has longer.
+    namespace : str
+        Namespace of the graph; nodes of others on /diagnostics are left out.
+
+    Notes
+    -----
+    Every method that takes a message is given the time of a steady clock, seconds. Memory does
+    not grow, whatever comes.
+
+    """
+
+    def __init__(self, settings: Settings, *, trend_limit_deg: float | None = None,
+                 stale_s: float = 3.0, namespace: str = '/') -> None:
+        self._settings, self._stale_s = settings, stale_s
+        self._owners = f'{namespace.rstrip("/")}/'
+        self._streams = {'ts': StreamWatch(stale_s), 'rs': StreamWatch(stale_s)}
+        self._trend, self._trend_limit_deg = Trend(), trend_limit_deg
+        self._x_deg: float | None = None
+        self._pair_ns: int | None = None
+        self._pair_s: float | None = None
+        self._ledger: LedgerMessage | None = None
+        self._rolling, self._run, self._verdict = _Told(), _Told(), _Told()
+        self._alarms: dict[str, Status] = {}
+        self._nodes: dict[str, _Node] = {}
+        self._heard_s: float | None = None
+
+    def take_headings(self, stream: str, headings: Headings, received_ns: int,
+                      now_s: float) -> None:
+        """Take readings of 'ts' or 'rs'; the last one came at this time of day, UTC ns."""
+        if len(headings):
+            self._heard_s = now_s
+            self._streams[stream].take(headings, received_ns, now_s)
+
+    def take_pairs(self, pairs: Pairs, now_s: float) -> None:
+        """Take pairs in the order of their stamps."""
+        if not len(pairs):
+            return
+        found = subtract(pairs, self._settings.installation_offset_deg,
+                         self._settings.wrap_center_deg)
+        self._heard_s = self._pair_s = now_s
+        self._x_deg = float(found.x_deg[-1])
+        self._pair_ns = int(found.stamp_ns[-1])
+        self._trend.take(found.stamp_ns, found.x_deg)
+
+    def take_rolling(self, stamp_ns: int, statuses: Sequence[Status], now_s: float) -> None:
+        """Take `compliance/rolling`."""
+        self._rolling = self._tell(stamp_ns, statuses, now_s)
+
+    def take_run(self, stamp_ns: int, statuses: Sequence[Status], now_s: float) -> None:
+        """Take `compliance/run`."""
+        self._run = self._tell(stamp_ns, statuses, now_s)
+
+    def take_verdict(self, stamp_ns: int, statuses: Sequence[Status], now_s: float) -> None:
+        """Take `compliance/verdict`."""
+        self._verdict = self._tell(stamp_ns, statuses, now_s)
+
+    def take_alarms(self, statuses: Sequence[Status], now_s: float) -> None:
+        """Take `compliance/alarms`, which holds all alarms of one node."""
+        self._heard_s = now_s
+        for one in statuses:
+            if one.values.get('state', 'normal') == 'normal':
+                self._alarms.pop(one.name, None)
+            elif one.name in self._alarms or len(self._alarms) < _MOST_ALARMS:
+                self._alarms[one.name] = one
+
+    def take_ledger(self, ledger: LedgerMessage, now_s: float) -> None:
+        """Take `pairs/ledger`."""
+        self._heard_s, self._ledger = now_s, ledger
+
+    def take_health(self, statuses: Sequence[Status], now_s: float) -> None:
+        """Take a message of /diagnostics; that of another graph or package is left out."""
+        for one in statuses:
+            name, colon, part = one.name.partition(': ')
+            if not colon or one.owner.partition(' ')[0] != self._owners + name:
+                continue
+            if name not in self._nodes and len(self._nodes) >= _MOST_NODES:
+                continue
+            node = self._nodes.get(name)
+            if node is None or node.owner != one.owner:
+                # It was started again: nothing of the former one holds.
+                node = self._nodes[name] = _Node(one.owner, now_s)
+            node.came_s = self._heard_s = now_s
+            if part in node.parts or len(node.parts) < _MOST_PARTS:
+                node.parts[part] = one
+
+    def _tell(self, stamp_ns: int, statuses: Sequence[Status], now_s: float) -> _Told:
+        self._heard_s = now_s
+        return _Told(tuple(statuses), stamp_ns, now_s)
+
+    def view(self, now_s: float) -> BridgeView:
+        """Return what to show at a time of the steady clock, seconds."""
+        self._forget(now_s)
+        ts, rs = (self._streams[name].view(now_s) for name in ('ts', 'rs'))
+        pair_age_s = None if self._pair_s is None else now_s - self._pair_s
+        # A pair waits for the readings on both sides of it.
+        slow_s = max(4.0 / one.rate_hz if one.rate_hz else 0.0 for one in (ts, rs))
+        stale = pair_age_s is None or pair_age_s > max(self._stale_s, slow_s)
+        window, run = self._view_window(now_s), self._view_run(now_s)
+        judged = not self._is_silent('compliance', now_s)
+        alarms = self._view_alarms()
+        validity = self._view_validity(alarms, judged, stale)
+        ledger = None if self._ledger is None else self._ledger.ledger
+        pairing = self._part('synchronizer', 'pairing')
+        silent = pairing is None or self._is_silent('synchronizer', now_s)
+        return BridgeView(
+            ts=ts, rs=rs, difference_deg=None if stale else self._x_deg,
+            last_difference_deg=self._x_deg, difference_age_s=pair_age_s, difference_stale=stale,
+            turn_deg_min=ts.turn_deg_min if rs.turn_deg_min is None else rs.turn_deg_min,
+            paired_share=None if silent or pairing is None else real(
+                pairing.values.get('paired_share')),
+            paired=None if ledger is None else ledger.paired,
+            rejected=None if ledger is None else ledger.rejected,
+            lamp=self._view_lamp(run, validity, judged), validity=validity, window=window,
+            run=run, trend=self._view_trend(window, pair_age_s, stale), alarms=alarms,
+            nodes=tuple(self._view_node(name, now_s) for name in sorted(self._nodes)),
+            mode=self._view_mode(now_s), bag=self._view_bag(now_s),
+            graph_age_s=None if self._heard_s is None else now_s - self._heard_s, judged=judged)
+
+    def _forget(self, now_s: float) -> None:
+        """Drop the nodes that ended long ago, with their alarms: nobody is left to clear them."""
+        for name in [name for name, node in self._nodes.items()
+                     if now_s - node.came_s > _FORGET_S]:
+            del self._nodes[name]
+            self._alarms = {alarm: one for alarm, one in self._alarms.items()
+                            if alarm.partition(': ')[0] != name}
+
+    def _part(self, node: str, part: str) -> Status | None:
+        return self._nodes[node].parts.get(part) if node in self._nodes else None
+
+    def _is_silent(self, node: str, now_s: float) -> bool:
+        return node not in self._nodes or now_s - self._nodes[node].came_s > self._stale_s
+
+    def _age_of(self, told: _Told, now_s: float) -> tuple[float | None, bool]:
+        if told.came_s is None:
+            return None, True
+        age_s = now_s - told.came_s
+        return age_s, age_s > self._stale_s
+
+    def _view_window(self, now_s: float) -> WindowView:
+        values = self._rolling.values('rolling')
+        age_s, stale = self._age_of(self._rolling, now_s)
+        limit_deg2 = real(values.get('limit_deg2'))
+        return WindowView(
+            n=integer(values.get('n')) or 0, mean_deg=real(values.get('mean_deg')),
+            std_deg=real(values.get('std_deg')), age_s=age_s, stale=stale,
+            limit_deg=None if limit_deg2 is None else math.sqrt(max(0.0, limit_deg2)))
+
+    def _view_run(self, now_s: float) -> RunView:
+        values = self._run.values('run')
+        age_s, stale = self._age_of(self._run, now_s)
+        if age_s is None:
+            return RunView()
+        number, n = integer(values.get('run')) or 0, integer(values.get('n')) or 0
+        if not number:
+            return RunView(lacking='no run is in progress', age_s=age_s, stale=stale)
+        needed_s = real(values.get('needed_s'))
+        return RunView(
+            number=number, n=n, span_s=real(values.get('span_s')), needed_s=needed_s,
+            next_look_ns=integer(values.get('next_look_ns')),
+            lacking=lacking_words(n, needed_s), age_s=age_s, stale=stale)
+
+    def _view_lamp(self, run: RunView, validity: ValidityView, judged: bool) -> LampView:
+        """Return the lamp; it is never good while something speaks against the comparison."""
+        lamp = light_lamp(self._verdict.statuses, self._verdict.stamp_ns, run.next_look_ns)
+        if lamp.tone is Tone.GOOD and (validity.tone is not Tone.NONE or not judged):
+            return replace(lamp, tone=Tone.DOUBT)
+        return lamp
+
+    def _view_validity(self, alarms: Sequence[AlarmView], judged: bool,
+                       stale: bool) -> ValidityView:
+        active = [one for one in alarms if one.active]
+        grave = [one.name for one in active if one.priority == 'warning']
+        if grave:
+            return ValidityView(f'no comparison now: {", ".join(grave)}', Tone.BAD)
+        if not judged:
+            return ValidityView('not known: the compliance node is not heard', Tone.DOUBT)
+        if stale:
+            return ValidityView('no comparison now: no pairs come', Tone.BAD)
+        if active:
+            names = ', '.join(one.name for one in active)
+            return ValidityView(f'some readings are bad: {names}', Tone.DOUBT)
+        return ValidityView('nothing speaks against the comparison now', Tone.NONE)
+
+    def _view_alarms(self) -> tuple[AlarmView, ...]:
+        found = [AlarmView(one.name, one.values.get('priority', ''), one.values['state'],
+                           shorten(one.message, _LONGEST), integer(one.values.get('raised_ns')))
+                 for one in self._alarms.values()]
+        return tuple(sorted(found, key=lambda one: (
+            one.acknowledged, not one.active, one.priority != 'warning', one.name)))
+
+    def _view_node(self, name: str, now_s: float) -> NodeView:
+        node = self._nodes[name]
+        worst = max(node.parts.values(), key=lambda one: one.level)
+        words = 'running' if worst.level == OK else \
+            f'{worst.name.partition(": ")[2]}: {worst.message}'
+        return NodeView(name, max(OK, min(worst.level, ERROR)), shorten(words, _LONGEST),
+                        now_s - node.came_s, self._is_silent(name, now_s))
+
+    def _view_mode(self, now_s: float) -> str | None:
+        """Return the mode of the first AHRS that tells one."""
+        for name, node in self._nodes.items():
+            for part, one in node.parts.items():
+                if 'mode' in one.values and 'validity' in one.values:
+                    silent = ', not heard' if self._is_silent(name, now_s) else ''
+                    return f'{part.upper()}: {shorten(one.message, _LONGEST)}{silent}'
+        return None
+
+    def _view_bag(self, now_s: float) -> BagView:
+        part = self._part('recorder', 'bag')
+        if part is None:
+            return BagView()
+        silent = self._is_silent('recorder', now_s)
+        return BagView(words=shorten(part.message, _LONGEST),
+                       level=max(part.level, WARN) if silent else part.level,
+                       free_bytes=integer(part.values.get('free_bytes')),
+                       age_s=now_s - self._nodes['recorder'].came_s, stale=silent)
+
+    def _view_trend(self, window: WindowView, age_s: float | None, stale: bool) -> TrendView:
+        about_mean = self._settings.variant != 'A' and window.mean_deg is not None
+        return TrendView(
+            columns=self._trend.columns(), span_s=self._trend.span_s, newest_ns=self._pair_ns,
+            center_deg=window.mean_deg if about_mean and window.mean_deg is not None else 0.0,
+            limit_deg=self._trend_limit_deg, age_s=age_s, stale=stale)

@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The door of the page: requests of other sites are refused, write actions may need a token."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, MutableMapping
+import hmac
+import ipaddress
+from typing import Any
+from urllib.parse import urlsplit
+
+__all__ = ['check_token', 'Guard', 'is_loopback']
+
+_Scope = MutableMapping[str, Any]
+_Receive = Callable[[], Awaitable[Any]]
+_Send = Callable[[_Scope], Awaitable[None]]
+_App = Callable[[_Scope, _Receive, _Send], Awaitable[None]]
+
+
+def is_loopback(host: str) -> bool:
+    """
+    Tell whether an address reaches this computer only.
+
+    Examples
+    --------
+    >>> [is_loopback(host) for host in ('127.0.0.1', 'localhost', '::1', '0.0.0.0', 'ship')]
+    [True, True, True, False, False]
+
+    """
+    if host == 'localhost':
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def check_token(given: str, token: str | None) -> bool:
+    """Tell whether a token is right, in the same time for every wrong one; None needs none."""
+    return token is None or hmac.compare_digest(given.encode(), token.encode())
+
+
+class Guard:
+    """
+    An ASGI application around that of the page.
+
+    Parameters
+    ----------
+    app : callable
+        The application of the page.
+    loopback : bool
+        The page is bound to loopback: then a request must name this computer, so that no site
+        that resolves to it can speak for it.
+
+    Notes
+    -----
+    A page of another site may open a WebSocket to this one. So a WebSocket, and every method but
+    GET and HEAD, must bring an Origin that is this page. GET never acts.
+
+    """
+
+    def __init__(self, app: _App, loopback: bool) -> None:
+        self._app, self._loopback = app, loopback
+
+    async def __call__(self, scope: _Scope, receive: _Receive, send: _Send) -> None:
+        """Pass a request on, or refuse it with 403."""
+        if scope['type'] == 'lifespan' or self._accepts(scope):
+            await self._app(scope, receive, send)
+        elif scope['type'] == 'websocket':
+            await receive()
+            await send({'type': 'websocket.close', 'code': 1008})
+        else:
+            await send({'type': 'http.response.start', 'status': 403,
+                        'headers': [(b'content-type', b'text/plain')]})
+            await send({'type': 'http.response.body', 'body': b'refused: not from this page\n'})
+
+    def _accepts(self, scope: _Scope) -> bool:
+        headers = {name.lower(): value.decode('latin-1') for name, value in scope['headers']}
+        host, origin = headers.get(b'host', ''), headers.get(b'origin')
+        if self._loopback and not is_loopback(urlsplit(f'//{host}').hostname or ''):
+            return False
+        if origin is None:
+            return scope['type'] == 'http' and scope['method'] in ('GET', 'HEAD')
+        return bool(urlsplit(origin).netloc == host)

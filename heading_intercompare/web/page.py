@@ -1,0 +1,214 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The live page, built for one browser: it asks for the newest view five times a second."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+from typing import Any
+
+from nicegui import ui
+
+from .controls import Controls
+from .guard import check_token
+from .page_texts import alarm_words, node_words, Said, tell
+from .palettes import PALETTES, style
+from .trend_picture import draw_trend
+
+__all__ = ['build']
+
+_PERIOD_S = 0.2
+#: A view older than this is not live, though the page is.
+_OLD_S = 2.0
+_PATIENCE_S = 10.0
+#: What a wrong token costs.
+_WRONG_S = 1.0
+
+_HEAD = """<script>
+(() => {
+  const root = document.documentElement;
+  let kept = null;
+  try { kept = localStorage.getItem('palette'); } catch (error) { kept = null; }
+  root.dataset.palette = kept || 'day';
+  window.choosePalette = name => {
+    root.dataset.palette = name;
+    try { localStorage.setItem('palette', name); } catch (error) { return; }
+  };
+  let beat = '', at = performance.now();
+  setInterval(() => {
+    const mark = document.querySelector('.k-beat');
+    const age = document.getElementById('page-age');
+    if (!mark || !age) return;
+    if (mark.textContent !== beat) { beat = mark.textContent; at = performance.now(); }
+    const seconds = (performance.now() - at) / 1000;
+    age.textContent = 'page ' + seconds.toFixed(1) + ' s old';
+    document.getElementById('page-dead-s').textContent = seconds.toFixed(0);
+    root.dataset.dead = seconds > 2 ? 'yes' : 'no';
+  }, 200);
+})();
+</script>"""
+_BODY = ('<div id="page-age"></div><div id="page-dead">✖ NOT LIVE: nothing has come for '
+         '<span id="page-dead-s"></span> s</div>')
+
+
+class _Page:
+    """The elements of the page of one browser."""
+
+    def __init__(self, controls: Controls, token: str | None) -> None:
+        self._controls, self._token = controls, token
+        self._labels: dict[str, Any] = {}
+        self._shown: dict[str, Said] = {}
+        self._alarms: list[tuple[str, Said]] | None = None
+        self._nodes: list[Said] | None = None
+        self._ticks = 0
+
+    def build(self) -> None:
+        """Make the elements, and begin to update them."""
+        ui.add_head_html(f'<style>{style()}</style>{_HEAD}')
+        ui.add_body_html(_BODY)
+        with self._box('bridge'):
+            for name, title in (('ts', 'TS, tested sensor'), ('', 'TS - RS'),
+                                ('rs', 'RS, reference sensor')):
+                with self._box('panel heading'):
+                    self._title(title)
+                    self._label(f'{name}_heading' if name else 'difference', 'big')
+                    self._label(f'{name}_state' if name else 'difference_state', 'row')
+            self._lamp = self._box('panel wide box-none')
+            with self._lamp:
+                for key, size in (('lamp', 'lamp'), ('lamp_given', 'row'),
+                                  ('lamp_headline', 'small'), ('validity', 'row')):
+                    self._label(key, size)
+            with self._box('panel narrow'):
+                self._title('Still missing')
+                for key, size in (('lacking', 'mid'), ('run', 'row'), ('turn', 'row'),
+                                  ('mode', 'row')):
+                    self._label(key, size)
+            with self._box('panel wide'):
+                self._title('TS - RS of the last 30 min; dashed: limit of a single difference')
+                self._label('trend', 'small')
+                self._trend = ui.html('', sanitize=False).style('width: 100%')
+            with self._box('panel narrow'):
+                self._title('Window')
+                for key, size in (('window', 'mid'), ('norm', 'row'), ('paired', 'row'),
+                                  ('ledger', 'small'), ('bag', 'row'), ('graph', 'small')):
+                    self._label(key, size)
+            self._build_controls()
+            with self._box('panel wide'):
+                self._title('Alarms')
+                self._alarm_rows = self._box('k-alarms')
+            with self._box('panel narrow'):
+                self._title('Nodes')
+                self._node_rows = self._box('k-nodes')
+        self._beat = ui.label('').classes('k-beat').style('display: none')
+        self.update()
+        ui.timer(_PERIOD_S, self.update)
+
+    def _build_controls(self) -> None:
+        with self._box('panel all'), self._box('bar'):
+            for what, text in (('start', 'Start run'), ('stop', 'Stop run'),
+                               ('acknowledge', 'Acknowledge all')):
+                self._button(text, partial(self._act, what, ''), f'k-{what}')
+            self._note = ui.input('Note').classes('k-note')
+            self._button('Keep note', self._keep_note, 'k-keep')
+            self._given = None
+            if self._token is not None:
+                self._given = ui.input('Token', password=True).classes('k-token')
+            for name in PALETTES:
+                button = self._button(name.capitalize(), None, f'k-{name}')
+                button.on('click', js_handler=f'() => window.choosePalette("{name}")')
+            self._answer = ui.label('').classes('row k-answer')
+
+    @staticmethod
+    def _box(classes: str) -> Any:
+        return ui.element('div').classes(classes)
+
+    @staticmethod
+    def _title(text: str) -> None:
+        ui.label(text).classes('title')
+
+    def _label(self, key: str, size: str) -> None:
+        self._labels[key] = ui.label('').classes(f'{size} k-{key}')
+
+    @staticmethod
+    def _button(text: str, act: Any, classes: str) -> Any:
+        return ui.button(text, on_click=act, color=None).props('no-caps unelevated').classes(
+            classes)
+
+    def update(self) -> None:
+        """Show the newest view; what has not changed is not sent."""
+        view, age_s = self._controls.look()
+        self._ticks += 1
+        # The beat stands still with the view, so the browser sees that the page is not live.
+        if age_s < _OLD_S:
+            self._beat.set_text(str(self._ticks))
+        for key, said in tell(view).items():
+            if self._shown.get(key) != said:
+                self._tone(self._labels[key], said)
+                self._shown[key] = said
+        self._lamp.classes(remove='box-none box-good box-doubt box-bad',
+                           add=f'box-{view.lamp.tone}')
+        if self._ticks % 5 == 1:
+            self._trend.set_content(draw_trend(view.trend))
+        self._show_alarms(alarm_words(view))
+        self._show_nodes(node_words(view))
+
+    @staticmethod
+    def _tone(label: Any, said: Said) -> None:
+        label.set_text(said.text)
+        label.classes(remove='none good doubt bad', add=said.tone.value)
+
+    def _show_alarms(self, alarms: list[tuple[str, Said]]) -> None:
+        if alarms == self._alarms:
+            return
+        self._alarms = alarms
+        self._alarm_rows.clear()
+        with self._alarm_rows:
+            for name, said in alarms:
+                with self._box('bar'):
+                    self._tone(ui.label().classes('row k-alarm'), said)
+                    if name:
+                        self._button('Acknowledge', partial(self._act, 'acknowledge', name),
+                                     'k-acknowledge-one')
+            if not alarms:
+                ui.label('no alarm').classes('row')
+
+    def _show_nodes(self, nodes: list[Said]) -> None:
+        if nodes == self._nodes:
+            return
+        self._nodes = nodes
+        self._node_rows.clear()
+        with self._node_rows:
+            for said in nodes:
+                self._tone(ui.label().classes('row'), said)
+            if not nodes:
+                ui.label('no node is heard').classes('row')
+
+    async def _keep_note(self) -> None:
+        text = (self._note.value or '').strip()
+        if not text:
+            self._answer.set_text('the note is empty')
+        elif await self._act('note', text):
+            self._note.set_value('')
+
+    async def _act(self, what: str, text: str) -> bool:
+        """Do an action, if the token is right, and show the answer; tell whether it was done."""
+        given = '' if self._given is None else self._given.value or ''
+        if not check_token(given, self._token):
+            await asyncio.sleep(_WRONG_S)
+            self._answer.set_text('refused: the token is wrong; the program printed it at its '
+                                  'start')
+            return False
+        try:
+            answer = await asyncio.wait_for(
+                asyncio.wrap_future(self._controls.act(what, text)), _PATIENCE_S)
+        except asyncio.TimeoutError:
+            self._answer.set_text(f'no answer in {_PATIENCE_S:g} s: is the graph running?')
+            return False
+        self._answer.set_text(answer)
+        return True
+
+
+def build(controls: Controls, token: str | None) -> None:
+    """Build the page for one browser; with a token, actions need it."""
+    _Page(controls, token).build()

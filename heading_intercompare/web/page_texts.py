@@ -1,0 +1,154 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The words and numerals of the page, by the place where they stand."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from heading_intercompare.core.utc_text import utc
+from heading_intercompare.web.figures.stream_watch import SensorView
+
+from .bridge_records import NodeView, Tone
+from .bridge_view import BridgeView
+from .wording import age_words, clock, size_words, span_words
+
+__all__ = ['alarm_words', 'node_words', 'Said', 'tell']
+
+_SIGNS = {Tone.NONE: '…', Tone.GOOD: '✔', Tone.DOUBT: '!', Tone.BAD: '✖'}
+_LEVELS = ('OK', 'WARNING', 'ERROR')
+_TONES = (Tone.NONE, Tone.DOUBT, Tone.BAD)
+
+
+class Said(NamedTuple):
+    """A text and its tone; the text alone says everything."""
+
+    text: str
+    tone: Tone = Tone.NONE
+
+
+def tell(view: BridgeView) -> dict[str, Said]:
+    """
+    Return the texts of a view by their place on the page.
+
+    A figure that is stale is not among the big numerals: a dash stands there, and the line below
+    says what the last one was and how old it is.
+    """
+    window, run, bag, lamp = view.window, view.run, view.bag, view.lamp
+    given = '' if lamp.given_ns is None else f'{utc(lamp.given_ns)[:16]} UTC, '
+    more = '' if run.next_look_ns is None else f', next look {clock(run.next_look_ns)}'
+    return {
+        'ts_heading': _heading(view.ts), 'ts_state': _sensor(view.ts),
+        'rs_heading': _heading(view.rs), 'rs_state': _sensor(view.rs),
+        'difference': Said(_big_difference(view.difference_deg)),
+        'difference_state': _difference(view),
+        'turn': Said('rate of turn not known' if view.turn_deg_min is None else
+                     f'rate of turn {abs(view.turn_deg_min):.1f}°/min {_side(view.turn_deg_min)}'),
+        'lamp': Said(f'{_SIGNS[lamp.tone]} {lamp.word}', lamp.tone),
+        'lamp_given': Said(f'last verdict: {given}{lamp.what}' if given else lamp.what),
+        'lamp_headline': Said(lamp.headline),
+        'validity': Said(f'{_SIGNS[view.validity.tone]} {view.validity.words}',
+                         view.validity.tone),
+        'lacking': _aged(f'{run.lacking}{more}', run.age_s, run.stale),
+        'run': Said('no run' if not run.number else f'run {run.number}: {run.n:,} differences in '
+                    f'{span_words(run.span_s or 0.0)}'),
+        'window': _aged(f'mean {_deg(window.mean_deg, "+")}, sd {_deg(window.std_deg)}',
+                        window.age_s, window.stale),
+        'norm': Said(f'norm for sd {_deg(window.limit_deg)}; {window.n:,} differences in the '
+                     'window'),
+        'paired': Said('share paired not known' if view.paired_share is None else
+                       f'paired {view.paired_share:.1%}'),
+        'ledger': Said('no ledger' if view.paired is None else
+                       f'{view.paired:,} pairs, {view.rejected:,} readings rejected'),
+        'trend': Said('no pairs yet' if view.trend.newest_ns is None else
+                      f'to {clock(view.trend.newest_ns)}'
+                      + (f', STALE for {age_words(view.trend.age_s)}' if view.trend.stale else ''),
+                      Tone.DOUBT if view.trend.stale else Tone.NONE),
+        'mode': Said(f'AHRS {view.mode}' if view.mode else ''),
+        'bag': Said(f'bag: {bag.words}; free disk {size_words(bag.free_bytes)}'
+                    + (f'; STALE, heard {age_words(bag.age_s)} ago'
+                       if bag.stale and bag.age_s is not None else ''), _TONES[min(bag.level, 2)]),
+        'graph': Said('nothing heard from the graph yet' if view.graph_age_s is None else
+                      f'graph heard {age_words(view.graph_age_s)} ago',
+                      Tone.NONE if view.judged else Tone.DOUBT),
+    }
+
+
+def alarm_words(view: BridgeView) -> list[tuple[str, Said]]:
+    """Return the alarms: the name to acknowledge, '' if it is acknowledged, and the words."""
+    return [('' if one.acknowledged else one.name, Said(
+        f'{one.priority.upper()}: {one.name}: {one.words} ({"active" if one.active else "over"}, '
+        f'{"acknowledged" if one.acknowledged else "not acknowledged"}, {clock(one.raised_ns)})',
+        Tone.BAD if one.active and one.priority == 'warning' else Tone.DOUBT))
+        for one in view.alarms]
+
+
+def node_words(view: BridgeView) -> list[Said]:
+    """Return a line per node."""
+    return [_node_line(one) for one in view.nodes]
+
+
+def _node_line(one: NodeView) -> Said:
+    if one.stale:
+        return Said(f'{one.name}: STALE, heard {age_words(round(one.age_s))} ago', Tone.BAD)
+    return Said(f'{one.name}: {_LEVELS[one.level]}, {one.words}', _TONES[one.level])
+
+
+def _heading(one: SensorView) -> Said:
+    return Said('– –' if one.heading_deg is None else _compass(one.heading_deg))
+
+
+def _compass(heading_deg: float) -> str:
+    """Return a heading; what rounds to 360 is north."""
+    return f'{round(heading_deg, 1) % 360.0:05.1f}°'
+
+
+def _big_difference(x_deg: float | None) -> str:
+    """Return the difference with as many digits as fit its panel in any size."""
+    if x_deg is None:
+        return '– –'
+    digits = 2 if abs(x_deg) < 9.995 else 1 if abs(x_deg) < 99.95 else 0
+    return f'{x_deg:+.{digits}f}°'
+
+
+def _sensor(one: SensorView) -> Said:
+    if one.age_s is None:
+        return Said('never heard', Tone.DOUBT)
+    last = '' if one.last_deg is None else f'last {_compass(one.last_deg)}, '
+    if one.stale:
+        return Said(f'STALE: {last}{age_words(one.age_s)} ago', Tone.BAD)
+    rate = 'rate not known' if one.rate_hz is None else f'{one.rate_hz:.1f} Hz'
+    offset = '' if one.offset_s is None else f', stamp {_offset(one.offset_s)}'
+    flagged = 'FLAGGED INVALID, ' if one.flagged else ''
+    return Said(f'{flagged}age {age_words(one.age_s)}, {rate}{offset}',
+                Tone.DOUBT if one.flagged else Tone.NONE)
+
+
+def _offset(offset_s: float) -> str:
+    if abs(offset_s) < 60.0:
+        return f'{offset_s:+.2f} s'
+    return f'{"+" if offset_s > 0.0 else "-"}{span_words(abs(offset_s))}'
+
+
+def _difference(view: BridgeView) -> Said:
+    if view.difference_age_s is None:
+        return Said('no pair yet', Tone.DOUBT)
+    if view.difference_stale:
+        return Said(f'STALE: last {_deg(view.last_difference_deg, "+")}, '
+                    f'{age_words(view.difference_age_s)} ago', Tone.BAD)
+    return Said(f'age {age_words(view.difference_age_s)}')
+
+
+def _deg(value: float | None, sign: str = '') -> str:
+    return 'not known' if value is None else f'{value:{sign}.3f}°'
+
+
+def _side(turn_deg_min: float) -> str:
+    return '' if abs(turn_deg_min) < 0.5 else 'to starboard' if turn_deg_min > 0.0 else 'to port'
+
+
+def _aged(text: str, age_s: float | None, stale: bool) -> Said:
+    """Return a text, with its age if it is stale."""
+    if not stale:
+        return Said(text)
+    return Said(f'{text} (STALE, {age_words(age_s)})' if age_s is not None else text, Tone.DOUBT)

@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The server of the live page: a thread of its own, on loopback unless the user decides."""
+
+from __future__ import annotations
+
+from functools import partial
+import secrets
+import socket
+import threading
+import time
+from typing import Any
+
+from heading_intercompare.core.settings import SettingsError
+
+from .controls import Controls
+from .guard import Guard, is_loopback
+
+__all__ = ['make_token', 'PageServer']
+
+_LEAST_TOKEN = 8
+_START_S = 20.0
+
+
+def make_token(host: str, token: str | None) -> str | None:
+    """
+    Return the token that write actions need; None on loopback without one.
+
+    Raises
+    ------
+    SettingsError
+        If the given token is shorter than eight letters.
+
+    """
+    if token is not None and len(token) < _LEAST_TOKEN:
+        raise SettingsError(f'token: must have at least {_LEAST_TOKEN} letters')
+    if token is None and not is_loopback(host):
+        return secrets.token_urlsafe(12)
+    return token
+
+
+def _bind(host: str, port: int) -> socket.socket:
+    """Return a listening socket; SettingsError if the address cannot be used."""
+    try:
+        family, kind, number, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
+        found = socket.socket(family, kind, number)
+        try:
+            found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            found.bind(address)
+        except OSError:
+            found.close()
+            raise
+    except (OSError, OverflowError) as error:
+        why = getattr(error, 'strerror', None) or str(error)
+        raise SettingsError(f'the page cannot be served on {host}:{port}: {why}; choose another '
+                            'address or port') from error
+    return found
+
+
+class PageServer:
+    """
+    Serves the page until it is closed; there can be one per process.
+
+    Parameters
+    ----------
+    controls : Controls
+        The graph.
+    host : str
+        Address to bind; other than loopback, write actions need a token.
+    port : int
+        TCP port; 0: any free one.
+    token : str, optional
+        The token; see `make_token`.
+
+    Attributes
+    ----------
+    url : str
+        Address of the page.
+    token : str or None
+        The token that write actions need.
+
+    Raises
+    ------
+    SettingsError
+        If NiceGUI is not installed, or the address cannot be used; one line.
+
+    """
+
+    def __init__(self, controls: Controls, *, host: str = '127.0.0.1', port: int = 8080,
+                 token: str | None = None) -> None:
+        self.token = make_token(host, token)
+        try:
+            from fastapi import FastAPI
+            from nicegui import ui
+            import uvicorn
+
+            from .page import build
+        except ImportError as error:
+            raise SettingsError("the page needs NiceGUI: pip install 'heading_intercompare[web]'"
+                                ) from error
+        self._socket = _bind(host, port)
+        shown = f'[{host}]' if ':' in host else host
+        self.url = f'http://{shown}:{self._socket.getsockname()[1]}/'
+        app: Any = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+        ui.run_with(app, root=partial(build, controls, self.token), title='Heading intercompare',
+                    show_welcome_message=False, tailwind=False, reconnect_timeout=5.0)
+        self._server = uvicorn.Server(uvicorn.Config(
+            Guard(app, is_loopback(host)), log_level='error', lifespan='on',
+            timeout_graceful_shutdown=1))
+        self._thread = threading.Thread(target=self._serve, name='page', daemon=True)
+        self._thread.start()
+        deadline_s = time.monotonic() + _START_S
+        while not self._server.started and self._thread.is_alive():
+            if time.monotonic() > deadline_s:
+                break
+            self._thread.join(0.02)
+        if not self._server.started:
+            raise SettingsError(f'the page could not be started on {self.url}')
+
+    def _serve(self) -> None:
+        self._server.run(sockets=[self._socket])
+
+    def close(self) -> None:
+        """Stop serving."""
+        self._server.should_exit = True
+        self._thread.join(5.0)
+        self._socket.close()

@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The state lamp: which verdict was given last, and where it was given."""
+
+from __future__ import annotations
+
+from typing import Sequence
+
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.verdict.validity import HOLDS, NOT_TESTABLE
+from heading_intercompare.messages.status_messages import Status
+
+from .bridge_records import LampView, Tone
+from .wording import clock, integer, shorten
+
+__all__ = ['light_lamp']
+
+_TONES = {Outcome.COMPLIANT: Tone.GOOD, Outcome.INDETERMINATE: Tone.DOUBT,
+          Outcome.NON_COMPLIANT: Tone.BAD}
+_GRAVITY = (Tone.NONE, Tone.GOOD, Tone.DOUBT, Tone.BAD)
+
+
+def light_lamp(statuses: Sequence[Status], stamp_ns: int, next_look_ns: int | None) -> LampView:
+    """
+    Return the lamp for the last message on `compliance/verdict`.
+
+    Parameters
+    ----------
+    statuses : sequence of Status
+        Of that message; none if none has come.
+    stamp_ns : int
+        Its stamp, nanoseconds.
+    next_look_ns : int or None
+        When the next look is due.
+
+    Returns
+    -------
+    LampView
+        The graver one of the verdict on the judged runs and of the look at the run in progress.
+        It is good only if nothing speaks against the comparison.
+
+    """
+    named = {one.name: one for one in statuses}
+    found = [lamp for lamp in (_judge_look(named.get('run in progress'), stamp_ns),
+                               _judge_runs(named, stamp_ns)) if lamp is not None]
+    if not found:
+        return LampView(what='at the end of the run' if next_look_ns is None else
+                        f'next look {clock(next_look_ns)}')
+    return max(found, key=lambda lamp: _GRAVITY.index(lamp.tone))
+
+
+def _judge_look(look: Status | None, stamp_ns: int) -> LampView | None:
+    if look is None:
+        return None
+    values = look.values
+    return _make(values.get('outcome', ''), values.get('validity_effect', ''), stamp_ns,
+                 f"look {values.get('look', '?')} of {values.get('looks', '?')}",
+                 values.get('headline') or look.message)
+
+
+def _judge_runs(named: dict[str, Status], stamp_ns: int) -> LampView | None:
+    whole = named.get('verdict')
+    n = 0 if whole is None else integer(whole.values.get('runs')) or 0
+    if whole is None or not n:
+        return None
+    last = named.get(f'run {n}')
+    end_ns = None if last is None else integer(last.values.get('end_ns'))
+    return _make(whole.values.get('outcome', ''), whole.values.get('validity', ''),
+                 stamp_ns if end_ns is None else end_ns,
+                 'end of run 1' if n == 1 else f'end of run {n}, all {n} together', whole.message)
+
+
+def _make(outcome: str, validity: str, given_ns: int, what: str, headline: str) -> LampView:
+    try:
+        tone = _TONES[Outcome(outcome)]
+    except ValueError:
+        tone = Tone.DOUBT
+    word = shorten(outcome, 20).replace('_', '-').upper() or 'UNKNOWN'
+    if validity not in (HOLDS, NOT_TESTABLE):
+        word = f'{word}, {shorten(validity, 20).upper()}'
+        tone = Tone.DOUBT if tone is Tone.GOOD else tone
+    return LampView(word, tone, given_ns, what, shorten(headline, 400))

@@ -1,0 +1,36 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The option --web."""
+
+from __future__ import annotations
+
+import argparse
+
+import pytest
+
+from heading_intercompare.cli.commands.graph.web_option import add_web_argument, read_web
+from heading_intercompare.core.settings import SettingsError
+
+
+def read(*words, section=None):
+    parser = argparse.ArgumentParser()
+    add_web_argument(parser)
+    return read_web(parser.parse_args(words), section or {})
+
+
+@pytest.mark.parametrize('words, expected', [
+    ([], None), (['--web'], {}), (['--web', ':9000'], {'port': 9000}),
+    (['--web', '0.0.0.0'], {'host': '0.0.0.0'}), (['--web', '[::1]'], {'host': '::1'}),
+    (['--web', '[::1]:0'], {'host': '::1', 'port': 0}),
+    (['--web', 'ship:81'], {'host': 'ship', 'port': 81})])
+def test_an_address_may_be_given_in_part(words, expected):
+    assert read(*words) == expected
+
+
+def test_the_option_goes_before_the_parameter_file():
+    assert read('--web', ':1', section={'port': 2, 'token': 'x'}) == {'port': 1, 'token': 'x'}
+
+
+def test_a_wrong_port_is_refused_in_one_line():
+    with pytest.raises(SettingsError, match='--web ship:x: must be HOST:PORT, e.g. 127.0.0.1'):
+        read('--web', 'ship:x')

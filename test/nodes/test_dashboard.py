@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node that serves the live page; the server itself is tested in web."""
+
+from __future__ import annotations
+
+from diagnostic_msgs.msg import DiagnosticArray
+import numpy as np
+import pytest
+from sensor_msgs.msg import Imu
+from std_msgs.msg import String
+
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.messages.heading_messages import imu_messages
+from heading_intercompare.messages.ledger_messages import encode_ledger
+from heading_intercompare.messages.status_messages import encode_statuses, Status, WARN
+from heading_intercompare.nodes.compliance import Compliance
+from heading_intercompare.nodes.dashboard import Dashboard
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.synchronizer import Synchronizer
+
+from .conftest import NoPage
+
+T0_NS = 1_700_000_000_000_000_000
+
+
+@pytest.fixture(autouse=True)
+def no_page(monkeypatch):
+    monkeypatch.setattr('heading_intercompare.nodes.dashboard.PageServer', NoPage)
+
+
+@pytest.fixture
+def dashboard(ros):
+    return ros.ours(Dashboard, stale_s=30.0)
+
+
+def see(dashboard):
+    """Return what a browser would be shown now."""
+    return dashboard.page.controls.look()[0]
+
+
+def do(ros, dashboard, what, text=''):
+    """Act as the page would; return the answer."""
+    answer = dashboard.page.controls.act(what, text)
+    ros.spin_until(answer.done)
+    return answer.result()
+
+
+@pytest.fixture
+def graph(ros, dashboard):
+    """Return the graph with 40 s of headings, seen by the dashboard."""
+    sensors = [ros.plain.create_publisher(Imu, f'{role}/heading', qos.HEADINGS_OUT)
+               for role in ('ts', 'rs')]
+    ros.ours(Compliance, name='compliance', risk__min_duration_s=10.0)
+    ros.ours(Synchronizer, name='synchronizer', pairing__method='interpolate')
+    ros.spin_until(lambda: all(s.get_subscription_count() == 1 for s in sensors))
+    stamps = T0_NS + np.arange(400) * 10 ** 8
+    for part in (stamps[:200], stamps[200:]):
+        for sensor, heading_deg in zip(sensors, (20.5, 20.0)):
+            for message in imu_messages(Headings.of(part, np.full(200, heading_deg)), 'x'):
+                sensor.publish(message)
+        # The dashboard hears headings and pairs once the ledger counts some.
+        ros.spin_until(lambda: all(s.get_subscription_count() == 2 for s in sensors)
+                       and ros.plain.count_subscribers('pairs') == 2)
+    ros.spin_until(lambda: see(dashboard).run.n > 300 and see(dashboard).paired)
+    return dashboard
+
+
+def test_the_page_sees_headings_pairs_figures_nodes_and_no_verdict(ros, graph):
+    ros.spin_until(lambda: len(see(graph).nodes) == 3 and see(graph).window.n > 300)
+    view = see(graph)
+    assert view.ts.heading_deg == pytest.approx(20.5)
+    assert view.rs.heading_deg == pytest.approx(20.0)
+    assert view.difference_deg == pytest.approx(0.5)
+    assert {node.name for node in view.nodes} == {'compliance', 'dashboard', 'synchronizer'}
+    assert view.window.mean_deg == pytest.approx(0.5)
+    assert view.lamp.word == 'NONE YET' and view.run.number == 1
+    assert view.trend.limit_deg > 0.2 and len(view.trend.columns) >= 6
+    assert graph.page.controls.look()[1] < 1.0
+
+
+def test_the_page_is_no_subscriber_that_a_log_would_wait_for(ros, dashboard):
+    sensor = ros.plain.create_publisher(Imu, 'ts/heading', qos.HEADINGS_OUT)
+    ledgers = ros.plain.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
+    ros.spin_until(lambda: ledgers.get_subscription_count())
+    ledgers.publish(encode_ledger(Ledger()))
+    ros.spin_until(lambda: see(dashboard).paired == 0)
+    assert sensor.get_subscription_count() == 0
+    ledgers.publish(encode_ledger(Ledger.from_segments(
+        [LedgerSegment(None, {LedgerKey.TS_PENDING: 1})], T0_NS)))
+    ros.spin_until(lambda: sensor.get_subscription_count() == 1)
+
+
+def test_a_run_is_stopped_and_started_from_the_page(ros, graph):
+    assert do(ros, graph, 'stop').startswith('stop after the pair of')
+    ros.spin_until(lambda: see(graph).lamp.given_ns is not None and see(graph).run.number == 0)
+    assert see(graph).lamp.what == 'end of run 1' and see(graph).lamp.word != 'NONE YET'
+    assert do(ros, graph, 'start').startswith('start after the pair of')
+
+
+def test_all_alarms_are_acknowledged_by_the_service_of_compliance(ros, graph):
+    assert do(ros, graph, 'acknowledge').endswith('alerts acknowledged')
+
+
+def test_one_alarm_is_acknowledged_by_its_name(ros, dashboard):
+    heard = ros.listen(String, 'compliance/acknowledge', qos.ACKNOWLEDGE)
+    alarms = ros.plain.create_publisher(DiagnosticArray, 'compliance/alarms', qos.ALARMS)
+    alarms.publish(encode_statuses(T0_NS, [Status('compliance: jump', WARN, 'jumped', {
+        'state': 'active_unacknowledged', 'priority': 'warning'})]))
+    ros.spin_until(lambda: see(dashboard).alarms)
+    ros.spin_until(lambda: dashboard.count_subscribers('compliance/acknowledge'))
+    name = see(dashboard).alarms[0].name
+    assert do(ros, dashboard, 'acknowledge', name) == f'{name}: acknowledged'
+    ros.spin_until(lambda: heard)
+    assert heard[0].data == 'compliance: jump'
+
+
+def test_a_note_goes_to_the_recorder_and_without_one_the_page_says_so(ros, dashboard):
+    assert do(ros, dashboard, 'note', 'rough sea') == 'no recorder listens: no note kept'
+    heard = ros.listen(String, 'operator/note', qos.NOTE)
+    ros.spin_until(lambda: dashboard.count_subscribers('operator/note'))
+    assert do(ros, dashboard, 'note', 'rough sea') == 'the note was sent to the recorder'
+    ros.spin_until(lambda: heard)
+    assert heard[0].data == 'rough sea'
+
+
+@pytest.mark.parametrize('what', ['start', 'stop', 'acknowledge'])
+def test_without_the_compliance_node_an_action_says_so(ros, dashboard, what):
+    assert do(ros, dashboard, what) == 'the compliance node does not answer: is it running?'
+
+
+def test_the_address_is_printed_and_a_token_only_if_it_was_made(ros, capfd, monkeypatch):
+    ros.ours(Dashboard, token='choose-your-own')
+    assert capfd.readouterr().out == 'page: http://127.0.0.1:1/\n'
+    monkeypatch.setattr(NoPage, 'token', 'made-here')
+    ros.ours(Dashboard, name='other', host='0.0.0.0')
+    assert capfd.readouterr().out == 'page: http://127.0.0.1:1/ token: made-here\n'
+
+
+def test_the_end_closes_the_page(ros, dashboard):
+    ros.end(dashboard)
+    assert dashboard.page.closed
+
+
+def test_norms_are_needed_for_the_limits(ros):
+    with pytest.raises(SettingsError, match='sigma_max_deg is missing'):
+        ros.add(Dashboard)

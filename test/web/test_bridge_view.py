@@ -1,0 +1,269 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Everything that the live page shows, message by message."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heading_intercompare import Compliance
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
+from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.ledger_messages import LedgerMessage
+from heading_intercompare.messages.status_messages import (
+    decode_statuses,
+    encode_figures,
+    ERROR,
+    OK,
+    Status,
+    WARN,
+)
+from heading_intercompare.messages.verdict_messages import encode_verdict
+from heading_intercompare.web.bridge_records import Tone
+from heading_intercompare.web.bridge_view import Bridge, BridgeView
+
+S = 10 ** 9
+T0 = 1_700_000_000 * S
+NORMS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.4}
+
+
+def make(**names):
+    return Bridge(Settings.from_mapping({**NORMS, **names}), trend_limit_deg=1.0)
+
+
+def health(node, part='node', level=OK, message='running', started=1, namespace='', **values):
+    return Status(f'{node}: {part}', level, message,
+                  {key: str(value) for key, value in values.items()},
+                  f'{namespace}/{node} {started}')
+
+
+def alarm(name, state='active_unacknowledged', priority='warning'):
+    return Status(f'compliance: {name}', WARN, f'words of {name}',
+                  {'state': state, 'priority': priority, 'raised_ns': str(T0)})
+
+
+def pairs(seconds, x_deg=0.1, start_s=0.0):
+    stamps = T0 + np.arange(round(seconds * 10)) * (S // 10) + round(start_s * S)
+    return Pairs.of(stamps, np.mod(359.95 + x_deg, 360.0) + np.zeros(len(stamps)),
+                    np.full(len(stamps), 359.95))
+
+
+def lit(bridge, now_s=0.0):
+    """Let the graph be heard, with nothing wrong."""
+    bridge.take_pairs(pairs(2.0), now_s)
+    bridge.take_health([health('compliance')], now_s)
+    return bridge
+
+
+def compliant(runs=1, outcome=Outcome.COMPLIANT):
+    return [Status('verdict', OK, 'the headline', {'outcome': str(outcome), 'validity': 'holds',
+                                                   'runs': str(runs)})]
+
+
+def test_before_anything_is_heard_the_page_says_so():
+    view = make().view(0.0)
+    assert view == BridgeView(trend=view.trend, validity=view.validity, lamp=view.lamp)
+    assert view.lamp.word == 'NONE YET' and view.lamp.tone is Tone.NONE
+    assert view.validity.words == 'not known: the compliance node is not heard'
+    assert view.graph_age_s is None and view.difference_stale and view.window.stale
+
+
+def test_both_headings_and_their_signed_difference():
+    bridge = make(installation_offset_deg=0.5)
+    bridge.take_headings('ts', Headings.of([T0], [0.05]), T0, 10.0)
+    bridge.take_headings('rs', Headings.of([T0], [359.95]), T0, 10.0)
+    bridge.take_pairs(pairs(1.0), 10.0)
+    view = bridge.view(10.5)
+    assert (view.ts.heading_deg, view.rs.heading_deg) == (0.05, 359.95)
+    assert view.difference_deg == pytest.approx(-0.4)
+    assert view.difference_age_s == view.graph_age_s == 0.5
+
+
+def test_what_grows_old_is_marked_and_not_shown_as_live():
+    bridge = lit(make())
+    bridge.take_headings('ts', Headings.of([T0], [5.0]), T0, 0.0)
+    bridge.take_rolling(T0, [Status('rolling', OK, '', {'n': '5', 'std_deg': '0.1'})], 0.0)
+    bridge.take_run(T0, [Status('run', OK, '', {'run': '1', 'n': '5'})], 0.0)
+    young, old = bridge.view(1.0), bridge.view(4.0)
+    for view, stale in ((young, False), (old, True)):
+        assert view.ts.stale is view.difference_stale is view.window.stale is stale
+        assert view.run.stale is view.trend.stale is view.nodes[0].stale is stale
+    assert old.ts.heading_deg is None and old.ts.last_deg == 5.0
+    assert old.difference_deg is None and old.last_difference_deg == pytest.approx(0.1)
+    assert (old.window.age_s, old.run.age_s, old.nodes[0].age_s) == (4.0, 4.0, 4.0)
+    assert not old.judged and old.validity.tone is Tone.DOUBT
+
+
+def test_the_window_stands_beside_the_norm():
+    """GK (5): 0.3² + 0.4² = 0.5²."""
+    bridge = make()
+    figures = {'n': 500, 'mean_deg': -0.02, 'std_deg': 0.2, 'limit_deg2': 0.25}
+    bridge.take_rolling(*decode_statuses(encode_figures('rolling', figures, T0)), 1.0)
+    window = bridge.view(1.0).window
+    assert (window.n, window.mean_deg, window.std_deg) == (500, -0.02, 0.2)
+    assert window.limit_deg == pytest.approx(0.5)
+
+
+def test_figures_between_looks_colour_nothing_as_good_and_name_no_outcome(rng):
+    """Data that would comply at once, and no verdict yet."""
+    judge = Compliance(Settings.from_mapping({**NORMS, 'risk.min_duration_s': 10.0}))
+    stamps = T0 + np.arange(6000) * S
+    judge.update(Pairs.of(stamps, 90.0 + 0.05 * rng.standard_normal(6000), np.full(6000, 90.0)))
+    bridge = lit(make())
+    bridge.take_rolling(*decode_statuses(encode_figures('rolling', judge.rolling_figures(), T0)),
+                        0.0)
+    bridge.take_run(*decode_statuses(encode_figures('run', judge.run_figures(), T0)), 0.0)
+    view = bridge.view(0.0)
+    assert view.run.lacking == 'long enough if it goes on like this'
+    assert view.lamp.word == 'NONE YET' and view.lamp.tone is Tone.NONE
+    assert 'compliant' not in repr(view).lower() and 'Tone.GOOD' not in repr(view)
+
+
+def test_the_lamp_takes_the_messages_that_compliance_publishes(rng):
+    judge = Compliance(Settings.from_mapping({**NORMS, 'risk.min_duration_s': 10.0}))
+    stamps = T0 + np.arange(6000) * S
+    rs = 90.0 + 0.02 * rng.standard_normal(6000)
+    judge.update(Pairs.of(stamps, rs + 0.05 * rng.standard_normal(6000), rs))
+    judge.finish()
+    verdict = judge.verdict()
+    bridge = lit(make())
+    bridge.take_verdict(*decode_statuses(encode_verdict(verdict, T0)), 0.0)
+    lamp = bridge.view(0.0).lamp
+    assert str(verdict.outcome).upper() in lamp.word and lamp.headline == verdict.headline
+    assert lamp.given_ns == int(stamps[-1]) and lamp.what == 'end of run 1'
+
+
+def test_the_lamp_is_good_only_while_nothing_speaks_against_the_comparison():
+    bridge = lit(make())
+    bridge.take_verdict(T0, compliant(), 0.0)
+    assert bridge.view(0.0).lamp.tone is Tone.GOOD
+    bridge.take_alarms([alarm('jump')], 0.0)
+    seen = bridge.view(0.0)
+    assert (seen.lamp.word, seen.lamp.tone) == ('COMPLIANT', Tone.DOUBT)
+    assert seen.validity.words == 'no comparison now: compliance: jump'
+    bridge.take_alarms([alarm('jump', 'normal')], 0.0)
+    assert bridge.view(0.0).lamp.tone is Tone.GOOD
+    assert bridge.view(10.0).lamp.tone is Tone.DOUBT
+
+
+def test_a_rejection_stays_bad_when_nothing_is_heard():
+    bridge = lit(make())
+    bridge.take_verdict(T0, compliant(outcome=Outcome.NON_COMPLIANT), 0.0)
+    assert bridge.view(1e6).lamp.tone is Tone.BAD
+
+
+def test_alarms_stay_until_they_are_normal_and_the_gravest_is_first():
+    bridge = lit(make())
+    bridge.take_alarms([alarm('a', 'active_acknowledged'), alarm('b', 'rectified_unacknowledged'),
+                        alarm('c', priority='caution'), alarm('d'), alarm('e', 'normal')], 0.0)
+    found = bridge.view(1.0).alarms
+    assert [one.name[-1] for one in found] == ['d', 'c', 'b', 'a']
+    assert found[0].words == 'words of d' and found[0].raised_ns == T0
+    assert [one.acknowledged for one in found] == [False, False, False, True]
+    bridge.take_alarms([alarm('d', 'normal'), alarm('a', 'normal')], 0.0)
+    assert [one.name[-1] for one in bridge.view(1.0).alarms] == ['c', 'b']
+
+
+def test_a_caution_makes_the_comparison_doubtful_not_void():
+    bridge = lit(make())
+    bridge.take_alarms([alarm('checksum', priority='caution')], 0.0)
+    validity = bridge.view(0.0).validity
+    assert validity.tone is Tone.DOUBT and validity.words.startswith('some readings are bad')
+
+
+def test_an_alarm_that_is_over_but_not_acknowledged_does_not_speak_against_the_comparison():
+    bridge = lit(make())
+    bridge.take_alarms([alarm('jump', 'rectified_unacknowledged')], 0.0)
+    seen = bridge.view(0.0)
+    assert seen.validity.tone is Tone.NONE and len(seen.alarms) == 1
+
+
+def test_the_run_says_what_it_lacks_and_when_the_next_look_is():
+    bridge = lit(make())
+    figures = {'run': 2, 'n': 900, 'span_s': 600.0, 'needed_s': 1560.0,
+               'next_look_ns': T0 + 1620 * S}
+    bridge.take_run(*decode_statuses(encode_figures('run', figures, T0)), 0.0)
+    view = bridge.view(0.0)
+    assert (view.run.number, view.run.n, view.run.span_s) == (2, 900, 600.0)
+    assert view.run.lacking == '26 min more if it goes on like this'
+    assert view.lamp.what == 'next look 22:40 UTC'
+    bridge.take_run(T0, [Status('run', OK, '', {'run': '0', 'n': '0'})], 0.0)
+    assert bridge.view(0.0).run.lacking == 'no run is in progress'
+
+
+def test_nodes_with_their_worst_part():
+    bridge = make()
+    bridge.take_health([health('synchronizer'), health('synchronizer', 'pairing', ERROR, 'apart',
+                                                       paired_share=0.97)], 0.0)
+    bridge.take_health([health('recorder', 'bag', WARN, 'disk full', free_bytes=12_000_000)], 0.0)
+    view = bridge.view(0.5)
+    assert [(one.name, one.level, one.words) for one in view.nodes] == [
+        ('recorder', WARN, 'bag: disk full'), ('synchronizer', ERROR, 'pairing: apart')]
+    assert view.paired_share == 0.97
+    assert (view.bag.words, view.bag.level, view.bag.free_bytes) == ('disk full', WARN, 12_000_000)
+    late = bridge.view(5.0)
+    assert late.paired_share is None and late.bag.stale and late.bag.level == WARN
+
+
+def test_a_restart_of_a_node_clears_the_troubles_of_the_former_one():
+    bridge = make()
+    bridge.take_health([health('compliance', 'run', ERROR, 'broken')], 0.0)
+    bridge.take_health([health('compliance', started=2)], 1.0)
+    assert [(one.level, one.words) for one in bridge.view(1.0).nodes] == [(OK, 'running')]
+
+
+def test_nodes_of_another_graph_or_package_are_left_out():
+    bridge = Bridge(Settings.from_mapping(NORMS), namespace='/ship1')
+    bridge.take_health([health('compliance'), health('compliance', namespace='/ship2'),
+                        Status('motor', ERROR, 'hot', {}, 'x'), Status('a: b', OK, '', {})], 0.0)
+    assert bridge.view(0.0).nodes == () and bridge.view(0.0).graph_age_s is None
+    bridge.take_health([health('compliance', namespace='/ship1')], 0.0)
+    assert bridge.view(0.0).judged
+
+
+def test_the_mode_of_an_ahrs_if_there_is_one():
+    bridge = make()
+    assert bridge.view(0.0).mode is None
+    bridge.take_health([health('sensor_simulator', 'ts', OK, 'gyrocompass, heading valid',
+                               mode='GYROCOMPASS', validity='VALID')], 0.0)
+    assert bridge.view(0.0).mode == 'TS: gyrocompass, heading valid'
+    assert bridge.view(9.0).mode == 'TS: gyrocompass, heading valid, not heard'
+
+
+def test_the_ledger_says_what_was_paired_and_rejected():
+    bridge = make()
+    segment = LedgerSegment(None, {LedgerKey.PAIRED: 90, LedgerKey.TS_INVALID: 3})
+    bridge.take_ledger(LedgerMessage(Ledger.from_segments([segment], T0), False, 1), 0.0)
+    view = bridge.view(0.0)
+    assert (view.paired, view.rejected) == (90, 3)
+
+
+def test_the_trend_has_limits_about_the_mean_or_about_zero():
+    bridge = lit(make(variant='B'))
+    bridge.take_rolling(T0, [Status('rolling', OK, '', {'n': '9', 'mean_deg': '0.2'})], 0.0)
+    trend = bridge.view(0.0).trend
+    assert (trend.center_deg, trend.limit_deg, trend.newest_ns) == (0.2, 1.0, T0 + 19 * S // 10)
+    assert trend.columns[-1].low_deg == pytest.approx(0.1)
+    assert lit(make(variant='A')).view(0.0).trend.center_deg == 0.0
+
+
+def test_memory_is_bounded_whatever_others_say():
+    bridge = make()
+    for i in range(1000):
+        bridge.take_health([health(f'n{i}', f'p{j}') for j in range(3)], 0.0)
+        bridge.take_health([health('n0', f'q{i}', ERROR, 'x' * 5000)], 0.0)
+        bridge.take_alarms([alarm(f'a{i}')], 0.0)
+    view = bridge.view(0.0)
+    assert len(view.nodes) == 50 and len(view.alarms) == 200
+    assert max(len(one.words) for one in view.nodes) <= 300
+
+
+def test_a_node_that_ended_long_ago_is_forgotten_with_its_alarms():
+    bridge = lit(make())
+    bridge.take_alarms([alarm('jump')], 0.0)
+    assert len(bridge.view(599.0).alarms) == 1
+    view = bridge.view(601.0)
+    assert view.nodes == () and view.alarms == ()

@@ -1,0 +1,62 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Requests of other sites are refused; actions may need a token."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from heading_intercompare.web.guard import check_token, Guard
+
+HERE = 'http://127.0.0.1:8080'
+
+
+def ask(kind='http', method='GET', host='127.0.0.1:8080', origin=None, loopback=True):
+    """Return whether a request got through, and what was sent instead."""
+    passed, sent = [], []
+
+    async def app(scope, receive, send):
+        passed.append(scope)
+
+    async def receive():
+        return {'type': 'websocket.connect'}
+
+    async def send(message):
+        sent.append(message)
+    headers = [(b'Host', host.encode())] + ([] if origin is None else
+                                            [(b'Origin', origin.encode())])
+    scope = {'type': kind, 'method': method, 'headers': headers}
+    asyncio.run(Guard(app, loopback)(scope, receive, send))
+    return bool(passed), sent
+
+
+@pytest.mark.parametrize('given', [
+    {}, {'method': 'HEAD'}, {'host': 'localhost:8080'}, {'host': '[::1]:8080'},
+    {'origin': HERE}, {'method': 'POST', 'origin': HERE}, {'kind': 'websocket', 'origin': HERE},
+    {'kind': 'websocket', 'host': 'ship:80', 'origin': 'http://ship:80', 'loopback': False},
+    {'kind': 'lifespan', 'host': 'evil'}])
+def test_what_comes_from_the_page_gets_through(given):
+    assert ask(**given) == (True, [])
+
+
+@pytest.mark.parametrize('given', [
+    {'origin': 'http://evil.example'}, {'method': 'POST'}, {'method': 'POST', 'origin': 'null'},
+    {'method': 'DELETE'}, {'host': 'evil.example:8080'},
+    {'host': 'evil.example', 'origin': 'http://evil.example', 'method': 'POST'},
+    {'kind': 'websocket'}, {'kind': 'websocket', 'origin': 'http://evil.example'},
+    {'kind': 'websocket', 'origin': 'http://127.0.0.1:9999'},
+    {'kind': 'websocket', 'origin': 'http://evil', 'host': 'ship', 'loopback': False}])
+def test_what_comes_from_elsewhere_is_refused(given):
+    """Another site, another port, a name that resolves to this computer, or no Origin at all."""
+    passed, sent = ask(**given)
+    assert not passed
+    assert sent[0].get('status', sent[0].get('code')) in (403, 1008)
+
+
+def test_a_token_is_compared_as_a_whole():
+    assert check_token('', None) and check_token('anything', None)
+    assert check_token('geheim-ü', 'geheim-ü')
+    for wrong in ('', 'geheim-', 'geheim-üx'):
+        assert not check_token(wrong, 'geheim-ü')

@@ -1,0 +1,251 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The live page in Chromium, on the running graph: live values, actions, restarts, palettes."""
+
+from __future__ import annotations
+
+from functools import reduce
+from operator import xor
+import os
+from pathlib import Path
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from urllib.error import HTTPError
+from urllib.request import Request, urlopen
+
+import pytest
+
+pytestmark = [pytest.mark.slow, pytest.mark.process]
+
+ROOT = Path(__file__).resolve().parents[2]
+BROWSERS = ('chromium', 'chromium-browser', 'google-chrome')
+IN_CI = os.environ.get('CI', '').lower() not in ('', '0', 'false')
+TOKEN = 'choose-your-own'
+
+
+def need(module):
+    """Import a module; without it skip, or fail if CI is set."""
+    try:
+        return pytest.importorskip(module)
+    except pytest.skip.Exception:
+        if IN_CI:
+            pytest.fail(f'{module} is not installed')
+        raise
+
+
+def free_port(kind=socket.SOCK_STREAM):
+    with socket.socket(type=kind) as found:
+        found.bind(('127.0.0.1', 0))
+        return found.getsockname()[1]
+
+
+class Ship:
+    """Sends the headings of both sensors by UDP, ten times a second, until it is closed."""
+
+    def __init__(self):
+        self.ports = [free_port(socket.SOCK_DGRAM) for _ in range(2)]
+        self.silent, self._over = False, threading.Event()
+        self._thread = threading.Thread(target=self._send)
+        self._thread.start()
+
+    def _send(self):
+        with socket.socket(type=socket.SOCK_DGRAM) as out:
+            heading_deg = 20.0
+            while not self._over.wait(0.1):
+                heading_deg = (heading_deg + 0.1) % 360.0
+                for port, off_deg in zip(self.ports, (0.3, 0.0)):
+                    if self.silent and port == self.ports[0]:
+                        continue
+                    text = f'HEHDT,{(heading_deg + off_deg) % 360.0:.2f},T'
+                    line = f'${text}*{reduce(xor, text.encode()):02X}\r\n'
+                    out.sendto(line.encode(), ('127.0.0.1', port))
+
+    def close(self):
+        self._over.set()
+        self._thread.join()
+
+
+class Graph:
+    """The command `live` with the page, as a process."""
+
+    def __init__(self, folder, ship, host, port):
+        self.url = f'http://127.0.0.1:{port}/'
+        self._folder, self._web = folder, f'{host}:{port}'
+        self._config = folder / 'live.yaml'
+        sections = [f'{role}_driver: {{ros__parameters: {{source: "udp://127.0.0.1:{number}"}}}}'
+                    for role, number in zip(('ts', 'rs'), ship.ports)]
+        self._config.write_text('\n'.join([
+            '/**: {ros__parameters: {norms: {sigma_max_deg: 0.2, sigma_ref_max_deg: 0.1}, '
+            'pairing: {method: interpolate}}}',
+            f'dashboard: {{ros__parameters: {{token: {TOKEN}}}}}', *sections]))
+        self._process = None
+
+    def start(self):
+        self.said = self._folder / 'said.txt'
+        with self.said.open('w') as out:
+            self._process = subprocess.Popen(
+                [sys.executable, '-m', 'heading_intercompare', 'live', '--config',
+                 str(self._config), '--web', self._web, '--quiet'], cwd=self._folder, stdout=out,
+                stderr=subprocess.STDOUT, env={**os.environ, 'PYTHONPATH': os.pathsep.join(
+                    [str(ROOT), os.environ.get('PYTHONPATH', '')])})
+        deadline_s = time.monotonic() + 60.0
+        while 'page: ' not in self.said.read_text():
+            assert self._process.poll() is None, self.said.read_text()
+            assert time.monotonic() < deadline_s
+            self._process.poll()
+        return self
+
+    def stop(self):
+        if self._process is not None:
+            self._process.send_signal(signal.SIGINT)
+            self._process.wait(40.0)
+            self._process = None
+
+
+@pytest.fixture(scope='module')
+def browser():
+    for module in ('rclpy', 'nicegui', 'playwright'):
+        need(module)
+    from playwright.sync_api import sync_playwright
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if found is None:
+        (pytest.fail if IN_CI else pytest.skip)('no Chromium is here: apt-get install chromium')
+    with sync_playwright() as play:
+        made = play.chromium.launch(executable_path=found, args=['--no-sandbox'])
+        yield made
+        made.close()
+
+
+@pytest.fixture(scope='module')
+def ship():
+    made = Ship()
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope='module')
+def graph(browser, ship, tmp_path_factory):
+    """Return the graph; its page needs a token."""
+    made = Graph(tmp_path_factory.mktemp('graph'), ship, '127.0.0.1', free_port()).start()
+    yield made
+    made.stop()
+
+
+@pytest.fixture
+def page(browser, graph):
+    """Return the page in a browser of its own; an error on its console fails the test."""
+    context = browser.new_context(viewport={'width': 1280, 'height': 800})
+    made, wrong = context.new_page(), []
+    made.on('console', lambda said: wrong.append(said.text) if said.type == 'error' else None)
+    made.on('pageerror', lambda error: wrong.append(str(error)))
+    made.on('request', lambda asked: wrong.append(asked.url)
+            if '//127.0.0.1' not in asked.url and not asked.url.startswith('data:') else None)
+    made.wrong = wrong
+    made.goto(graph.url)
+    made.wait_for_selector('.k-ts_heading')
+    yield made
+    context.close()
+    assert wrong == []
+
+
+def await_text(page, selector, pattern, timeout_s=30.0):
+    """Wait until an element has a text; return it."""
+    page.wait_for_function(
+        '([selector, pattern]) => new RegExp(pattern).test('
+        'document.querySelector(selector)?.textContent ?? "")',
+        arg=[selector, pattern], timeout=1000.0 * timeout_s)
+    return page.text_content(selector)
+
+
+def test_values_are_live_and_the_page_shows_its_age(page):
+    first = await_text(page, '.k-ts_heading', r'^\d{3}\.\d°$')
+    page.wait_for_function(
+        'first => document.querySelector(".k-ts_heading").textContent !== first', arg=first)
+    assert await_text(page, '.k-difference', r'^\+0\.\d\d°$')
+    assert await_text(page, '.k-ts_state', r'age \d\.\d s, \d+\.\d Hz, stamp')
+    assert await_text(page, '#page-age', r'^page 0\.\d s old$')
+    assert 'COMPLIANT' not in page.text_content('.k-lamp')
+    await_text(page, '.k-nodes', 'compliance.*dashboard.*recorder.*synchronizer')
+    # The trend is drawn once a second.
+    page.wait_for_function('document.querySelector("svg path.trace")?.getAttribute("d")')
+
+
+@pytest.mark.parametrize('size', [(1280, 800), (768, 1024)])
+def test_the_page_fits_and_its_numerals_are_big(page, size):
+    page.set_viewport_size({'width': size[0], 'height': size[1]})
+    await_text(page, '.k-ts_heading', r'^\d{3}')
+    found = page.evaluate("""() => ({
+      wide: document.documentElement.scrollWidth - document.documentElement.clientWidth,
+      size: parseFloat(getComputedStyle(document.querySelector('.k-ts_heading')).fontSize),
+      cut: [...document.querySelectorAll('.big')].filter(
+        one => one.scrollWidth > one.parentElement.clientWidth).length})""")
+    assert found['wide'] <= 0 and found['cut'] == 0
+    assert found['size'] >= 56.0
+
+
+@pytest.mark.parametrize('name, ground', [
+    ('day', 'rgb(242, 244, 247)'), ('dusk', 'rgb(20, 24, 29)'), ('night', 'rgb(0, 0, 0)')])
+def test_the_browser_keeps_the_palette(page, name, ground):
+    asked = 'getComputedStyle(document.body).backgroundColor'
+    page.click(f'.k-{name}')
+    assert page.evaluate(asked) == ground
+    page.reload()
+    page.wait_for_selector('.k-ts_heading')
+    assert page.evaluate(asked) == ground
+
+
+def test_an_action_needs_the_token(page):
+    page.click('.k-start')
+    assert 'refused: the token is wrong' in await_text(page, '.k-answer', 'refused')
+    page.fill('.k-token input', TOKEN)
+    page.click('.k-start')
+    await_text(page, '.k-answer', '^start after the pair of')
+    page.fill('.k-note input', 'rough sea')
+    page.click('.k-keep')
+    await_text(page, '.k-answer', '^the note was sent to the recorder')
+
+
+def test_a_silent_sensor_goes_stale_raises_an_alarm_and_is_acknowledged(page, ship):
+    await_text(page, '.k-ts_heading', r'^\d{3}')
+    page.fill('.k-token input', TOKEN)
+    ship.silent = True
+    try:
+        await_text(page, '.k-ts_heading', '^– –')
+        await_text(page, '.k-ts_state', r'^STALE: last \d{3}')
+        await_text(page, '.k-alarms', 'not acknowledged')
+        page.click('.k-acknowledge-one >> nth=0')
+        await_text(page, '.k-alarms', r'active, acknowledged')
+    finally:
+        ship.silent = False
+    await_text(page, '.k-ts_heading', r'^\d{3}')
+
+
+@pytest.mark.parametrize('headers, method, status', [
+    ({'Origin': 'http://evil.example'}, 'GET', 403), ({}, 'POST', 403),
+    ({'Host': 'evil.example'}, 'GET', 403), ({}, 'GET', 200)])
+def test_requests_of_other_sites_are_refused(graph, headers, method, status):
+    try:
+        with urlopen(Request(graph.url, headers=headers, method=method), timeout=10) as answer:
+            found = answer.status
+    except HTTPError as error:
+        found = error.code
+    assert found == status
+
+
+def test_the_page_says_it_is_not_live_and_goes_on_after_a_restart(page, graph):
+    await_text(page, '.k-ts_heading', r'^\d{3}')
+    graph.stop()
+    page.wait_for_selector('#page-dead', state='visible', timeout=20000)
+    assert 'NOT LIVE' in page.text_content('#page-dead')
+    graph.start()
+    page.wait_for_selector('#page-dead', state='hidden', timeout=40000)
+    await_text(page, '.k-ts_heading', r'^\d{3}\.\d°$')
+    # While the server is away, the browser says that it cannot be reached.
+    page.wrong[:] = [text for text in page.wrong
+                     if not re.search('ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|WebSocket', text)]

@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The words of the page."""
+
+from __future__ import annotations
+
+import pytest
+
+from heading_intercompare.web.bridge_records import (
+    AlarmView,
+    BagView,
+    LampView,
+    NodeView,
+    RunView,
+    Tone,
+    TrendView,
+    WindowView,
+)
+from heading_intercompare.web.bridge_view import BridgeView
+from heading_intercompare.web.figures.stream_watch import SensorView
+from heading_intercompare.web.page_texts import alarm_words, node_words, tell
+
+T0 = 1_700_000_000 * 10 ** 9
+
+
+def test_before_anything_is_heard_no_place_shows_a_figure():
+    said = tell(BridgeView())
+    assert said['ts_heading'].text == said['rs_heading'].text == said['difference'].text == '– –'
+    assert said['ts_state'].text == 'never heard'
+    assert said['difference_state'].text == 'no pair yet'
+    assert said['lamp'].text == '… NONE YET' and said['run'].text == 'no run'
+    assert said['graph'].text == 'nothing heard from the graph yet'
+
+
+def test_a_live_sensor_shows_heading_age_rate_and_offset():
+    said = tell(BridgeView(ts=SensorView(7.25, 7.25, 0.1, 10.0, -0.04, 3.0, False)))
+    assert said['ts_heading'].text == '007.2°'
+    assert said['ts_state'].text == 'age 0.1 s, 10.0 Hz, stamp -0.04 s'
+
+
+def test_a_silent_sensor_shows_a_dash_and_says_stale():
+    said = tell(BridgeView(rs=SensorView(None, 7.25, 12.0, None, -8000.0, None, True)))
+    assert said['rs_heading'].text == '– –'
+    assert said['rs_state'] == ('STALE: last 007.2°, 12 s ago', Tone.BAD)
+
+
+@pytest.mark.parametrize('turn, words', [
+    (None, 'rate of turn not known'), (12.0, 'rate of turn 12.0°/min to starboard'),
+    (-12.0, 'rate of turn 12.0°/min to port'), (0.1, 'rate of turn 0.1°/min ')])
+def test_the_rate_of_turn_names_its_side(turn, words):
+    assert tell(BridgeView(turn_deg_min=turn))['turn'].text == words
+
+
+def test_a_stale_difference_window_run_trend_and_bag_say_so():
+    view = BridgeView(last_difference_deg=0.1, difference_age_s=9.0,
+                      window=WindowView(5, 0.0, 0.1, 0.2, 9.0, True),
+                      run=RunView(1, 5, 4.0, 60.0, None, 'x', 9.0, True),
+                      trend=TrendView((), 1800.0, T0, 0.0, None, 9.0, True),
+                      bag=BagView('recording', 1, 10 ** 10, 9.0, True))
+    said = tell(view)
+    for key in ('difference_state', 'window', 'lacking', 'trend', 'bag'):
+        assert 'STALE' in said[key].text and said[key].tone is not Tone.NONE, key
+        assert '9.0 s' in said[key].text, key
+    assert 'free disk 10.0 GB' in said['bag'].text
+
+
+def test_the_lamp_says_what_it_rests_on_in_words():
+    lamp = LampView('COMPLIANT', Tone.GOOD, T0, 'look 2 of 3', 'the headline')
+    run = RunView(1, 5, 4.0, 60.0, T0 + 10 ** 11, 'long', 0.0, False)
+    said = tell(BridgeView(lamp=lamp, run=run))
+    assert said['lamp'] == ('✔ COMPLIANT', Tone.GOOD)
+    assert said['lamp_given'].text == 'last verdict: 2023-11-14 22:13 UTC, look 2 of 3'
+    assert said['lacking'].text == 'long, next look 22:15 UTC'
+
+
+def test_tones_have_a_sign_and_a_word_each():
+    """Colours are never the only carrier of meaning."""
+    signs = {tell(BridgeView(lamp=LampView('X', tone)))['lamp'].text[0] for tone in Tone}
+    assert len(signs) == len(Tone)
+
+
+def test_alarms_and_nodes_in_words():
+    alarms = (AlarmView('compliance: jump', 'warning', 'active_unacknowledged', 'jumped', T0),
+              AlarmView('ts_driver: x', 'caution', 'active_acknowledged', 'y', None))
+    nodes = (NodeView('a', 0, 'running', 0.1, False), NodeView('b', 2, 'no', 9.0, True))
+    (name, said), (other, quiet) = alarm_words(BridgeView(alarms=alarms))
+    assert name == 'compliance: jump' and other == ''
+    assert said.text == ('WARNING: compliance: jump: jumped (active, not acknowledged, '
+                         '22:13 UTC)')
+    assert said.tone is Tone.BAD and quiet.tone is Tone.DOUBT
+    lines = node_words(BridgeView(nodes=nodes))
+    assert [line.text for line in lines] == ['a: OK, running', 'b: STALE, heard 9.0 s ago']
+
+
+@pytest.mark.parametrize('x_deg, words', [
+    (0.004, '+0.00°'), (-9.99, '-9.99°'), (9.996, '+10.0°'), (-99.94, '-99.9°'), (179.9, '+180°'),
+    (-179.99, '-180°')])
+def test_a_large_difference_has_fewer_digits_so_that_it_is_never_cut_off(x_deg, words):
+    assert tell(BridgeView(difference_deg=x_deg))['difference'].text == words
+
+
+@pytest.mark.parametrize('heading_deg, words', [(359.96, '000.0°'), (0.0, '000.0°'),
+                                                (359.94, '359.9°')])
+def test_a_heading_that_rounds_to_360_is_north(heading_deg, words):
+    said = tell(BridgeView(ts=SensorView(heading_deg, heading_deg, 0.1, 10.0, 0.0, 0.0, False)))
+    assert said['ts_heading'].text == words

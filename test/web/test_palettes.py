@@ -1,0 +1,51 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The palettes: legible, and night is red on black."""
+
+from __future__ import annotations
+
+import pytest
+
+from heading_intercompare.web.palettes import PALETTES, style
+
+
+def light(colour):
+    """Return the relative luminance of a colour, WCAG 2.1."""
+    parts = [int(colour[at:at + 2], 16) / 255.0 for at in (1, 3, 5)]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(one, other):
+    low, high = sorted((light(one), light(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def test_contrast_by_hand():
+    """Black on white is 21 : 1."""
+    assert contrast('#000000', '#ffffff') == pytest.approx(21.0)
+
+
+@pytest.mark.parametrize('name', PALETTES)
+def test_every_text_is_legible_on_its_ground(name):
+    """WCAG 2.1 AA for small text: 4.5 : 1; for the red of the night 3.5 : 1 of large text."""
+    colours = PALETTES[name]
+    least = 3.5 if name == 'night' else 4.5
+    for ink in ('ink', 'faint', 'good', 'doubt', 'bad'):
+        for ground in ('ground', 'panel'):
+            assert contrast(colours[ink], colours[ground]) >= least, (ink, ground)
+
+
+def test_the_night_is_red_on_black_and_dim():
+    for name, colour in PALETTES['night'].items():
+        red, green, blue = (int(colour[at:at + 2], 16) for at in (1, 3, 5))
+        assert green <= 0.4 * red and blue <= 0.4 * red, name
+        assert light(colour) < 0.35, name
+    assert PALETTES['night']['ground'] == '#000000'
+
+
+def test_the_style_has_a_block_per_palette_and_asks_for_nothing_outside():
+    text = style()
+    for name in ('day', 'dusk', 'night'):
+        assert f'html[data-palette={name}]' in text
+    assert 'url(' not in text and '@import' not in text

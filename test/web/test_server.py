@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The server of the page: its address, its token, and one line for each mistake."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+import socket
+import subprocess
+import sys
+
+import pytest
+
+from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.web.server import make_token, PageServer
+
+
+def test_on_loopback_no_token_is_needed_but_one_may_be_given():
+    assert make_token('127.0.0.1', None) is None
+    assert make_token('localhost', 'choose-your-own') == 'choose-your-own'
+
+
+def test_on_another_address_a_token_is_made_and_never_twice_the_same():
+    made = {make_token('0.0.0.0', None) for _ in range(20)}
+    assert len(made) == 20 and min(map(len, made)) >= 16
+
+
+def test_a_short_token_is_refused():
+    with pytest.raises(SettingsError, match='token: must have at least 8 letters'):
+        make_token('0.0.0.0', 'short')
+
+
+@pytest.mark.skipif(find_spec('nicegui') is None, reason='NiceGUI is not installed')
+def test_an_address_in_use_is_refused_in_one_line():
+    with socket.socket() as taken:
+        taken.bind(('127.0.0.1', 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        with pytest.raises(SettingsError) as error:
+            PageServer(None, port=port)
+    assert str(error.value).startswith(f'the page cannot be served on 127.0.0.1:{port}: Address')
+    assert '\n' not in str(error.value)
+
+
+@pytest.mark.process
+def test_without_nicegui_one_line_says_what_to_install():
+    code = ('import sys\n'
+            'sys.modules["nicegui"] = None\n'
+            'from heading_intercompare.web.server import PageServer\n'
+            'PageServer(None, port=0)')
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True,
+                          timeout=60, check=False)
+    assert done.stderr.splitlines()[-1].endswith(
+        "SettingsError: the page needs NiceGUI: pip install 'heading_intercompare[web]'")

@@ -1,0 +1,43 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Times, lengths and values as the page says them."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from heading_intercompare.web.wording import (
+    integer,
+    lacking_words,
+    real,
+    shorten,
+    size_words,
+    span_words,
+)
+
+
+@pytest.mark.parametrize('text, whole, value', [
+    (None, None, None), ('x', None, None), ('', None, None), ('nan', None, None),
+    ('7', 7, 7.0), ('0.5', None, 0.5), ('inf', None, math.inf)])
+def test_values_of_others_are_read_with_care(text, whole, value):
+    assert integer(text) == whole and real(text) == value
+
+
+@pytest.mark.parametrize('needed_s, words', [
+    (None, 'too few differences to tell (40)'), (math.inf, 'more time alone does not decide'),
+    (0.0, 'long enough if it goes on like this'), (30.0, '30 s more if it goes on like this'),
+    (5400.0, '90 min more if it goes on like this')])
+def test_what_is_missing_is_said_in_words(needed_s, words):
+    assert lacking_words(40, needed_s) == words
+
+
+def test_a_long_text_is_cut_and_keeps_to_one_line():
+    assert shorten('a\nb', 9) == 'a b'
+    assert len(shorten('x' * 1000, 300)) == 300
+
+
+def test_small_sizes_and_long_times():
+    assert size_words(5_200_000) == '5 MB'
+    assert span_words(119.4) == '119 s' and span_words(7199.0) == '2 h 0 min'
