@@ -13,7 +13,7 @@ from rclpy.subscription import Subscription
 
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
 
-__all__ = ['Message', 'number_of', 'Reception']
+__all__ = ['number_of', 'Reception']
 
 #: A message as bytes, and its info.
 Message = tuple[bytes, Mapping[str, int]]
