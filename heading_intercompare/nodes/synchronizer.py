@@ -39,7 +39,8 @@ from .settings import SynchronizerNode, Taking
 __all__ = ['main', 'Synchronizer']
 
 # A subscriber of the pairs that hangs holds up the others no longer than this.
-_PATIENCE_S = 10.0
+# What a driver that has ended said last, such as its losses, may still be under way.
+_PATIENCE_S, _LAST_S = 10.0, 0.3
 
 
 class Synchronizer(Node):
@@ -49,12 +50,11 @@ class Synchronizer(Node):
     The node takes headings only once the pairs have subscribers, so that no pair is lost.
     """
 
-    done = False
+    done = ended = _flushed = False
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('synchronizer', **OVERRIDES, **kwargs)
         settings, taking, self._own = declare(self, Settings, Taking, SynchronizerNode)
-        self.ended = False
         self._started_ns = time.time_ns()
         self._pairer = Pairer(settings)
         self._health = Health(self)
@@ -80,8 +80,7 @@ class Synchronizer(Node):
         self._predecessor = Predecessor(self, self._health, self._intakes, self._started_ns)
         self._open_at_s = time.monotonic() + self._own.startup_wait_s
         self._waiting = Backlog(self._pairs, self._health, patience_s=_PATIENCE_S)
-        self._flushed = self.ended = False
-        self._end_s: float | None = None
+        self._end_s, self._seen_s = None, 0.0
         every(self, 1.0, self._beat)
 
     def _drain(self) -> None:
@@ -97,9 +96,8 @@ class Synchronizer(Node):
 
     def _open_when_wanted(self) -> None:
         """Open the inputs once the pairs have their subscribers, or after `startup_wait_s`."""
-        heard = self._pairs.get_subscription_count() >= self._own.subscribers
-        if (heard and self._predecessor.is_known()
-                or time.monotonic() > self._open_at_s):
+        if (self._pairs.get_subscription_count() >= self._own.subscribers
+                and self._predecessor.is_known() or time.monotonic() > self._open_at_s):
             for intake in self._intakes.values():
                 intake.open = True
 
@@ -137,14 +135,16 @@ class Synchronizer(Node):
         """Take the last headings, until their publishers are gone or time is up."""
         self._health.mute()
         self.alarms.panel.muted = True
-        self._end_s = time.monotonic() + self._own.end_wait_s
+        self._seen_s = time.monotonic()
+        self._end_s = self._seen_s + self._own.end_wait_s
 
     def _finish_if_quiet(self) -> None:
-        publishers = 0
+        now_s = time.monotonic()
         for intake in self._intakes.values():
             intake.look()
-            publishers += intake.publishers
-        if publishers and time.monotonic() < self._end_s:
+            if intake.publishers:
+                self._seen_s = now_s
+        if now_s < min(self._end_s, self._seen_s + _LAST_S):
             return
         if not self._flushed:
             self._flushed = True

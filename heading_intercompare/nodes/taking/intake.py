@@ -145,9 +145,6 @@ class Intake:
             elif self.counted:
                 self._numbering.take(numbers)
             self.last_sequence = numbers[-1]
-            if not self.received and self._kept is not None:
-                # The sooner, the less a cut of the network can cost.
-                self.look()
             self.received += len(taken)
             info = taken[-1][1]
             self._newest_s = time.monotonic()
