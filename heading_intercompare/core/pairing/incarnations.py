@@ -117,13 +117,13 @@ class Incarnations:
         newest_ns: int | None = None
         ordered = [last for _, last in self._in_order]
         ledgers = [last.ledger for last in ordered]
+        steps = [*(one.count_until(after) for one, after in zip(ordered, ordered[1:])), {}]
         for at, ledger in enumerate(ledgers):
             if at and newest_ns is not None:
-                for stream, n in ordered[at - 1].count_until(ordered[at]).items():
+                for stream, n in steps[at - 1].items():
                     counts.setdefault(newest_ns + 1, Counter())[
                         LedgerKey.of_lost(stream, 'on_the_way')] += max(0, n)
-            again = (ordered[at].count_until(ordered[at + 1]) if at + 1 < len(ordered) else {})
-            for segment in _without_pending(ledger.segments, again):
+            for segment in _without_pending(ledger.segments, steps[at]):
                 start_ns = segment.start_ns
                 if start_ns is None and newest_ns is not None:
                     # What an incarnation received before its first cut came after the one before.
