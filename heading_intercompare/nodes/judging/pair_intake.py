@@ -77,7 +77,11 @@ class PairIntake(Intake):
     def take(self) -> _Taken:
         """Return the pairs of the followed synchronizer since the last call."""
         now_s, found = time.monotonic(), []
-        for _, several in groupby(super().take(), key=lambda one: one[0][_NAME]):
+        followed = self.last_sequence
+        taken = super().take()
+        # The numbers of pairs that are held say nothing of those of the followed synchronizer.
+        self.last_sequence = followed
+        for _, several in groupby(taken, key=lambda one: one[0][_NAME]):
             batch = list(several)
             name = header_frame(batch[0][0])
             # Pairs without a name are those of an earlier version.
@@ -92,6 +96,7 @@ class PairIntake(Intake):
         if current != before and current is not None:
             # The successor pairs again what the last ledger of the one before does not count.
             self._twice = max(0, self.last_sequence - self._booked)
+            self._booked = 0
             self._behind = True
             found += self._accept(str(current), [*self._held.pop(current, deque())])
         return found
@@ -148,14 +153,15 @@ class PairIntake(Intake):
         """Take a ledger; return those of the followed synchronizer that have come by now."""
         self._choice.hear(newest.started_ns, time.monotonic(), newest.final)
         self._ledgers[newest.started_ns] = newest
-        if newest.started_ns == self._choice.current:
-            self._booked = newest.ledger.paired
         return self.ledgers()
 
     def ledgers(self) -> list[LedgerMessage]:
         """Return the newest ledger of the followed synchronizer if it has not been returned."""
-        current = self._choice.current
-        return [self._ledgers.pop(current)] if current in self._ledgers else []
+        newest = self._ledgers.pop(self._choice.current, None)
+        if newest is None:
+            return []
+        self._booked = newest.ledger.paired
+        return [newest]
 
     @property
     def waiting(self) -> bool:
