@@ -28,6 +28,7 @@ from heading_intercompare.nodes.ros.parameters import resolve_topic
 from heading_intercompare.nodes.runtime.health import Health
 
 from .reception import Message, number_of, Reception
+from .renewal import Renewal
 
 __all__ = ['Intake']
 
@@ -116,6 +117,7 @@ class Intake:
         self._health, self._stale_s, self._sole, self._needed = health, stale_s, sole, needed
         self.full_name = resolve_topic(node, topic)
         self._reception = Reception(node, topic, arrivals or Unwatched())
+        self._renewal = Renewal()
         self._newest_s = time.monotonic()
         self._beat_s, self._beat_n, self._latency_s = self._newest_s, 0, 0.0
         self.type_name: str | None = None
@@ -257,6 +259,9 @@ class Intake:
         """Report the state of this input."""
         now_s = time.monotonic()
         wrong, age_s = self.look(), now_s - self._newest_s
+        if self._renewal.is_due(now_s, self.received, self.lost) and (
+                self._reception.there):
+            self._reception.hand_over(self._qos)
         level, words = (WARN if self._ghost else ERROR, wrong) if wrong else (OK, 'receiving')
         if not wrong and not self.publishers:
             level, words = WARN if self._needed else OK, f'no publisher on {self._topic}'

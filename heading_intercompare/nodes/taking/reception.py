@@ -50,7 +50,8 @@ class Reception:
     A transient local subscription gets again what a publisher sent while it could not be reached,
     but also what it sent long before. So a first subscription that is volatile says where to
     begin, and a second one that is transient local takes over as soon as it has come as far. What
-    both deliver is known by its number and its time of sending.
+    both deliver is known by its number and its time of sending. What was sent before the first
+    message that was taken is left out.
 
     """
 
@@ -60,8 +61,8 @@ class Reception:
         self._successor: Subscription | None = None
         self._left: list[Message] = []
         self._known: dict[tuple[int, int], None] = {}
-        self._skip_until = self.newest = self._newest_ns = 0
-        self._handed_over = 0, 0
+        self._skip_until = self.newest = 0
+        self._first = 0, 0
 
     @property
     def there(self) -> bool:
@@ -77,7 +78,6 @@ class Reception:
         assert self._current is not None
         if self._successor is not None:
             self._node.destroy_subscription(self._successor)
-        self._handed_over = self.newest, self._newest_ns
         self._successor = self._subscribe(self._current.msg_type, profile)
 
     def take(self) -> list[Message]:
@@ -123,10 +123,12 @@ class Reception:
         for name in [*islice(self._known, max(0, len(self._known) - _REMEMBERED))]:
             del self._known[name]
         if fresh:
-            self.newest, self._newest_ns = number_of(fresh[-1]), fresh[-1][1]['source_timestamp']
+            self.newest = number_of(fresh[-1])
+            if not self._first[0]:
+                self._first = number_of(fresh[0]), fresh[0][1]['source_timestamp']
         return fresh
 
     def _is_earlier(self, message: Message) -> bool:
-        """Tell whether a message was sent before the second subscription was made."""
-        number, sent_ns = self._handed_over
-        return number_of(message) <= number and message[1]['source_timestamp'] <= sent_ns
+        """Tell whether a message was sent before the first one that was taken."""
+        number, sent_ns = self._first
+        return number_of(message) < number and message[1]['source_timestamp'] < sent_ns

@@ -16,6 +16,7 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.heading_messages import IMU, imu_messages, read_headings
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.batches import take_all
 from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.taking.intake import Intake
@@ -269,6 +270,24 @@ def test_after_the_first_message_the_intake_also_hears_what_was_sent_while_it_wa
     assert intake.resubscribed == 1
     volatile.publish(headings(51, 52)[0])
     assert seconds(take(ros, intake, 1)) == [51]
+
+
+def test_messages_that_are_missing_are_fetched_with_a_new_subscription(ros):
+    """Fast DDS does not always send again what a process missed that it had given up."""
+    intake, _ = intake_of(ros, kept=qos.HEADINGS_KEPT)
+    publisher = publisher_to(ros, intake)
+    for n in (0, 10):
+        for message in headings(n, n + 10):
+            publisher.publish(message)
+        if n == 0:
+            take(ros, intake, 10)
+    ros.spin_until(lambda: len(take_all(intake._reception._current)) > 0
+                   or intake._reception._current is None)
+    publisher.publish(headings(20, 21)[0])
+    taken = []
+    ros.spin_until(lambda: taken.extend(m for m, _ in intake.take()) or (
+        taken and intake.received == 21), 10.0)
+    assert intake.lost == 0
 
 
 @pytest.mark.parametrize('own, first', [(True, 31), (False, 51)])

@@ -9,7 +9,7 @@ from std_msgs.msg import String
 
 from heading_intercompare.messages.texts import decode_text, encode_text
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.batches import Unwatched
+from heading_intercompare.nodes.ros.batches import take_all, Unwatched
 from heading_intercompare.nodes.taking.reception import Reception
 
 
@@ -113,3 +113,27 @@ def test_a_second_hand_over_replaces_one_that_is_not_done(line):
     line.take_until(lambda: line.publisher.get_subscription_count() == 1
                     and len(line.taken) == 10)
     assert line.taken == [*range(1, 11)]
+
+
+@pytest.mark.parametrize('lost', [range(31, 41), range(41, 51)], ids=['amid others', 'the last'])
+def test_one_made_again_brings_what_the_first_one_did_not(line, lost):
+    """As when DDS has given up this process for a time, and does not send again."""
+    line.send(10)
+    line.open()
+    line.send(20)
+    line.take_until(lambda: len(line.taken) == 20)
+    line.reception.hand_over(qos.HEADINGS_KEPT)
+    line.take_until(lambda: line.publisher.get_subscription_count() == 1)
+    if lost[0] > 31:
+        line.send(10)
+        line.take_until(lambda: len(line.taken) == 30)
+    line.send(10)
+    stolen = []
+    line.ros.spin_until(lambda: stolen.extend(take_all(line.reception._current))
+                        or len(stolen) == 10)
+    if lost[0] == 31:
+        line.send(10)
+        line.take_until(lambda: len(line.taken) == 30)
+    line.reception.hand_over(qos.HEADINGS_KEPT)
+    line.take_until(lambda: len(line.taken) == 40)
+    assert sorted(line.taken) == [*range(11, 51)] and line.taken[-10:] == [*lost]

@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A subscription is made again when the middleware may have forgotten it, and not otherwise."""
+
+from __future__ import annotations
+
+import pytest
+
+from heading_intercompare.nodes.taking.renewal import Renewal
+
+
+def times_due(received_at, missing_at=lambda s: 0, seconds=range(1000)):
+    """Return the seconds at which a subscription was to be made again."""
+    renewal = Renewal()
+    return [s for s in seconds if renewal.is_due(1000.0 + s, received_at(s), missing_at(s))]
+
+
+@pytest.mark.parametrize('period_s', [1, 7, 60])
+def test_a_stream_that_comes_evenly_is_left_alone(period_s):
+    assert times_due(lambda s: 1 + s // period_s, seconds=range(40 * period_s)) == []
+
+
+def test_a_topic_of_few_messages_may_be_silent_for_ever():
+    assert times_due(lambda s: min(s, 3)) == []
+
+
+def test_a_stream_that_falls_silent_is_asked_again_ever_less_often():
+    due = times_due(lambda s: 10 * min(s, 100), seconds=range(3600))
+    assert due[:2] == [106, 113]
+    steps = [after - before for before, after in zip(due, due[1:])]
+    assert steps == sorted(steps) and 250 < steps[-1] <= 301 and len(due) < 20
+
+
+def test_a_silence_as_long_as_those_before_is_usual():
+    """A sensor that reports in bursts each half minute."""
+    assert times_due(lambda s: 300 * (1 + s // 30)) == []
+
+
+def test_each_new_gap_is_asked_for_once_when_what_is_under_way_has_come():
+    missing = {100: 84, 101: 84, 102: 0}
+    assert times_due(lambda s: 10 * s, lambda s: 84 * (s >= 100) + 5 * (s >= 200)) == [102, 202]
+    assert times_due(lambda s: 10 * s, lambda s: missing.get(s, 0)) == [102]
+
+
+def test_a_process_that_stood_still_asks_for_all():
+    seconds = [*range(10), *range(40, 60)]
+    assert times_due(lambda s: 3, seconds=seconds) == [42]
