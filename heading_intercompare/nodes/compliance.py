@@ -68,7 +68,7 @@ class Compliance(Node):
                                     self._journal)
         self.sole = SoleNode(self, ['compliance/report'], self._health)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
-        self._figures = Figures(self, self._compliance)
+        self._figures = Figures(self, self._compliance, self._own.scalars_hz)
         for topic, profile, read, act in (
                 (MARKER_TOPIC, qos.MARKER, decode_marks, self._mark),
                 ('pairs/ledger', qos.LEDGER, decode_ledger, self._reporting.book)):
@@ -104,7 +104,7 @@ class Compliance(Node):
         self._compliance.update(pairs)
         self._journal.tick(self.sole.clear)
         self.alarms.take(pairs)
-        self._figures.publish()
+        self._figures.publish(pairs)
         self._reporting.look(self._pairs.last_sequence)
         if self._end_s is not None:
             self._finish_if_complete()

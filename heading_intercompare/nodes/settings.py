@@ -92,6 +92,9 @@ class ComplianceNode(Checked):
     report_every_h: float | None = setting(
         None, 'time of the stamps from one intermediate report to the next [h]; none: only on '
         'request (~/report)', 0.001, 8784.0)
+    scalars_hz: float = setting(
+        10.0, 'most messages per second on each topic scalar/..., for displays that plot numbers; '
+        '0: no such topics [Hz]', 0.0, 1000.0)
     ledger_wait_s: float = setting(
         2.0, 'at the end of a run: how long to wait for its ledger [s]', 0.0, 60.0)
     end_wait_s: float = setting(

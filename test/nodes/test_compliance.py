@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import Imu
-from std_msgs.msg import String
+from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
 
 from heading_intercompare.app.analysis import judge_bags
@@ -32,6 +32,7 @@ from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.messages.status_messages import encode_statuses, OK, Status
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.runtime.scalars import SCALARS
 from heading_intercompare.nodes.synchronizer import Synchronizer
 
 from .conftest import NORMS
@@ -763,3 +764,31 @@ def test_intermediate_reports_come_by_the_stamps(ros, rng):
     ros.spin_until(lambda: len(between) == 3)
     ends = [json.loads(m.data)['runs'][0]['end_ns'] for m in between]
     assert [round((end - T0_NS) / S_NS) for end in ends] == [419, 779, 1139]
+
+
+def test_displays_get_the_newest_figures_as_numbers(ros, rng):
+    """Lichtblick, PlotJuggler and rqt_plot plot std_msgs/Float64; the seam of 360 is no jump."""
+    graph = Graph(ros, scalars_hz=1000.0, installation_offset_deg=2.0)
+    heard = {topic: ros.listen(Float64, topic, qos.STATUS) for topic in SCALARS}
+    ros.spin_until(lambda: graph.node.count_subscribers('scalar/lag_s') == 1)
+    stamps = T0_NS + np.arange(300) * S_NS
+    graph.send(Pairs.of(stamps, np.full(300, 361.5), np.full(300, 359.0),
+                        lag_ns=np.full(300, 20_000_000)))
+
+    def newest():
+        return {topic.removeprefix('scalar/'): got[-1].data for topic, got in heard.items() if got}
+    more = iter(range(300, 3000))
+    ros.spin_until(lambda: graph.send(Pairs.of([T0_NS + next(more) * S_NS], [361.5], [359.0],
+                                               lag_ns=[20_000_000]))
+                   or len(newest()) == len(SCALARS))
+    assert newest() == pytest.approx({
+        'ts_heading_deg': 1.5, 'rs_heading_deg': 359.0, 'difference_deg': 0.5, 'lag_s': 0.02,
+        'mean_deg': 0.5, 'std_deg': 0.0, 'std_limit_deg': np.sqrt(
+            float({pair.key: pair.value for pair in graph.heard['rolling'][-1].status[0].values}[
+                'limit_deg2']))}, abs=1e-9)
+
+
+def test_the_numbers_for_displays_can_be_switched_off(ros):
+    graph = Graph(ros, scalars_hz=0.0)
+    topics = [name for name, _ in graph.node.get_topic_names_and_types()]
+    assert not any(name.startswith('/scalar') for name in topics)

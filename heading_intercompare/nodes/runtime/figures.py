@@ -11,8 +11,11 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 
 from heading_intercompare.core.pipeline import Compliance
+from heading_intercompare.core.records import Pairs
 from heading_intercompare.messages.status_messages import encode_figures, value_text
 from heading_intercompare.nodes.ros import qos
+
+from .scalars import Scalars
 
 __all__ = ['Figures']
 
@@ -30,29 +33,36 @@ class Figures:
         The node that publishes.
     compliance : Compliance
         Has the figures.
+    scalars_hz : float
+        As for `Scalars`.
 
     """
 
-    def __init__(self, node: Node, compliance: Compliance) -> None:
+    def __init__(self, node: Node, compliance: Compliance, scalars_hz: float) -> None:
         self._compliance = compliance
+        self._scalars = Scalars(node, compliance.settings, scalars_hz)
         self._rolling = node.create_publisher(DiagnosticArray, 'compliance/rolling', qos.STATUS)
         self._run = node.create_publisher(DiagnosticArray, 'compliance/run', qos.STATUS)
         self._bounds: dict[str, str] = {}
+        self._limit_deg2: float | None = None
         self._newest_ns: int | None = None
         self._next_s = 0.0
 
-    def publish(self) -> None:
+    def publish(self, pairs: Pairs) -> None:
         """Publish the rolling figures if there are new pairs; the bounds are the last ones."""
         newest_ns, now_s = self._compliance.newest_ns, time.monotonic()
         if newest_ns == self._newest_ns or newest_ns is None or now_s < self._next_s:
             return
         self._newest_ns, self._next_s = newest_ns, now_s + _LEAST_S
-        self._send(self._compliance.rolling_moments())
+        figures = self._compliance.rolling_moments()
+        self._send(figures)
+        self._scalars.publish(pairs, {**figures, 'limit_deg2': self._limit_deg2})
 
     def compute(self) -> None:
         """Compute all figures and publish them; it takes some milliseconds."""
         figures = self._compliance.rolling_figures()
         newest_ns = self._compliance.newest_ns
+        self._limit_deg2 = figures.get('limit_deg2')
         # As texts, because they are sent with many batches.
         self._bounds = {key: value_text(value) for key, value in
                         {'bounds_newest_ns': newest_ns, **figures}.items() if value is not None}
