@@ -19,6 +19,7 @@ ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / 'docs'
 TUTORIALS = sorted((DOCS / 'tutorials').glob('*.md'))
 _CONSOLE = re.compile(r'^```console\n(.*?)^```', re.MULTILINE | re.DOTALL)
+_FILE = re.compile(r'^```yaml\n# (\w+\.yaml)\n(.*?)^```', re.MULTILINE | re.DOTALL)
 _PALMER = ('nbp1406/NBP1406_gyr1-2014-08-01', 'nbp1406/NBP1406_s330-2014-08-01')
 
 
@@ -39,7 +40,8 @@ def fits(shown, printed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('name, least', [('first_verdict', 6), ('ship_logs', 3)])
+@pytest.mark.parametrize('name, least', [('first_verdict', 6), ('ship_logs', 3),
+                                         ('fleet', 7)])
 def test_the_commands_of_a_tutorial_print_what_it_shows(name, least, tmp_path, monkeypatch,
                                                         capsys, request):
     if name == 'ship_logs':
@@ -47,7 +49,10 @@ def test_the_commands_of_a_tutorial_print_what_it_shows(name, least, tmp_path, m
         for log in _PALMER:
             shutil.copy(data / log, tmp_path)
     monkeypatch.chdir(tmp_path)
-    sessions = read_sessions(DOCS / 'tutorials' / f'{name}.md')
+    page = DOCS / 'tutorials' / f'{name}.md'
+    for file, text in _FILE.findall(page.read_text('utf-8')):
+        Path(file).write_text(text, 'utf-8')
+    sessions = read_sessions(page)
     assert len(sessions) >= least
     for command, shown in sessions:
         program, *arguments = shlex.split(command)
@@ -70,7 +75,7 @@ def test_the_python_tutorial_runs():
 
 def test_every_tutorial_is_run_or_needs_a_graph():
     assert {page.stem for page in TUTORIALS} == {'index', 'first_verdict', 'ship_logs', 'python',
-                                                 'live_graph'}
+                                                 'live_graph', 'bridge', 'fleet'}
 
 
 def test_the_picture_of_the_house_is_that_of_the_tree():
