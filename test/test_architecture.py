@@ -106,7 +106,8 @@ TESTS_OF_SEVERAL = {
     'report/test_in_browser',
     'web/test_in_browser',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_documented_commands',
-    'test_equations', 'test_examples', 'test_packaging', 'test_plain_english', 'test_settings', 'test_site',
+    'test_equations', 'test_examples', 'test_packaging', 'test_plain_english', 'test_settings',
+    'test_site',
 }
 
 # Core is a function of its input: it reads no clock, file or network, and says nothing.
