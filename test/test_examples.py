@@ -7,12 +7,14 @@ from __future__ import annotations
 import ast
 import json
 from pathlib import Path
+import re
 import runpy
 
 import pytest
 
 EXAMPLES = Path(__file__).resolve().parent.parent / 'examples'
 NOTEBOOK = EXAMPLES / 'verdict_in_a_notebook.ipynb'
+NOTEBOOKS = sorted(EXAMPLES.glob('*.ipynb'))
 
 
 @pytest.mark.parametrize('name, words', [
@@ -25,7 +27,8 @@ def test_an_example_runs(name, words, capsys):
 
 def test_every_example_is_run():
     assert {p.name for p in EXAMPLES.iterdir() if p.is_file()} == {
-        'judge_arrays.py', 'three_sensors.py', NOTEBOOK.name}
+        'judge_arrays.py', 'three_sensors.py', NOTEBOOK.name, 'two_loggers.ipynb',
+        'how_long.ipynb'}
 
 
 def run_cells(path):
@@ -51,6 +54,28 @@ def test_the_notebook_runs_and_shows_the_verdict(capsys, monkeypatch):
     assert 'COMPLIANT' in printed and printed.rstrip().endswith('1.50 s')
 
 
-def test_the_notebook_is_kept_without_outputs():
-    cells = json.loads(NOTEBOOK.read_text('utf-8'))['cells']
-    assert all(not cell.get('outputs') for cell in cells)
+@pytest.mark.slow
+def test_the_notebook_of_two_loggers_reads_their_tables_and_judges(capsys):
+    *_, verdict, pairing, _, _ = run_cells(EXAMPLES / 'two_loggers.ipynb')
+    assert verdict.outcome == 'compliant' and pairing.ts_received == 3000
+    assert 'COMPLIANT for errors' in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_the_notebook_on_lengths_shows_that_a_poor_sensor_is_not_certified(capsys):
+    run_cells(EXAMPLES / 'how_long.ipynb')
+    printed = capsys.readouterr().out
+    fast, slow = re.findall(r'worth +([0-9]+) independent ones: (\w+)', printed)
+    assert int(fast[0]) > 20 * int(slow[0])
+    assert (fast[1], slow[1]) == ('compliant', 'indeterminate')
+    as_printed, guarded = re.search(r'printed: (\d+) of 20; .*: (\d+) of 20', printed).groups()
+    assert int(as_printed) >= 5 and int(guarded) == 0
+    found = re.findall(r'at 0.70 of the .* ([0-9.]+)$', printed, re.MULTILINE)
+    chances = [float(one) for one in found]
+    assert len(chances) > 5 and chances[-1] > 0.95 and chances == sorted(chances)
+
+
+@pytest.mark.parametrize('path', NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_kept_without_outputs(path):
+    cells = json.loads(path.read_text('utf-8'))['cells']
+    assert len(cells) > 4 and all(not cell.get('outputs') for cell in cells)
