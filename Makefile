@@ -36,8 +36,8 @@ help:
 	@sed -n 's/^# make/make/p' Makefile
 
 demo: .venv/.demo
-	@echo '== heading-intercompare demo --out demo_out'
-	$(BIN)/heading-intercompare demo --out demo_out
+	@echo '== heading-intercompare demo --out demo_out --web :0'
+	$(BIN)/heading-intercompare demo --out demo_out --web :0
 
 quick: .venv/.test
 	@.ci/step form $(BIN)/ruff check .
@@ -84,7 +84,7 @@ format: .venv/.test
 	$(BIN)/ruff check --fix .
 
 .venv/.demo: $(INSTALLED)
-	@.ci/venv .venv ros,serial,report,terminal,fast
+	@.ci/venv .venv ros,serial,report,terminal,fast,web
 	@touch $@
 
 .venv/.test: $(INSTALLED)

@@ -33,6 +33,8 @@ class Outputs:
         One row per ensemble of `ensemble_s` seconds.
     report : str or None
         The protocol.
+    runs_csv : str or None
+        One row per run.
     json : str or None
         The verdict; '-' is standard output, not a file.
 
@@ -43,6 +45,7 @@ class Outputs:
     report: str | None = None
     json: str | None = None
     ensemble_s: float = 120.0
+    runs_csv: str | None = None
 
 
 def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None = None,
@@ -71,7 +74,8 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
         for pattern in ('*.mcap', 'metadata.yaml'):
             taken |= {file.resolve(): f'a file of {given}' for file in given.glob(pattern)}
     for option, path in (('csv', outputs.csv), ('ensembles', outputs.ensembles),
-                         ('report', outputs.report), ('json', outputs.json)):
+                         ('runs-csv', outputs.runs_csv), ('report', outputs.report),
+                         ('json', outputs.json)):
         if path is None or (option, path) == ('json', '-'):
             continue
         place = Path(path).resolve()

@@ -54,25 +54,25 @@ class Compliance(Node):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('compliance', **OVERRIDES, **kwargs)
         self._settings, taking, self._own = declare(self, Settings, Taking, ComplianceNode)
-        self._health = Health(self)
+        self.health = Health(self)
         self._compliance = PureCompliance(self._settings, source='live',
                                           keeper=lambda: Spool(self._warn_of_memory).keep)
         self.get_logger().info(least_duration_words(self._settings.risk))
-        self._pairs = PairIntake(self, self._health, taking,
+        self._pairs = PairIntake(self, self.health, taking, self._settings.pairing,
                                  Arrivals(self, self._drain, _HOLD_OFF_S))
-        self.alarms = ComparisonAlarms(self, self._health, self._settings)
-        self._journal = TrialJournal(self, self._compliance, self._own, self._health)
+        self.alarms = ComparisonAlarms(self, self.health, self._settings)
+        self._journal = TrialJournal(self, self._compliance, self._own, self.health)
         self._pairs.go_on(self._journal.kept.numbers, self._compliance.newest_ns)
-        self._marks = MarkIntake(self._health, self._journal.kept.marks)
-        self._reporting = Reporting(self, self._compliance, self._own, self._health, self._pairs,
+        self._marks = MarkIntake(self.health, self._journal.kept.marks)
+        self._reporting = Reporting(self, self._compliance, self._own, self.health, self._pairs,
                                     self._journal)
-        self.sole = SoleNode(self, ['compliance/report'], self._health)
+        self.sole = SoleNode(self, ['compliance/report'], self.health)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
         self._figures = Figures(self, self._compliance, self._own.scalars_hz)
         for topic, profile, read, act in (
                 (MARKER_TOPIC, qos.MARKER, decode_marks, self._mark),
                 ('pairs/ledger', qos.LEDGER, decode_ledger, self._reporting.book)):
-            subscribe(self, DiagnosticArray, topic, profile, self._health, read, act)
+            subscribe(self, DiagnosticArray, topic, profile, self.health, read, act)
         for name in ('start', 'stop'):
             self.create_service(Trigger, f'~/{name}_run',
                                 lambda _, response, kind=name: self._command(kind, response))
@@ -110,7 +110,7 @@ class Compliance(Node):
             self._finish_if_complete()
 
     def _warn_of_memory(self, why: str) -> None:
-        self._health.note('run', WARN, f'the run in progress stays in memory: {why}', latch=True)
+        self.health.note('run', WARN, f'the run in progress stays in memory: {why}', latch=True)
 
     def _beat(self) -> None:
         self.alarms.look()
@@ -134,13 +134,12 @@ class Compliance(Node):
         return response
 
     def _acknowledge(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        n = self._health.acknowledge() + self.alarms.acknowledge_everywhere()
+        n = self.health.acknowledge() + self.alarms.acknowledge_everywhere()
         response.success, response.message = True, f'{n} alerts acknowledged'
         return response
 
     def end(self) -> None:
         """Take the last pairs and the final ledger, then end the run and report on it."""
-        self._health.mute()
         self.alarms.panel.muted = True
         self._end_s = time.monotonic() + self._own.end_wait_s
         self._alone_s = time.monotonic() + _ALONE_S

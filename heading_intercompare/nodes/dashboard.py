@@ -53,18 +53,18 @@ class Dashboard(Node):
         super().__init__('dashboard', **OVERRIDES, **kwargs)
         settings, taking, own = declare(self, Settings, Taking, DashboardNode)
         self.ended = False
-        self._health = Health(self)
+        self.health = Health(self)
         limits = Limits.of(settings.norms, settings.model)
         self._bridge = Bridge(settings, trend_limit_deg=limits.count_limit_deg,
                               stale_s=taking.stale_s, namespace=self.get_namespace())
         arrivals = Arrivals(self, self._drain, taking.drain_period_s)
         self._intakes = {stream: Intake(
-            self, topic, HEADING_TYPES, qos.HEADINGS_IN, self._health,
+            self, topic, HEADING_TYPES, qos.HEADINGS_IN, self.health,
             unreliable=qos.HEADINGS_UNRELIABLE, stale_s=taking.stale_s, needed=False,
             counted=False, arrivals=arrivals)
             for stream, topic in (('ts', settings.ts_topic), ('rs', settings.rs_topic))}
         self._conventions = {'ts': settings.ts_convention, 'rs': settings.rs_convention}
-        self._pairs = Intake(self, 'pairs', PAIRS_TYPES, qos.PAIRS_TAKEN, self._health,
+        self._pairs = Intake(self, 'pairs', PAIRS_TYPES, qos.PAIRS_TAKEN, self.health,
                              needed=False, counted=False, arrivals=arrivals)
         for intake in (*self._intakes.values(), self._pairs):
             intake.open = False
@@ -83,14 +83,14 @@ class Dashboard(Node):
                 ('compliance/rolling', qos.STATUS, bridge.take_rolling),
                 ('compliance/run', qos.STATUS, bridge.take_run),
                 ('compliance/verdict', qos.VERDICT, bridge.take_verdict)):
-            subscribe(self, DiagnosticArray, topic, profile, self._health, decode_statuses,
+            subscribe(self, DiagnosticArray, topic, profile, self.health, decode_statuses,
                       lambda told, take=act: take(*told, time.monotonic()))
         for topic, profile, act in (
                 (ALARMS_TOPIC, qos.ALARMS, bridge.take_alarms),
                 (DIAGNOSTICS_TOPIC, qos.HEADINGS_UNRELIABLE, bridge.take_health)):
-            subscribe(self, DiagnosticArray, topic, profile, self._health, decode_statuses,
+            subscribe(self, DiagnosticArray, topic, profile, self.health, decode_statuses,
                       lambda told, take=act: take(told[1], time.monotonic()))
-        subscribe(self, DiagnosticArray, 'pairs/ledger', qos.LEDGER, self._health, decode_ledger,
+        subscribe(self, DiagnosticArray, 'pairs/ledger', qos.LEDGER, self.health, decode_ledger,
                   self._book)
 
     def _book(self, told: LedgerMessage) -> None:
@@ -131,7 +131,6 @@ class Dashboard(Node):
 
     def end(self) -> None:
         """Close the page."""
-        self._health.mute()
         self.page.close()
         self.ended = True
 

@@ -118,7 +118,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                  own: Mapping[str, Mapping[str, Any]] | None = None, private: bool = False,
                  namespace: str = '/', page: Mapping[str, Any] | None = None,
                  progress: Callable[[int], None] = lambda n_pairs: None,
-                 tell: Callable[[str], None] | None = None) -> Verdict:
+                 tell: Callable[[str], None] | None = None,
+                 served: Callable[[str], None] = lambda url: None) -> Verdict:
     """
     Run sources, synchronizer and compliance until all sources have finished, or a signal comes.
 
@@ -146,6 +147,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         Called with the number of pairs several times per second.
     tell : callable, optional
         Called with a line for each change of an alarm, which is then not logged.
+    served : callable
+        Called with the address of the page once it is served.
 
     Returns
     -------
@@ -184,6 +187,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                 (judging if make is Compliance else executor).add_node(nodes[-1])
         start(first)
         compliance, synchronizer, *pages = nodes
+        for one in pages:
+            served(one.page.url)
         # Beside another graph no bag is begun.
         while not (stop.requested or compliance.sole.clear and synchronizer.sole.clear):
             judging.spin_once(0.01)

@@ -50,26 +50,26 @@ class NmeaDriver(Node):
         self._decoder = NmeaDecoder(settings)
         wake = self.create_guard_condition(self._pass_on)
         self._reading = Reading(settings, sending.max_rate_hz, wake.trigger)
-        self._health = Health(self)
-        self.alarms = SentenceAlarms(self, self._health, settings.talker)
+        self.health = Health(self)
+        self.alarms = SentenceAlarms(self, self.health, settings.talker)
         self._publisher = self.create_publisher(
             Imu, settings.topic, qos.HEADINGS_OUT,
-            event_callbacks=self._health.of_publisher(settings.topic))
+            event_callbacks=self.health.of_publisher(settings.topic))
         if self._reading.from_file and own.origin_ns is not None:
             self.play_from(own.origin_ns)
         self._audience = Audience(self, [self._publisher],
                                   sending.subscribers if self._reading.from_file else 0,
-                                  self._health)
+                                  self.health)
         # Headings held until the sentence was chosen would overrun subscribers all at once.
         self._waiting = HeadingQueue()
         self._allowance = Allowance(sending.max_rate_hz)
         # A live source does not wait for anybody.
-        self._flow = FlowControl([self._publisher] * self._reading.from_file, self._health)
+        self._flow = FlowControl([self._publisher] * self._reading.from_file, self.health)
         self._later = every(self, 0.01, self._pass_on)
         self._flushed = self._ending = False
         self._published = self._beyond = self._published_before = 0
         self._newest_s = self._beat_s = time.monotonic()
-        self._health.add_refresher(self._note)
+        self.health.add_refresher(self._note)
         every(self, 0.05, self._begin)
         self._begin()
 
@@ -130,11 +130,12 @@ class NmeaDriver(Node):
             self._pass_on()
         now_s = time.monotonic()
         age_s = now_s - self._newest_s
-        silent = self._reading.started and not self.done and age_s > self._taking.stale_s
+        allowed_s = self._taking.stale_s if self._published else self._taking.first_wait_s
+        silent = self._reading.started and not self.done and age_s > allowed_s
         rate_hz = (self._published - self._published_before) / max(now_s - self._beat_s, 1e-3)
         self._beat_s, self._published_before = now_s, self._published
-        words = f'no heading for more than {self._taking.stale_s:g} s; ' if silent else ''
-        self._health.note('source', WARN if silent else OK, words + self._reading.source.status,
+        words = f'no heading for more than {allowed_s:g} s; ' if silent else ''
+        self.health.note('source', WARN if silent else OK, words + self._reading.source.status,
                           sentence=self._decoder.chosen, published=self._published,
                           rate_hz=rate_hz, age_s=age_s, stamp_beyond_2038=self._beyond or None,
                           overrun=self._waiting.overrun or None,

@@ -56,14 +56,14 @@ class Recorder(Node):
         self._settings, taking, bag_settings, self._own = declare(
             self, Settings, Taking, BagSettings, RecorderNode)
         self.ended = False
-        self._health = Health(self)
+        self.health = Health(self)
         self.path, self._before = self._own.output or name_first(), self._own.continues
         if self._own.go_on:
             self.path, self._before = find_place(self.path)
         copies = [(Path(file).name, 'application/yaml', Path(file).read_bytes())
                   for file in [self._own.parameter_file] if file is not None]
         self._states = PartStates(self._own.diagnostics_period_s)
-        self._topics = make_intakes(self, self._settings, self._health, self._states)
+        self._topics = make_intakes(self, self._settings, taking, self.health, self._states)
         self._bag = Recording(self.path, bag_settings)
         self.state_sources({})
         for copy in copies:
@@ -72,7 +72,7 @@ class Recorder(Node):
         self._notes.add(self._own.note or '', time.time_ns())
         self._state = self._report = ''
         self._quiet_s, self._end_s = 0.0, None
-        self._health.add_refresher(self._note)
+        self.health.add_refresher(self._note)
         every(self, max(taking.drain_period_s, _DRAIN_S), self._drain)
 
     @property
@@ -116,7 +116,7 @@ class Recorder(Node):
         state = (bag.remark if bag.remark else f'recording to {self.path}' if not bag.faults else
                  f'recording again after {count_words(bag.faults, "fault")}')
         level = ERROR if bag.fault else WARN if bag.remark or bag.faults or gone else OK
-        self._health.note('bag', level, bag.fault or (f'{state}; {gone}' if gone else state),
+        self.health.note('bag', level, bag.fault or (f'{state}; {gone}' if gone else state),
                           messages=bag.written, waiting=bag.waiting, lost=lost, faults=bag.faults,
                           absent=bag.absent, free_bytes=bag.free_bytes,
                           notes_cut=self._notes.cut, notes_left_out=self._notes.left_out,
@@ -124,7 +124,6 @@ class Recorder(Node):
 
     def end(self) -> None:
         """Keep recording until the other nodes are gone or time is up, for the last verdict."""
-        self._health.mute()
         now_s = time.monotonic()
         self._quiet_s, self._end_s = now_s + _QUIET_S, now_s + self._own.end_wait_s
 

@@ -54,7 +54,7 @@ class Replayer(Node):
         if own.bag is None:
             raise SettingsError('bag is required: an .mcap file or a rosbag2 folder')
         self.done = self.ended = self._begun = False
-        self._health = Health(self)
+        self.health = Health(self)
         self._reader = BagReader(own.bag)
         topics = [settings.ts_topic, settings.rs_topic, MARKER_TOPIC]
         names = published_names(self, topics + ['/clock'] * own.clock, remapped)
@@ -65,7 +65,7 @@ class Replayer(Node):
             in_bag = self._reader.resolve(topic)
             self._headings[in_bag] = self.create_publisher(
                 HEADING_TYPES[self._reader.topics[in_bag].type_name], topic, qos.HEADINGS_OUT,
-                event_callbacks=self._health.of_publisher(name))
+                event_callbacks=self.health.of_publisher(name))
         self._lost = ReplayedLosses(self, self._reader, dict(zip(self._headings, names)))
         self._replay = Replay(
             self._reader, self._lost.topics, rate=own.rate, start_s=own.start_s,
@@ -73,9 +73,9 @@ class Replayer(Node):
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
         self._time = self.create_publisher(Clock, '/clock', qos.CLOCK) if own.clock else None
         self._audience = Audience(self, [*self._headings.values()], sending.subscribers,
-                                  self._health)
+                                  self.health)
         self._allowance = Allowance(sending.max_rate_hz)
-        self._flow = FlowControl(self._headings.values(), self._health)
+        self._flow = FlowControl(self._headings.values(), self.health)
         self.published = self._marks = 0
         self._heard_s: float | None = None
         self._publish_marks()
@@ -83,21 +83,21 @@ class Replayer(Node):
             self.create_service(Trigger, f'~/{name}', partial(self._serve, wanted))
         if self._replay.over:
             self.get_logger().warning(f'nothing to replay: {self._replay.part} has no heading')
-        self._health.add_refresher(self._note)
+        self.health.add_refresher(self._note)
         every(self, _TICK_S, self._tick)
 
     @property
     def state(self) -> str:
         """What the node does, and its place in the bag, in words."""
-        words = ('paused' if self._replay.paused else
-                 'replaying' if self._begun else 'waiting for subscriptions')
-        return f'{words} at {self._replay.place}'
+        words = f'{"paused" if self._replay.paused else "replaying"} at {self._replay.place}'
+        waiting = self._audience.waiting or 'waiting for synchronizer and compliance'
+        return words if self._begun else f'{waiting}; then {words}'
 
     def pause(self, wanted: bool | None = None) -> str:
         """Pause (True), resume (False) or toggle (None); return what was done, in words."""
         words = self._replay.pause(wanted)
         self._note()
-        self._health.publish()
+        self.health.publish()
         return words
 
     def _serve(self, wanted: bool | None, _: Trigger.Request, response: Any) -> Any:
@@ -145,7 +145,7 @@ class Replayer(Node):
 
     def _note(self) -> None:
         words = '; '.join(filter(None, [self.state, self._reader.incomplete]))
-        self._health.note('bag', WARN if self._reader.incomplete else OK, words,
+        self.health.note('bag', WARN if self._reader.incomplete else OK, words,
                           path=self._reader.path, published=self.published,
                           paused=self._replay.paused, position_s=self._replay.place_s)
 

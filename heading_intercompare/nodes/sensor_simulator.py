@@ -52,31 +52,31 @@ class SensorSimulator(Node):
         settings, self._scenario, sending, self._own = declare(
             self, Settings, Scenario, Sending, SimulatorNode)
         self.done = self.ended = False
-        self._health = Health(self)
+        self.health = Health(self)
         topics = {'truth': TRUTH_TOPIC, 'ts': settings.ts_topic, 'rs': settings.rs_topic}
         for topic in topics.values():
             resolve_topic(self, topic)
         self._frames = {role: topic.strip('/').replace('/', '_') for role, topic in topics.items()}
         self._publishers_of = {
             role: self.create_publisher(Imu, topic, qos.HEADINGS_OUT,
-                                        event_callbacks=self._health.of_publisher(topic))
+                                        event_callbacks=self.health.of_publisher(topic))
             for role, topic in topics.items()}
         self._audience = Audience(self, [*self._publishers_of.values()][1:], sending.subscribers,
-                                  self._health)
+                                  self.health)
         self._allowance = Allowance(sending.max_rate_hz)
-        self._flow = FlowControl(self._publishers_of.values(), self._health)
+        self._flow = FlowControl(self._publishers_of.values(), self.health)
         self._trial: Trial | None = None
         self._began_s = 0.0
         for kind in EVENTS:
             self.create_service(Trigger, f'~/{kind}', partial(self._command, kind))
         for kind in FAULTS:
             self.create_service(SetBool, f'~/inject_{kind}', partial(self._inject, kind))
-        self._health.add_refresher(self._tell)
+        self.health.add_refresher(self._tell)
         every(self, _TICK_S, self._tick)
 
     def _tell(self) -> None:
         now_s = 0.0 if self._trial is None else self._trial.now_s
-        self._health.note('simulation', OK, self._scenario.title or 'simulating',
+        self.health.note('simulation', OK, self._scenario.title or 'simulating',
                           simulated_s=now_s, duration_s=self._scenario.duration_s, **{
                               f'{role}_faults': ' '.join(self._trial.faults(role)) or 'none'
                               for role in ('ts', 'rs') if self._trial is not None})
@@ -120,7 +120,7 @@ class SensorSimulator(Node):
     def _report(self, role: str, status: AhrsStatus) -> None:
         """Report mode, progress and built-in tests of an AHRS; log its events."""
         said = describe_condition(status)
-        self._health.note(role, LEVELS[said.level], said.words, log=False, **said.figures)
+        self.health.note(role, LEVELS[said.level], said.words, log=False, **said.figures)
         if status.message:
             self.get_logger().info(f'{role}: {status.message}, {status.t_s:.1f} s of the trial')
 

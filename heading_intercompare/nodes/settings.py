@@ -20,6 +20,9 @@ class Taking(Checked):
         0.012, 'how long messages are gathered into a batch after the first one [s]', 0.001, 1.0)
     stale_s: float = setting(
         3.0, 'silence of an input after which the diagnostics warn [s]', 0.1, 3600.0)
+    first_wait_s: float = setting(
+        10.0, 'how long the diagnostics do not warn of an input that has not been heard since the '
+        'start of the node [s]: its publisher may start later', 0.0, 3600.0)
     lost_shown_s: float = setting(
         600.0, 'how long the diagnostics warn of messages lost or readings rejected [s]; their '
         'totals stay', 1.0, 86400.0)

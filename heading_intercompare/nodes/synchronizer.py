@@ -57,29 +57,30 @@ class Synchronizer(Node):
         settings, taking, self._own = declare(self, Settings, Taking, SynchronizerNode)
         self._started_ns = time.time_ns()
         self._pairer = Pairer(settings)
-        self._health = Health(self)
-        self.alarms = StreamAlarms(self, self._health, settings.pairing, taking)
-        self._marks = MarkIntake(self._health)
+        self.health = Health(self)
+        self.alarms = StreamAlarms(self, self.health, settings.pairing, taking)
+        self._marks = MarkIntake(self.health)
         self._pairs = self.create_publisher(TwistStamped, 'pairs', qos.PAIRS,
-                                            event_callbacks=self._health.of_publisher('pairs'))
-        self.sole = SoleNode(self, ['pairs'], self._health)
+                                            event_callbacks=self.health.of_publisher('pairs'))
+        self.sole = SoleNode(self, ['pairs'], self.health)
         self._ledger = self.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
         arrivals = Arrivals(self, self._drain, taking.drain_period_s)
         self._intakes = {stream: Intake(
-            self, topic, HEADING_TYPES, qos.HEADINGS_IN, self._health,
+            self, topic, HEADING_TYPES, qos.HEADINGS_IN, self.health,
             unreliable=qos.HEADINGS_UNRELIABLE, kept=qos.HEADINGS_KEPT, stale_s=taking.stale_s,
-            lost_shown_s=taking.lost_shown_s, stamped=True, arrivals=arrivals)
+            first_wait_s=taking.first_wait_s, lost_shown_s=taking.lost_shown_s, stamped=True,
+            arrivals=arrivals)
             for stream, topic in (('ts', settings.ts_topic), ('rs', settings.rs_topic))}
         self._conventions = settings.ts_convention, settings.rs_convention
-        subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self._health, decode_marks,
+        subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self.health, decode_marks,
                   self._mark)
         for stream, intake in self._intakes.items():
-            subscribe(self, DiagnosticArray, lost_topic(intake.full_name), qos.LOST, self._health,
+            subscribe(self, DiagnosticArray, lost_topic(intake.full_name), qos.LOST, self.health,
                       decode_losses, partial(self._lose, stream))
             intake.open = False
-        self._predecessor = Predecessor(self, self._health, self._intakes, self._started_ns)
+        self._predecessor = Predecessor(self, self.health, self._intakes, self._started_ns)
         self._open_at_s = time.monotonic() + self._own.startup_wait_s
-        self._waiting = Backlog(self._pairs, self._health, patience_s=_PATIENCE_S)
+        self._waiting = Backlog(self._pairs, self.health, patience_s=_PATIENCE_S)
         self._end_s, self._seen_s = None, 0.0
         every(self, 1.0, self._beat)
 
@@ -133,7 +134,6 @@ class Synchronizer(Node):
 
     def end(self) -> None:
         """Take the last headings, until their publishers are gone or time is up."""
-        self._health.mute()
         self.alarms.panel.muted = True
         self._seen_s = time.monotonic()
         self._end_s = self._seen_s + self._own.end_wait_s

@@ -173,7 +173,11 @@ def test_an_input_without_runs_is_named_and_the_campaign_is_not_compliant(bags, 
     assert said == f'note: {dead}: no run: {why}\n'
     assert main(['analyze', bags[0], dead, *NORMS]) == 0
     text = capsys.readouterr().out
-    assert f'run 1 of {bags[0]}: ' in text and text.endswith(f'not judged: {dead}: {why}\n')
+    _, _, _, _, head, first, second = text.splitlines()
+    assert head.split()[:2] == ['recording', 'outcome']
+    # The worst comes first.
+    assert first.split()[:3] == ['dead', 'NO', 'RUN'] and first.endswith(f'  {why}')
+    assert second.split()[:2] == ['trial_0', 'COMPLIANT']
 
 
 def test_runs_that_are_too_short_are_said_to_be(bags, capsys):

@@ -497,16 +497,40 @@ def start_live(processes, folder, config, name):
             env=environment, cwd=folder, stdout=said, stderr=said)
 
 
-@pytest.mark.slow
-def test_live_that_is_killed_goes_on_in_a_new_bag_of_the_same_run(processes, tmp_path):
-    """The verdict covers both parts, and so does `analyze` of both bags."""
+def write_udp_config(folder, rule):
+    """Write a parameter file of two UDP drivers; return it and their ports."""
     ports = [free_port(), free_port()]
-    config = tmp_path / 'config.yaml'
-    rule = {**NORMS, 'pairing.method': 'interpolate'}
+    config = folder / 'config.yaml'
     config.write_text(yaml.dump({
         '/**': {'ros__parameters': rule}, **{
             name: {'ros__parameters': {'source': f'udp://127.0.0.1:{port}', 'sentence': 'HDT'}}
             for name, port in zip(('ts_driver', 'rs_driver'), ports)}}))
+    return config, ports
+
+
+@pytest.mark.slow
+def test_a_trial_in_order_logs_no_warning_from_its_start_to_its_end(processes, tmp_path):
+    config, ports = write_udp_config(tmp_path, {**NORMS, 'pairing.method': 'interpolate'})
+    ship = TurningShip(ports)
+    ship.start()
+    try:
+        start_live(processes, tmp_path, config, 'live')
+        wait_for(lambda: count_recorded(tmp_path / 'trial') > 100)
+        processes.running['live'].send_signal(signal.SIGINT)
+        processes.wait('live', timeout_s=30.0)
+    finally:
+        ship.stopped.set()
+        ship.join()
+    said = (tmp_path / 'live.log').read_text()
+    assert '[compliance]: verdict on 1 runs' in said
+    assert '[WARN]' not in said and '[ERROR]' not in said
+
+
+@pytest.mark.slow
+def test_live_that_is_killed_goes_on_in_a_new_bag_of_the_same_run(processes, tmp_path):
+    """The verdict covers both parts, and so does `analyze` of both bags."""
+    rule = {**NORMS, 'pairing.method': 'interpolate'}
+    config, ports = write_udp_config(tmp_path, rule)
     ship = TurningShip(ports)
     ship.start()
     try:

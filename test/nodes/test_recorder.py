@@ -180,7 +180,7 @@ def test_a_note_that_is_no_text_is_recorded_and_does_no_harm(ros, tmp_path):
 
 
 def test_the_true_heading_is_recorded_and_nothing_is_wrong_without_it(ros, tmp_path):
-    node = recorder_of(ros, tmp_path)
+    node = recorder_of(ros, tmp_path, first_wait_s=0.0)
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
     ros.spin_until(lambda: any('operator/note' in s.name for m in states for s in m.status))
     levels = {s.name.partition(': ')[2]: s.level[0] for m in states for s in m.status}

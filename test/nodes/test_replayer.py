@@ -82,6 +82,19 @@ def test_headings_come_as_they_were_recorded_and_then_the_node_is_done(ros, tmp_
     assert node.published == 600
 
 
+def test_a_replay_says_for_whom_it_waits_and_how_it_goes_on(ros, tmp_path):
+    node = ros.ours(Replayer, bag=bag_of(tmp_path / 'bag'), subscribers=2, start_paused=True)
+    ros.spin_until(lambda: node.state == (
+        'waiting for 2 subscribers of /ts/heading and /rs/heading (0 and 0 there); then paused at '
+        '0.000 s of 29.900 s'))
+    listeners(ros)
+    ros.spin_until(lambda: '(1 and 1 there); then' in node.state)
+    listeners(ros)
+    ros.spin_until(lambda: node.state == 'paused at 0.000 s of 29.900 s')
+    node.pause(False)
+    ros.spin_until(lambda: node.state.startswith('replaying at '))
+
+
 def test_a_replay_counts_what_its_recording_lacks_as_the_analysis_does(ros, tmp_path):
     """A third of the RS is missing by its numbers, and its driver dropped some."""
     kept = np.sort(np.random.default_rng(3).choice(300, 200, replace=False))

@@ -17,7 +17,8 @@ from heading_intercompare.app.config import Config, settings_for
 from heading_intercompare.app.inputs import load_config_or_journal
 from heading_intercompare.app.logs.two_logs import find_logs, judge_logs, ROLES
 from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
-from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
+from heading_intercompare.cli.terminal.campaign_table import campaign_lines, is_campaign
+from heading_intercompare.cli.terminal.console import find_width, say, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.outcome import Outcome
@@ -28,6 +29,7 @@ from heading_intercompare.drivers.settings import DriverSettings, SENTENCES
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.report import check_form, json, SeriesSketch, write, WRITERS
+from heading_intercompare.report.runs_csv import write_runs
 
 __all__ = ['add_analysis_arguments', 'add_arguments', 'add_log_arguments',
            'add_settings_arguments', 'add_verdict_arguments', 'check_report', 'conclude',
@@ -95,6 +97,8 @@ def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
     add_log_arguments(parser)
     add_settings_arguments(parser)
     parser.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
+    parser.add_argument('--runs-csv', metavar='F', help='write one row per run: recording, start, '
+                        'end, n, mean, sd, bounds, outcome, validity')
     parser.add_argument('--csv', metavar='F', help='write one row per pair')
     parser.add_argument('--ensembles', metavar='F', help='write one row per ensemble, with '
                         'the columns of UHDAS: dday,mean_hdg,last_hdg,mean_dh,std_dh,num,badflag; '
@@ -121,7 +125,7 @@ def run(arguments: argparse.Namespace) -> int:
     logs = find_logs(arguments.inputs)
     _check_options(arguments, logs is not None)
     outputs = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
-                      arguments.ensemble_s)
+                      arguments.ensemble_s, arguments.runs_csv)
     check_outputs(outputs, arguments.inputs, config=arguments.config, runs=arguments.runs)
     book = _open_logbook(arguments.logbook)
     with (ExitStack() as files, Progress(_label(arguments), arguments.quiet) as progress,
@@ -161,6 +165,9 @@ def deliver(verdict: Verdict, arguments: argparse.Namespace,
             sketches: Sequence[SeriesSketch] = ()) -> int:
     """Print and write the verdict, write the protocol if asked for; return the exit code."""
     code = conclude(verdict, arguments)
+    if arguments.runs_csv:
+        with name_file(arguments.runs_csv):
+            write_runs(verdict, arguments.runs_csv)
     if arguments.report:
         with name_file(arguments.report):
             write(verdict, arguments.report, sketches)
@@ -241,7 +248,7 @@ def conclude(verdict: Verdict, arguments: argparse.Namespace) -> int:
     if arguments.json == '-':
         sys.stdout.write(json.render(verdict))
     else:
-        say(str(verdict), VERDICT_MARKS)
+        _show(verdict)
         if arguments.json:
             with name_file(arguments.json):
                 json.write(verdict, arguments.json)
@@ -250,3 +257,11 @@ def conclude(verdict: Verdict, arguments: argparse.Namespace) -> int:
     if is_doubtful(verdict.outcome, verdict.validity_effect):
         return _DOUBTFUL_CODE
     return _CHECK_CODES[verdict.outcome]
+
+
+def _show(verdict: Verdict) -> None:
+    """Print a verdict: the figures of each run, or of a campaign a line per recording."""
+    if is_campaign(verdict):
+        say('\n'.join(campaign_lines(verdict, find_width(sys.stdout))), VERDICT_MARKS)
+    else:
+        say(str(verdict), VERDICT_MARKS)

@@ -45,5 +45,6 @@ def run(arguments: argparse.Namespace) -> int:
             raise ValueError(f'--{option.replace("_", "-")} {shown}: {verdicts[0]} is a verdict, '
                              'which is not judged again; leave it out')
     analyze.check_report(arguments)
-    check_outputs(Outputs(report=arguments.report, json=arguments.json), arguments.inputs)
+    check_outputs(Outputs(report=arguments.report, json=arguments.json,
+                          runs_csv=arguments.runs_csv), arguments.inputs)
     return analyze.deliver(json.read(verdicts[0]), arguments)

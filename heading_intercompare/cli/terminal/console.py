@@ -9,7 +9,7 @@ import re
 import sys
 from typing import Any, IO, Sequence
 
-__all__ = ['open_console', 'say', 'VERDICT_MARKS']
+__all__ = ['find_width', 'open_console', 'say', 'VERDICT_MARKS']
 
 # A pattern and the rich style of its matches, or of their first group.
 _Mark = tuple[str, str]
@@ -19,7 +19,8 @@ _WORDS = ((r'(?<![\w-])COMPLIANT\b', 'green'), (r'\bNON-COMPLIANT\b', 'red'),
 
 #: Marks for the table of a verdict, and for lines with only its outcome.
 VERDICT_MARKS: tuple[_Mark, ...] = (
-    *_WORDS, (r'(?m)^VERDICT: .*$', 'bold'), (r'\b(?:DOUBTFUL|VOID)\b', 'yellow'),
+    *_WORDS, (r'(?m)^VERDICT: .*$', 'bold'),
+    (r'\b(?:DOUBTFUL|VOID|NOT JUDGED|NO RUN)\b', 'yellow'),
     (r'(?m)^ +(?:run \d+ *)+$', 'bold'), (r'(?m)^  warning:', 'yellow'))
 
 #: Characters that would move the cursor or colour the screen; line ends and tabs stay.
@@ -41,6 +42,16 @@ def open_console(stream: IO[str]) -> Any:
         return None
     # The text may contain foreign names: nothing in it is markup or an emoji.
     return Console(file=stream, markup=False, emoji=False, highlight=False, soft_wrap=True)
+
+
+def find_width(stream: IO[str]) -> int | None:
+    """Return the width of the terminal that a stream writes to; None if it is no terminal."""
+    if not stream.isatty():
+        return None
+    try:
+        return os.get_terminal_size(stream.fileno()).columns or None
+    except OSError:
+        return None
 
 
 def say(text: str, marks: Sequence[_Mark] = ()) -> None:

@@ -14,7 +14,7 @@ from .validity import DOUBTFUL, VOID
 from .verdict_document import RunVerdict, Verdict
 from .vocabulary import CAMPAIGN_WORDS, EFFECT_WORDS, NO_RUN, OUTCOME_WORDS, REASON_WORDS
 
-__all__ = ['summary_text', 'verdict_html', 'verdict_text']
+__all__ = ['describe_together', 'head_lines', 'summary_text', 'verdict_html', 'verdict_text']
 
 _COLUMNS = 5
 
@@ -108,9 +108,8 @@ def _tables(verdict: Verdict) -> Iterator[list[tuple[str, ...]]]:
 def _reasons(verdict: Verdict) -> Iterator[tuple[str, list[str]]]:
     """Yield the reasons of the outcome, together and per run, each with further findings."""
     several = len(verdict.inputs) > 1
-    if len(verdict.runs) > 1:
-        reason = verdict.campaign.reason
-        yield f'together ({verdict.campaign.rule}): {CAMPAIGN_WORDS.get(reason, reason)}', []
+    for line in describe_together(verdict):
+        yield line, []
     for run in verdict.runs:
         of = f' of {run.source}' if several else ''
         found = [f'{EFFECT_WORDS[f.effect]}: {f.evidence}' for f in run.validity
@@ -127,10 +126,23 @@ def _reasons(verdict: Verdict) -> Iterator[tuple[str, list[str]]]:
         yield line, []
 
 
+def describe_together(verdict: Verdict) -> list[str]:
+    """Return the rule for several runs and its reason in one line; none for one run."""
+    if len(verdict.runs) < 2:
+        return []
+    reason = verdict.campaign.reason
+    return [f'together ({verdict.campaign.rule}): {CAMPAIGN_WORDS.get(reason, reason)}']
+
+
+def head_lines(verdict: Verdict) -> list[str]:
+    """Return the first lines of a verdict: headline, outcome of GK as printed, norms."""
+    return [f'VERDICT: {verdict.headline}',
+            f'GK as printed: {OUTCOME_WORDS[verdict.paper_outcome]}', _describe_norms(verdict)]
+
+
 def verdict_text(verdict: Verdict) -> str:
     """Return a verdict as text in columns, without a final newline."""
-    lines = [f'VERDICT: {verdict.headline}',
-             f'GK as printed: {OUTCOME_WORDS[verdict.paper_outcome]}', _describe_norms(verdict)]
+    lines = head_lines(verdict)
     for rows in _tables(verdict):
         lines += ['', *_align(rows)]
     lines.append('')

@@ -13,6 +13,7 @@ from rclpy.node import Node
 
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.core.pairing.incarnation_choice import IncarnationChoice
+from heading_intercompare.core.settings import Pairing
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.stamps import header_frame, header_stamp_ns
 from heading_intercompare.nodes.ros import qos
@@ -42,6 +43,8 @@ class PairIntake(Intake):
         As for `Intake`.
     taking : Taking
         Settings.
+    pairing : Pairing
+        Says when the first pair can come.
     arrivals : Unwatched, optional
         As for `Intake`.
 
@@ -60,9 +63,12 @@ class PairIntake(Intake):
 
     """
 
-    def __init__(self, node: Node, health: Health, taking: Taking,
+    def __init__(self, node: Node, health: Health, taking: Taking, pairing: Pairing,
                  arrivals: Unwatched | None = None) -> None:
+        # The first pairs come, all at once, when the synchronizer has chosen the method.
+        choice_s = pairing.auto_s if pairing.method == 'auto' else 0.0
         super().__init__(node, 'pairs', PAIRS_TYPES, qos.PAIRS, health, stale_s=taking.stale_s,
+                         first_wait_s=taking.first_wait_s + choice_s,
                          lost_shown_s=taking.lost_shown_s, counted=False, arrivals=arrivals)
         self._choice = IncarnationChoice()
         self._held: dict[int, deque[tuple[bytes, Mapping[str, int]]]] = {}

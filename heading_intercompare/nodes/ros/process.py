@@ -46,11 +46,12 @@ class _Ending(Protocol):
     What every node here offers in addition to a Node.
 
     `done`: its work is finished. After `end`, the node is spun until `ended`: everything is
-    published and written.
+    published and written. `health`: its state, which `end` mutes.
     """
 
     done: bool
     ended: bool
+    health: Any
 
     def end(self) -> None:
         """Begin to shut down."""
@@ -97,6 +98,9 @@ def spin_nodes(context: Context) -> Iterator[tuple[QuickExecutor, list[Node]]]:
 def end(executor: QuickExecutor, nodes: Sequence[Node], linger_s: float = 0.0) -> None:
     """End and destroy nodes in the given order; spin each for `linger_s` after its end."""
     executor.eager = True
+    for node in nodes:
+        # The first to end are missed by the others, as they should be.
+        node.health.mute()
     for node in nodes:
         node.end()
         deadline_s = time.monotonic() + _END_S

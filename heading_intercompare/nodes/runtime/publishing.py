@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections import deque
 import math
 import time
-from typing import Iterable, Sequence
+from typing import Iterable, Mapping, Sequence
 
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -64,20 +64,38 @@ class Audience:
         self._health, self._there = health, False
         self.sole = SoleNode(node, [p.topic_name for p in publishers], health)
         self._began_s = time.monotonic()
+        self._words = 'looking for subscribers'
+
+    @property
+    def waiting(self) -> str:
+        """For whom the node waits, in words; '' if for nobody."""
+        return self._words
 
     def is_there(self) -> bool:
         """Tell whether all subscriptions are there; once True, it stays True."""
         if not self._there:
             if self._wanted and not self.sole.clear:
+                # Only now the subscribers can be discovered.
+                self._began_s = time.monotonic()
+                self._words = f'looking for other publishers of {self._publishers[0].topic_name}'
                 return False
-            missing = [p.topic_name for p in self._publishers
-                       if p.get_subscription_count() < self._wanted]
-            self._there = not missing
+            counts = {p.topic_name: p.get_subscription_count() for p in self._publishers}
+            missing = {topic: n for topic, n in counts.items() if n < self._wanted}
+            self._there, self._words = not missing, self._describe(missing)
             late = missing and time.monotonic() > self._began_s + _PATIENCE_S
             self._health.note('audience', WARN if late else OK,
-                              f'waiting for {self._wanted} subscriptions of {missing[0]}'
-                              if missing else 'all subscriptions are there')
+                              self._words or 'all subscribers are there')
         return self._there
+
+    def _describe(self, missing: Mapping[str, int]) -> str:
+        """Say which topics lack subscribers, given the number that each one has."""
+        if not missing:
+            return ''
+        topics = ' and '.join(missing)
+        if self._wanted == 1:
+            return f'waiting for a subscriber of {topics}'
+        there = ' and '.join(map(str, missing.values()))
+        return f'waiting for {self._wanted} subscribers of {topics} ({there} there)'
 
 
 class Allowance:

@@ -59,6 +59,8 @@ class Intake:
         Shows the state of this input.
     stale_s : float, optional
         Silence after which the state is a warning, seconds.
+    first_wait_s : float
+        How long after its start nothing is wrong with an input that was never heard, seconds.
     lost_shown_s : float
         How long messages lost or refused are a warning, seconds.
     sole : bool
@@ -109,9 +111,10 @@ class Intake:
     def __init__(self, node: Node, topic: str, types: Mapping[str, type], qos: QoSProfile,
                  health: Health, *, unreliable: QoSProfile | None = None,
                  kept: QoSProfile | None = None,
-                 stale_s: float | None = None, lost_shown_s: float = 600.0,
-                 sole: bool = True, needed: bool = True, stamped: bool = False,
-                 counted: bool = True, arrivals: Unwatched | None = None) -> None:
+                 stale_s: float | None = None, first_wait_s: float = 0.0,
+                 lost_shown_s: float = 600.0, sole: bool = True, needed: bool = True,
+                 stamped: bool = False, counted: bool = True,
+                 arrivals: Unwatched | None = None) -> None:
         self._node, self._topic, self._types = node, topic, types
         self._reliable, self._unreliable, self._kept, self._qos = qos, unreliable, kept, qos
         self._health, self._stale_s, self._sole, self._needed = health, stale_s, sole, needed
@@ -119,6 +122,7 @@ class Intake:
         self._reception = Reception(node, topic, arrivals or Unwatched())
         self._renewal = Renewal()
         self._newest_s = time.monotonic()
+        self._first_wait_s, self._begun_s = first_wait_s, self._newest_s
         self._beat_s, self._beat_n, self._latency_s = self._newest_s, 0, 0.0
         self.type_name: str | None = None
         self.open = True
@@ -263,7 +267,9 @@ class Intake:
                 self._reception.there):
             self._reception.hand_over(self._qos)
         level, words = (WARN if self._ghost else ERROR, wrong) if wrong else (OK, 'receiving')
-        if not wrong and not self.publishers:
+        if not wrong and not self.received and now_s < self._begun_s + self._first_wait_s:
+            words = f'waiting for the first message of {self._topic}'
+        elif not wrong and not self.publishers:
             level, words = WARN if self._needed else OK, f'no publisher on {self._topic}'
         elif not wrong and self._stale_s is not None and age_s > self._stale_s:
             level, words = WARN, f'silent for more than {self._stale_s:g} s'

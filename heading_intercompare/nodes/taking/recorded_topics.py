@@ -34,6 +34,7 @@ from heading_intercompare.nodes.ros.message_types import (
 )
 from heading_intercompare.nodes.ros.parameters import resolve_topic
 from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.settings import Taking
 
 from .intake import Intake
 
@@ -115,8 +116,9 @@ class _Diagnostics(Intake):
 class _Ledgers(Intake):
     """The ledgers of the synchronizer, which count the headings that were published."""
 
-    def __init__(self, node: Node, health: Health) -> None:
-        super().__init__(node, 'pairs/ledger', STATUS_TYPES, qos.LEDGER, health, sole=False)
+    def __init__(self, node: Node, health: Health, first_wait_s: float) -> None:
+        super().__init__(node, 'pairs/ledger', STATUS_TYPES, qos.LEDGER, health,
+                         first_wait_s=first_wait_s, sole=False)
         self.headings = PublishedHeadings()
 
     def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
@@ -127,7 +129,7 @@ class _Ledgers(Intake):
         return taken
 
 
-def make_intakes(node: Node, settings: Settings, health: Health,
+def make_intakes(node: Node, settings: Settings, taking: Taking, health: Health,
                  states: PartStates) -> dict[str, Recorded]:
     """
     Return the topics by name.
@@ -149,9 +151,10 @@ def make_intakes(node: Node, settings: Settings, health: Health,
     rows += [(lost_topic(resolve_topic(node, topic)), STATUS_TYPES, qos.LOST, qos.LOST, False)
              for topic in headings]
     found = {topic: Recorded(_offer(offered), Intake(
-        node, topic, types, taken, health, sole=False, needed=expected, **_keep(taken)), expected)
-        for topic, types, taken, offered, expected in rows}
-    ledgers = _Ledgers(node, health)
+        node, topic, types, heard, health, first_wait_s=taking.first_wait_s, sole=False,
+        needed=expected, **_keep(heard)), expected)
+        for topic, types, heard, offered, expected in rows}
+    ledgers = _Ledgers(node, health, taking.first_wait_s)
     found['pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True)
     for stream, topic in zip(('ts', 'rs'), headings):
         found[topic] = found[topic]._replace(

@@ -75,7 +75,7 @@ def test_a_journal_beside_a_csv_needs_settings(tmp_path, capsys, journal):
     assert code == 2 and 'norms.sigma_max_deg is missing' in err
     code, out, _ = run(capsys, 'analyze', journal, tmp_path / 'pairs.csv', '--set',
                        'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1')
-    assert code == 0 and 'run 2 of ' in out
+    assert code == 0 and '\ncompliance.journal.1 ' in out and '\npairs.csv ' in out
 
 
 @pytest.mark.parametrize('name, data, words', [

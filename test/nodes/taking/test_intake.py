@@ -317,6 +317,14 @@ def test_a_missing_publisher_is_a_warning(ros):
     ros.spin_until(lambda: state(heard, 'no publisher on h'))
 
 
+def test_an_input_that_was_never_heard_is_only_missed_after_a_while(ros):
+    _, heard = intake_of(ros, stale_s=0.2, first_wait_s=1.5)
+    ros.spin_until(lambda: state(heard, 'no publisher on h'))
+    shown = [(s.level[0], s.message) for m in heard for s in m.status if s.name == 'taker: h']
+    assert shown[0] == (OK, 'waiting for the first message of h')
+    assert shown[-1] == (WARN, 'no publisher on h')
+
+
 def test_a_publisher_that_begins_anew_has_lost_nothing(ros):
     intake, _ = intake_of(ros)
     publisher = publisher_to(ros, intake)

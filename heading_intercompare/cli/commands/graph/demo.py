@@ -10,7 +10,7 @@ from functools import partial
 import math
 from pathlib import Path
 import shutil
-from typing import Mapping
+from typing import Mapping, Sequence
 
 from heading_intercompare.app.inputs import analyze_input
 from heading_intercompare.app.scenarios import read_scenario
@@ -61,6 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     bag = str(out / 'bag')
     tell = print if not arguments.quiet else lambda *_: None
 
+    addresses: list[str] = []
     tell(f'1. live: simulator -> synchronizer -> compliance -> recorder, '
          f'{scenario.duration_s:g} s at {arguments.speed:g} times real time')
     with Progress('live', arguments.quiet) as progress:
@@ -68,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
             [Source(SensorSimulator, 'sensor_simulator',
                     {**scenario.to_mapping(), 'speed': arguments.speed, 'stamps': 'scenario'})],
             _SETTINGS, output=bag, report_dir=str(out / 'live'), private=True, page=page,
-            progress=lambda n: progress.show(f'{n:,} pairs'))
+            served=addresses.append, progress=lambda n: progress.show(f'{n:,} pairs'))
     tell(f'2. replayed: {bag} -> synchronizer -> compliance')
     with Progress('replayed', arguments.quiet) as progress:
         replayed = intercompare(
@@ -84,8 +85,19 @@ def run(arguments: argparse.Namespace) -> int:
     offline = join(results, settings, [described])
     write(offline, out / 'offline.json')
     say(str(offline), VERDICT_MARKS)
-    print(f'\nprotocol: {_write_protocol(offline, out / "report.html", sketch)}')
-    return _compare({'live': live, 'replayed': replayed}, offline)
+    protocol = _write_protocol(offline, out / 'report.html', sketch)
+    print()
+    code = _compare({'live': live, 'replayed': replayed}, offline)
+    print(f'protocol: {protocol}\n{_describe_page(addresses)}')
+    return code
+
+
+def _describe_page(addresses: Sequence[str]) -> str:
+    """Return the address of the live page, or how to get it."""
+    if addresses:
+        return f'page: {addresses[0]} showed step 1; heading-intercompare live --web shows a trial'
+    return ('page: http://127.0.0.1:8080/ shows step 1 of heading-intercompare demo --web, and a '
+            'trial of heading-intercompare live --web')
 
 
 def _write_protocol(verdict: Verdict, path: Path, sketch: SeriesSketch) -> str:
@@ -95,7 +107,7 @@ def _write_protocol(verdict: Verdict, path: Path, sketch: SeriesSketch) -> str:
     except ValueError as error:
         return f'left out: {error}'
     write(verdict, path, [sketch])
-    return str(path)
+    return str(path.resolve())
 
 
 def _compare(others: Mapping[str, Verdict], offline: Verdict) -> int:

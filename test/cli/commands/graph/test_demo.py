@@ -28,6 +28,9 @@ def test_live_replayed_and_offline_agree_on_simulated_sensors(tmp_path, capfd):
         assert main(['demo', '--out', str(out), '--duration', '120', '--speed', '60']) == 0
         text = capfd.readouterr().out
         assert 'verdicts agree: 1199 pairs' in text and 'VERDICT: ' in text
+        *_, protocol, page = text.splitlines()
+        assert protocol == f'protocol: {out / "report.html"}'
+        assert page.startswith('page: http://127.0.0.1:8080/ ')
     (report,) = (out / 'live').glob('verdict_*.json')
     assert read(report).runs[0].n == 1199
     # What a node has reported becomes a protocol.

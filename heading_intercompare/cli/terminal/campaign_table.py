@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A verdict on several recordings as lines: one per recording by name, the worst first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+import os
+from typing import Iterable, Sequence
+
+from heading_intercompare.core.decision.coverage import span_words
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.verdict.validity import DOUBTFUL, HOLDS, NOT_TESTABLE, VOID
+from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict, Verdict
+from heading_intercompare.core.verdict.verdict_table import describe_together, head_lines
+from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS
+
+__all__ = ['campaign_lines', 'is_campaign']
+
+_HEAD = ('recording', 'outcome', 'sd/deg', 'of norm', 'mean/deg', 'run', 'n', 'duration',
+         'in doubt')
+_TO_THE_RIGHT = {'sd/deg', 'of norm', 'mean/deg', 'n', 'duration'}
+#: A longer name loses its middle.
+_LONGEST_NAME = 32
+
+_OUTCOMES = (Outcome.NON_COMPLIANT, Outcome.INDETERMINATE, Outcome.COMPLIANT)
+_EFFECTS = (VOID, DOUBTFUL, NOT_TESTABLE, HOLDS)
+#: An input that could not be judged stands before the indeterminate ones; one that was judged
+#: under another name stands last.
+_NOT_JUDGED, _ELSEWHERE = 0.5, float(len(_OUTCOMES))
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """One line: what it is sorted by, and its cells."""
+
+    gravity: tuple[float, float, float]
+    cells: tuple[str, ...]
+
+
+def is_campaign(verdict: Verdict) -> bool:
+    """Tell whether a verdict is on several recordings; the logs of two sensors are one."""
+    return len(verdict.inputs) > 1 and all(given.not_taken is None for given in verdict.inputs)
+
+
+def campaign_lines(verdict: Verdict, columns: int | None = None) -> list[str]:
+    """
+    Return the verdict on a campaign as lines, one per recording, the worst first.
+
+    Parameters
+    ----------
+    verdict : Verdict
+    columns : int, optional
+        Width of the terminal; a longer line of the table ends with an ellipsis.
+
+    Notes
+    -----
+    A recording with several runs shows the figures of its worst run. First come the outcomes that
+    are not compliant, then recordings that could not be judged, then those without a decision.
+    Among equals the one whose scatter is largest in terms of the norm comes first.
+
+    """
+    runs: dict[str, list[RunVerdict]] = {}
+    for run in verdict.runs:
+        runs.setdefault(run.source, []).append(run)
+    names = _shorten_names([given.path for given in verdict.inputs])
+    lines = [_describe(name, given, runs.get(given.path, []))
+             for name, given in zip(names, verdict.inputs)]
+    rows = [_HEAD, *(line.cells for line in sorted(lines, key=lambda one: one.gravity))]
+    table = [*_align(rows)]
+    if columns is not None:
+        table = [line if len(line) <= columns else f'{line[:columns - 1]}…' for line in table]
+    together = describe_together(verdict)
+    return [*head_lines(verdict), '', *table, *([''] * bool(together)), *together]
+
+
+def _describe(name: str, given: Input, runs: Sequence[RunVerdict]) -> _Line:
+    if not runs:
+        elsewhere = given.same_as is not None or given.continues is not None
+        rank = _ELSEWHERE if elsewhere else _NOT_JUDGED
+        word = '-' if elsewhere else 'NOT JUDGED' if given.error else 'NO RUN'
+        return _Line((rank, 0.0, 0.0), (name, word, *'------', given.why_no_run or 'no run'))
+    worst = min(runs, key=_gravity)
+    share = _share_of_norm(worst)
+    word = OUTCOME_WORDS[worst.outcome]
+    if worst.validity_effect in (DOUBTFUL, VOID):
+        word += f', {worst.validity_effect.upper()}'
+    which = str(worst.run) if len(runs) == 1 else f'{worst.run}, worst of {len(runs)}'
+    return _Line(_gravity(worst), (
+        name, word, _number(worst.std_deg, '.3f'), _number(share, '.0%'),
+        _number(worst.mean_deg, '+.3f'), which, str(worst.n), span_words(worst.duration_s),
+        '; '.join(_list_doubts(runs))))
+
+
+def _gravity(run: RunVerdict) -> tuple[float, float, float]:
+    """Return what sorts the worst first; a doubt makes no rejection worse."""
+    rejected = run.outcome is Outcome.NON_COMPLIANT
+    return (_OUTCOMES.index(run.outcome),
+            0 if rejected else _EFFECTS.index(run.validity_effect),
+            -(_share_of_norm(run) or 0.0))
+
+
+def _share_of_norm(run: RunVerdict) -> float | None:
+    """Return the scatter of the differences in terms of its norm, the root of GK (5)."""
+    limit_deg2 = run.guarded.rejection_limit_deg2
+    if run.std_deg is None or not limit_deg2 > 0.0:
+        return None
+    return run.std_deg / math.sqrt(limit_deg2)
+
+
+def _list_doubts(runs: Iterable[RunVerdict]) -> Iterable[str]:
+    """Yield what speaks against each run, the gravest first."""
+    for run in sorted(runs, key=_gravity):
+        words = [finding.words for effect in (VOID, DOUBTFUL) for finding in run.validity
+                 if finding.effect == effect]
+        if words:
+            yield f'run {run.run}: {", ".join(words)}'
+
+
+def _shorten_names(paths: Sequence[str]) -> list[str]:
+    """Return the last part of each path, or the paths if these parts are not unique."""
+    names = [os.path.basename(path.rstrip(os.sep)) or path for path in paths]
+    found = names if len({*names}) == len({*paths}) else [*paths]
+    half = _LONGEST_NAME // 2
+    return [name if len(name) <= _LONGEST_NAME else f'{name[:half - 1]}…{name[-half:]}'
+            for name in found]
+
+
+def _number(value: float | None, form: str) -> str:
+    return '-' if value is None or not math.isfinite(value) else format(value, form)
+
+
+def _align(rows: Sequence[tuple[str, ...]]) -> Iterable[str]:
+    widths = [max(len(row[at]) for row in rows) for at in range(len(_HEAD))]
+    for row in rows:
+        cells = [cell.rjust(width) if name in _TO_THE_RIGHT else cell.ljust(width)
+                 for name, cell, width in zip(_HEAD, row, widths)]
+        yield '  '.join(cells).rstrip()

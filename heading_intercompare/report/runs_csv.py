@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The runs of a verdict as a table for spreadsheets, CSV: a row per run."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+from typing import Callable
+
+from heading_intercompare.core.utc_text import utc
+from heading_intercompare.core.verdict.validity import DOUBTFUL, VOID
+from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
+
+__all__ = ['COLUMNS', 'write_runs']
+
+Cell = str | int | float | None
+
+
+def _list_conditions(run: RunVerdict) -> str:
+    return ','.join(f'{one.condition}={one.effect}' for one in run.validity
+                    if one.effect in (DOUBTFUL, VOID))
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
+
+
+#: Column and the cell of a run; docs/howto/judge_many.md explains them.
+_COLUMNS: dict[str, Callable[[RunVerdict], Cell]] = {
+    'recording': lambda run: run.source,
+    'run': lambda run: run.run,
+    'start_utc': lambda run: utc(run.start_ns),
+    'end_utc': lambda run: utc(run.end_ns),
+    'start_ns': lambda run: run.start_ns,
+    'end_ns': lambda run: run.end_ns,
+    'duration_s': lambda run: run.duration_s,
+    'pairs': lambda run: run.pairing.paired,
+    'n': lambda run: run.n,
+    'nu': lambda run: _finite(run.guarded.nu),
+    'mean_deg': lambda run: _finite(run.mean_deg),
+    'max_abs_deg': lambda run: _finite(run.max_abs_deg),
+    'sd_deg': lambda run: _finite(run.std_deg),
+    'variance_deg2': lambda run: _finite(run.variance_deg2),
+    'lower_bound_deg2': lambda run: _finite(run.guarded.lower_bound_deg2),
+    'upper_bound_deg2': lambda run: _finite(run.guarded.upper_bound_deg2),
+    'acceptance_limit_deg2': lambda run: run.guarded.acceptance_limit_deg2,
+    'rejection_limit_deg2': lambda run: run.guarded.rejection_limit_deg2,
+    'n_plus': lambda run: run.count_criterion.n_plus,
+    'n_plus_plus': lambda run: run.count_criterion.n_plus_plus,
+    'outcome': lambda run: run.outcome.value,
+    'validity': lambda run: run.validity_effect,
+    'conditions': _list_conditions,
+    'reason': lambda run: run.reason,
+    'outcome_as_printed': lambda run: run.paper_outcome.value,
+    'headline': lambda run: run.headline,
+}
+COLUMNS = tuple(_COLUMNS)
+"""Names of the columns."""
+
+
+def write_runs(verdict: Verdict, path: str | Path) -> None:
+    """
+    Write a row per run, and a row with only name and reason for a recording without a run.
+
+    Parameters
+    ----------
+    verdict : Verdict
+    path : path
+        The file, UTF-8; a figure that is missing or not finite is an empty cell.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+
+    """
+    with open(path, 'w', newline='', encoding='utf-8', errors='backslashreplace') as file:
+        table = csv.writer(file, lineterminator='\n')
+        table.writerow(COLUMNS)
+        for run in verdict.runs:
+            table.writerow([_COLUMNS[name](run) for name in COLUMNS])
+        for given in verdict.inputs:
+            if given.why_no_run:
+                row = dict.fromkeys(COLUMNS, '')
+                row |= {'recording': given.path, 'reason': given.why_no_run}
+                table.writerow([*row.values()])
