@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+import re
+import shlex
 import sys
 
 import pytest
@@ -18,6 +21,9 @@ pytest.importorskip('matplotlib')
 
 from heading_intercompare.report import html  # noqa: E402
 
+from ....nodes.test_graph import log  # noqa: E402
+
+TUTORIALS = Path(__file__).resolve().parents[4] / 'docs' / 'tutorials'
 NORMS = 'norms: {sigma_max_deg: 0.2, sigma_ref_max_deg: 0.1, m_low: 0.9}'
 
 
@@ -88,6 +94,29 @@ def test_real_logs_played_live_give_the_verdict_of_their_import(ts, rs, n, share
     assert sum(run.n for run in verdicts[0].runs) == n
     for other in verdicts[1:]:
         assert list(find_differences(verdicts[0], other)) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('page', ['live_graph', 'bridge'])
+def test_the_tutorials_of_the_live_graph_run_as_printed(page, tmp_path, capfd, monkeypatch):
+    """With logs in place of the sensors of a ship."""
+    if page == 'bridge':
+        pytest.importorskip('nicegui')
+    monkeypatch.chdir(tmp_path)
+    text = (TUTORIALS / 'live_graph.md').read_text('utf-8')
+    settings, = re.findall(r'^```yaml\n# my\.yaml\n(.*?)^```', text, re.MULTILINE | re.DOTALL)
+    settings, n = re.subn(r"'(?:udp|serial):.*?'", lambda match: repr(log(
+        tmp_path / ('ts.log' if 'udp' in match[0] else 'rs.log'), 300,
+        0.0 if 'udp' in match[0] else 0.05, 90.0)) + ', speed: 50', settings)
+    assert n == 2
+    (tmp_path / 'my.yaml').write_text(settings + 'dashboard: {ros__parameters: {port: 0}}\n')
+    command, = re.findall(r'^heading-intercompare (live --config .*)$',
+                          (TUTORIALS / f'{page}.md').read_text('utf-8'), re.MULTILINE)
+    assert main(shlex.split(command)) == 0
+    heard = capfd.readouterr()
+    assert 'INDETERMINATE' in heard.out and ('http://127.0.0.1:' in heard.err + heard.out) == (
+        page == 'bridge')
+    assert main(['info', 'trial_1']) == 0 and 'complete: yes' in capfd.readouterr().out
 
 
 @pytest.mark.parametrize('text, words', [
