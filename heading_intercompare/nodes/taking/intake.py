@@ -178,6 +178,12 @@ class Intake:
         return self._numbering.missing
 
     @property
+    def _fetchable(self) -> int:
+        """Messages missing that the publishers may still have."""
+        kept = self._qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        return self.lost if kept else 0
+
+    @property
     def numbers(self) -> StreamNumbers:
         """The first and the newest number taken, and the publishers that gave them."""
         first, last = self._publishers
@@ -263,8 +269,7 @@ class Intake:
         """Report the state of this input."""
         now_s = time.monotonic()
         wrong, age_s = self.look(), now_s - self._newest_s
-        if self._renewal.is_due(now_s, self.received, self.lost) and (
-                self._reception.there):
+        if self._renewal.is_due(now_s, self.received, self._fetchable) and self._reception.there:
             self._reception.hand_over(self._qos)
         level, words = (WARN if self._ghost else ERROR, wrong) if wrong else (OK, 'receiving')
         if not wrong and not self.received and now_s < self._begun_s + self._first_wait_s:

@@ -15,7 +15,8 @@ _STEPS = 3.0
 _KNOWN_FROM = 20
 #: What is under way arrives within this; only then is it missing.
 _WAIT_S = 2.0
-#: A sensor that is switched off costs no more than one new subscription in this time.
+#: A sensor that is switched off, or a network that loses all the time, costs no more than one new
+#: subscription in this time.
 _LONGEST_S = 300.0
 
 
@@ -29,7 +30,9 @@ class Renewal:
     subscriptions are usually connected again, but sometimes not, or without the messages that were
     published in the meantime. A new subscription is connected for certain. So it is made where
     messages are missing, where a stream has fallen silent, and where this process stood still.
-    The clock is the caller's.
+
+    A new subscription takes all that its publishers keep, which costs time. Where it has not
+    brought what was missing, the next one waits twice as long. The clock is the caller's.
 
     Examples
     --------
@@ -43,7 +46,7 @@ class Renewal:
 
     def __init__(self) -> None:
         self._looked_s: float | None = None
-        self._missing = 0
+        self._missing, self._asked_for, self._wait_s = 0, 0, _WAIT_S
         self._due_s: float | None = None
         self._received, self._arrivals, self._newest_s = 0, 0, 0.0
         self._step_s, self._patience_s = 0.0, 0.0
@@ -52,14 +55,22 @@ class Renewal:
         """Tell whether to make it again, given the messages received and missing so far."""
         before_s = now_s if self._looked_s is None else self._looked_s
         self._looked_s = now_s
-        if now_s - before_s > _STOPPED_S or missing > self._missing:
+        if now_s - before_s > _STOPPED_S:
             self._due_s = now_s + _WAIT_S
+        elif missing > self._missing and self._due_s is None:
+            self._due_s = now_s + self._wait_s
+        if missing < self._asked_for:
+            # It has brought some of them.
+            self._asked_for, self._wait_s = 0, _WAIT_S
         self._missing = missing
         if self._is_silent(now_s, now_s - before_s, received):
             self._due_s = now_s
         if self._due_s is None or now_s < self._due_s:
             return False
         self._due_s = None
+        if missing:
+            self._wait_s = min(2.0 * self._wait_s, _LONGEST_S)
+        self._asked_for = missing
         return True
 
     def _is_silent(self, now_s: float, passed_s: float, received: int) -> bool:

@@ -37,9 +37,17 @@ def test_a_silence_as_long_as_those_before_is_usual():
 
 
 def test_each_new_gap_is_asked_for_once_when_what_is_under_way_has_come():
-    missing = {100: 84, 101: 84, 102: 0}
-    assert times_due(lambda s: 10 * s, lambda s: 84 * (s >= 100) + 5 * (s >= 200)) == [102, 202]
+    missing = {100: 84, 101: 84}
     assert times_due(lambda s: 10 * s, lambda s: missing.get(s, 0)) == [102]
+    gaps = {**dict.fromkeys((100, 101, 102), 84), **dict.fromkeys((200, 201, 202, 203), 5)}
+    assert times_due(lambda s: 10 * s, lambda s: gaps.get(s, 0)) == [102, 202]
+
+
+def test_what_does_not_come_again_is_asked_for_ever_less_often():
+    """A network that loses all the time, or more than the publishers keep."""
+    due = times_due(lambda s: 10 * s, lambda s: 3 * s, range(3600))
+    steps = [after - before for before, after in zip(due, due[1:])]
+    assert steps == sorted(steps) and 250 < steps[-1] <= 302 and len(due) < 20
 
 
 def test_a_process_that_stood_still_asks_for_all():
