@@ -15,6 +15,7 @@ from journals import plain
 import numpy as np
 import pytest
 from rclpy.qos import QoSProfile
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
@@ -28,12 +29,13 @@ from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.messages.heading_messages import imu_messages, pair_messages
-from heading_intercompare.messages.ledger_messages import encode_ledger
+from heading_intercompare.messages.ledger_messages import decode_ledger, encode_ledger
 from heading_intercompare.messages.status_messages import encode_statuses, OK, Status
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.runtime.scalars import SCALARS
 from heading_intercompare.nodes.synchronizer import Synchronizer
+from heading_intercompare.nodes.taking.predecessor import LEDGER_TAKEN_TOPIC
 
 from .conftest import NORMS
 from .rclpy_objects import marker_message, marks_from
@@ -457,6 +459,23 @@ def test_pairs_that_a_successor_makes_again_are_not_those_of_a_stranger(ros, rng
     report = node.verdict.to_dict()
     assert report['runs'][0]['n'] == 300
     assert not any('left out' in why for why in report['ledger_problems'])
+
+
+def test_a_successor_is_told_of_pairs_only_when_they_have_come(ros, rng):
+    """A ledger may overtake the pairs that it counts, and those die with their synchronizer."""
+    told = ros.listen(DiagnosticArray, LEDGER_TAKEN_TOPIC, qos.LEDGER_TAKEN)
+    graph, pairs = Graph(ros), some_pairs(rng, 0, 300)
+
+    def newest():
+        return decode_ledger(serialize_message(told[-1])).ledger.paired if told else None
+    graph.send(pairs[:100])
+    for n in (100, 200):
+        graph.book({'paired': n, 'ts_paired': n, 'rs_used': n})
+    ros.spin_until(lambda: newest() == 100)
+    graph.send(pairs[100:199])
+    assert newest() == 100
+    graph.send(pairs[199:])
+    ros.spin_until(lambda: newest() == 200)
 
 
 def test_a_compliance_that_was_restarted_says_how_many_pairs_it_missed(ros, rng):

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
 from dataclasses import dataclass
 from typing import Iterator, Mapping, NamedTuple, Sequence
 
@@ -19,6 +19,8 @@ _LEFT = {LedgerKey.TS_PENDING: LedgerKey.TS_UNPAIRED, LedgerKey.RS_PENDING: Ledg
 
 #: Starts of the synchronizer whose ledgers are kept.
 _MOST = 1000
+#: Earlier ledgers of the newest start that are kept, one a second.
+_EARLIER = 30
 
 
 class StreamNumbers(NamedTuple):
@@ -59,9 +61,20 @@ class _Last:
             here, there = self.numbers.get(stream), after.numbers.get(stream)
             if (here and there and here.last_publisher
                     and here.last_publisher == there.first_publisher
-                    and here.last > 0):
+                    and here.last > 0 and there.first > 0):
                 found[stream] = there.first - here.last - 1
         return found
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether it is known where this one began with both streams."""
+        return len(self.numbers) == 2 and all(one.first for one in self.numbers.values())
+
+    def joins(self, after: '_Last') -> bool:
+        """Tell whether the next one took again no more than what waited for a partner here."""
+        counts = self.ledger.total.counts
+        return all(-n <= counts.get(LedgerKey.of_pending(stream), 0)
+                   for stream, n in self.count_until(after).items())
 
 
 class Incarnations:
@@ -69,10 +82,19 @@ class Incarnations:
     The last ledger of each start of the synchronizer.
 
     Each start is an incarnation, with its time as its name. It counts from 0.
+
+    Notes
+    -----
+    A synchronizer that follows a killed one goes on after a ledger of it that was known at its
+    start. That one may not be the last: pairs that the last one counts may have been lost with the
+    process. So the ledger that counts is the newest after which the successor went on.
+
     """
 
     def __init__(self) -> None:
         self._last: dict[int, _Last] = {}
+        self._earlier: deque[tuple[int, _Last]] = deque(maxlen=_EARLIER)
+        self._joined: int | None = None
         self._refused = 0
 
     def take(self, ledger: Ledger, final: bool, started_ns: int,
@@ -82,8 +104,22 @@ class Incarnations:
         if before is None and len(self._last) >= _MOST:
             self._refused += 1
             return
-        if before is None or not before.final:
-            self._last[started_ns] = _Last(ledger, final, numbers or {})
+        if before is not None and before.final:
+            return
+        if before is not None:
+            self._earlier.append((started_ns, before))
+        self._last[started_ns] = newest = _Last(ledger, final, numbers or {})
+        self._join(started_ns, newest)
+
+    def _join(self, started_ns: int, newest: _Last) -> None:
+        """Count of the incarnation before only what this one did not take again."""
+        past = max((one for one in self._last if one < started_ns), default=None)
+        if past is None or self._joined == started_ns or not newest.has_begun:
+            return
+        self._joined = started_ns
+        if not self._last[past].joins(newest):
+            self._last[past] = next((one for name, one in reversed(self._earlier) if name == past
+                                     and one.joins(newest)), self._last[past])
 
     def __len__(self) -> int:
         return len(self._last)

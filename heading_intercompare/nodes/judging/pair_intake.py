@@ -76,8 +76,8 @@ class PairIntake(Intake):
         self._numbers: dict[str, Numbering] = {}
         self._newest_ns = 0
         self._resuming: dict[str, int] = {}
-        self._booked = self._twice = 0
-        self._behind = False
+        self._named = self._behind = False
+        self._taken: deque[bytes] = deque(maxlen=_MOST_HELD)
         self.left_out = self.missed = 0
 
     def take(self) -> _Taken:
@@ -100,10 +100,10 @@ class PairIntake(Intake):
                 self._hold(started_ns, batch)
         before, current = self._choice.current, self._choice.look(now_s)
         if current != before and current is not None:
-            # The successor pairs again what the last ledger of the one before does not count.
-            self._twice = max(0, self.last_sequence - self._booked)
-            self._booked = 0
+            # The successor pairs again what its ledger of the one before does not count.
             self._behind = True
+            if self._named:
+                self.last_sequence = 0
             found += self._accept(str(current), [*self._held.pop(current, deque())])
         return found
 
@@ -119,19 +119,22 @@ class PairIntake(Intake):
             numbering.take(numbers)
             if self._resuming.pop(name, None) is not None:
                 self.missed += numbering.missing - before
-            self.last_sequence = numbers[-1]
+            self.last_sequence, self._named = numbers[-1], name.isdecimal()
             if self._behind:
                 batch = self._leave_out(batch)
         if batch:
             self._newest_ns = header_stamp_ns(batch[-1][0])
+            self._taken += [data for data, _ in batch]
         return batch
 
     def _leave_out(self, batch: _Taken) -> _Taken:
         """Leave out the pairs that the synchronizer before has published."""
-        fresh = [one for one in batch if header_stamp_ns(one[0]) > self._newest_ns]
-        again = len(batch) - len(fresh)
-        self.left_out += max(0, again - self._twice)
-        self._twice = max(0, self._twice - again)
+        stamps = [header_stamp_ns(data) for data, _ in batch]
+        fresh = [one for one, stamp_ns in zip(batch, stamps) if stamp_ns > self._newest_ns]
+        if len(fresh) < len(batch):
+            known = {header_stamp_ns(data) for data in self._taken}
+            self.left_out += sum(stamp_ns <= self._newest_ns and stamp_ns not in known
+                                 for stamp_ns in stamps)
         self._behind = not fresh
         return fresh
 
@@ -163,11 +166,8 @@ class PairIntake(Intake):
 
     def ledgers(self) -> list[LedgerMessage]:
         """Return the newest ledger of the followed synchronizer if it has not been returned."""
-        newest = self._ledgers.pop(self._choice.current, None)
-        if newest is None:
-            return []
-        self._booked = newest.ledger.paired
-        return [newest]
+        current = self._choice.current
+        return [self._ledgers.pop(current)] if current in self._ledgers else []
 
     @property
     def waiting(self) -> bool:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import replace
 from datetime import datetime, timezone
 import os
@@ -83,6 +84,7 @@ class Reporting:
             self._ledgers.take(*kept)
             newest = max(newest, kept, key=lambda one: one.started_ns)
         self._taken.publish(encode_ledger(*newest))
+        self._uncovered: deque[LedgerMessage] = deque()
         self._verdict = node.create_publisher(
             DiagnosticArray, 'compliance/verdict', qos.VERDICT,
             event_callbacks=health.of_publisher('compliance/verdict'))
@@ -107,8 +109,18 @@ class Reporting:
     def _take(self, ledgers: Iterable[LedgerMessage]) -> None:
         for ledger in ledgers:
             self._ledgers.take(*ledger)
-            self._journal.book(ledger)
-            self._taken.publish(encode_ledger(*ledger))
+            if self._uncovered and self._uncovered[-1].started_ns != ledger.started_ns:
+                self._uncovered.clear()
+            self._uncovered.append(ledger)
+
+    def _tell_taken(self) -> None:
+        """Tell the newest ledger whose pairs have all come: a successor goes on after it."""
+        newest = None
+        while self._uncovered and self._uncovered[0].ledger.paired <= self._pairs.last_sequence:
+            newest = self._uncovered.popleft()
+        if newest is not None:
+            self._journal.book(newest)
+            self._taken.publish(encode_ledger(*newest))
 
     @property
     def final(self) -> bool:
@@ -123,6 +135,7 @@ class Reporting:
     def look(self, n_pairs: int) -> None:
         """Publish changes; a report waits for a ledger that covers the `n_pairs` received."""
         self._take(self._pairs.ledgers())
+        self._tell_taken()
         seen = self._compliance.finished_runs, self._compliance.early
         if seen[0] != self._seen[0]:
             self._due = n_pairs, time.monotonic() + self._own.ledger_wait_s

@@ -114,3 +114,31 @@ def test_readings_that_waited_and_were_taken_again_count_once():
     assert (total.received('ts'), total.received('rs'), found.total.paired) == (100, 102, 100)
     assert total.counts.get('ts_unpaired', 0) == 0 and total.counts['rs_unused'] == 3
     assert [*found.problems()] == []
+
+
+@pytest.mark.parametrize('resumed_after', [95, 60, 30])
+def test_the_ledger_counts_after_which_the_successor_went_on(resumed_after):
+    """Pairs that a killed synchronizer counted last may be lost with it, and are made again."""
+    found = Incarnations()
+    for hi in (30, 60, 90, 95):
+        found.take(ledger_of_first(hi), False, 1, numbers_of(1, hi))
+    n = 200 - resumed_after
+    second = Ledger.from_segments([LedgerSegment(None, {
+        'paired': n, 'ts_paired': n, 'rs_used': n})], 4000)
+    # What it took is not known at once.
+    found.take(Ledger(), False, 2, {**numbers_of(0, 0), 'rs': StreamNumbers('', 0, '', 0)})
+    found.take(second, True, 2, numbers_of(resumed_after + 1, 200))
+    total = found.total
+    assert (total.paired, total.total.received('ts'), total.total.received('rs')) == (200,) * 3
+    assert [*found.problems()] == []
+
+
+def ledger_of_first(hi):
+    """Return the ledger of a synchronizer that has paired hi readings."""
+    return Ledger.from_segments([LedgerSegment(None, {
+        'paired': hi, 'ts_paired': hi, 'rs_used': hi})], 2000)
+
+
+def numbers_of(first, last):
+    """Return the numbers of both streams."""
+    return dict.fromkeys(('ts', 'rs'), StreamNumbers('a', first, 'a', last))
