@@ -16,6 +16,13 @@ from heading_intercompare.core.verdict.verdict_document import (
 )
 
 from .formatting import ABSENT, interval, number, value
+from .holding import (
+    confidence_holds,
+    is_sound,
+    length_holds,
+    probability_holds,
+    upper_bound_holds,
+)
 
 __all__ = ['GUARDED', 'LEDGER', 'RESULTS', 'Row', 'rows_by_run', 'rows_of', 'SENSOR', 'Table',
            'WORST']
@@ -37,12 +44,20 @@ class Row(Generic[Thing]):
         '1' for a number without dimension, '' for anything but a number.
     figure : callable
         Takes the subject of the table; returns a figure, or words.
+    holds : callable
+        Tells whether the figure may stand beside the outcome of the subject; otherwise the cell
+        is a dash.
 
     """
 
     name: str
     unit: str
     figure: Callable[[Thing], Any]
+    holds: Callable[[Thing], bool] = lambda thing: True
+
+    def cell(self, thing: Thing) -> str:
+        """Return the figure of a subject as text."""
+        return value(self.figure(thing)) if self.holds(thing) else ABSENT
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +106,7 @@ LEDGER: tuple[Row[RunVerdict], ...] = (
 
 RESULTS: tuple[Row[RunVerdict], ...] = (
     Row('verdict on the run', '', lambda run: run.outcome),
-    Row('verdict as printed in GK', '', lambda run: run.paper_outcome),
+    Row('verdict as printed in GK', '', lambda run: run.paper_outcome, is_sound),
     Row('source', '', lambda run: run.source),
     Row('first pair', 'UTC', lambda run: utc(run.start_ns)),
     Row('last pair', 'UTC', lambda run: utc(run.end_ns)),
@@ -113,7 +128,7 @@ RESULTS: tuple[Row[RunVerdict], ...] = (
         lambda run: run.variance_criterion.tightened_limit_deg2),
     Row("GK (5''): ratio", '1', lambda run: run.variance_criterion.ratio),
     Row('GK (5): width of the dead zone', '1', lambda run: run.variance_criterion.dead_zone_width),
-    Row('GK (5): outcome', '', lambda run: run.variance_criterion.outcome),
+    Row('GK (5): outcome', '', lambda run: run.variance_criterion.outcome, is_sound),
     Row('GK (*): coverage factor', '1', lambda run: run.count_criterion.k),
     Row('GK (**): coverage factor', '1', lambda run: run.count_criterion.k_tightened),
     Row('GK (*): limit of a deviation', 'deg', lambda run: run.count_criterion.limit_deg),
@@ -123,7 +138,7 @@ RESULTS: tuple[Row[RunVerdict], ...] = (
         lambda run: run.count_criterion.n_plus_plus),
     Row('GK (6): allowed, n (1 - P)', '1', lambda run: run.count_criterion.allowed),
     Row('GK (6): width of the dead zone', '1', lambda run: run.count_criterion.dead_zone_width),
-    Row('GK (6): outcome', '', lambda run: run.count_criterion.outcome),
+    Row('GK (6): outcome', '', lambda run: run.count_criterion.outcome, is_sound),
     Row('GK (7): coverage factor', '1', lambda run: run.total_error.k),
     Row('GK (7): TS standard deviation, RS at its upper .. lower bound', 'deg',
         lambda run: interval(run.total_error.sigma_ts_low_deg, run.total_error.sigma_ts_up_deg)),
@@ -131,22 +146,25 @@ RESULTS: tuple[Row[RunVerdict], ...] = (
         lambda run: interval(run.total_error.low_deg, run.total_error.up_deg)),
     Row('GK (7): total TS error, narrow', 'deg',
         lambda run: interval(run.total_error.low_narrow_deg, run.total_error.up_narrow_deg)),
-    Row('GK (7): outcome', '', lambda run: run.total_error.outcome),
+    Row('GK (7): outcome', '', lambda run: run.total_error.outcome, is_sound),
 )
 
 GUARDED: tuple[Row[RunVerdict], ...] = (
-    Row('outcome on the variance', '', lambda run: run.guarded.outcome),
-    Row('outcome on the counts', '', lambda run: run.guarded.count_outcome),
+    Row('outcome on the variance', '', lambda run: run.guarded.outcome, is_sound),
+    Row('outcome on the counts', '', lambda run: run.guarded.count_outcome, is_sound),
     Row('variance, including the part that the removed mean absorbed', 'deg²',
         lambda run: run.guarded.d_hat_deg2),
     Row("its upper bound U, at the consumer's risk", 'deg²',
-        lambda run: run.guarded.upper_bound_deg2),
+        lambda run: run.guarded.upper_bound_deg2,
+        upper_bound_holds),
     Row('acceptance limit A', 'deg²', lambda run: run.guarded.acceptance_limit_deg2),
     Row("its lower bound L, at the producer's risk", 'deg²',
-        lambda run: run.guarded.lower_bound_deg2),
+        lambda run: run.guarded.lower_bound_deg2,
+        is_sound),
     Row('rejection limit R', 'deg²', lambda run: run.guarded.rejection_limit_deg2),
     Row('TS standard deviation, bounds', 'deg',
-        lambda run: interval(run.guarded.sigma_ts_lower_deg, run.guarded.sigma_ts_upper_deg)),
+        lambda run: interval(run.guarded.sigma_ts_lower_deg, run.guarded.sigma_ts_upper_deg),
+        upper_bound_holds),
     Row('effective degrees of freedom', '1', lambda run: run.guarded.nu),
     Row('degrees of freedom of the slow part, f', '1', lambda run: run.guarded.f),
     Row('corner of the spectrum of the squares, half-periods', '1',
@@ -155,15 +173,21 @@ GUARDED: tuple[Row[RunVerdict], ...] = (
         lambda run: run.guarded.r_slow),
     Row('variance of the visible slow part', 'deg²',
         lambda run: run.guarded.slow_variance_deg2),
-    Row('allowance for the slow part in U', 'deg²', lambda run: run.guarded.slow_allowance_deg2),
+    Row('allowance for the slow part in U', 'deg²', lambda run: run.guarded.slow_allowance_deg2,
+        upper_bound_holds),
     Row('confidence that the variance is at most A', '1',
-        lambda run: run.guarded.confidence_compliant),
+        lambda run: run.guarded.confidence_compliant,
+        confidence_holds),
     Row('confidence that the variance is above R', '1',
-        lambda run: run.guarded.confidence_non_compliant),
-    Row('conformance probability', '1', lambda run: run.guarded.conformance_probability),
+        lambda run: run.guarded.confidence_non_compliant,
+        confidence_holds),
+    Row('conformance probability', '1', lambda run: run.guarded.conformance_probability,
+        probability_holds),
     Row('duration needed to decide, times this one', '1',
-        lambda run: run.guarded.duration_factor),
-    Row('duration needed to decide', 'h', lambda run: run.guarded.hours_needed),
+        lambda run: run.guarded.duration_factor,
+        length_holds),
+    Row('duration needed to decide', 'h', lambda run: run.guarded.hours_needed,
+        length_holds),
     Row('mean difference: standard uncertainty', 'deg', lambda run: run.guarded.bias_u_deg),
     Row('mean difference: 95 % interval', 'deg',
         lambda run: interval(*(run.guarded.bias_interval_deg or (None, None)))),
@@ -171,7 +195,8 @@ GUARDED: tuple[Row[RunVerdict], ...] = (
     Row('rate beyond the limit, n+ / n', '1', lambda run: run.guarded.rate_plus),
     Row('its lower bound', '1', lambda run: run.guarded.rate_plus_lower),
     Row('rate beyond the tightened limit, n++ / n', '1', lambda run: run.guarded.rate_plus_plus),
-    Row('its upper bound', '1', lambda run: run.guarded.rate_plus_plus_upper),
+    Row('its upper bound', '1', lambda run: run.guarded.rate_plus_plus_upper,
+        upper_bound_holds),
 )
 
 WORST: tuple[Row[Campaign], ...] = (
@@ -208,7 +233,7 @@ SENSOR: tuple[Row[Together], ...] = (
 
 def rows_of(rows: Sequence[Row[Thing]], thing: Thing) -> list[tuple[str, str, str]]:
     """Return name, unit and cell of each row."""
-    return [(row.name, row.unit, value(row.figure(thing))) for row in rows]
+    return [(row.name, row.unit, row.cell(thing)) for row in rows]
 
 
 def rows_by_run(rows: Sequence[Row[Thing]], runs: Sequence[tuple[int, Thing]], *,
@@ -216,6 +241,6 @@ def rows_by_run(rows: Sequence[Row[Thing]], runs: Sequence[tuple[int, Thing]], *
     """Return tables with one row per figure and one column per run, a few runs in each."""
     return [Table(['', *(['unit'] if units else []), *(f'run {number}' for number, _ in some)],
                   [[row.name, *([row.unit] if units else []),
-                    *(value(row.figure(thing)) for _, thing in some)] for row in rows])
+                    *(row.cell(thing) for _, thing in some)] for row in rows])
             for some in (runs[first:first + _COLUMNS]
                          for first in range(0, len(runs), _COLUMNS))]
