@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Sequence, TYPE_CHECKING
 
 from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
@@ -129,7 +130,7 @@ def campaign_words(campaign: Campaign, runs: Sequence[RunVerdict],
     ----------
     campaign : Campaign
     runs : sequence of RunVerdict
-        The first of them that caused the outcome is named.
+        The one that caused the outcome is named; of several open ones that which needs longest.
     coverage : Coverage or None
         Coverage of the runs together; None if there is no run.
 
@@ -140,7 +141,13 @@ def campaign_words(campaign: Campaign, runs: Sequence[RunVerdict],
         return f'{words}; {need}' if need else words
     blamed = {'a_run_indeterminate': Outcome.INDETERMINATE,
               'a_run_non_compliant': Outcome.NON_COMPLIANT}.get(campaign.reason)
-    for run in runs:
-        if run.outcome is blamed:
-            return f'{words} (run {run.run}: {explain(run)})'
-    return words
+    causes = [run for run in runs if run.outcome is blamed]
+    if not causes:
+        return words
+    cause = max(causes, key=_hours_needed)
+    return f'{words} (run {cause.run}: {explain(cause)})'
+
+
+def _hours_needed(run: RunVerdict) -> float:
+    hours = run.guarded.hours_needed
+    return math.inf if hours is None else hours

@@ -12,7 +12,7 @@ import pytest
 
 from heading_intercompare import analyze, Headings, Outcome, Settings
 from heading_intercompare.core.verdict.conclusion import explain
-from heading_intercompare.report.tables import GUARDED, RESULTS, rows_of
+from heading_intercompare.report.contents.tables import GUARDED, RESULTS, rows_of
 
 NORMS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
 
@@ -92,8 +92,8 @@ def test_no_figure_speaks_against_the_headline(kind, n, runs, settings, rng):
         upper = number(shown["its upper bound U, at the consumer's risk"])
         if run.outcome is Outcome.INDETERMINATE and run.reason == run.guarded.reason:
             assert upper is None or upper > run.guarded.acceptance_limit_deg2
-        factor = number(shown['duration needed to decide, times this one'])
-        hours = number(shown['duration needed to decide'])
+        factor = number(shown['length with which the run alone decides, times this one'])
+        hours = number(shown['length with which the run alone decides'])
         if run.outcome is not Outcome.INDETERMINATE:
             assert factor is hours is None
         else:
@@ -134,7 +134,8 @@ def test_a_short_sound_record_is_not_called_certain(rng):
     shown = cells(run)
     assert shown['confidence that the variance is at most A'] == '-'
     assert shown['conformance probability'] == '-'
-    assert float(shown['duration needed to decide']) == pytest.approx(600.0 / 3600.0, rel=1e-5)
+    hours = float(shown['length with which the run alone decides'])
+    assert hours == pytest.approx(600.0 / 3600.0, rel=1e-5)
 
 
 def test_a_length_of_an_earlier_version_that_is_shorter_than_the_run_is_not_shown(rng):
@@ -142,6 +143,6 @@ def test_a_length_of_an_earlier_version_that_is_shorter_than_the_run_is_not_show
     run = judged('good', 300, rng).runs[0]
     run = replace(run, guarded=replace(run.guarded, duration_factor=0.054, hours_needed=0.0045))
     shown = cells(run)
-    assert shown['duration needed to decide'] == '-'
-    assert shown['duration needed to decide, times this one'] == '-'
+    assert shown['length with which the run alone decides'] == '-'
+    assert shown['length with which the run alone decides, times this one'] == '-'
     assert explain(run).endswith('measure 10 min (0.17 h) in all')

@@ -14,8 +14,16 @@ from heading_intercompare.core.verdict.verdict_document import (
     LostReadings,
     RunVerdict,
 )
+from heading_intercompare.report.formatting import (
+    ABSENT,
+    bounds,
+    interval,
+    number,
+    rounded,
+    value,
+    with_uncertainty,
+)
 
-from .formatting import ABSENT, interval, number, value
 from .holding import (
     confidence_holds,
     is_sound,
@@ -24,10 +32,10 @@ from .holding import (
     upper_bound_holds,
 )
 
-__all__ = ['GUARDED', 'LEDGER', 'RESULTS', 'Row', 'rows_by_run', 'rows_of', 'SENSOR', 'Table',
-           'WORST']
+__all__ = ['GUARDED', 'LEDGER', 'RESULTS', 'Row', 'rows_by_run', 'rows_of', 'SENSOR', 'SUMMARY',
+           'Table', 'WORST']
 
-_COLUMNS = 5
+_COLUMNS = 4
 
 Thing = TypeVar('Thing')
 
@@ -111,6 +119,11 @@ RESULTS: tuple[Row[RunVerdict], ...] = (
     Row('first pair', 'UTC', lambda run: utc(run.start_ns)),
     Row('last pair', 'UTC', lambda run: utc(run.end_ns)),
     Row('duration', 's', lambda run: run.duration_s),
+    Row('length analysed', 's', lambda run: run.coverage.span_s),
+    Row('slowest errors covered, if the run decides', 's', lambda run: run.coverage.longest_s),
+    Row('slowest error stated', 's', lambda run: run.coverage.stated_s),
+    Row('least length of a run that may comply', 's',
+        lambda run: run.coverage.least_duration_s),
     Row('differences analysed, n', '1', lambda run: run.n),
     Row('mean difference', 'deg', lambda run: run.mean_deg),
     Row('minimum difference', 'deg', lambda run: run.min_deg),
@@ -149,6 +162,35 @@ RESULTS: tuple[Row[RunVerdict], ...] = (
     Row('GK (7): outcome', '', lambda run: run.total_error.outcome, is_sound),
 )
 
+SUMMARY: tuple[Row[RunVerdict], ...] = (
+    Row('outcome', '', lambda run: run.outcome),
+    Row('first pair', 'UTC', lambda run: utc(run.start_ns)),
+    Row('length analysed', 'h', lambda run: number(run.coverage.span_s / 3600.0, 4)),
+    Row('differences, n', '1', lambda run: run.n),
+    Row('independent differences they are worth', '1',
+        lambda run: rounded(run.guarded.nu, run.guarded.nu)),
+    Row('mean difference and its standard uncertainty', 'deg',
+        lambda run: with_uncertainty(run.mean_deg, run.guarded.bias_u_deg)),
+    Row('its 95 % interval', 'deg',
+        lambda run: bounds(*(run.guarded.bias_interval_deg or (None, None)))),
+    Row('standard deviation of the difference', 'deg', lambda run: number(run.std_deg, 3)),
+    Row('variance of the difference', 'deg²', lambda run: number(run.variance_deg2, 3)),
+    Row('its bounds at the stated risks', 'deg²',
+        lambda run: bounds(run.guarded.lower_bound_deg2, run.guarded.upper_bound_deg2),
+        upper_bound_holds),
+    Row('at most, to comply: A', 'deg²',
+        lambda run: number(run.guarded.acceptance_limit_deg2, 3)),
+    Row('above, not to comply: R', 'deg²',
+        lambda run: number(run.guarded.rejection_limit_deg2, 3)),
+    Row('standard deviation of the TS, bounds', 'deg',
+        lambda run: bounds(run.guarded.sigma_ts_lower_deg, run.guarded.sigma_ts_upper_deg),
+        upper_bound_holds),
+    Row('total TS error by GK (7)', 'deg',
+        lambda run: bounds(run.total_error.low_deg, run.total_error.up_deg), is_sound),
+    Row('differences beyond the limit, and allowed', '1',
+        lambda run: f'{run.count_criterion.n_plus} of {number(run.count_criterion.allowed, 4)}'),
+)
+
 GUARDED: tuple[Row[RunVerdict], ...] = (
     Row('outcome on the variance', '', lambda run: run.guarded.outcome, is_sound),
     Row('outcome on the counts', '', lambda run: run.guarded.count_outcome, is_sound),
@@ -183,10 +225,10 @@ GUARDED: tuple[Row[RunVerdict], ...] = (
         confidence_holds),
     Row('conformance probability', '1', lambda run: run.guarded.conformance_probability,
         probability_holds),
-    Row('duration needed to decide, times this one', '1',
+    Row('length with which the run alone decides, times this one', '1',
         lambda run: run.guarded.duration_factor,
         length_holds),
-    Row('duration needed to decide', 'h', lambda run: run.guarded.hours_needed,
+    Row('length with which the run alone decides', 'h', lambda run: run.guarded.hours_needed,
         length_holds),
     Row('mean difference: standard uncertainty', 'deg', lambda run: run.guarded.bias_u_deg),
     Row('mean difference: 95 % interval', 'deg',
@@ -216,6 +258,7 @@ SENSOR: tuple[Row[Together], ...] = (
     Row('runs with 128 differences or more', '1', lambda shared: shared.runs),
     Row('their differences', '1', lambda shared: shared.n),
     Row('their total duration', 's', lambda shared: shared.span_s),
+    Row('shortest time between two of them', 's', lambda shared: shared.apart_s),
     Row('mean variance, weighted', 'deg²', lambda shared: shared.d_hat_deg2),
     Row('effective degrees of freedom', '1', lambda shared: shared.nu),
     Row('degrees of freedom of the slow part', '1', lambda shared: shared.f),
@@ -236,11 +279,10 @@ def rows_of(rows: Sequence[Row[Thing]], thing: Thing) -> list[tuple[str, str, st
     return [(row.name, row.unit, row.cell(thing)) for row in rows]
 
 
-def rows_by_run(rows: Sequence[Row[Thing]], runs: Sequence[tuple[int, Thing]], *,
-                units: bool = True) -> list[Table]:
+def rows_by_run(rows: Sequence[Row[Thing]], runs: Sequence[tuple[int, Thing]]) -> list[Table]:
     """Return tables with one row per figure and one column per run, a few runs in each."""
-    return [Table(['', *(['unit'] if units else []), *(f'run {number}' for number, _ in some)],
-                  [[row.name, *([row.unit] if units else []),
-                    *(row.cell(thing) for _, thing in some)] for row in rows])
+    return [Table(['', 'unit', *(f'run {number}' for number, _ in some)],
+                  [[row.name, row.unit, *(row.cell(thing) for _, thing in some)]
+                   for row in rows])
             for some in (runs[first:first + _COLUMNS]
                          for first in range(0, len(runs), _COLUMNS))]
