@@ -93,7 +93,8 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = ()) -> str:
         findings=describe_findings(verdict.runs),
         notes=[(f'{utc(note.stamp_ns)} UTC', note.text, given.path)
                for given in verdict.inputs for note in given.notes or ()],
-        settings=[(name, exact(thing)) for name, thing in settings.to_mapping().items()])
+        settings=[(name, exact(thing)) for name, thing in settings.to_mapping().items()
+                  if not name.startswith('trial.')])
 
 
 def _compare_runs(verdict: Verdict) -> list[Table]:
