@@ -114,18 +114,26 @@ def _covered(verdict: Verdict) -> str:
     if verdict.outcome is Outcome.NON_COMPLIANT:
         return 'the sensor as it was: a norm that is broken is broken, however long the record'
     if verdict.outcome is Outcome.INDETERMINATE:
-        return 'nothing yet, because the verdict is open'
+        return 'nothing, because the verdict is open'
     return f'it holds {coverage.words}, and for the sea, place and manoeuvres of its runs'
 
 
 def _validity(runs: Sequence[RunVerdict]) -> str:
-    found = [(run, one) for run in runs for one in run.validity if one.effect in (VOID, DOUBTFUL)]
+    """Return the conditions that are violated, each with the runs in which it is."""
+    found: dict[tuple[str, str], list[tuple[int, str]]] = {}
+    for run in runs:
+        for one in run.validity:
+            if one.effect in (VOID, DOUBTFUL):
+                found.setdefault((one.effect, one.condition), []).append((run.run, one.words))
     if not found:
         return 'no condition of the comparison is violated' if runs else 'not examined'
-    several = len(runs) > 1
-    told = [f'{"run " + str(run.run) + ": " if several else ""}{one.effect.upper()}: {one.words}'
-            for run, one in found[:_MOST_RUNS]]
-    return '; '.join(told) + ('; and more' if len(found) > _MOST_RUNS else '')
+    told = []
+    for (effect, _), where in found.items():
+        first, words = where[0]
+        more = f' and {len(where) - 1} more' if len(where) > 1 else ''
+        told.append(f'{effect.upper()}: {words}'
+                    + (f' (run {first}{more})' if len(runs) > 1 else ''))
+    return '; '.join(told)
 
 
 def _why(verdict: Verdict) -> str:

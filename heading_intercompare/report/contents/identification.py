@@ -10,7 +10,7 @@ import json
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import SCHEMA, SCHEMA_VERSION, Verdict
-from heading_intercompare.report.formatting import number, value
+from heading_intercompare.report.formatting import ABSENT, number, value
 
 __all__ = ['identify', 'name_trial', 'span_of', 'verdict_id']
 
@@ -39,10 +39,11 @@ def name_trial(settings: Settings) -> str:
 
 
 def span_of(verdict: Verdict) -> str:
-    """Return the times of the first and the last pair."""
+    """Return the times of the first and the last pair, UTC; empty without a run."""
     runs = verdict.runs
-    return (f'{utc(min((run.start_ns for run in runs), default=None))} to '
-            f'{utc(max((run.end_ns for run in runs), default=None))}')
+    if not runs:
+        return ''
+    return f'{utc(min(run.start_ns for run in runs))} to {utc(max(run.end_ns for run in runs))}'
 
 
 def identify(verdict: Verdict) -> list[tuple[str, list[tuple[str, str]]]]:
@@ -55,7 +56,7 @@ def identify(verdict: Verdict) -> list[tuple[str, list[tuple[str, str]]]]:
             ('purpose', trial.purpose), ('laboratory', trial.laboratory),
             ('operator', trial.operator), ('ship', trial.ship),
             ('place or area', trial.place), ('latitudes [deg]', _latitudes(settings)),
-            ('first and last pair [UTC]', span_of(verdict)),
+            ('first and last pair [UTC]', span_of(verdict) or ABSENT),
             ('sea, weather, manoeuvres', trial.conditions)]),
         ('Sensors', [
             ('tested sensor (TS): maker', trial.ts_maker), ('TS: type', trial.ts_type),

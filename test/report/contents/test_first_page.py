@@ -35,7 +35,7 @@ def test_a_rejection_and_an_open_verdict_differ_in_sign_kind_and_words(made):
     assert (bad.kind, bad.sign) == ('non-compliant', '✗') and 'does not meet' in bad.means
     assert (short.kind, short.sign) == ('indeterminate', '?') and 'open' in short.means
     assert dict(short.facts)['why'].endswith('measure 10 min (0.17 h) in all')
-    assert dict(short.facts)['covers'] == 'nothing yet, because the verdict is open'
+    assert dict(short.facts)['covers'] == 'nothing, because the verdict is open'
     assert 'to be at most' not in dict(short.facts)['measured']
 
 
@@ -55,6 +55,9 @@ def test_a_doubt_stands_in_the_word(made):
     page = compose_first_page(replace(verdict, validity_effect='doubtful', runs=[run]))
     assert page.word == 'COMPLIANT, DOUBTFUL'
     assert dict(page.facts)['validity'] == 'DOUBTFUL: it creaks'
+    runs = [replace(run, run=number) for number in (1, 2, 3)]
+    told = facts(replace(verdict, validity_effect='doubtful', runs=runs))['validity']
+    assert told == 'DOUBTFUL: it creaks (run 1 and 2 more)'
 
 
 @pytest.mark.parametrize('runs, lines', [(2, 2), (8, 8), (9, 9)])
