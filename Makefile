@@ -64,7 +64,7 @@ test-pins: .venv-pins/.test
 release: test
 	@.ci/step 'nodes with the versions of Ubuntu 24.04' .venv-pins/bin/python $(TESTS) -m 'not slow' test/nodes
 	@.ci/step 'large fuzz' env HYPOTHESIS_PROFILE=release $(BIN)/python $(TESTS) test/bags test/nodes
-	@.ci/venv .venv ros,serial,report,terminal,fast,dask,docs,test,browser,dev,notebook
+	@.ci/venv .venv ros,serial,report,pdf,terminal,fast,dask,docs,test,browser,dev,notebook
 	@.ci/step 'notebooks' $(BIN)/jupyter execute examples/*.ipynb
 	@.ci/step 'soaks of 30 min, without faults and with' env HEADING_INTERCOMPARE_SOAK_S=1800 \
 		$(BIN)/python -m pytest test/nodes/test_soak.py test/nodes/test_soak_with_faults.py
@@ -88,7 +88,7 @@ format: .venv/.test
 	@touch $@
 
 .venv/.test: $(INSTALLED)
-	@.ci/venv .venv ros,serial,report,terminal,fast,dask,docs,test,browser,dev
+	@.ci/venv .venv ros,serial,report,pdf,terminal,fast,dask,docs,test,browser,dev
 	@touch $@ .venv/.demo
 
 .venv-pins/.test: $(INSTALLED) .ci/ubuntu-24.04.txt

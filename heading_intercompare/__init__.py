@@ -24,7 +24,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'core.pipeline': ('Compliance', 'Intercomparison', 'join'),
     'core.records': ('Differences', 'Headings', 'Pairs'),
     'core.settings': ('Alignment', 'CampaignRule', 'Detectors', 'Norms', 'Pairing', 'Risk',
-                      'RunCutting', 'Sequential', 'Settings', 'SettingsError'),
+                      'RunCutting', 'Sequential', 'Settings', 'SettingsError', 'Trial'),
     'core.verdict.verdict_document': ('RunVerdict', 'Verdict'),
 })
 __all__ += ['__version__']
@@ -62,5 +62,6 @@ if TYPE_CHECKING:
         Sequential as Sequential,
         Settings as Settings,
         SettingsError as SettingsError,
+        Trial as Trial,
     )
     from .core.verdict.verdict_document import RunVerdict as RunVerdict, Verdict as Verdict

@@ -43,7 +43,7 @@ ALLOWED = {
     'messages': Allowed({'core'}, {'numpy'}),
     'bags': Allowed({'core', 'messages', 'yaml_file'},
                     {'numpy', 'mcap', 'lz4', 'zstandard', 'isal'}),
-    'report': Allowed({'core'}, {'numpy', 'jinja2', 'matplotlib'}),
+    'report': Allowed({'core'}, {'numpy', 'jinja2', 'matplotlib', 'weasyprint'}),
     'logbook': Allowed({'core'}, {'numpy', 'scipy'}),
     'web': Allowed({'core', 'messages'}, {'numpy', 'nicegui', 'fastapi', 'uvicorn'}),
     'nodes': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'logbook', 'web'},
@@ -68,6 +68,8 @@ ORDER = {
              'sensors', 'simulator'),
     'bags': ('errors', 'checked_text', 'settings', 'mcap', 'parallel', 'rosbag2',
              'recording', 'recovery', 'csv'),
+    'report': ('series_sketch', 'formatting', 'plots', 'graphs', 'contents', 'json',
+               'json_schema', 'html', 'pdf'),
     'web': ('wording', 'figures', 'bridge_records', 'verdict_lamp', 'bridge_view',
             'controls', 'guard', 'palettes', 'trend_picture', 'page_texts', 'page', 'server'),
     'nodes': ('settings', 'ros', 'runtime', 'taking', 'alarms', 'judging', 'synchronizer',
@@ -78,7 +80,8 @@ ORDER = {
 
 # The libraries of each extra, and the only modules that may load them.
 LOADED_BY = {
-    'jinja2': {'report/html'}, 'matplotlib': {'report/graphs', 'report/plots'},
+    'jinja2': {'report/html'}, 'weasyprint': {'report/pdf'},
+    'matplotlib': {'report/graphs', 'report/plots'},
     'distributed': {'app/cluster'}, 'argcomplete': {'cli/completion'},
     'rich': {'cli/terminal/console', 'cli/terminal/progress'},
     'nicegui': {'web/page', 'web/server'}, 'fastapi': {'web/server'}, 'uvicorn': {'web/server'},

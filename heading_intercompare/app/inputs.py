@@ -246,12 +246,18 @@ class _Resumed:
         self._progress(f'{self._n:,} pairs')
 
 
+def _leave_out_names(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return settings without the names of the trial, which change no figure."""
+    return {name: value for name, value in given.items() if not name.startswith('trial.')}
+
+
 def _analyze_journal(contents: JournalContents, origin: JournalOrigin, path: str, name: str,
                      settings: Settings, runs: Sequence[tuple[int, int]] | None,
                      takers: Sequence[Callable[[Pairs], None]],
                      progress: Callable[[str], None]) -> _Found:
     compliance = Compliance(settings, source=name, table=runs)
-    others = compare_settings(origin.settings, leave_out_added(settings.to_mapping()))
+    others = compare_settings(*map(_leave_out_names, (
+        origin.settings or {}, leave_out_added(settings.to_mapping()))))
     whole = runs is None and not others
     reader = JournalReader(Path(path))
     state = reader.read(contents, _Resumed(compliance, whole, runs is not None, takers, progress))

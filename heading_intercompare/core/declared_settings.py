@@ -39,7 +39,11 @@ _GONE = {
 """Settings of earlier versions, and what to do instead."""
 
 _ADDED: dict[str, Any] = {'pairing.jump_s': 10.0, 'runs.every_h': None, 'runs.cut_at_utc': None,
-                          'runs.keep': 31}
+                          'runs.keep': 31, 'trial.latitude_min_deg': None,
+                          'trial.latitude_max_deg': None, **{f'trial.{name}': '' for name in (
+                              'protocol_number', 'customer', 'purpose', 'ship', 'place',
+                              'conditions', 'laboratory', 'operator', 'ts_maker', 'ts_type',
+                              'ts_serial', 'rs_maker', 'rs_type', 'rs_serial', 'rs_evidence')}}
 """Settings added since version 2.1 of the JSON, with the value that changes nothing."""
 
 

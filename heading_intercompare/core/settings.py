@@ -32,7 +32,7 @@ from .declared_settings import (
 __all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown', 'flatten',
            'from_mapping', 'leave_out_added', 'leave_out_gone', 'list_settings', 'Norms',
            'Pairing', 'Risk', 'RunCutting', 'Sequential', 'Setting', 'setting', 'Settings',
-           'settings_sha256', 'SettingsError', 'to_mapping']
+           'settings_sha256', 'SettingsError', 'to_mapping', 'Trial']
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,6 +229,40 @@ class Detectors(Checked):
 
 
 @dataclass(frozen=True, slots=True)
+class Trial(Checked):
+    """Whose trial it is: names for the protocol, empty if unknown; they change no figure."""
+
+    protocol_number: str = setting('', 'number of the protocol or of the order')
+    customer: str = setting('', 'who asked for the trial')
+    purpose: str = setting('', 'purpose of the trial, such as type approval or service')
+    ship: str = setting('', 'name of the ship, with its IMO number')
+    place: str = setting('', 'sea area or port of the trial')
+    latitude_min_deg: float | None = setting(
+        None, 'southernmost latitude of the trial, north positive [deg]', -90.0, 90.0)
+    latitude_max_deg: float | None = setting(
+        None, 'northernmost latitude of the trial, north positive [deg]', -90.0, 90.0)
+    conditions: str = setting('', 'sea state, weather and manoeuvres of the trial')
+    laboratory: str = setting('', 'who measures and evaluates: laboratory, address')
+    operator: str = setting('', 'who operated the sensors and the recording')
+    ts_maker: str = setting('', 'maker of the TS')
+    ts_type: str = setting('', 'type of the TS')
+    ts_serial: str = setting('', 'serial number of the TS')
+    rs_maker: str = setting('', 'maker of the RS')
+    rs_type: str = setting('', 'type of the RS')
+    rs_serial: str = setting('', 'serial number of the RS')
+    rs_evidence: str = setting(
+        '', 'proof that the RS meets its norm: certificate or service log, with its date')
+
+    def __post_init__(self) -> None:
+        """Check the ranges and the order of the latitudes."""
+        Checked.__post_init__(self)
+        low, high = self.latitude_min_deg, self.latitude_max_deg
+        if low is not None and high is not None and low > high:
+            raise SettingsError(f'trial.latitude_min_deg = {low!r}: must not exceed '
+                                f'trial.latitude_max_deg = {high!r}')
+
+
+@dataclass(frozen=True, slots=True)
 class Settings(Checked):
     """All settings of the analysis, the same for nodes, command line and scripts."""
 
@@ -259,6 +293,7 @@ class Settings(Checked):
     campaign: CampaignRule = field(default_factory=CampaignRule)
     window_s: float = setting(600.0, 'length of the rolling window [s]', 1.0)
     detectors: Detectors = field(default_factory=Detectors)
+    trial: Trial = field(default_factory=Trial)
 
     def __post_init__(self) -> None:
         """Check single settings, and combinations that exclude each other."""

@@ -21,7 +21,12 @@ def _write_html(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSke
     html.write(verdict, path, sketches)
 
 
-WRITERS = {'.html': _write_html, '.json': json.write}
+def _write_pdf(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch]) -> None:
+    from . import pdf
+    pdf.write(verdict, path, sketches)
+
+
+WRITERS = {'.html': _write_html, '.json': json.write, '.pdf': _write_pdf}
 
 
 def check_form(path: str | Path) -> None:
@@ -36,9 +41,10 @@ def check_form(path: str | Path) -> None:
 
     """
     path = Path(path)
-    if path.suffix.lower() not in WRITERS:
+    form = path.suffix.lower()
+    if form not in WRITERS:
         raise ValueError(f'{path}: a report must end in {" or ".join(WRITERS)}')
-    if path.suffix.lower() == '.html':
+    if form in ('.html', '.pdf'):
         try:
             from . import html  # noqa: F401
         except ImportError as error:
@@ -46,6 +52,17 @@ def check_form(path: str | Path) -> None:
                 f'{path}: the protocol needs Jinja2 and matplotlib: pip install '
                 "'heading_intercompare[report]' (or apt: python3-jinja2 python3-matplotlib); "
                 f'{path.with_suffix(".json")} needs neither [{error}]') from error
+    if form == '.pdf':
+        try:
+            from . import pdf  # noqa: F401
+        except (ImportError, OSError) as error:
+            # An OSError names a library of the system that is missing.
+            reason = ' '.join(str(error).split())[:160]
+            raise ValueError(
+                f"{path}: a PDF needs WeasyPrint: pip install 'heading_intercompare[pdf]' (or "
+                'apt: weasyprint), and Pango (apt: libpango-1.0-0 libpangoft2-1.0-0); '
+                f'{path.with_suffix(".html")} needs neither, and a browser prints it '
+                f'[{reason}]') from error
 
 
 def write(verdict: Verdict, path: str | Path,

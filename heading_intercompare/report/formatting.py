@@ -11,11 +11,13 @@ from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.verdict.typed_reader import make_plain
 from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS
 
-__all__ = ['ABSENT', 'exact', 'flatten', 'interval', 'number', 'outcome', 'value']
+__all__ = ['ABSENT', 'bounds', 'exact', 'flatten', 'interval', 'number', 'outcome', 'rounded',
+           'value', 'with_uncertainty']
 
 ABSENT = '-'
 
 _LONGEST_LIST = 12
+_LARGE = 1e9
 
 
 def number(figure: float | int | None, digits: int = 6) -> str:
@@ -24,21 +26,78 @@ def number(figure: float | int | None, digits: int = 6) -> str:
 
     Examples
     --------
-    >>> number(0.0123456789), number(7200), number(None), number(float('nan'))
-    ('0.0123457', '7200', '-', '-')
+    >>> number(0.0123456789), number(7200), number(None), number(93521.4, 4)
+    ('0.0123457', '7200', '-', '93520')
 
     """
     if figure is None or isinstance(figure, float) and not math.isfinite(figure):
         return ABSENT
     if isinstance(figure, int):
         return str(figure)
-    return f'{figure:.{digits}g}'
+    text = f'{figure:.{digits}g}'
+    return f'{float(text):.0f}' if 'e+' in text and abs(figure) < _LARGE else text
 
 
 def interval(low: float | None, up: float | None) -> str:
     """Return the two ends of an interval as text."""
     return f'{number(low)} .. {number(up)}' if (low, up) != (None, None) else ABSENT
 
+
+def rounded(figure: float | None, u: float | None) -> str:
+    """
+    Return a figure rounded to the second significant digit of its uncertainty.
+
+    Parameters
+    ----------
+    figure, u : float or None
+        Without an uncertainty above 0 the figure has four significant digits.
+
+    Examples
+    --------
+    >>> rounded(0.0061837, 0.021349), rounded(1.2, 0.04), rounded(1234.5, 167.0)
+    ('0.006', '1.200', '1230')
+
+    """
+    if figure is None or not math.isfinite(figure):
+        return ABSENT
+    if u is None or not math.isfinite(u) or u <= 0.0:
+        return number(figure, 4)
+    # Rounding may carry: 0.0996 is 0.10.
+    places = 1 - int(f'{u:.1e}'.partition('e')[2])
+    # Zero has no sign.
+    return f'{round(figure, places) + 0.0:.{max(0, places)}f}'
+
+
+def with_uncertainty(figure: float | None, u: float | None) -> str:
+    """
+    Return a figure and its standard uncertainty, both to its second significant digit.
+
+    Examples
+    --------
+    >>> with_uncertainty(0.0061837, 0.021349), with_uncertainty(1.2, 0.04)
+    ('0.006 ± 0.021', '1.200 ± 0.040')
+    >>> with_uncertainty(0.5, None), with_uncertainty(None, 0.1)
+    ('0.5', '-')
+
+    """
+    shown = rounded(figure, u)
+    if shown == ABSENT or u is None or not math.isfinite(u) or u <= 0.0:
+        return shown
+    return f'{shown} ± {rounded(u, u)}'
+
+
+def bounds(low: float | None, up: float | None) -> str:
+    """
+    Return the ends of an interval, rounded to the second digit of half its width.
+
+    Examples
+    --------
+    >>> bounds(0.072718, 0.130505), bounds(1.0, None)
+    ('0.073 to 0.131', '1 to -')
+
+    """
+    half = None if low is None or up is None else 0.5 * (up - low)
+    return f'{rounded(low, half)} to {rounded(up, half)}' if (low, up) != (None, None) else ABSENT
 
 def outcome(found: Outcome | None) -> str:
     """Return the words of an outcome."""

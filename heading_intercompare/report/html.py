@@ -5,47 +5,48 @@
 from __future__ import annotations
 
 from functools import cache, partial
-from operator import methodcaller
 from pathlib import Path
 import re
 from typing import Any, Mapping, Sequence
 
 import jinja2
 
+from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.utc_text import utc
-from heading_intercompare.core.verdict.verdict_document import SCHEMA, SCHEMA_VERSION, Verdict
+from heading_intercompare.core.verdict.validity import VOID
+from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.core.verdict.vocabulary import (
-    CAMPAIGN_WORDS,
     CONDITION_WORDS,
     EFFECT_WORDS,
     NO_RUN,
-    REASON_WORDS,
     STATE_WORDS,
 )
 
-from .decision_rule import describe_norms, describe_uncertainty, state_conformity
-from .formatting import exact, flatten, outcome, value
-from .graphs import draw_graphs
-from .series_sketch import SeriesSketch
-from .tables import (
+from .contents.decision_rule import describe_norms, describe_uncertainty, state_conformity
+from .contents.findings import describe_findings, HOMOGENEITY, rows_of_block
+from .contents.first_page import compose_first_page
+from .contents.identification import identify, name_trial, span_of, verdict_id
+from .contents.tables import (
     GUARDED,
     LEDGER,
     RESULTS,
-    Row,
     rows_by_run,
     rows_of,
     SENSOR,
+    SUMMARY,
     Table,
     WORST,
 )
+from .contents.uncertainty_budget import budget_of
+from .formatting import exact, flatten, value
+from .graphs import draw_graphs
+from .series_sketch import SeriesSketch
 
 __all__ = ['render', 'write']
 
-_FINDINGS = ('skew', 'drift', 'heading_dependence', 'normality', 'stationarity', 'correlation',
-             'allan')
-
 #: Characters that HTML or UTF-8 cannot hold: control characters, undecodable bytes of a file name.
 _UNPRINTABLE = re.compile('[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]')
+_LONGEST_HEAD = 80
 
 
 def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] = ()) -> None:
@@ -73,34 +74,60 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = ()) -> str:
 
     """
     runs = [(run.run, run) for run in verdict.runs]
-    campaign = verdict.campaign
-    homogeneity = [(f'homogeneity: {name}', '', value(thing))
-                   for name, thing in flatten(campaign.homogeneity)]
+    campaign, settings = verdict.campaign, verdict.settings
+    drawn = [(sketch.source, sketch.n_invalid, list(draw_graphs(sketch, verdict, f'input{k}')))
+             for k, sketch in enumerate(sketches, 1)]
+    by_sensor = campaign.rule == 'sensor' and verdict.validity_effect != VOID
+    running = name_trial(settings)
     return _load_template().render(
-        verdict=verdict, no_run=NO_RUN, schema=f'{SCHEMA}, version {SCHEMA_VERSION}',
-        span=f'{utc(min((run.start_ns for _, run in runs), default=None))} .. '
-             f'{utc(max((run.end_ns for _, run in runs), default=None))}',
-        norms=describe_norms(verdict.settings), statement=state_conformity(verdict),
-        ledger=rows_by_run(LEDGER, runs), results=rows_by_run(RESULTS, runs),
-        worst=[*rows_of(WORST, campaign), *homogeneity],
-        shared=rows_of(SENSOR, campaign.sensor) if campaign.sensor is not None else [],
-        guarded=rows_by_run(GUARDED, runs), uncertainty=describe_uncertainty(verdict),
-        drawn=[(sketch.source, sketch.n_invalid, list(draw_graphs(sketch, verdict, f'input{k}')))
-               for k, sketch in enumerate(sketches, 1)],
-        findings=_find(verdict),
+        verdict=verdict, no_run=NO_RUN, id=verdict_id(verdict), span=span_of(verdict),
+        running=running if len(running) <= _LONGEST_HEAD else f'{running[:_LONGEST_HEAD]}...',
+        first=compose_first_page(verdict), shows=_pick_graph(verdict, sketches, drawn),
+        identification=identify(verdict), norms=describe_norms(settings),
+        statement=state_conformity(verdict), ledger=rows_by_run(LEDGER, runs),
+        summary=rows_by_run(SUMMARY, runs), results=rows_by_run(RESULTS, runs),
+        worst=rows_of(WORST, campaign), homogeneity=_compare_runs(verdict),
+        shared=rows_of(SENSOR, campaign.sensor) if campaign.sensor and by_sensor else [],
+        guarded=rows_by_run(GUARDED, runs), uncertainty=describe_uncertainty(settings),
+        budgets=[(run.run, budget_of(run, settings)) for run in verdict.runs], drawn=drawn,
+        findings=describe_findings(verdict.runs),
         notes=[(f'{utc(note.stamp_ns)} UTC', note.text, given.path)
                for given in verdict.inputs for note in given.notes or ()],
-        settings=[(name, exact(thing)) for name, thing in verdict.settings.to_mapping().items()])
+        settings=[(name, exact(thing)) for name, thing in settings.to_mapping().items()
+                  if not name.startswith('trial.')])
 
 
-def _find(verdict: Verdict) -> list[Table]:
-    """Return the further findings of each run, under their names in the JSON."""
-    found = [{f'{block}.{name}': thing for block in _FINDINGS
-              for name, thing in flatten(getattr(run, block))} for run in verdict.runs]
-    rows = [Row(name, '', methodcaller('get', name))
-            for name in dict.fromkeys(name for names in found for name in names)]
-    runs = [(run.run, names) for names, run in zip(found, verdict.runs)]
-    return rows_by_run(rows, runs, units=False) if rows else []
+def _compare_runs(verdict: Verdict) -> list[Table]:
+    """Return the table that compares the runs with each other; none for a single run."""
+    if len(verdict.runs) < 2:
+        return []
+    return rows_of_block(HOMOGENEITY, [(0, dict(flatten(verdict.campaign.homogeneity)))])
+
+
+def _pick_graph(verdict: Verdict, sketches: Sequence[SeriesSketch],
+                drawn: Sequence[tuple[str, int, list[str]]]) -> str | None:
+    """Return the graph of the differences in time of the run with the largest variance."""
+    there = [(sketch, graphs[0]) for sketch, (_, _, graphs) in zip(sketches, drawn) if graphs]
+    worst = next((run for run in verdict.runs
+                  if run.run == verdict.campaign.worst_variance_run), None)
+    if worst is not None:
+        begun = [(sketch.time.start_ns, graph) for sketch, graph in there
+                 if sketch.source == worst.source and sketch.time.start_ns is not None
+                 and sketch.time.start_ns <= worst.end_ns]
+        if begun:
+            return max(begun, key=lambda one: one[0])[1]
+    return there[0][1] if there else None
+
+
+def _rows_of_looks(looks: Sequence[LookVerdict]) -> list[tuple[str, str, str]]:
+    """Return number, time and headline of each look."""
+    return [(f'{look.look} of {look.looks}', value(look.span_s), look.headline) for look in looks]
+
+
+def _quote_css(text: str) -> str:
+    """Return a text for a string of CSS; everything but letters and digits is escaped."""
+    return ''.join(c if c.isascii() and c.isalnum() else f'\\{ord(c):x} '
+                   for c in _UNPRINTABLE.sub('\ufffd', text))
 
 
 @cache
@@ -111,8 +138,8 @@ def _load_template() -> jinja2.Template:
         undefined=jinja2.StrictUndefined, finalize=_show, trim_blocks=True, lstrip_blocks=True,
         keep_trailing_newline=True, auto_reload=False)
     environment.filters |= {
-        'value': value, 'outcome': outcome, 'campaign_words': partial(_say, CAMPAIGN_WORDS),
-        'reason_words': partial(_say, REASON_WORDS), 'state_words': partial(_say, STATE_WORDS),
+        'value': value, 'css': _quote_css, 'looks': _rows_of_looks,
+        'state_words': partial(_say, STATE_WORDS),
         'effect_words': partial(_say, EFFECT_WORDS),
         'condition_words': partial(_say, CONDITION_WORDS)}
     return environment.get_template('protocol.html')

@@ -93,6 +93,14 @@ def test_other_settings_judge_the_pairs_and_leave_out_the_runs_judged_before(tmp
                        'judge them again')
 
 
+def test_the_names_of_a_trial_may_be_given_after_it(tmp_path):
+    path = tmp_path / 'trial.journal'
+    write_journal(path, some_pairs(4000, gap_at=1500))
+    judged = judge(path, 'trial.ship=MV Example', 'trial.ts_serial=12').verdict
+    assert len(judged.runs) == 2 and judged.settings.trial.ship == 'MV Example'
+    assert not any('other settings' in line for line in judged.inputs[0].ledger_problems)
+
+
 def test_other_settings_respect_the_marks_that_were_set_before(tmp_path):
     """Pairs after a stop mark belong to no run, although the run that it ended is not judged."""
     path, stop = tmp_path / 'trial.journal', [(500, 'start'), (3000, 'stop')]

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.process
 
 #: The modules that the extras install, and some of their dependencies.
 EXTRAS = ('jinja2', 'markupsafe', 'matplotlib', 'rich', 'argcomplete', 'serial', 'isal',
-          'distributed', 'dask', 'threadpoolctl', 'pandas')
+          'distributed', 'dask', 'threadpoolctl', 'pandas', 'weasyprint')
 ROS = ('rclpy', 'sensor_msgs', 'std_msgs', 'geometry_msgs', 'nav_msgs', 'std_srvs',
        'diagnostic_msgs', 'rosgraph_msgs', 'rcl_interfaces', 'builtin_interfaces')
 
@@ -92,7 +92,8 @@ REFUSED = {
                 (('pairs.csv', *NORMS, '--dask', 'tcp://127.0.0.1:1'),
                  'install heading_intercompare[dask]')],
     'report': [(('pairs.csv', *NORMS, '-o', 'x.html'), 'x.html: the protocol needs Jinja2'),
-               (('v.json', '-o', 'x.html'), 'x.html: the protocol needs Jinja2')],
+               (('v.json', '-o', 'x.html'), 'x.html: the protocol needs Jinja2'),
+               (('v.json', '-o', 'x.pdf'), 'x.pdf: the protocol needs Jinja2')],
     'history': [(('l.sqlite', '--html', 'x.html'), 'x.html: the protocol needs Jinja2')],
     'demo': [((), 'needs ROS 2 (no module ')],
     'live': [(('--config', 'live.yaml', '--quiet'), 'needs ROS 2 (no module ')],
@@ -123,6 +124,14 @@ def test_a_command_that_needs_an_extra_says_which_in_one_line(command, arguments
     assert ended.stdout == '' and ended.stderr.count('\n') == 1
     assert words in ended.stderr
     assert not (place / 'x.html').exists()
+
+
+def test_a_pdf_is_refused_with_what_to_install_if_only_its_library_is_missing(place):
+    ended = done(place, 'report', 'nowhere.csv', *NORMS, '-o', 'x.pdf', absent=('weasyprint',))
+    assert ended.returncode == 2 and ended.stdout == '' and ended.stderr.count('\n') == 1
+    for words in ("pip install 'heading_intercompare[pdf]'", 'libpango-1.0-0 libpangoft2-1.0-0',
+                  'x.html needs neither'):
+        assert words in ended.stderr
 
 
 def test_the_protocol_is_refused_before_any_work_with_what_to_do(place):

@@ -71,6 +71,14 @@ def test_the_protocol_fits_its_window_and_asks_nobody_for_anything(browser, page
     assert found['sections'] >= 10
 
 
+def test_the_browser_has_nothing_to_complain_about(browser, page, tmp_path):
+    done = subprocess.run(
+        [browser, *QUIET, f'--user-data-dir={tmp_path / "profile"}', '--enable-logging=stderr',
+         '--v=0', '--dump-dom', page.as_uri()], capture_output=True, text=True, timeout=120,
+        check=True)
+    assert 'CONSOLE' not in done.stderr
+
+
 def test_the_protocol_prints(browser, page, tmp_path):
     target = tmp_path / 'protocol.pdf'
     run(browser, tmp_path, '--no-pdf-header-footer', f'--print-to-pdf={target}', page.as_uri())

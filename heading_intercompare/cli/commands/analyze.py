@@ -86,7 +86,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         'run, which brings its settings; or two logs of NMEA sentences, first '
                         'that of the tested, then that of the reference sensor')
     add_analysis_arguments(parser)
-    parser.add_argument('--report', metavar='F.html', help='write the protocol, with plots')
+    parser.add_argument('--report', metavar='F',
+                        help='write the protocol, with plots: F.html or F.pdf')
     add_verdict_arguments(parser)
 
 

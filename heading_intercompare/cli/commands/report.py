@@ -25,8 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='.mcap file, rosbag2 directory, .csv of pairs or .journal; two '
                         'logs, first that of the TS, then that of the RS; or one '
                         '.json written by analyze --json or a node, which is not judged again')
-    parser.add_argument('-o', '--output', dest='report', metavar='F.html', required=True,
-                        help='the protocol')
+    parser.add_argument('-o', '--output', dest='report', metavar='F', required=True,
+                        help='the protocol: F.html, or F.pdf with the extra pdf')
     analyze.add_analysis_arguments(parser)
     analyze.add_verdict_arguments(parser)
 

@@ -47,10 +47,9 @@ CAMPAIGN_REASONS = {
         'the common variance of the runs is within the acceptance limit, at the stated risk',
     'total_error_not_within_norm': 'the total error of a run is not shown to be within its norm',
     'slow_errors_not_resolved':
-        'the errors have a slow part that these runs cannot measure: measure longer, or in at '
-        'least five runs',
+        'the errors have a slow part that these runs cannot measure',
     'reference_limited': 'only better knowledge of sigma_ref can decide, not more data',
-    'data_limited': 'more data can decide',
+    'data_limited': 'the bounds of the common variance are too wide',
 }
 """Reasons for the outcome of a campaign: code and words."""
 

@@ -41,12 +41,11 @@ REASONS = {
     'upper_bound_within_acceptance_limit':
         'the variance is within the acceptance limit, at the stated risk',
     'slow_errors_not_resolved':
-        'the errors have a slow part that this record cannot measure: measure longer',
+        'the errors have a slow part that this record cannot measure',
     'drift_left_in':
-        'the drift, which is not removed, may break the norm by itself: measure longer, or remove '
-        'it (drift_order)',
+        'the drift, which is not removed, may break the norm by itself',
     'reference_limited': 'only better knowledge of sigma_ref can decide, not more data',
-    'data_limited': 'more data can decide',
+    'data_limited': 'the bounds of the variance are too wide',
 }
 """Reasons for the decision on the variance: code and words."""
 
@@ -245,6 +244,9 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
     factor = duration_factor(found, accept, reject, risk.alpha_consumer, producer)
     if lower <= reject and evidence.span_s > 0.0:
         factor = max(factor, least_s / evidence.span_s)
+    if reason == 'drift_left_in':
+        # If everything stays as it is, a longer run drifts further.
+        factor = math.inf
     bias_u_deg = math.sqrt(found.mean_variance_deg2 + evidence.offset_u_deg ** 2)
     half_deg = -float(scipy.special.stdtrit(MEAN_DOF, 0.025)) * bias_u_deg
     low_bias_deg, up_bias_deg = evidence.mean_deg - half_deg, evidence.mean_deg + half_deg

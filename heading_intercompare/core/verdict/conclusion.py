@@ -4,18 +4,25 @@
 
 from __future__ import annotations
 
-from typing import Sequence
+import math
+from typing import Sequence, TYPE_CHECKING
 
 from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
 from heading_intercompare.core.decision.gk import Printed
 from heading_intercompare.core.decision.guarded import Guarded, REASONS
+from heading_intercompare.core.decision.needed_length import describe_need, describe_need_together
 from heading_intercompare.core.decision.sequential import find_rejection, LookVerdict
 from heading_intercompare.core.outcome import Outcome
 
 from .validity import DOUBTFUL, Finding, gravest, VOID, VOID_REASONS, worst_effect
 
-__all__ = ['ALL_REASONS', 'campaign_words', 'conclude', 'effect_with_looks', 'with_findings',
-           'with_looks']
+if TYPE_CHECKING:
+    from heading_intercompare.core.decision.coverage import Coverage
+
+    from .verdict_document import Campaign, RunVerdict
+
+__all__ = ['ALL_REASONS', 'campaign_words', 'conclude', 'effect_with_looks', 'explain',
+           'with_findings', 'with_looks']
 
 ALL_REASONS = {
     **REASONS,
@@ -87,28 +94,60 @@ def effect_with_looks(findings: Sequence[Finding], reason: str,
     return gravest((at_end, decided.validity_effect))
 
 
-def campaign_words(reason: str, runs: Sequence[tuple[int, Outcome, str]]) -> str:
+def explain(run: RunVerdict, reason: str | None = None) -> str:
     """
-    Return the reason of a campaign in words, with that of the first run that caused it.
+    Return why the outcome of a run is as it is, and what would decide it.
 
     Parameters
     ----------
-    reason : str
-        A key of `CAMPAIGN_REASONS`.
-    runs : sequence of (int, Outcome, str)
-        Number, outcome and reason of each run.
+    run : RunVerdict
+    reason : str, optional
+        A reason to explain instead of that of the run.
 
-    Examples
-    --------
-    >>> campaign_words('a_run_indeterminate', [(1, Outcome.COMPLIANT, ''),
-    ...                                        (2, Outcome.INDETERMINATE, 'data_limited')])
-    'not every run complies, and none is rejected (run 2: more data can decide)'
+    Returns
+    -------
+    str
+        The reason in words. If the run is open, also the length of a run that would decide, or
+        why no length does. A reason that is unknown, perhaps from a later version, as it is.
 
     """
-    words = CAMPAIGN_REASONS[reason]
+    reason = run.reason if reason is None else reason
+    words = ALL_REASONS.get(reason, reason)
+    line = run.drift.line
+    interval = None if line is None else line.interval_deg_per_h
+    need = describe_need(
+        reason, run.guarded, run.coverage, n=run.n, drift_left_deg2=run.drift.left_deg2,
+        drifts=None if interval is None else not interval[0] <= 0.0 <= interval[1])
+    return f'{words}; {need}' if need else words
+
+
+def campaign_words(campaign: Campaign, runs: Sequence[RunVerdict],
+                   coverage: Coverage | None) -> str:
+    """
+    Return why the outcome of several runs is as it is, and what would decide it.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    runs : sequence of RunVerdict
+        The one that caused the outcome is named; of several open ones that which needs longest.
+    coverage : Coverage or None
+        Coverage of the runs together; None if there is no run.
+
+    """
+    words = CAMPAIGN_REASONS.get(campaign.reason, campaign.reason)
+    if campaign.rule == 'sensor':
+        need = describe_need_together(campaign.reason, campaign.sensor, coverage)
+        return f'{words}; {need}' if need else words
     blamed = {'a_run_indeterminate': Outcome.INDETERMINATE,
-              'a_run_non_compliant': Outcome.NON_COMPLIANT}.get(reason)
-    for number, outcome, why in runs:
-        if outcome is blamed:
-            return f'{words} (run {number}: {ALL_REASONS[why]})'
-    return words
+              'a_run_non_compliant': Outcome.NON_COMPLIANT}.get(campaign.reason)
+    causes = [run for run in runs if run.outcome is blamed]
+    if not causes:
+        return words
+    cause = max(causes, key=_hours_needed)
+    return f'{words} (run {cause.run}: {explain(cause)})'
+
+
+def _hours_needed(run: RunVerdict) -> float:
+    hours = run.guarded.hours_needed
+    return math.inf if hours is None else hours

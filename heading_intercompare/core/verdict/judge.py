@@ -41,7 +41,7 @@ from heading_intercompare.core.statistics.ergodicity import (
     RunFigures,
 )
 
-from .conclusion import ALL_REASONS, conclude, effect_with_looks, with_findings, with_looks
+from .conclusion import conclude, effect_with_looks, explain, with_findings, with_looks
 from .headline import add_looks, compose_headline
 from .losses import find_losses
 from .prepare import HIGHEST_ORDER_REMOVED, prepare_run, PreparedRun
@@ -122,7 +122,8 @@ def _conclude(verdict: RunVerdict, alone: tuple[Outcome, str],
     """Return a verdict with outcome and headline after findings and looks."""
     at_end = with_findings(*alone, findings)
     outcome, reason = with_looks(*at_end, verdict.looks)
-    line = compose_headline(at_end[0], findings, verdict.coverage, ALL_REASONS[at_end[1]])
+    line = compose_headline(at_end[0], findings, verdict.coverage,
+                            explain(verdict, at_end[1]))
     return replace(verdict, outcome=outcome, reason=reason, validity=tuple(findings),
                    validity_effect=effect_with_looks(findings, reason, verdict.looks),
                    headline=add_looks(line, outcome, reason, verdict.looks))

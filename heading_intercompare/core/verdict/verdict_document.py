@@ -362,7 +362,7 @@ class Verdict:
         else:
             findings = [replace(f, words=f'run {r.run}: {f.words}')
                         for r in runs for f in r.validity]
-            why = campaign_words(campaign.reason, [(r.run, r.outcome, r.reason) for r in runs])
+            why = campaign_words(campaign, runs, coverage)
             line = compose_headline(outcome, findings, coverage, why)
         problems = tuple(f'{given.path}: {problem}' for given in inputs
                          for problem in given.ledger_problems or ())

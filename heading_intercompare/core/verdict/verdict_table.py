@@ -10,9 +10,10 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 
 from heading_intercompare.core.utc_text import utc
 
+from .conclusion import explain
 from .validity import DOUBTFUL, VOID
 from .verdict_document import RunVerdict, Verdict
-from .vocabulary import CAMPAIGN_WORDS, EFFECT_WORDS, NO_RUN, OUTCOME_WORDS, REASON_WORDS
+from .vocabulary import CAMPAIGN_WORDS, EFFECT_WORDS, NO_RUN, OUTCOME_WORDS
 
 __all__ = ['describe_together', 'head_lines', 'summary_text', 'verdict_html', 'verdict_text']
 
@@ -117,7 +118,7 @@ def _reasons(verdict: Verdict) -> Iterator[tuple[str, list[str]]]:
         found += [f'look {look.look} of {look.looks} at {look.span_s:.0f} s: {look.headline}'
                   for look in run.looks]
         found += [f'warning: {warning}' for warning in run.warnings]
-        yield f'run {run.run}{of}: {REASON_WORDS.get(run.reason, run.reason)}', found
+        yield f'run {run.run}{of}: {explain(run)}', found
     if verdict.ledger_problems:
         yield 'the ledger is not complete:', list(verdict.ledger_problems)
     missing = [f'not judged: {given.path}: {given.why_no_run}' for given in verdict.inputs

@@ -151,7 +151,8 @@ def test_the_headline_names_the_run_that_keeps_it_open(rng):
     ts, rs = inputs(rng, [0.2, 0.2])
     found = analyze([ts[0], ts[1][:1]], rs, settings())
     assert found.headline == ('INDETERMINATE: not every run complies, and none is rejected (run '
-                              '2: fewer than 128 differences, or too unevenly spread in time)')
+                              '2: fewer than 128 differences, or too unevenly spread in time; '
+                              'measure at least 128 differences)')
 
 
 def test_a_total_error_out_of_its_norm_keeps_the_sensor_open(rng):

@@ -6,14 +6,12 @@ from __future__ import annotations
 
 from typing import Sequence
 
-from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.norm_presets import PRESETS, sigma_max_deg
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Pairing, Settings
-from heading_intercompare.core.verdict.validity import is_doubtful
+from heading_intercompare.core.verdict.validity import is_doubtful, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
-
-from .formatting import interval, number, outcome, value
+from heading_intercompare.report.formatting import interval, number, outcome, value
 
 __all__ = ['describe_norms', 'describe_uncertainty', 'state_conformity']
 
@@ -104,8 +102,9 @@ def state_conformity(verdict: Verdict) -> Rows:
         ('results covered', _covered(runs)),
         ('specification', 'sigma_max of the TS: ' + _MET[verdict.outcome] + _doubts(verdict)),
         ('in one line', verdict.headline),
-        ('outcome by GK as printed',
-         f'{outcome(verdict.paper_outcome)} (no allowance for the sampling error)')]
+        *([] if verdict.validity_effect == VOID else [
+            ('outcome by GK as printed',
+             f'{outcome(verdict.paper_outcome)} (no allowance for the sampling error)')])]
 
 
 def _several(settings: Settings, m: int) -> str:
@@ -131,39 +130,19 @@ def _covered(runs: Sequence[RunVerdict]) -> str:
     return f'{which}, {sum(run.n for run in runs)} differences'
 
 
-def describe_uncertainty(verdict: Verdict) -> list[str]:
-    """Return remarks on the sources of uncertainty, with their figures if known."""
-    settings = verdict.settings
-    known = settings.norms.sigma_ref_deg
-    if known is not None:
-        reference = (f'RS: its standard deviation is assumed known, {number(known)} deg. The '
-                     'verdict is no better than that figure.')
-    else:
-        ref = Limits.of(settings.norms, settings.model).sigma_ref_max_deg
-        reference = ('RS: its standard deviation is only known to lie between '
-                     f'{number(settings.norms.m_low * ref)} and '
-                     f'{number(settings.norms.m_up * ref)} deg. This range sets the width of the '
-                     'dead zone, and more data cannot narrow it.')
-    items = [reference]
-    for run in verdict.runs:
-        guarded = run.guarded
-        items.append(
-            f'Sampling, run {run.run}: {run.n} differences count as '
-            f'{number(guarded.nu)} effective degrees of freedom. The bounds of the variance are '
-            f'{number(guarded.lower_bound_deg2)} and {number(guarded.upper_bound_deg2)} '
-            f'deg². The standard uncertainty of the mean difference is '
-            f'{number(guarded.bias_u_deg)} deg.')
+def describe_uncertainty(settings: Settings) -> list[str]:
+    """Return remarks on the sources of uncertainty that the budget of a run cannot show."""
+    reference = ('This range sets the width of the dead zone, and more data cannot narrow it.'
+                 if settings.norms.sigma_ref_deg is None
+                 else 'The verdict is no better than this figure.')
     skew = settings.alignment.skew_s
-    items += [
-        'Installation: the standard uncertainty of the removed angle is '
-        f'{number(settings.installation_offset_u_deg)} deg. It contributes to the uncertainty of '
-        'the mean difference, not to the variance.',
-        f'Timing: a known latency of the TS of {number(skew)} s was removed. Any further latency '
-        'adds latency times rate of turn to the difference: '
-        f'0.1 s at 1 deg/s add 0.1 deg.',
+    return [
+        f'Reference: its standard deviation is taken from the settings. {reference}',
+        f'Timing: a known latency of the TS of {number(skew)} s was removed. A latency adds '
+        'latency times rate of turn to the difference: 0.1 s at 1 deg/s add 0.1 deg.',
         'Resolution: rounding to a step q adds q²/12 to the variance of each sensor. This is not '
         'subtracted.',
+        'The installation angle contributes to the mean difference, not to the variance.',
         'The comparison cannot see a systematic error common to both sensors; GK assumes that '
         'the RS has none. Positively correlated errors of TS and RS make the TS look better than '
         'it is.']
-    return items

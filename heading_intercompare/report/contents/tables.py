@@ -14,13 +14,28 @@ from heading_intercompare.core.verdict.verdict_document import (
     LostReadings,
     RunVerdict,
 )
+from heading_intercompare.report.formatting import (
+    ABSENT,
+    bounds,
+    interval,
+    number,
+    rounded,
+    value,
+    with_uncertainty,
+)
 
-from .formatting import ABSENT, interval, number, value
+from .holding import (
+    confidence_holds,
+    is_sound,
+    length_holds,
+    probability_holds,
+    upper_bound_holds,
+)
 
-__all__ = ['GUARDED', 'LEDGER', 'RESULTS', 'Row', 'rows_by_run', 'rows_of', 'SENSOR', 'Table',
-           'WORST']
+__all__ = ['GUARDED', 'LEDGER', 'RESULTS', 'Row', 'rows_by_run', 'rows_of', 'SENSOR', 'SUMMARY',
+           'Table', 'WORST']
 
-_COLUMNS = 5
+_COLUMNS = 4
 
 Thing = TypeVar('Thing')
 
@@ -37,12 +52,20 @@ class Row(Generic[Thing]):
         '1' for a number without dimension, '' for anything but a number.
     figure : callable
         Takes the subject of the table; returns a figure, or words.
+    holds : callable
+        Tells whether the figure may stand beside the outcome of the subject; otherwise the cell
+        is a dash.
 
     """
 
     name: str
     unit: str
     figure: Callable[[Thing], Any]
+    holds: Callable[[Thing], bool] = lambda thing: True
+
+    def cell(self, thing: Thing) -> str:
+        """Return the figure of a subject as text."""
+        return value(self.figure(thing)) if self.holds(thing) else ABSENT
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,11 +114,16 @@ LEDGER: tuple[Row[RunVerdict], ...] = (
 
 RESULTS: tuple[Row[RunVerdict], ...] = (
     Row('verdict on the run', '', lambda run: run.outcome),
-    Row('verdict as printed in GK', '', lambda run: run.paper_outcome),
+    Row('verdict as printed in GK', '', lambda run: run.paper_outcome, is_sound),
     Row('source', '', lambda run: run.source),
     Row('first pair', 'UTC', lambda run: utc(run.start_ns)),
     Row('last pair', 'UTC', lambda run: utc(run.end_ns)),
     Row('duration', 's', lambda run: run.duration_s),
+    Row('length analysed', 's', lambda run: run.coverage.span_s),
+    Row('slowest errors covered, if the run decides', 's', lambda run: run.coverage.longest_s),
+    Row('slowest error stated', 's', lambda run: run.coverage.stated_s),
+    Row('least length of a run that may comply', 's',
+        lambda run: run.coverage.least_duration_s),
     Row('differences analysed, n', '1', lambda run: run.n),
     Row('mean difference', 'deg', lambda run: run.mean_deg),
     Row('minimum difference', 'deg', lambda run: run.min_deg),
@@ -113,7 +141,7 @@ RESULTS: tuple[Row[RunVerdict], ...] = (
         lambda run: run.variance_criterion.tightened_limit_deg2),
     Row("GK (5''): ratio", '1', lambda run: run.variance_criterion.ratio),
     Row('GK (5): width of the dead zone', '1', lambda run: run.variance_criterion.dead_zone_width),
-    Row('GK (5): outcome', '', lambda run: run.variance_criterion.outcome),
+    Row('GK (5): outcome', '', lambda run: run.variance_criterion.outcome, is_sound),
     Row('GK (*): coverage factor', '1', lambda run: run.count_criterion.k),
     Row('GK (**): coverage factor', '1', lambda run: run.count_criterion.k_tightened),
     Row('GK (*): limit of a deviation', 'deg', lambda run: run.count_criterion.limit_deg),
@@ -123,7 +151,7 @@ RESULTS: tuple[Row[RunVerdict], ...] = (
         lambda run: run.count_criterion.n_plus_plus),
     Row('GK (6): allowed, n (1 - P)', '1', lambda run: run.count_criterion.allowed),
     Row('GK (6): width of the dead zone', '1', lambda run: run.count_criterion.dead_zone_width),
-    Row('GK (6): outcome', '', lambda run: run.count_criterion.outcome),
+    Row('GK (6): outcome', '', lambda run: run.count_criterion.outcome, is_sound),
     Row('GK (7): coverage factor', '1', lambda run: run.total_error.k),
     Row('GK (7): TS standard deviation, RS at its upper .. lower bound', 'deg',
         lambda run: interval(run.total_error.sigma_ts_low_deg, run.total_error.sigma_ts_up_deg)),
@@ -131,22 +159,54 @@ RESULTS: tuple[Row[RunVerdict], ...] = (
         lambda run: interval(run.total_error.low_deg, run.total_error.up_deg)),
     Row('GK (7): total TS error, narrow', 'deg',
         lambda run: interval(run.total_error.low_narrow_deg, run.total_error.up_narrow_deg)),
-    Row('GK (7): outcome', '', lambda run: run.total_error.outcome),
+    Row('GK (7): outcome', '', lambda run: run.total_error.outcome, is_sound),
+)
+
+SUMMARY: tuple[Row[RunVerdict], ...] = (
+    Row('outcome', '', lambda run: run.outcome),
+    Row('first pair', 'UTC', lambda run: utc(run.start_ns)),
+    Row('length analysed', 'h', lambda run: number(run.coverage.span_s / 3600.0, 4)),
+    Row('differences, n', '1', lambda run: run.n),
+    Row('independent differences they are worth', '1',
+        lambda run: rounded(run.guarded.nu, run.guarded.nu)),
+    Row('mean difference and its standard uncertainty', 'deg',
+        lambda run: with_uncertainty(run.mean_deg, run.guarded.bias_u_deg)),
+    Row('its 95 % interval', 'deg',
+        lambda run: bounds(*(run.guarded.bias_interval_deg or (None, None)))),
+    Row('standard deviation of the difference', 'deg', lambda run: number(run.std_deg, 3)),
+    Row('variance of the difference', 'deg²', lambda run: number(run.variance_deg2, 3)),
+    Row('its bounds at the stated risks', 'deg²',
+        lambda run: bounds(run.guarded.lower_bound_deg2, run.guarded.upper_bound_deg2),
+        upper_bound_holds),
+    Row('at most, to comply: A', 'deg²',
+        lambda run: number(run.guarded.acceptance_limit_deg2, 3)),
+    Row('above, not to comply: R', 'deg²',
+        lambda run: number(run.guarded.rejection_limit_deg2, 3)),
+    Row('standard deviation of the TS, bounds', 'deg',
+        lambda run: bounds(run.guarded.sigma_ts_lower_deg, run.guarded.sigma_ts_upper_deg),
+        upper_bound_holds),
+    Row('total TS error by GK (7)', 'deg',
+        lambda run: bounds(run.total_error.low_deg, run.total_error.up_deg), is_sound),
+    Row('differences beyond the limit, and allowed', '1',
+        lambda run: f'{run.count_criterion.n_plus} of {number(run.count_criterion.allowed, 4)}'),
 )
 
 GUARDED: tuple[Row[RunVerdict], ...] = (
-    Row('outcome on the variance', '', lambda run: run.guarded.outcome),
-    Row('outcome on the counts', '', lambda run: run.guarded.count_outcome),
+    Row('outcome on the variance', '', lambda run: run.guarded.outcome, is_sound),
+    Row('outcome on the counts', '', lambda run: run.guarded.count_outcome, is_sound),
     Row('variance, including the part that the removed mean absorbed', 'deg²',
         lambda run: run.guarded.d_hat_deg2),
     Row("its upper bound U, at the consumer's risk", 'deg²',
-        lambda run: run.guarded.upper_bound_deg2),
+        lambda run: run.guarded.upper_bound_deg2,
+        upper_bound_holds),
     Row('acceptance limit A', 'deg²', lambda run: run.guarded.acceptance_limit_deg2),
     Row("its lower bound L, at the producer's risk", 'deg²',
-        lambda run: run.guarded.lower_bound_deg2),
+        lambda run: run.guarded.lower_bound_deg2,
+        is_sound),
     Row('rejection limit R', 'deg²', lambda run: run.guarded.rejection_limit_deg2),
     Row('TS standard deviation, bounds', 'deg',
-        lambda run: interval(run.guarded.sigma_ts_lower_deg, run.guarded.sigma_ts_upper_deg)),
+        lambda run: interval(run.guarded.sigma_ts_lower_deg, run.guarded.sigma_ts_upper_deg),
+        upper_bound_holds),
     Row('effective degrees of freedom', '1', lambda run: run.guarded.nu),
     Row('degrees of freedom of the slow part, f', '1', lambda run: run.guarded.f),
     Row('corner of the spectrum of the squares, half-periods', '1',
@@ -155,15 +215,21 @@ GUARDED: tuple[Row[RunVerdict], ...] = (
         lambda run: run.guarded.r_slow),
     Row('variance of the visible slow part', 'deg²',
         lambda run: run.guarded.slow_variance_deg2),
-    Row('allowance for the slow part in U', 'deg²', lambda run: run.guarded.slow_allowance_deg2),
+    Row('allowance for the slow part in U', 'deg²', lambda run: run.guarded.slow_allowance_deg2,
+        upper_bound_holds),
     Row('confidence that the variance is at most A', '1',
-        lambda run: run.guarded.confidence_compliant),
+        lambda run: run.guarded.confidence_compliant,
+        confidence_holds),
     Row('confidence that the variance is above R', '1',
-        lambda run: run.guarded.confidence_non_compliant),
-    Row('conformance probability', '1', lambda run: run.guarded.conformance_probability),
-    Row('duration needed to decide, times this one', '1',
-        lambda run: run.guarded.duration_factor),
-    Row('duration needed to decide', 'h', lambda run: run.guarded.hours_needed),
+        lambda run: run.guarded.confidence_non_compliant,
+        confidence_holds),
+    Row('conformance probability', '1', lambda run: run.guarded.conformance_probability,
+        probability_holds),
+    Row('length with which the run alone decides, times this one', '1',
+        lambda run: run.guarded.duration_factor,
+        length_holds),
+    Row('length with which the run alone decides', 'h', lambda run: run.guarded.hours_needed,
+        length_holds),
     Row('mean difference: standard uncertainty', 'deg', lambda run: run.guarded.bias_u_deg),
     Row('mean difference: 95 % interval', 'deg',
         lambda run: interval(*(run.guarded.bias_interval_deg or (None, None)))),
@@ -171,7 +237,8 @@ GUARDED: tuple[Row[RunVerdict], ...] = (
     Row('rate beyond the limit, n+ / n', '1', lambda run: run.guarded.rate_plus),
     Row('its lower bound', '1', lambda run: run.guarded.rate_plus_lower),
     Row('rate beyond the tightened limit, n++ / n', '1', lambda run: run.guarded.rate_plus_plus),
-    Row('its upper bound', '1', lambda run: run.guarded.rate_plus_plus_upper),
+    Row('its upper bound', '1', lambda run: run.guarded.rate_plus_plus_upper,
+        upper_bound_holds),
 )
 
 WORST: tuple[Row[Campaign], ...] = (
@@ -191,6 +258,7 @@ SENSOR: tuple[Row[Together], ...] = (
     Row('runs with 128 differences or more', '1', lambda shared: shared.runs),
     Row('their differences', '1', lambda shared: shared.n),
     Row('their total duration', 's', lambda shared: shared.span_s),
+    Row('shortest time between two of them', 's', lambda shared: shared.apart_s),
     Row('mean variance, weighted', 'deg²', lambda shared: shared.d_hat_deg2),
     Row('effective degrees of freedom', '1', lambda shared: shared.nu),
     Row('degrees of freedom of the slow part', '1', lambda shared: shared.f),
@@ -208,14 +276,13 @@ SENSOR: tuple[Row[Together], ...] = (
 
 def rows_of(rows: Sequence[Row[Thing]], thing: Thing) -> list[tuple[str, str, str]]:
     """Return name, unit and cell of each row."""
-    return [(row.name, row.unit, value(row.figure(thing))) for row in rows]
+    return [(row.name, row.unit, row.cell(thing)) for row in rows]
 
 
-def rows_by_run(rows: Sequence[Row[Thing]], runs: Sequence[tuple[int, Thing]], *,
-                units: bool = True) -> list[Table]:
+def rows_by_run(rows: Sequence[Row[Thing]], runs: Sequence[tuple[int, Thing]]) -> list[Table]:
     """Return tables with one row per figure and one column per run, a few runs in each."""
-    return [Table(['', *(['unit'] if units else []), *(f'run {number}' for number, _ in some)],
-                  [[row.name, *([row.unit] if units else []),
-                    *(value(row.figure(thing)) for _, thing in some)] for row in rows])
+    return [Table(['', 'unit', *(f'run {number}' for number, _ in some)],
+                  [[row.name, row.unit, *(row.cell(thing) for _, thing in some)]
+                   for row in rows])
             for some in (runs[first:first + _COLUMNS]
                          for first in range(0, len(runs), _COLUMNS))]

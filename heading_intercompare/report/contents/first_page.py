@@ -1,0 +1,171 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The first page: the verdict, what it rests on and covers, its validity, what would decide."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Sequence
+
+from heading_intercompare.core.decision.coverage import Coverage, coverage_of, span_words
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.verdict.conclusion import campaign_words, explain
+from heading_intercompare.core.verdict.validity import DOUBTFUL, VOID
+from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
+from heading_intercompare.core.verdict.vocabulary import NO_RUN, OUTCOME_WORDS
+from heading_intercompare.report.formatting import (
+    bounds,
+    number,
+    outcome,
+    rounded,
+    with_uncertainty,
+)
+
+from .holding import upper_bound_holds
+
+__all__ = ['compose_first_page', 'FirstPage']
+
+#: A letter tells the outcomes apart in black and white and for the colour-blind.
+_SIGNS = {Outcome.COMPLIANT: '✓', Outcome.NON_COMPLIANT: '✗', Outcome.INDETERMINATE: '?'}
+_MEANS = {
+    Outcome.COMPLIANT: 'The tested sensor meets its norm.',
+    Outcome.NON_COMPLIANT: 'The tested sensor does not meet its norm.',
+    Outcome.INDETERMINATE: 'It is open whether the tested sensor meets its norm.',
+}
+_MOST_RUNS = 8
+
+
+@dataclass(frozen=True, slots=True)
+class FirstPage:
+    """
+    The first page in words.
+
+    Attributes
+    ----------
+    kind : str
+        The outcome as the name of a style; 'void' or 'doubtful' replace it.
+    sign, word, means, headline : str
+        The outcome as a sign, a word, a sentence, and in the one line of the verdict.
+    facts : sequence of (str, str)
+        What the verdict rests on and covers, its validity, and what would decide.
+    runs : sequence of str
+        A line for each run, if there are several.
+
+    """
+
+    kind: str
+    sign: str
+    word: str
+    means: str
+    headline: str
+    facts: Sequence[tuple[str, str]]
+    runs: Sequence[str]
+
+
+def compose_first_page(verdict: Verdict) -> FirstPage:
+    """Return what the first page says."""
+    void = verdict.validity_effect == VOID and verdict.outcome is Outcome.INDETERMINATE
+    doubtful = verdict.validity_effect == DOUBTFUL
+    means = _MEANS[verdict.outcome]
+    if void:
+        means = 'The comparison says nothing about the tested sensor.'
+    facts = [('rests on', _rest_on(verdict.runs)), ('measured', _measured(verdict.runs)),
+             ('covers', _covered(verdict)), ('validity', _validity(verdict.runs)),
+             ('why', _why(verdict))]
+    if not void:
+        facts.append(('GK as printed', f'{outcome(verdict.paper_outcome)}; that rule makes no '
+                      'allowance for the sampling error, and does not decide here'))
+    return FirstPage(
+        'void' if void else verdict.outcome.value.replace('_', '-'), _SIGNS[verdict.outcome],
+        OUTCOME_WORDS[verdict.outcome] + (', VOID' if void else ', DOUBTFUL' if doubtful else ''),
+        means, verdict.headline, facts, _list_runs(verdict))
+
+
+def _rest_on(runs: Sequence[RunVerdict]) -> str:
+    if not runs:
+        return NO_RUN
+    count = '1 run' if len(runs) == 1 else f'{len(runs)} runs'
+    worth = sum(run.guarded.nu or 0.0 for run in runs)
+    text = (f'{count} of {span_words(sum(run.coverage.span_s for run in runs))} analysed, '
+            f'{sum(run.n for run in runs)} differences TS - RS')
+    return f'{text}, worth {rounded(worth, worth)} independent ones' if worth else text
+
+
+def _measured(runs: Sequence[RunVerdict]) -> str:
+    """Return the figures of the run, or of the run with the largest variance."""
+    counted = [run for run in runs if run.variance_deg2 is not None]
+    if not counted:
+        return 'nothing: too few differences'
+    run = max(counted, key=lambda one: one.variance_deg2 or 0.0)
+    guarded = run.guarded
+    words = [f'mean difference {with_uncertainty(run.mean_deg, guarded.bias_u_deg)} deg',
+             f'standard deviation {number(run.std_deg, 3)} deg']
+    if upper_bound_holds(run) and guarded.upper_bound_deg2 is not None:
+        words.append(f'variance {bounds(guarded.lower_bound_deg2, guarded.upper_bound_deg2)} '
+                     f'deg², to be at most {number(guarded.acceptance_limit_deg2, 3)} deg²')
+    where = f'run {run.run}, with the largest variance: ' if len(runs) > 1 else ''
+    return where + '; '.join(words)
+
+
+def _covered(verdict: Verdict) -> str:
+    coverage = _coverage(verdict)
+    if coverage is None:
+        return 'nothing'
+    if verdict.outcome is Outcome.NON_COMPLIANT:
+        return 'the sensor as it was: a norm that is broken is broken, however long the record'
+    if verdict.outcome is Outcome.INDETERMINATE:
+        return 'nothing, because the verdict is open'
+    return f'it holds {coverage.words}, and for the sea, place and manoeuvres of its runs'
+
+
+def _validity(runs: Sequence[RunVerdict]) -> str:
+    """Return the conditions that are violated, each with the runs in which it is."""
+    found: dict[tuple[str, str], list[tuple[int, str]]] = {}
+    for run in runs:
+        for one in run.validity:
+            if one.effect in (VOID, DOUBTFUL):
+                found.setdefault((one.effect, one.condition), []).append((run.run, one.words))
+    if not found:
+        return 'no condition of the comparison is violated' if runs else 'not examined'
+    told = []
+    for (effect, _), where in found.items():
+        first, words = where[0]
+        more = f' and {len(where) - 1} more' if len(where) > 1 else ''
+        told.append(f'{effect.upper()}: {words}'
+                    + (f' (run {first}{more})' if len(runs) > 1 else ''))
+    return '; '.join(told)
+
+
+def _why(verdict: Verdict) -> str:
+    if len(verdict.runs) == 1 and verdict.campaign.rule == 'every_run':
+        return explain(verdict.runs[0])
+    return campaign_words(verdict.campaign, verdict.runs, _coverage(verdict))
+
+
+def _coverage(verdict: Verdict) -> Coverage | None:
+    """Return the coverage of all runs together, by the rule of the campaign."""
+    shared, risk = verdict.campaign.sensor, verdict.settings.risk
+    if not verdict.runs:
+        return None
+    if verdict.campaign.rule != 'sensor':
+        return min((run.coverage for run in verdict.runs), key=lambda one: one.span_s)
+    if shared is None:
+        return None
+    return coverage_of(shared.span_s, risk, apart_s=None if shared.between_upper_bound_deg2 is None
+                       else shared.apart_s)
+
+
+def _list_runs(verdict: Verdict) -> list[str]:
+    runs = verdict.runs
+    if len(runs) < 2:
+        return []
+    if verdict.campaign.rule == 'sensor':
+        # No run decides alone, so what it alone would need says nothing.
+        lines = [f'run {run.run}: {run.n} differences in {span_words(run.coverage.span_s)}, mean '
+                 f'{with_uncertainty(run.mean_deg, run.guarded.bias_u_deg)} deg, standard '
+                 f'deviation {number(run.std_deg, 3)} deg' for run in runs[:_MOST_RUNS]]
+    else:
+        lines = [f'run {run.run} alone: {run.headline}' for run in runs[:_MOST_RUNS]]
+    if len(runs) > _MOST_RUNS:
+        lines.append(f'and {len(runs) - _MOST_RUNS} more, see the results')
+    return lines

@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What identifies a protocol: number, ship, place, sensors, software, id of the verdict."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.utc_text import utc
+from heading_intercompare.core.verdict.verdict_document import SCHEMA, SCHEMA_VERSION, Verdict
+from heading_intercompare.report.formatting import ABSENT, number, value
+
+__all__ = ['identify', 'name_trial', 'span_of', 'verdict_id']
+
+_ID_DIGITS = 12
+
+
+def verdict_id(verdict: Verdict) -> str:
+    """
+    Return what tells this verdict from every other.
+
+    It is the beginning of the SHA-256 of its JSON with sorted names and no spaces, so a changed
+    figure, name or input gives another id.
+    """
+    text = json.dumps(verdict.to_dict(), sort_keys=True, separators=(',', ':'),
+                      ensure_ascii=False)
+    return hashlib.sha256(text.encode('utf-8', 'surrogatepass')).hexdigest()[:_ID_DIGITS]
+
+
+def name_trial(settings: Settings) -> str:
+    """Return number, ship and tested sensor in one line; empty if none is given."""
+    trial = settings.trial
+    sensor = ' '.join(filter(None, (trial.ts_maker, trial.ts_type)))
+    if trial.ts_serial:
+        sensor = f'{sensor} no. {trial.ts_serial}'.strip()
+    return ', '.join(filter(None, (trial.protocol_number, trial.ship, sensor)))
+
+
+def span_of(verdict: Verdict) -> str:
+    """Return the times of the first and the last pair, UTC; empty without a run."""
+    runs = verdict.runs
+    if not runs:
+        return ''
+    return f'{utc(min(run.start_ns for run in runs))} to {utc(max(run.end_ns for run in runs))}'
+
+
+def identify(verdict: Verdict) -> list[tuple[str, list[tuple[str, str]]]]:
+    """Return groups of names and values; an empty value is to be filled in by hand."""
+    settings = verdict.settings
+    trial = settings.trial
+    return [
+        ('Trial', [
+            ('protocol number', trial.protocol_number), ('customer', trial.customer),
+            ('purpose', trial.purpose), ('laboratory', trial.laboratory),
+            ('operator', trial.operator), ('ship', trial.ship),
+            ('place or area', trial.place), ('latitudes [deg]', _latitudes(settings)),
+            ('first and last pair [UTC]', span_of(verdict) or ABSENT),
+            ('sea, weather, manoeuvres', trial.conditions)]),
+        ('Sensors', [
+            ('tested sensor (TS): maker', trial.ts_maker), ('TS: type', trial.ts_type),
+            ('TS: serial number', trial.ts_serial),
+            ('reference sensor (RS): maker', trial.rs_maker), ('RS: type', trial.rs_type),
+            ('RS: serial number', trial.rs_serial),
+            ('RS: proof of its norm', trial.rs_evidence),
+            ('installation angle TS - RS [deg], as set',
+             value(settings.installation_offset_deg)),
+            ('its standard uncertainty [deg], as set',
+             value(settings.installation_offset_u_deg))]),
+        ('Software', [
+            ('software', f'{verdict.software.name} {verdict.software.version}'),
+            ('version of the decision rule', value(verdict.rule_version)),
+            ('schema of the verdict', f'{SCHEMA}, version {SCHEMA_VERSION}'),
+            ('verdict id', verdict_id(verdict)),
+            ('SHA-256 of the settings', verdict.settings_sha256)])]
+
+
+def _latitudes(settings: Settings) -> str:
+    low, high = settings.trial.latitude_min_deg, settings.trial.latitude_max_deg
+    if low is None and high is None:
+        return '' if settings.norms.latitude_deg is None else number(settings.norms.latitude_deg)
+    if low is None or high is None or low == high:
+        return number(high if low is None else low)
+    return f'{number(low)} to {number(high)}'

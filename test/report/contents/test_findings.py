@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Each figure of the JSON is in words in the protocol, or is left to the JSON for a reason."""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass, replace
+import re
+from typing import get_args, get_type_hints
+
+import pytest
+
+from heading_intercompare.core.statistics.ergodicity import Homogeneity
+from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
+from heading_intercompare.report.contents.findings import (
+    describe_findings,
+    FINDINGS,
+    HOMOGENEITY,
+    LEFT_TO_JSON,
+    OF_SHAPE,
+    rows_of_block,
+    SHAPES,
+)
+
+#: Shown by tables of their own; `test_html` finds every number of them in the page, and
+#: `test_first_page`, `test_uncertainty_budget` and `test_html` the rest.
+SHOWN = {'run', 'source', 'start_ns', 'end_ns', 'duration_s', 'pairing', 'n_input', 'n_invalid',
+         'n_stabilization', 'n', 'mean_deg', 'min_deg', 'max_deg', 'max_abs_deg',
+         'mean_square_deg2', 'circular_mean_deg', 'resultant_length', 'drift_coefficients_deg',
+         'variance_deg2', 'std_deg', 'variance_criterion', 'count_criterion', 'total_error',
+         'outcome', 'reason', 'headline', 'validity', 'validity_effect', 'coverage', 'looks',
+         'paper_outcome', 'guarded', 'assumptions', 'warnings'}
+
+
+def keys_of(kind, prefix=''):
+    """Yield the dotted names of the figures of a dataclass, also within it."""
+    for field in fields(kind):
+        hint = get_type_hints(kind)[field.name]
+        inner = next((one for one in (hint, *get_args(hint)) if is_dataclass(one)), None)
+        if inner is None:
+            yield prefix + field.name
+        else:
+            yield from keys_of(inner, f'{prefix}{field.name}.')
+
+
+def worded():
+    """Return the names of the figures that the findings say in words."""
+    found = {f'{finding.block}.{key}' for finding in FINDINGS
+             for figure in (*finding.figures, *finding.columns)
+             for key in (figure.key, figure.u_key) if key}
+    return found | {f'normality.{shape}.{figure.key}' for shape, _ in SHAPES
+                    for figure in OF_SHAPE}
+
+
+def test_every_figure_of_a_run_is_in_words_or_left_to_the_json():
+    blocks = {field.name for field in fields(RunVerdict)} - SHOWN
+    assert blocks == {finding.block for finding in FINDINGS}
+    hints = get_type_hints(RunVerdict)
+    names = {name for block in blocks for name in keys_of(hints[block], f'{block}.')}
+    assert names == worded() | {*LEFT_TO_JSON}
+    assert not worded() & {*LEFT_TO_JSON} and all(LEFT_TO_JSON.values())
+
+
+def test_every_figure_that_compares_the_runs_is_in_words():
+    assert {figure.key for figure in HOMOGENEITY} == {f.name for f in fields(Homogeneity)}
+
+
+def test_words_are_words_and_units_are_units():
+    every = [figure for finding in FINDINGS for figure in (*finding.figures, *finding.columns)]
+    for figure in (*every, *HOMOGENEITY, *OF_SHAPE):
+        assert not re.search(r'_|\w\.\w', figure.words), figure.words
+        assert figure.unit in ('', '1', 'deg', 'deg²', 'deg/h', 'deg/s', 's', 'h', 'readings')
+        suffix = {'_deg': 'deg', '_deg2': 'deg²', '_s': 's', '_h': 'h'}
+        for end, unit in suffix.items():
+            if figure.key.endswith(end) and not figure.key.endswith(('_per_h', 'deg_s')):
+                assert figure.unit == unit, figure
+
+
+@pytest.mark.parametrize('runs, n', [(0, 600), (1, 600), (1, 20), (3, 300)])
+def test_each_section_has_a_title_a_meaning_and_tables(made, runs, n):
+    verdict, _ = made(runs, n=n)
+    found = describe_findings(verdict.runs)
+    assert bool(found) == bool(runs)
+    for one in found:
+        assert one.title and one.meaning.endswith('.') and one.tables
+        for _, table in one.tables:
+            assert all(len(row) == len(table.head) for row in table.rows) and table.rows
+
+
+def test_a_figure_stands_beside_its_uncertainty_with_two_digits(made):
+    run = made(1)[0].runs[0]
+    run = replace(run, skew=replace(run.skew, estimate=replace(
+        run.skew.estimate, skew_s=1.19683, u_s=0.0412)))
+    rows = {row[0]: row[2] for _, table in describe_findings([run])[0].tables
+            for row in table.rows}
+    assert rows['skew, with its standard uncertainty'] == '1.197 ± 0.041'
+
+
+def test_a_row_that_no_run_has_is_left_out():
+    rows = rows_of_block(HOMOGENEITY, [(1, {'m': 2, 'q_p': None}), (2, {'m': 3, 'q_p': None})])
+    assert [row for table in rows for row in table.rows] == [['runs compared', '1', '2', '3']]
+
+
+@pytest.mark.slow
+def test_no_name_of_the_json_is_in_the_protocol(made):
+    """Names of settings stay, for they are what a user sets."""
+    pytest.importorskip('jinja2')
+    pytest.importorskip('matplotlib')
+    from heading_intercompare.report import html
+    verdict: Verdict = made(2)[0]
+    page = html.render(verdict)
+    text = re.sub(r'<style>.*?</style>|<[^>]+>', ' ', page[:page.index('Annex E. Settings</h2>')],
+                  flags=re.DOTALL)
+    names = {part for field in fields(RunVerdict) for part in (field.name,) if '_' in part}
+    names |= {part for name in keys_of(RunVerdict) for part in name.split('.') if '_' in part}
+    assert [name for name in names if re.search(rf'\b{name}\b', text)] == []

@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The protocol as PDF: pages of A4 with numbers, made from the HTML without a network."""
+
+from __future__ import annotations
+
+import pytest
+
+from heading_intercompare.report import write
+
+pytest.importorskip('jinja2')
+pytest.importorskip('matplotlib')
+try:
+    import weasyprint
+except (ImportError, OSError) as error:
+    pytest.skip(f'WeasyPrint or Pango is not here: {error}', allow_module_level=True)
+
+from heading_intercompare.report import html, pdf  # noqa: E402
+
+pytestmark = pytest.mark.slow
+
+
+def text_of(box):
+    """Return the text of a box of WeasyPrint and of those in it."""
+    return getattr(box, 'text', '') + ' '.join(
+        text_of(child) for child in getattr(box, 'children', ()))
+
+
+def test_write_makes_a_pdf_by_the_suffix(made, tmp_path):
+    path = tmp_path / 'r.PDF'
+    write(*made(1)[:1], path)
+    data = path.read_bytes()
+    assert data.startswith(b'%PDF-') and data.rstrip().endswith(b'%%EOF')
+
+
+def test_each_page_is_a4_and_carries_the_trial_the_verdict_and_its_number(made):
+    verdict, sketches = made(1, trial__ship='MV "Exämple" \\ <1>', trial__ts_serial='12-3')
+    document = weasyprint.HTML(string=html.render(verdict, sketches)).render()
+    pages = document.pages
+    assert 5 <= len(pages) <= 20
+    number = html.verdict_id(verdict)
+    for at, page in enumerate(pages, 1):
+        assert (page.width, page.height) == pytest.approx((793.7, 1122.5), abs=0.1)
+        text = ' '.join(text_of(page._page_box).split())
+        assert f'page {at} of {len(pages)}' in text
+        assert 'MV "Exämple" \\ <1>, no. 12-3' in text and f'verdict {number}' in text
+
+
+def test_the_first_page_holds_the_verdict_its_facts_and_its_figure(made):
+    verdict, sketches = made(3)
+    first, second = (' '.join(text_of(page._page_box).split()) for page in weasyprint.HTML(
+        string=html.render(verdict, sketches)).render().pages[:2])
+    for words in ('INDETERMINATE', 'rests on', 'covers', 'validity', 'why', 'measure 10 min'):
+        assert words in first
+    assert 'Contents' not in first and 'Contents' in second
+
+
+def test_nothing_is_fetched():
+    with pytest.raises(ValueError, match='needs nothing from elsewhere'):
+        pdf._refuse('http://example.com/a.png')
