@@ -78,7 +78,7 @@ ORDER = {
 
 # The libraries of each extra, and the only modules that may load them.
 LOADED_BY = {
-    'jinja2': {'report/html'}, 'matplotlib': {'report/graphs', 'report/plots'},
+    'jinja2': {'report/html'}, 'matplotlib': {'report/figures/style'},
     'distributed': {'app/cluster'}, 'argcomplete': {'cli/completion'},
     'rich': {'cli/terminal/console', 'cli/terminal/progress'},
     'nicegui': {'web/page', 'web/server'}, 'fastapi': {'web/server'}, 'uvicorn': {'web/server'},

@@ -41,6 +41,7 @@ def check_form(path: str | Path) -> None:
     if path.suffix.lower() == '.html':
         try:
             from . import html  # noqa: F401
+            from .figures import style  # noqa: F401
         except ImportError as error:
             raise ValueError(
                 f'{path}: the protocol needs Jinja2 and matplotlib: pip install '

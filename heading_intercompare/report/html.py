@@ -24,8 +24,8 @@ from heading_intercompare.core.verdict.vocabulary import (
 )
 
 from .decision_rule import describe_norms, describe_uncertainty, state_conformity
+from .figures.gallery import draw_figures
 from .formatting import exact, flatten, outcome, value
-from .graphs import draw_graphs
 from .series_sketch import SeriesSketch
 from .tables import (
     GUARDED,
@@ -85,7 +85,7 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = ()) -> str:
         worst=[*rows_of(WORST, campaign), *homogeneity],
         shared=rows_of(SENSOR, campaign.sensor) if campaign.sensor is not None else [],
         guarded=rows_by_run(GUARDED, runs), uncertainty=describe_uncertainty(verdict),
-        drawn=[(sketch.source, sketch.n_invalid, list(draw_graphs(sketch, verdict, f'input{k}')))
+        drawn=[(sketch.source, sketch.n_invalid, draw_figures(sketch, verdict, f'input{k}'))
                for k, sketch in enumerate(sketches, 1)],
         findings=_find(verdict),
         notes=[(f'{utc(note.stamp_ns)} UTC', note.text, given.path)
