@@ -8,7 +8,8 @@ from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'drawing': ('Drawing', 'LeftOut'),
-    'gallery': ('collect', 'draw_figures', 'Drawn', 'NAMES', 'plot'),
+    'gallery': ('collect', 'draw_figures', 'Drawn', 'NAMES'),
+    'notebook': ('Figures', 'Plotter'),
 })
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
@@ -18,5 +19,5 @@ if TYPE_CHECKING:
         draw_figures as draw_figures,
         Drawn as Drawn,
         NAMES as NAMES,
-        plot as plot,
     )
+    from .notebook import Figures as Figures, Plotter as Plotter

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""All figures of a record in their order, as SVG for a page or as figures for a notebook."""
+"""All figures of a record in their order, or as SVG for a page."""
 
 from __future__ import annotations
 
-from typing import Any, Callable, Iterator, NamedTuple
+from typing import Callable, Iterator, NamedTuple
 
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.report.series_sketch import SeriesSketch
@@ -16,7 +16,7 @@ from .drawing import Drawing, LeftOut
 from .over_time import draw_differences, draw_headings, draw_running_variance
 from .subject import Subject
 
-__all__ = ['collect', 'draw_figures', 'Drawn', 'NAMES', 'plot']
+__all__ = ['collect', 'draw_figures', 'Drawn', 'NAMES']
 
 _FAMILIES: dict[str, Callable[[Subject], Iterator[Drawing | LeftOut]]] = {
     'headings': draw_headings, 'differences': draw_differences,
@@ -94,36 +94,3 @@ def draw_figures(sketch: SeriesSketch, verdict: Verdict, prefix: str) -> list[Dr
             Drawn(f'{prefix}-{one.name}', one.title, one.caption,
                   to_svg(one, f'{prefix}-{one.name}'))
             for one in collect(sketch, verdict)]
-
-
-def plot(sketches: Any, verdict: Verdict, name: str | None = None) -> list[Any]:
-    """
-    Return the figures of some records for a notebook, each a `Figure` of matplotlib.
-
-    Parameters
-    ----------
-    sketches : sequence of SeriesSketch
-    verdict : Verdict
-    name : str, optional
-        One of `NAMES`; default all that can be drawn.
-
-    Raises
-    ------
-    ValueError
-        If there is no such figure, it cannot be drawn, or matplotlib is not installed.
-
-    """
-    if name is not None and name not in NAMES:
-        raise ValueError(f'plot({name!r}): must be one of {", ".join(NAMES)}')
-    try:
-        from .style import to_figure
-    except ImportError as error:
-        raise ValueError("plot: figures need matplotlib: pip install 'heading_intercompare"
-                         f"[report]' [{error}]") from error
-    found = [one for sketch in sketches for one in collect(sketch, verdict, name)]
-    drawn = [to_figure(one) for one in found if isinstance(one, Drawing)]
-    if not drawn:
-        why = next((one.reason for one in found if isinstance(one, LeftOut)),
-                   'no difference to draw')
-        raise ValueError(f'plot({name!r}): left out: {why}')
-    return drawn

@@ -66,9 +66,19 @@ def _set_time_axis(axes: Axes) -> None:
     axes.xaxis.set_major_formatter(dates.ConciseDateFormatter(locator, tz='UTC'))
 
 
+class _Shown(Figure):
+    """A figure that a notebook shows without pyplot."""
+
+    def _repr_svg_(self) -> str:
+        with _our_look():
+            written = BytesIO()
+            self.savefig(written, format='svg')
+        return written.getvalue().decode('utf-8')
+
+
 def _lay_out(drawing: Drawing) -> Figure:
     """Return a figure with its legend below the axes."""
-    figure = Figure()
+    figure = _Shown()
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_title(drawing.title)
     axes.set_xlabel(drawing.x_label)

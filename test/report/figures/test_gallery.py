@@ -10,7 +10,7 @@ import pytest
 from heading_intercompare import Pairs, Settings
 from heading_intercompare.report import SeriesSketch
 from heading_intercompare.report.figures.drawing import Drawing, LeftOut
-from heading_intercompare.report.figures.gallery import collect, draw_figures, NAMES, plot
+from heading_intercompare.report.figures.gallery import collect, draw_figures, NAMES
 
 pytest.importorskip('matplotlib')
 
@@ -66,18 +66,3 @@ def test_the_size_does_not_grow_with_the_record(made, rng):
                       Settings())
     assert sketch.n == 432_000
     assert sum(len(one.svg) for one in draw_figures(sketch, verdict, 'x')) < 1_000_000
-
-
-def test_one_figure_by_its_name_is_a_figure_of_matplotlib(made):
-    verdict, sketches = made(1)
-    (figure,) = plot(sketches, verdict, 'histogram')
-    assert type(figure).__name__ == 'Figure'
-    assert figure.axes[0].get_title(loc='left').startswith('Run 1: size of the differences')
-
-
-def test_an_unknown_or_absent_figure_is_one_clear_line(made):
-    verdict, sketches = made(1)
-    with pytest.raises(ValueError, match=r"plot\('histo'\): must be one of headings, differences"):
-        plot(sketches, verdict, 'histo')
-    with pytest.raises(ValueError, match=r"plot\('track'\): left out: the record has no positi"):
-        plot(sketches, verdict, 'track')
