@@ -60,10 +60,10 @@ ALLOWED = {
 # The table of docs/ARCHITECTURE.md, "Rooms": within a folder a room, or a module beside the rooms,
 # imports only what stands before it.
 ORDER = {
-    'core': ('utc_text', 'given_stamps', 'records', 'angles', 'clock_cuts', 'declared_settings',
-             'settings', 'outcome', 'version', 'statistics', 'pairing', 'timing', 'decision',
-             'runs', 'conditions', 'diagnostics', 'alarms', 'verdict', 'kept_state', 'pipeline',
-             'offline'),
+    'core': ('utc_text', 'given_stamps', 'records', 'angles', 'time_rules', 'declared_settings',
+             'settings', 'outcome', 'version', 'statistics', 'pairing', 'timing',
+             'decision', 'runs', 'conditions', 'diagnostics', 'alarms', 'verdict', 'kept_state',
+             'pipeline', 'offline'),
     'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'gimballed',
              'sensors', 'simulator'),
     'bags': ('errors', 'checked_text', 'settings', 'mcap', 'parallel', 'rosbag2',

@@ -20,7 +20,7 @@ from heading_intercompare.report import SeriesSketch
 from heading_intercompare.report.figures.notebook import Plotter
 
 from .campaign import judge_inputs
-from .run_table import assign_runs, read_run_table, RunTable
+from .run_table import assign_runs, name_outside, read_run_table, RunTable
 
 __all__ = ['analyze', 'analyze_bag', 'analyze_bags', 'judge_bags', 'Judgement']
 
@@ -109,6 +109,7 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
     called = os.fspath(runs) if isinstance(runs, (str, os.PathLike)) else 'runs'
     notes = [note for each in judged for note in each.notes]
     notes += [f'{called}: source {source} is not one of the INPUTs' for source in elsewhere]
+    notes += name_outside(verdict)
     sketches = tuple(each.sketch for each in judged if each.sketch)
     if sketches:
         verdict = replace(verdict, plotter=Plotter(sketches))

@@ -39,7 +39,7 @@ _GONE = {
 """Settings of earlier versions, and what to do instead."""
 
 _ADDED: dict[str, Any] = {'pairing.jump_s': 10.0, 'runs.every_h': None, 'runs.cut_at_utc': None,
-                          'runs.keep': 31}
+                          'runs.keep': 31, 'exclusions': None}
 """Settings added since version 2.1 of the JSON, with the value that changes nothing."""
 
 

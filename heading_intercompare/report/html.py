@@ -90,6 +90,8 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = ()) -> str:
         findings=_find(verdict),
         notes=[(f'{utc(note.stamp_ns)} UTC', note.text, given.path)
                for given in verdict.inputs for note in given.notes or ()],
+        taken_out=[(f'{utc(one.start_ns)} UTC', f'{utc(one.end_ns)} UTC', str(one.n), one.reason)
+                   for one in (verdict.taken_out.stretches if verdict.taken_out else ())],
         settings=[(name, exact(thing)) for name, thing in verdict.settings.to_mapping().items()])
 
 

@@ -10,6 +10,7 @@ from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Integers, Pairs, Reals
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.time_rules.exclusions import find_excluded, read_exclusions
 
 from .sketching.bins import Bins, Envelope, Histogram
 from .sketching.shift_scan import ShiftScan
@@ -32,10 +33,11 @@ class SeriesSketch:
 
     Attributes
     ----------
-    n, n_invalid : int
-        Finite differences; pairs left out because they are not finite.
+    n, n_invalid, n_taken_out : int
+        Finite differences; pairs left out because they are not finite, or by hand.
     time, rs_time : Envelope
-        At most 1000 bins of time: of the differences, and of the RS heading, unwrapped.
+        At most 1000 bins of time: of the differences, and of the RS heading, unwrapped. Only they
+        hold what is taken out by hand.
     histogram : Histogram
     heading : Bins
         36 bins of 10 degrees of the RS heading, from 0.
@@ -58,7 +60,7 @@ class SeriesSketch:
 
     def __init__(self, source: str = '') -> None:
         self.source = source
-        self.n = self.n_invalid = 0
+        self.n = self.n_invalid = self.n_taken_out = 0
         self.newest_ns: int | None = None
         self.time = Envelope()
         self.histogram = Histogram()
@@ -101,30 +103,37 @@ class SeriesSketch:
         x = subtract(pairs, settings.installation_offset_deg, settings.wrap_center_deg).x_deg
         good = np.isfinite(x)
         x, n = x[good], int(np.count_nonzero(good))
-        self.n += n
         self.n_invalid += len(pairs) - n
-        self.time.update(pairs.stamp_ns[good], x)
-        self.histogram.update(x)
         stamps, rs = pairs.stamp_ns[good], wrap360(pairs.rs_deg[good])
-        self._take_headings(stamps, x, rs, settings)
-        at = (rs // (360.0 / HEADING_BINS)).astype(np.int64)
-        self.heading = self.heading + Bins.of(HEADING_BINS, at, x)
+        self.time.update(stamps, x)
+        line = self._unwrap(rs)
+        self.rs_time.update(stamps, line)
+        kept = find_excluded(stamps, read_exclusions(settings.exclusions)) < 0
+        self.n_taken_out += n - int(np.count_nonzero(kept))
+        self._take_kept(stamps[kept], x[kept], line[kept], settings)
 
-    def _take_headings(self, stamp_ns: Integers, x_deg: Reals, rs_deg: Reals,
-                       settings: Settings) -> None:
-        """Take what also needs the RS headings, without their jumps at north."""
-        if self.shifts is None or self.spectra is None:
-            self.shifts = ShiftScan(settings.alignment.skew_range_s, settings.pairing.max_gap_s)
-            self.spectra = Spectra(settings.runs.gap_s)
-            self.offset_deg = settings.installation_offset_deg
-        if not len(x_deg):
-            return
+    def _unwrap(self, rs_deg: Reals) -> Reals:
+        """Return the RS headings without their jumps at north."""
+        if not len(rs_deg):
+            return rs_deg
         before = float(rs_deg[0]) if self._rs_deg is None else self._rs_deg
         steps = np.diff(rs_deg, prepend=before)
         turns = self._turns + np.cumsum((steps < -180.0).astype(np.int64) - (steps >= 180.0))
         self._turns, self._rs_deg = int(turns[-1]), float(rs_deg[-1])
-        line = rs_deg + 360.0 * turns
-        self.rs_time.update(stamp_ns, line)
-        self.turning.update(stamp_ns, x_deg, line)
-        self.shifts.update(stamp_ns, x_deg, line)
+        line: Reals = rs_deg + 360.0 * turns
+        return line
+
+    def _take_kept(self, stamp_ns: Integers, x_deg: Reals, line_deg: Reals,
+                   settings: Settings) -> None:
+        """Take what is not taken out by hand."""
+        if self.shifts is None or self.spectra is None:
+            self.shifts = ShiftScan(settings.alignment.skew_range_s, settings.pairing.max_gap_s)
+            self.spectra = Spectra(settings.runs.gap_s)
+            self.offset_deg = settings.installation_offset_deg
+        self.n += len(x_deg)
+        self.histogram.update(x_deg)
+        at = (wrap360(line_deg) // (360.0 / HEADING_BINS)).astype(np.int64)
+        self.heading = self.heading + Bins.of(HEADING_BINS, at, x_deg)
+        self.turning.update(stamp_ns, x_deg, line_deg)
+        self.shifts.update(stamp_ns, x_deg, line_deg)
         self.spectra.update(stamp_ns, x_deg)

@@ -17,6 +17,7 @@ from heading_intercompare.core.decision.criteria import (
 )
 from heading_intercompare.core.decision.guarded import Guarded
 from heading_intercompare.core.decision.sequential import LookVerdict
+from heading_intercompare.core.decision.taken_out import TakenOut
 from heading_intercompare.core.diagnostics.assumptions import Assumption
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
@@ -53,7 +54,7 @@ __all__ = ['Campaign', 'Input', 'LostReadings', 'OperatorNote', 'PairingFigures'
            'VerdictError']
 
 _SCHEMA = 'heading_intercompare/verdict/'
-SCHEMA_VERSION = '2.2'
+SCHEMA_VERSION = '2.3'
 """
 Major and minor version of the mapping.
 
@@ -179,6 +180,7 @@ class RunVerdict:
     allan: Allan
     assumptions: Sequence[Assumption]
     warnings: Sequence[str]
+    taken_out: TakenOut | None = leave_out_none()
 
 
 @dataclass(frozen=True, slots=True)
@@ -330,6 +332,8 @@ class Verdict:
         Sentences that say why the ledger is not complete; None if unknown, before 2.2.
     intermediate : bool or None
         True if the last run was still in progress: what a stop would have given; otherwise None.
+    taken_out : TakenOut or None
+        What a person took out, and the verdict with nothing taken out; None without exclusions.
     plotter : callable or None
         ``plotter(verdict, name)`` draws the figures, from a sketch of the pairs; no key.
     settings_sha256 : str
@@ -349,6 +353,7 @@ class Verdict:
     rule_version: int | None = RULE_VERSION
     ledger_problems: Sequence[str] | None = leave_out_none()
     intermediate: bool | None = leave_out_none()
+    taken_out: TakenOut | None = leave_out_none()
     plotter: Any = no_key()
 
     @property
@@ -404,11 +409,7 @@ class Verdict:
         return frame_of_runs(self)
 
     def plot(self, name: str | None = None) -> Any:
-        """
-        Return the figures of ``docs/figures.md`` for a notebook, or the one of a name.
-
-        Raises ValueError without matplotlib, or if the verdict was read from JSON.
-        """
+        """Return the figures of ``docs/figures.md`` for a notebook, or the one of a name."""
         if self.plotter is None:
             raise ValueError('plot: this verdict knows no readings to draw; judge them with '
                              'analyze, analyze_bag or analyze_bags')
@@ -419,8 +420,8 @@ class Verdict:
         more: dict[str, Any] = {} if self.ledger_problems is None else {
             'ledger_complete': self.ledger_complete,
             'ledger_problems': make_plain(self.ledger_problems)}
-        if self.intermediate is not None:
-            more['intermediate'] = self.intermediate
+        more |= {name: make_plain(value) for name in ('intermediate', 'taken_out')
+                 if (value := getattr(self, name)) is not None}
         return {
             'schema': SCHEMA,
             'schema_version': SCHEMA_VERSION,

@@ -12,7 +12,7 @@ import numpy as np
 from heading_intercompare.core.records import Integers, Reals
 
 __all__ = ['days', 'Drawing', 'LeftOut', 'LIMIT', 'MEAN', 'RANGE', 'SERIES', 'SIGMA', 'START',
-           'TIGHTENED', 'UNIT']
+           'TAKEN_OUT', 'TIGHTENED', 'UNIT']
 
 _DAY_NS = 86_400 * 10 ** 9
 
@@ -26,6 +26,8 @@ TIGHTENED: dict[str, Any] = {'color': '#000000', 'linewidth': 1.2, 'linestyle': 
 SIGMA: dict[str, Any] = {'color': '#000000', 'linewidth': 1.2,
                          'linestyle': (0, (9.0, 3.0, 2.0, 3.0))}
 UNIT: dict[str, Any] = {'color': '#d55e00', 'linewidth': 1.4, 'linestyle': (0, (6.0, 2.0))}
+TAKEN_OUT: dict[str, Any] = {'facecolor': 'none', 'edgecolor': '#767676', 'hatch': '////',
+                             'linewidth': 0.0}
 START: dict[str, Any] = {'color': '#767676', 'linewidth': 1.0, 'linestyle': (0, (1.0, 3.0))}
 
 

@@ -12,10 +12,11 @@ import numpy as np
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Integers, Reals
 from heading_intercompare.core.statistics.confidence_bounds import interval_factors
+from heading_intercompare.core.time_rules.exclusions import find_excluded, read_exclusions
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 from heading_intercompare.report.formatting import number
 
-from .drawing import days, Drawing, LeftOut, LIMIT, RANGE, SERIES, START, TIGHTENED
+from .drawing import days, Drawing, LeftOut, LIMIT, RANGE, SERIES, START, TAKEN_OUT, TIGHTENED
 from .subject import pad, Subject
 
 __all__ = ['draw_differences', 'draw_headings', 'draw_running_variance']
@@ -57,6 +58,11 @@ def _span(axes: Any, about: Subject) -> None:
     """Let the axis of time run over the whole record, and mark where runs start."""
     first, last = days(about.start_ns), days(about.sketch.newest_ns or about.start_ns)
     axes.set_xlim(first, max(last, first + 1e-5))
+    shown = [one for one in read_exclusions(about.settings.exclusions)
+             if one.start_ns <= (about.sketch.newest_ns or 0) and one.end_ns > about.start_ns]
+    for k, one in enumerate(shown):
+        axes.axvspan(days(one.start_ns), days(one.end_ns), **TAKEN_OUT,
+                     label=None if k else 'taken out by hand')
     if len(about.runs) > 1:
         for k, run in enumerate(about.runs):
             axes.axvline(days(run.start_ns), **START, label=None if k else 'start of a run')
@@ -156,6 +162,7 @@ def _grow(about: Subject, run: RunVerdict) -> tuple[Integers, Integers, Reals]:
     # The stabilisation period is no part of the run that is judged.
     wanted = (end_ns - width_ns >= run.end_ns - _analysed_ns(run)) & (
         end_ns - width_ns <= run.end_ns) & (bins.n > 0)
+    wanted &= find_excluded(end_ns - width_ns // 2, read_exclusions(about.settings.exclusions)) < 0
     n, mean, m2 = bins.n[wanted], bins.mean_deg[wanted], bins.m2_deg2[wanted]
     if not len(n):
         return end_ns[:0], n, mean

@@ -140,3 +140,21 @@ def test_a_removed_drift_leaves_out_the_growing_variance(made):
     verdict, sketches = made(1, drift_order=1)
     (left_out,) = collect(sketches[0], verdict, 'running_variance')
     assert isinstance(left_out, LeftOut) and 'drift' in left_out.reason
+
+
+@pytest.mark.parametrize('name', ['headings', 'differences', 'running_variance'])
+def test_what_is_taken_out_is_shaded(made, name):
+    begin, end = START_NS + 100 * 10 ** 9, START_NS + 200 * 10 ** 9
+    verdict, sketches = made(1, exclusions=f'{begin}, {end}, a tug')
+    axes = axes_of(sketches[0], verdict, name)
+    (shade,) = (patch for patch in axes.patches if patch.get_label() == 'taken out by hand')
+    assert shade.get_x() == pytest.approx(days(begin))
+    assert shade.get_x() + shade.get_width() == pytest.approx(days(end))
+    assert shade.get_hatch()
+
+
+def test_the_growing_variance_is_that_of_the_rest(made):
+    begin, end = START_NS + 100 * 10 ** 9, START_NS + 200 * 10 ** 9
+    verdict, sketches = made(1, exclusions=f'{begin}, {end}, a tug')
+    (grown,) = lines(axes_of(sketches[0], verdict, 'running_variance'), 'variance so far')
+    assert grown.get_ydata()[-1] == pytest.approx(verdict.runs[0].variance_deg2, rel=0.01)
