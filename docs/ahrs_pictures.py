@@ -25,7 +25,7 @@ from heading_intercompare.ahrs.plans import parse_legs
 from heading_intercompare.ahrs.sensor_presets import errors_of
 from heading_intercompare.ahrs.settings import Ahrs, Errors
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
-from heading_intercompare.report.plots import ACCENT, draw, GREY, INK
+from heading_intercompare.report.figures.style import ACCENT, draw, GREY, INK
 
 DOCS = Path(__file__).resolve().parent
 LATITUDE_DEG = 45.0

@@ -14,11 +14,10 @@ from heading_intercompare._doors import door
 from heading_intercompare.core.version import VERSION as __version__
 
 __getattr__, __dir__, __all__ = door(__name__, {
-    'app.analysis': ('analyze_bag', 'analyze_bags', 'judge_bags'),
+    'app.analysis': ('analyze', 'analyze_bag', 'analyze_bags', 'judge_bags'),
     'bags.recording.recorded_headings': ('read_bag', 'RecordedHeadings'),
     'bags.rosbag2.bag_reader': ('BagReader',),
     'core.diagnostics.three_cornered_hat': ('three_cornered_hat',),
-    'core.offline': ('analyze',),
     'core.outcome': ('Outcome',),
     'core.pairing.pairer': ('pair', 'Pairer'),
     'core.pipeline': ('Compliance', 'Intercomparison', 'join'),
@@ -32,6 +31,7 @@ __all__ += ['__version__']
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
     from .app.analysis import (
+        analyze as analyze,
         analyze_bag as analyze_bag,
         analyze_bags as analyze_bags,
         judge_bags as judge_bags,
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     )
     from .bags.rosbag2.bag_reader import BagReader as BagReader
     from .core.diagnostics.three_cornered_hat import three_cornered_hat as three_cornered_hat
-    from .core.offline import analyze as analyze
     from .core.outcome import Outcome as Outcome
     from .core.pairing.pairer import pair as pair, Pairer as Pairer
     from .core.pipeline import (

@@ -60,16 +60,16 @@ ALLOWED = {
 # The table of docs/ARCHITECTURE.md, "Rooms": within a folder a room, or a module beside the rooms,
 # imports only what stands before it.
 ORDER = {
-    'core': ('utc_text', 'given_stamps', 'records', 'angles', 'clock_cuts', 'declared_settings',
-             'settings', 'outcome', 'version', 'statistics', 'pairing', 'timing', 'decision',
-             'runs', 'conditions', 'diagnostics', 'alarms', 'verdict', 'kept_state', 'pipeline',
-             'offline'),
+    'core': ('utc_text', 'given_stamps', 'records', 'angles', 'time_rules', 'declared_settings',
+             'settings', 'outcome', 'version', 'statistics', 'pairing', 'timing',
+             'decision', 'runs', 'conditions', 'diagnostics', 'alarms', 'verdict', 'kept_state',
+             'pipeline', 'offline'),
     'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'gimballed',
              'sensors', 'simulator'),
     'bags': ('errors', 'checked_text', 'settings', 'mcap', 'parallel', 'rosbag2',
              'recording', 'recovery', 'csv'),
-    'report': ('series_sketch', 'formatting', 'plots', 'graphs', 'contents', 'json',
-               'json_schema', 'html', 'pdf'),
+    'report': ('sketching', 'series_sketch', 'formatting', 'figures', 'contents', 'json',
+               'json_schema', 'runs_csv', 'html', 'pdf'),
     'web': ('wording', 'figures', 'bridge_records', 'verdict_lamp', 'bridge_view',
             'controls', 'guard', 'palettes', 'trend_picture', 'page_texts', 'page', 'server'),
     'nodes': ('settings', 'ros', 'runtime', 'taking', 'alarms', 'judging', 'synchronizer',
@@ -81,7 +81,7 @@ ORDER = {
 # The libraries of each extra, and the only modules that may load them.
 LOADED_BY = {
     'jinja2': {'report/html'}, 'weasyprint': {'report/pdf'},
-    'matplotlib': {'report/graphs', 'report/plots'},
+    'matplotlib': {'report/figures/style'},
     'distributed': {'app/cluster'}, 'argcomplete': {'cli/completion'},
     'rich': {'cli/terminal/console', 'cli/terminal/progress'},
     'nicegui': {'web/page', 'web/server'}, 'fastapi': {'web/server'}, 'uvicorn': {'web/server'},

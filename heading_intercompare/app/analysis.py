@@ -1,26 +1,28 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The analysis of recorded runs: a bag, or a campaign of several, to one verdict."""
+"""The analysis of readings, of a bag, or of a campaign of several, to one verdict."""
 
 from __future__ import annotations
 
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import os
 from typing import Callable, Iterable, Sequence
 import warnings
 
+from heading_intercompare.core import offline
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.pipeline import join
-from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.report import SeriesSketch
+from heading_intercompare.report.figures.notebook import Plotter
 
 from .campaign import judge_inputs
-from .run_table import assign_runs, read_run_table, RunTable
+from .run_table import assign_runs, name_outside, read_run_table, RunTable
 
-__all__ = ['analyze_bag', 'analyze_bags', 'judge_bags', 'Judgement']
+__all__ = ['analyze', 'analyze_bag', 'analyze_bags', 'judge_bags', 'Judgement']
 
 Place = str | os.PathLike[str]
 
@@ -73,7 +75,7 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
     takers : iterable of callable
         Each is called with the pairs, chunk by chunk; for one input, and not with an executor.
     sketched : bool
-        Collect the data for the graphs of a report.
+        Collect the data for the figures of the report and of `Verdict.plot`.
     progress : callable
         Called with the progress in words.
 
@@ -107,8 +109,51 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
     called = os.fspath(runs) if isinstance(runs, (str, os.PathLike)) else 'runs'
     notes = [note for each in judged for note in each.notes]
     notes += [f'{called}: source {source} is not one of the INPUTs' for source in elsewhere]
-    return Judgement(verdict, tuple(notes), tuple(each.sketch for each in judged if each.sketch),
+    notes += name_outside(verdict)
+    sketches = tuple(each.sketch for each in judged if each.sketch)
+    if sketches:
+        verdict = replace(verdict, plotter=Plotter(sketches))
+    return Judgement(verdict, tuple(notes), sketches,
                      tuple(run for each in judged for run in each.earlier))
+
+
+def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings],
+            settings: Settings) -> Verdict:
+    """
+    Judge a TS against an RS.
+
+    Parameters
+    ----------
+    ts, rs : Headings, or equally long lists of them
+        Readings of the two sensors; each element of a list is a separate input.
+    settings : Settings
+        Must hold the norms.
+
+    Returns
+    -------
+    Verdict
+        The verdict on all runs of all inputs; never compliant if an input has no run. Its `plot`
+        draws the figures.
+
+    Raises
+    ------
+    SettingsError
+        If a norm is missing.
+    ValueError
+        If the lists differ in length.
+
+    References
+    ----------
+    GK (1)-(7); the guarded decision of ``docs/verdict.md``.
+
+    """
+    sketches: dict[int, SeriesSketch] = {}
+
+    def take(at: int, pairs: Pairs) -> None:
+        sketches.setdefault(at, SeriesSketch()).update(pairs, settings)
+
+    verdict = offline.analyze(ts, rs, settings, take)
+    return replace(verdict, plotter=Plotter(tuple(sketches.values())))
 
 
 def analyze_bag(path: Place, settings: Settings, *, runs: Place | RunTable | None = None,
@@ -137,7 +182,8 @@ def analyze_bag(path: Place, settings: Settings, *, runs: Place | RunTable | Non
         If the recording cannot be read, or the table of runs is wrong.
 
     """
-    return _warn(judge_bags([path], settings, runs=runs, jobs=jobs, progress=progress))
+    return _warn(judge_bags([path], settings, runs=runs, jobs=jobs, sketched=True,
+                            progress=progress))
 
 
 def analyze_bags(paths: Sequence[Place], settings: Settings, *,
@@ -167,7 +213,7 @@ def analyze_bags(paths: Sequence[Place], settings: Settings, *,
 
     """
     return _warn(judge_bags(paths, settings, runs=runs, executor=executor, jobs=jobs,
-                            progress=progress))
+                            sketched=True, progress=progress))
 
 
 def _warn(judgement: Judgement) -> Verdict:

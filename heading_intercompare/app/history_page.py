@@ -57,7 +57,7 @@ def write_page(histories: Sequence[History], path: str, since_ns: int | None = N
 def _draw(points: Sequence[Point], figure: str, name: str) -> str:
     """Return the chart of one figure as SVG."""
     # Only now: matplotlib is optional and takes long to load.
-    from heading_intercompare.report.plots import ACCENT, draw, GREY, INK
+    from heading_intercompare.report.figures.style import ACCENT, draw, GREY, INK
 
     drawn = [p for p in points if getattr(p.row, f'{figure}_deg') is not None]
     start_ns = drawn[0].row.start_ns if drawn else 0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The table of runs: their start and stop times, and the input of each."""
+"""The tables that a person gives: of runs, and of stretches to take out."""
 
 from __future__ import annotations
 
@@ -10,7 +10,11 @@ import os
 from pathlib import Path
 from typing import Mapping, Sequence
 
-__all__ = ['assign_runs', 'parse_stamp', 'read_run_table', 'RunTable']
+from heading_intercompare.core.time_rules.exclusions import Exclusion, read_exclusions
+from heading_intercompare.core.verdict.verdict_document import Verdict
+
+__all__ = ['assign_runs', 'name_outside', 'parse_stamp', 'read_exclusion_table', 'read_run_table',
+           'RunTable']
 
 #: Start and stop in nanoseconds, and the source.
 Run = tuple[int, int, str]
@@ -91,3 +95,36 @@ def parse_stamp(text: str | None) -> int:
         raise ValueError(f'{text!r} is neither ISO UTC (2014-08-01T00:00:00.5Z) nor integer '
                          'nanoseconds')
     return int(moment.replace(tzinfo=timezone.utc).timestamp()) * 1_000_000_000 + ns
+
+
+def read_exclusion_table(path: str) -> str:
+    """
+    Return the text of the setting `exclusions` from a file with ``start,end,reason``.
+
+    Raises
+    ------
+    OSError, ValueError
+        If the file cannot be read, or a row is wrong; the message names the file.
+
+    """
+    with open(path, newline='', encoding='utf-8-sig') as file:
+        try:
+            rows = [row for row in csv.reader(file, skipinitialspace=True) if any(row)]
+        except (csv.Error, UnicodeDecodeError) as error:
+            raise ValueError(f'{path}: is not csv in UTF-8: {error}') from error
+    # Rows of the setting end with a semicolon, and the reason holds any other sign.
+    text = '; '.join(' '.join(', '.join(row).replace(';', ',').split()) for row in rows)
+    try:
+        found = read_exclusions(text)
+    except ValueError as error:
+        raise ValueError(f'{path}, {error}') from error
+    if not found:
+        raise ValueError(f'{path}: has no row start,end,reason')
+    return text
+
+
+def name_outside(verdict: Verdict) -> list[str]:
+    """Return a note on each exclusion that takes nothing out of a verdict."""
+    stretches = () if verdict.taken_out is None else verdict.taken_out.stretches
+    return [f'exclusions: {Exclusion(one.start_ns, one.end_ns, one.reason)} takes out nothing: no '
+            'analysed difference is in it' for one in stretches if not one.n]

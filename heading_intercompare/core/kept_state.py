@@ -13,7 +13,7 @@ from heading_intercompare.core.decision.guarded import Evidence
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.runs.run_cutter import CutterState
 from heading_intercompare.core.verdict.judge import RunResult
-from heading_intercompare.core.verdict.typed_reader import make_plain, read_plain
+from heading_intercompare.core.verdict.typed_reader import leave_out_none, make_plain, read_plain
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
 from .outcome import Outcome
@@ -34,17 +34,20 @@ class KeptRun:
     stabilization_s: float | str
     set_backs: tuple[SetBack, ...]
     cut_ns: int
+    whole: 'KeptRun | None' = leave_out_none()
 
     @classmethod
     def of(cls, result: RunResult, cut_ns: int = 0) -> 'KeptRun':
         """Return a judged run to keep."""
+        whole = None if result.whole is None else cls.of(result.whole, cut_ns)
         return cls(**{f.name: getattr(result, f.name) for f in fields(cls)
-                      if f.name != 'cut_ns'}, cut_ns=cut_ns)
+                      if f.name not in ('cut_ns', 'whole')}, cut_ns=cut_ns, whole=whole)
 
     def result(self, settings: Settings) -> RunResult:
         """Return the judged run, given the settings it was judged by."""
+        whole = None if self.whole is None else self.whole.result(settings)
         return RunResult(**{f.name: getattr(self, f.name) for f in fields(self)
-                            if f.name != 'cut_ns'}, settings=settings)
+                            if f.name not in ('cut_ns', 'whole')}, settings=settings, whole=whole)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Sequence
+from typing import Callable, Sequence
 
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.timing.skew_scan import Scan, scan_skew
@@ -13,7 +13,7 @@ from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
 from .pipeline import Intercomparison, join
-from .records import Headings, Losses
+from .records import Headings, Losses, Pairs
 from .settings import Pairing, Settings
 
 __all__ = ['analyze', 'judge_aligned']
@@ -118,7 +118,8 @@ def _note_alignment(result: RunResult, found: Scan | None, words: str) -> RunRes
 
 
 def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings],
-            settings: Settings) -> Verdict:
+            settings: Settings,
+            take: Callable[[int, Pairs], object] = lambda at, pairs: None) -> Verdict:
     """
     Judge a TS against an RS.
 
@@ -128,6 +129,8 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
         Readings of the two sensors; each element of a list is a separate input.
     settings : Settings
         Must hold the norms.
+    take : callable
+        Called with the number of an input, from 0, and its pairs.
 
     Returns
     -------
@@ -151,10 +154,10 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
     if len(ts) != len(rs):
         raise ValueError(f'{len(ts)} TS inputs but {len(rs)} RS inputs: give one RS for each TS')
     results, incomplete = [], False
-    for ts_part, rs_part in zip(ts, rs):
+    for at, (ts_part, rs_part) in enumerate(zip(ts, rs)):
         comparison = Intercomparison(settings)
-        comparison.update(ts_part, rs_part)
-        comparison.finish()
+        take(at, comparison.update(ts_part, rs_part))
+        take(at, comparison.finish())
         found = comparison.results()
         if settings.alignment.skew == 'apply':
             found = judge_aligned(ts_part, rs_part, found, settings)

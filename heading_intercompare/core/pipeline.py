@@ -10,6 +10,12 @@ from typing import Any, Callable, Iterable, Sequence
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.sequential import find_standing, Look, LookVerdict
+from heading_intercompare.core.decision.taken_out import (
+    AsRecorded,
+    Stretch,
+    sum_stretches,
+    TakenOut,
+)
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
@@ -24,6 +30,8 @@ from heading_intercompare.core.runs.live_figures import (
 from heading_intercompare.core.runs.rolling_window import Rolling
 from heading_intercompare.core.runs.run_cutter import RunCutter
 from heading_intercompare.core.runs.run_series import RunSeries
+from heading_intercompare.core.time_rules.exclusions import Exclusion, read_exclusions
+from heading_intercompare.core.verdict.conclusion import find_taken_out
 from heading_intercompare.core.verdict.judge import (
     compare_runs,
     conclude_campaign,
@@ -337,7 +345,26 @@ def join(results: Sequence[RunResult], settings: Settings,
     if incomplete:
         verdict = replace(verdict, paper_outcome=worst(
             [verdict.paper_outcome, Outcome.INDETERMINATE]))
-    return verdict
+    exclusions = read_exclusions(settings.exclusions)
+    return _show_whole(verdict, results, exclusions, incomplete) if exclusions else verdict
+
+
+def _show_whole(verdict: Verdict, results: Sequence[RunResult],
+                exclusions: Sequence[Exclusion], incomplete: bool) -> Verdict:
+    """Return a verdict with the one with nothing taken out by hand beside it."""
+    whole = join([r.whole or r for r in results], replace(verdict.settings, exclusions=None),
+                 verdict.inputs, incomplete=incomplete)
+    stretches = sum_stretches(
+        [[Stretch(one.start_ns, one.end_ns, one.reason, 0) for one in exclusions],
+         *(r.taken_out.stretches for r in verdict.runs if r.taken_out is not None)])
+    n, analysed = sum(one.n for one in stretches), sum(run.n for run in whole.runs)
+    taken_out = TakenOut(n, n / analysed if analysed else 0.0, stretches, AsRecorded(
+        whole.outcome, whole.validity_effect, whole.headline, analysed, None))
+    line = verdict.headline
+    if n and (len(verdict.runs) > 1 or line != verdict.runs[0].headline):
+        same = find_taken_out(verdict.outcome, verdict.validity_effect, taken_out)
+        line = f'{line}; of all runs {same.words}'
+    return replace(verdict, taken_out=taken_out, headline=line)
 
 
 class Intercomparison:

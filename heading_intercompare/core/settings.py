@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Mapping
 
-from .clock_cuts import ClockCuts
 from .declared_settings import (
     Checked,
     explain_unknown,
@@ -28,6 +27,8 @@ from .declared_settings import (
     SettingsError,
     to_mapping,
 )
+from .time_rules.clock_cuts import ClockCuts
+from .time_rules.exclusions import read_exclusions
 
 __all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown', 'flatten',
            'from_mapping', 'leave_out_added', 'leave_out_gone', 'list_settings', 'Norms',
@@ -293,6 +294,9 @@ class Settings(Checked):
     campaign: CampaignRule = field(default_factory=CampaignRule)
     window_s: float = setting(600.0, 'length of the rolling window [s]', 1.0)
     detectors: Detectors = field(default_factory=Detectors)
+    exclusions: str | None = setting(
+        None, 'stretches taken out by hand, each with its reason: rows start, end, reason in UTC, '
+        'separated by line ends or a semicolon')
     trial: Trial = field(default_factory=Trial)
 
     def __post_init__(self) -> None:
@@ -301,6 +305,10 @@ class Settings(Checked):
         if self.variant == 'A' and self.drift_order != 0:
             raise SettingsError(f'drift_order = {self.drift_order!r}: must be 0 in variant A, '
                                 'whose TS has no systematic error that could drift')
+        try:
+            read_exclusions(self.exclusions)
+        except ValueError as error:
+            raise SettingsError(f'exclusions, {error}') from error
 
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, Any]) -> 'Settings':

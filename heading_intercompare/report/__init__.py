@@ -47,6 +47,7 @@ def check_form(path: str | Path) -> None:
     if form in ('.html', '.pdf'):
         try:
             from . import html  # noqa: F401
+            from .figures import style  # noqa: F401
         except ImportError as error:
             raise ValueError(
                 f'{path}: the protocol needs Jinja2 and matplotlib: pip install '

@@ -38,8 +38,8 @@ from .contents.tables import (
     WORST,
 )
 from .contents.uncertainty_budget import budget_of
+from .figures.gallery import draw_figures, Drawn
 from .formatting import exact, flatten, value
-from .graphs import draw_graphs
 from .series_sketch import SeriesSketch
 
 __all__ = ['render', 'write']
@@ -75,14 +75,14 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = ()) -> str:
     """
     runs = [(run.run, run) for run in verdict.runs]
     campaign, settings = verdict.campaign, verdict.settings
-    drawn = [(sketch.source, sketch.n_invalid, list(draw_graphs(sketch, verdict, f'input{k}')))
+    drawn = [(sketch.source, sketch.n_invalid, draw_figures(sketch, verdict, f'input{k}'))
              for k, sketch in enumerate(sketches, 1)]
     by_sensor = campaign.rule == 'sensor' and verdict.validity_effect != VOID
     running = name_trial(settings)
     return _load_template().render(
         verdict=verdict, no_run=NO_RUN, id=verdict_id(verdict), span=span_of(verdict),
         running=running if len(running) <= _LONGEST_HEAD else f'{running[:_LONGEST_HEAD]}...',
-        first=compose_first_page(verdict), shows=_pick_graph(verdict, sketches, drawn),
+        first=compose_first_page(verdict), shows=_pick_figure(verdict, sketches, drawn),
         identification=identify(verdict), norms=describe_norms(settings),
         statement=state_conformity(verdict), ledger=rows_by_run(LEDGER, runs),
         summary=rows_by_run(SUMMARY, runs), results=rows_by_run(RESULTS, runs),
@@ -94,7 +94,9 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = ()) -> str:
         notes=[(f'{utc(note.stamp_ns)} UTC', note.text, given.path)
                for given in verdict.inputs for note in given.notes or ()],
         settings=[(name, exact(thing)) for name, thing in settings.to_mapping().items()
-                  if not name.startswith('trial.')])
+                  if not name.startswith('trial.')],
+        taken_out=[(f'{utc(one.start_ns)} UTC', f'{utc(one.end_ns)} UTC', str(one.n), one.reason)
+                   for one in (verdict.taken_out.stretches if verdict.taken_out else ())])
 
 
 def _compare_runs(verdict: Verdict) -> list[Table]:
@@ -104,14 +106,15 @@ def _compare_runs(verdict: Verdict) -> list[Table]:
     return rows_of_block(HOMOGENEITY, [(0, dict(flatten(verdict.campaign.homogeneity)))])
 
 
-def _pick_graph(verdict: Verdict, sketches: Sequence[SeriesSketch],
-                drawn: Sequence[tuple[str, int, list[str]]]) -> str | None:
-    """Return the graph of the differences in time of the run with the largest variance."""
-    there = [(sketch, graphs[0]) for sketch, (_, _, graphs) in zip(sketches, drawn) if graphs]
+def _pick_figure(verdict: Verdict, sketches: Sequence[SeriesSketch],
+                 drawn: Sequence[tuple[str, int, list[Drawn]]]) -> Drawn | None:
+    """Return the differences in time of the run with the largest variance."""
+    there = [(sketch, figure) for sketch, (_, _, figures) in zip(sketches, drawn)
+             for figure in figures if figure.id.endswith('-differences') and figure.svg]
     worst = next((run for run in verdict.runs
                   if run.run == verdict.campaign.worst_variance_run), None)
     if worst is not None:
-        begun = [(sketch.time.start_ns, graph) for sketch, graph in there
+        begun = [(sketch.time.start_ns, figure) for sketch, figure in there
                  if sketch.source == worst.source and sketch.time.start_ns is not None
                  and sketch.time.start_ns <= worst.end_ns]
         if begun:

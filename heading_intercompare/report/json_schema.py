@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import is_dataclass
 from enum import Enum, EnumMeta
 from types import NoneType, UnionType
 from typing import Any, cast, get_args, get_origin, get_type_hints, Literal, Union
@@ -16,7 +16,7 @@ from heading_intercompare.core.settings import (
     Setting,
     Settings,
 )
-from heading_intercompare.core.verdict.typed_reader import is_left_out
+from heading_intercompare.core.verdict.typed_reader import is_left_out, list_keys
 from heading_intercompare.core.verdict.verdict_document import SCHEMA, SCHEMA_VERSION, Verdict
 
 __all__ = ['make_schema']
@@ -84,8 +84,8 @@ def _describe(kind: Any, kinds: dict[str, Any]) -> dict[str, Any]:
 def _describe_dataclass(kind: Any, kinds: dict[str, Any]) -> dict[str, Any]:
     hints = get_type_hints(kind)
     return {'type': 'object',
-            'required': [f.name for f in fields(kind) if not is_left_out(f, None)],
-            'properties': {f.name: _describe(hints[f.name], kinds) for f in fields(kind)}}
+            'required': [f.name for f in list_keys(kind) if not is_left_out(f, None)],
+            'properties': {f.name: _describe(hints[f.name], kinds) for f in list_keys(kind)}}
 
 
 def _describe_several(origin: type, parts: tuple[Any, ...],

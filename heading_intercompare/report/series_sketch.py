@@ -1,10 +1,8 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A summary of the pairs for the graphs of a report, collected in bounded memory."""
+"""A summary of the pairs for the figures of a report, collected in bounded memory."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,149 +10,16 @@ from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Integers, Pairs, Reals
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.time_rules.exclusions import find_excluded, read_exclusions
 
-__all__ = ['Bins', 'Envelope', 'HEADING_BINS', 'Histogram', 'SeriesSketch']
+from .sketching.bins import Bins, Envelope, Histogram
+from .sketching.shift_scan import ShiftScan
+from .sketching.spectra import Spectra
+from .sketching.turning import Turning
+
+__all__ = ['HEADING_BINS', 'SeriesSketch']
 
 HEADING_BINS = 36
-
-_TIME_BINS = 1000
-_FIRST_WIDTH_NS = 1_000_000
-_HISTOGRAM_BINS = 4096
-_FIRST_WIDTH_DEG = 2.0 ** -20
-
-
-@dataclass
-class Bins:
-    """
-    Count, mean, sum of squared deviations and extremes of the values in each bin.
-
-    Attributes
-    ----------
-    n : ndarray of int64, shape (k,)
-    mean_deg : ndarray, shape (k,)
-        0 where n is 0.
-    m2_deg2 : ndarray, shape (k,)
-        Sum of squared deviations from the mean.
-    low_deg, up_deg : ndarray, shape (k,)
-        Extremes; infinite where n is 0.
-
-    """
-
-    n: Integers
-    mean_deg: Reals
-    m2_deg2: Reals
-    low_deg: Reals
-    up_deg: Reals
-
-    @classmethod
-    def of(cls, size: int, at: Integers, x_deg: Reals) -> 'Bins':
-        """Return the bins of values `x_deg`, each in the bin `at`."""
-        n = np.bincount(at, minlength=size)
-        mean = np.bincount(at, x_deg, size) / np.maximum(n, 1)
-        # A sum of weights is real, although numpy does not declare it so.
-        m2 = np.asarray(np.bincount(at, (x_deg - mean[at]) ** 2, size), np.float64)
-        low, up = np.full(size, np.inf), np.full(size, -np.inf)
-        np.minimum.at(low, at, x_deg)
-        np.maximum.at(up, at, x_deg)
-        return cls(n, mean, m2, low, up)
-
-    def __add__(self, other: 'Bins') -> 'Bins':
-        """Return the bins of both samples together, by Chan's formula."""
-        n = self.n + other.n
-        share = other.n / np.maximum(n, 1)
-        step = other.mean_deg - self.mean_deg
-        return Bins(n, np.where(self.n > 0, self.mean_deg + step * share, other.mean_deg),
-                    self.m2_deg2 + other.m2_deg2 + step ** 2 * self.n * share,
-                    np.minimum(self.low_deg, other.low_deg), np.maximum(self.up_deg, other.up_deg))
-
-    def halve(self) -> 'Bins':
-        """Return as many bins of twice the width; the upper half is empty."""
-        pairs = self._every_other(0) + self._every_other(1)
-        rest = Bins.of(len(self.n) // 2, np.zeros(0, np.int64), np.zeros(0))
-        return Bins(n=np.concatenate((pairs.n, rest.n)),
-                    mean_deg=np.concatenate((pairs.mean_deg, rest.mean_deg)),
-                    m2_deg2=np.concatenate((pairs.m2_deg2, rest.m2_deg2)),
-                    low_deg=np.concatenate((pairs.low_deg, rest.low_deg)),
-                    up_deg=np.concatenate((pairs.up_deg, rest.up_deg)))
-
-    def _every_other(self, first: int) -> 'Bins':
-        return Bins(self.n[first::2], self.mean_deg[first::2], self.m2_deg2[first::2],
-                    self.low_deg[first::2], self.up_deg[first::2])
-
-    @property
-    def std_deg(self) -> Reals:
-        """Standard deviation in each bin, degrees; nan for fewer than two values."""
-        return np.sqrt(np.where(self.n > 1, self.m2_deg2 / np.maximum(self.n - 1, 1), np.nan))
-
-
-class Envelope:
-    """Time bins that start at the first difference; their width doubles as the span grows."""
-
-    def __init__(self) -> None:
-        self.start_ns: int | None = None
-        self.width_ns = _FIRST_WIDTH_NS
-        self.bins = Bins.of(_TIME_BINS, np.zeros(0, np.int64), np.zeros(0))
-
-    def update(self, stamp_ns: Integers, x_deg: Reals) -> None:
-        """Take finite differences in stamp order."""
-        if not len(x_deg):
-            return
-        if self.start_ns is None:
-            self.start_ns = int(stamp_ns[0])
-        since = stamp_ns - self.start_ns
-        while int(since[-1]) >= self.width_ns * _TIME_BINS:
-            self.bins = self.bins.halve()
-            self.width_ns *= 2
-        self.bins = self.bins + Bins.of(_TIME_BINS, since // self.width_ns, x_deg)
-
-
-class Histogram:
-    """
-    Counts in bins of equal width, aligned to zero; the width doubles as the range grows.
-
-    Attributes
-    ----------
-    width_deg : float
-        A power of two, degrees.
-    first : int
-        Number of the first bin; bin k is [k, k + 1) times the width.
-    counts : ndarray of int64, shape (k,)
-
-    """
-
-    def __init__(self) -> None:
-        self.width_deg = _FIRST_WIDTH_DEG
-        self.first = 0
-        self.counts = np.zeros(0, np.int64)
-
-    def update(self, x_deg: Reals) -> None:
-        """Take finite differences."""
-        if not len(x_deg):
-            return
-        low, up = float(x_deg.min()), float(x_deg.max())
-        if len(self.counts):
-            low = min(low, self.first * self.width_deg)
-            up = max(up, (self.first + len(self.counts) - 1) * self.width_deg)
-        while up // self.width_deg - low // self.width_deg >= _HISTOGRAM_BINS:
-            self._double()
-        first = int(low // self.width_deg)
-        counts = np.zeros(int(up // self.width_deg) - first + 1, np.int64)
-        shift = self.first - first
-        counts[shift:shift + len(self.counts)] += self.counts
-        at = np.floor_divide(x_deg, self.width_deg).astype(np.int64) - first
-        self.first, self.counts = first, counts + np.bincount(at, minlength=len(counts))
-
-    def _double(self) -> None:
-        if len(self.counts):
-            at = (np.arange(len(self.counts)) + self.first) // 2
-            self.first = int(at[0])
-            self.counts = np.bincount(at - self.first, self.counts).astype(np.int64)
-        self.width_deg *= 2.0
-
-    def edges_deg(self) -> Reals:
-        """Return the edges of the bins in degrees, one more than there are bins."""
-        at = self.first + np.arange(len(self.counts) + 1)
-        return at.astype(np.float64) * self.width_deg
 
 
 class SeriesSketch:
@@ -168,28 +33,45 @@ class SeriesSketch:
 
     Attributes
     ----------
-    n, n_invalid : int
-        Finite differences; pairs left out because they are not finite.
-    time : Envelope
-        At most 1000 bins of time.
+    n, n_invalid, n_taken_out : int
+        Finite differences; pairs left out because they are not finite, or by hand.
+    time, rs_time : Envelope
+        At most 1000 bins of time: of the differences, and of the RS heading, unwrapped. Only they
+        hold what is taken out by hand.
     histogram : Histogram
     heading : Bins
         36 bins of 10 degrees of the RS heading, from 0.
+    turning : Turning
+        The differences against the rate of turn.
+    shifts : ShiftScan or None
+        The scatter at shifts of the RS; None before the first pair.
+    spectra : Spectra or None
+        Spectrum and autocorrelation; None before the first pair.
+    offset_deg : float
+        The installation offset, which is removed from the differences.
 
     Notes
     -----
-    All pairs count, including those of the stabilisation period. Counts, extremes and bin widths
+    All pairs count, including those of the stabilisation period. The memory is some 3 MB, however
+    many pairs come. Counts, extremes and bin widths
     do not depend on the chunks; means and deviations depend on them only by rounding.
 
     """
 
     def __init__(self, source: str = '') -> None:
         self.source = source
-        self.n = self.n_invalid = 0
+        self.n = self.n_invalid = self.n_taken_out = 0
         self.newest_ns: int | None = None
         self.time = Envelope()
         self.histogram = Histogram()
         self.heading = Bins.of(HEADING_BINS, np.zeros(0, np.int64), np.zeros(0))
+        self.rs_time = Envelope()
+        self.turning = Turning()
+        self.shifts: ShiftScan | None = None
+        self.spectra: Spectra | None = None
+        self.offset_deg = 0.0
+        self._turns = 0
+        self._rs_deg: float | None = None
 
     def update(self, pairs: Pairs, settings: Settings) -> None:
         """
@@ -221,9 +103,37 @@ class SeriesSketch:
         x = subtract(pairs, settings.installation_offset_deg, settings.wrap_center_deg).x_deg
         good = np.isfinite(x)
         x, n = x[good], int(np.count_nonzero(good))
-        self.n += n
         self.n_invalid += len(pairs) - n
-        self.time.update(pairs.stamp_ns[good], x)
-        self.histogram.update(x)
-        at = (wrap360(pairs.rs_deg[good]) // (360.0 / HEADING_BINS)).astype(np.int64)
-        self.heading = self.heading + Bins.of(HEADING_BINS, at, x)
+        stamps, rs = pairs.stamp_ns[good], wrap360(pairs.rs_deg[good])
+        self.time.update(stamps, x)
+        line = self._unwrap(rs)
+        self.rs_time.update(stamps, line)
+        kept = find_excluded(stamps, read_exclusions(settings.exclusions)) < 0
+        self.n_taken_out += n - int(np.count_nonzero(kept))
+        self._take_kept(stamps[kept], x[kept], line[kept], settings)
+
+    def _unwrap(self, rs_deg: Reals) -> Reals:
+        """Return the RS headings without their jumps at north."""
+        if not len(rs_deg):
+            return rs_deg
+        before = float(rs_deg[0]) if self._rs_deg is None else self._rs_deg
+        steps = np.diff(rs_deg, prepend=before)
+        turns = self._turns + np.cumsum((steps < -180.0).astype(np.int64) - (steps >= 180.0))
+        self._turns, self._rs_deg = int(turns[-1]), float(rs_deg[-1])
+        line: Reals = rs_deg + 360.0 * turns
+        return line
+
+    def _take_kept(self, stamp_ns: Integers, x_deg: Reals, line_deg: Reals,
+                   settings: Settings) -> None:
+        """Take what is not taken out by hand."""
+        if self.shifts is None or self.spectra is None:
+            self.shifts = ShiftScan(settings.alignment.skew_range_s, settings.pairing.max_gap_s)
+            self.spectra = Spectra(settings.runs.gap_s)
+            self.offset_deg = settings.installation_offset_deg
+        self.n += len(x_deg)
+        self.histogram.update(x_deg)
+        at = (wrap360(line_deg) // (360.0 / HEADING_BINS)).astype(np.int64)
+        self.heading = self.heading + Bins.of(HEADING_BINS, at, x_deg)
+        self.turning.update(stamp_ns, x_deg, line_deg)
+        self.shifts.update(stamp_ns, x_deg, line_deg)
+        self.spectra.update(stamp_ns, x_deg)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
+import re
 import subprocess
 
 import numpy as np
@@ -220,3 +221,76 @@ def test_a_logbook_that_cannot_be_written_stops_the_command_before_the_work(
     assert 'cannot be opened' in said
     said = refused(capsys, 'analyze', bag, *NORMS, '--logbook', next(bag.glob('*.mcap')))
     assert 'is not a logbook' in said
+
+
+@pytest.fixture
+def exclusions(tmp_path):
+    """Return a function that writes a table of stretches to take out."""
+    def make(*lines):
+        path = tmp_path / 'exclude.csv'
+        path.write_text('\n'.join(('start,end,reason', *lines)) + '\n', 'utf-8')
+        return path
+    return make
+
+
+def test_stretches_taken_out_are_in_json_and_protocol_with_their_reasons(
+        bag, tmp_path, exclusions, capsys):
+    """One minute of ten; the record begins at 2014-08-01T00:00:00Z."""
+    table = exclusions('2014-08-01T00:01:00Z,2014-08-01T00:02:00Z,"tug <alongside>, by order"')
+    found, page = tmp_path / 'verdict.json', tmp_path / 'protocol.html'
+    assert main(['analyze', str(bag), *NORMS, '--exclude', str(table), '--json', str(found),
+                 '--report', str(page)]) == 0
+    out = capsys.readouterr().out
+    assert 'taken out by hand' in out and 'with nothing taken out' in out
+    verdict = json.loads(found.read_text('utf-8'))
+    (stretch,) = verdict['taken_out']['stretches']
+    assert (stretch['reason'], stretch['n']) == ('tug <alongside>, by order', 600)
+    text = page.read_text('utf-8')
+    assert 'tug &lt;alongside&gt;, by order' in text
+    assert 'Verdict with nothing taken out: ' in text
+    assert 'left out: taken out by hand' in text
+    assert '>taken out by hand</text>' in text, 'the figures against time are shaded'
+
+
+def test_the_protocol_of_a_json_names_what_was_taken_out(bag, tmp_path, exclusions, capsys):
+    table = exclusions('2014-08-01T00:01:00Z,2014-08-01T00:02:00Z,tug')
+    found, page = tmp_path / 'verdict.json', tmp_path / 'protocol.html'
+    main(['analyze', str(bag), *NORMS, '--exclude', str(table), '--json', str(found)])
+    assert main(['report', str(found), '-o', str(page)]) == 0
+    assert 'Verdict with nothing taken out: ' in page.read_text('utf-8')
+    capsys.readouterr()
+    assert '--exclude' in refused(capsys, 'report', found, '-o', page, '--exclude', table)
+
+
+def test_a_stretch_outside_of_the_record_is_a_note(bag, exclusions, capsys):
+    table = exclusions('2013-08-01T00:01:00Z,2013-08-01T00:02:00Z,tug')
+    assert main(['analyze', str(bag), *NORMS, '--exclude', str(table)]) == 0
+    assert ('note: exclusions: 2013-08-01 00:01:00.000 to 2013-08-01 00:02:00.000 UTC (tug) takes '
+            'out nothing') in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('line, why', [
+    ('2014-08-01T00:01:00Z,2014-08-01T00:02:00Z', 'row 2: .*must be start, end, reason'),
+    ('2014-08-01T00:02:00Z,2014-08-01T00:01:00Z,tug', 'row 2: end .* is not after start'),
+    ('noon,2014-08-01T00:01:00Z,tug', "row 2: 'noon' is neither ISO UTC"),
+])
+def test_a_wrong_table_of_stretches_is_one_line_with_its_file(bag, exclusions, line, why, capsys):
+    table = exclusions(line)
+    said = refused(capsys, 'analyze', bag, *NORMS, '--exclude', table)
+    assert str(table) in said and re.search(why, said)
+
+
+def test_an_empty_or_binary_table_of_stretches_is_one_line(bag, tmp_path, exclusions, capsys):
+    assert 'has no row start,end,reason' in refused(
+        capsys, 'analyze', bag, *NORMS, '--exclude', exclusions())
+    path = tmp_path / 'binary.csv'
+    path.write_bytes(b'\xff\xfe1,2,x')
+    assert 'is not csv in UTF-8' in refused(capsys, 'analyze', bag, *NORMS, '--exclude', path)
+
+
+def test_a_reason_may_hold_any_sign_in_a_setting(bag, capsys):
+    text = '2014-08-01T00:01:00Z, 2014-08-01T00:02:00Z, tug: see log # 7'
+    assert main(['analyze', str(bag), *NORMS, '--set', f'exclusions={text}', '--json', '-']) == 0
+    verdict = json.loads(capsys.readouterr().out)
+    assert verdict['taken_out']['stretches'][0]['reason'] == 'tug: see log # 7'
+    assert verdict['settings']['exclusions'] == text

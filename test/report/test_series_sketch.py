@@ -114,3 +114,18 @@ def test_stamps_that_go_back_are_refused():
     sketch = sketch_of(pairs_of([0.0, 0.1]))
     with pytest.raises(ValueError, match='stamp order'):
         sketch.update(pairs_of([0.0], start_ns=5), SETTINGS)
+
+
+def test_what_is_taken_out_stays_in_time_and_leaves_the_rest(rng):
+    start = 1_700_000_000 * 10 ** 9
+    settings = Settings.of(exclusions=f'{start + 10 * 10 ** 9}, {start + 20 * 10 ** 9}, a tug')
+    x = rng.normal(0.0, 0.1, 1000)
+    x[100:200] += 5.0
+    sketch = SeriesSketch()
+    pairs = pairs_of(x, rs_deg=np.linspace(0.0, 50.0, 1000), start_ns=start)
+    for lo in range(0, 1000, 33):
+        sketch.update(pairs[lo:lo + 33], settings)
+    assert (sketch.n, sketch.n_taken_out) == (900, 100)
+    assert sketch.time.bins.n.sum() == sketch.rs_time.bins.n.sum() == 1000
+    assert sketch.histogram.counts.sum() == sketch.heading.n.sum() == 900
+    assert sketch.histogram.edges_deg()[-1] < 2.0 < sketch.time.bins.up_deg.max()

@@ -17,6 +17,7 @@ from heading_intercompare.app.config import Config, settings_for
 from heading_intercompare.app.inputs import load_config_or_journal
 from heading_intercompare.app.logs.two_logs import find_logs, judge_logs, ROLES
 from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
+from heading_intercompare.app.run_table import read_exclusion_table
 from heading_intercompare.cli.terminal.campaign_table import campaign_lines, is_campaign
 from heading_intercompare.cli.terminal.console import find_width, say, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
@@ -100,6 +101,8 @@ def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
     parser.add_argument('--runs-csv', metavar='F', help='write one row per run: recording, start, '
                         'end, n, mean, sd, bounds, outcome, validity')
+    parser.add_argument('--exclude', metavar='F.csv', help='table of stretches to take out: '
+                        'start,end,reason; the verdict with nothing taken out stands beside')
     parser.add_argument('--csv', metavar='F', help='write one row per pair')
     parser.add_argument('--ensembles', metavar='F', help='write one row per ensemble, with '
                         'the columns of UHDAS: dday,mean_hdg,last_hdg,mean_dh,std_dh,num,badflag; '
@@ -121,7 +124,9 @@ def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Judge the inputs; print and write the verdict."""
     config = load_config_or_journal(arguments.config, arguments.inputs)
-    settings = settings_for(config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs)
+    settings = settings_for(
+        config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs,
+        exclusions=read_exclusion_table(arguments.exclude) if arguments.exclude else None)
     Limits.of(settings.norms, settings.model)
     logs = find_logs(arguments.inputs)
     _check_options(arguments, logs is not None)

@@ -15,7 +15,7 @@ from . import analyze
 __all__ = ['add_arguments', 'run']
 
 #: Options that need readings, which a verdict lacks.
-_JUDGING = ('ts', 'rs', 'config', 'set', 'runs', 'csv', 'ensembles', 'jobs', 'dask',
+_JUDGING = ('ts', 'rs', 'config', 'set', 'runs', 'exclude', 'csv', 'ensembles', 'jobs', 'dask',
             *analyze.LOG_OPTIONS)
 
 

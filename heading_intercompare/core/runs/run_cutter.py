@@ -16,8 +16,8 @@ from typing import Sequence
 
 import numpy as np
 
-from heading_intercompare.core.clock_cuts import ClockCuts
 from heading_intercompare.core.settings import RunCutting
+from heading_intercompare.core.time_rules.clock_cuts import ClockCuts
 
 __all__ = ['CutterState', 'Piece', 'RunCutter']
 

@@ -13,8 +13,9 @@ import scipy
 
 from heading_intercompare.core.records import Reals
 
-__all__ = ['AllanDeviation', 'autocorrelate', 'compute_allan_deviation', 'CorrelationTimes',
-           'effective_size', 'estimate_correlation_times', 'geyer_time', 'sokal_times']
+__all__ = ['allan_dof', 'AllanDeviation', 'autocorrelate', 'compute_allan_deviation',
+           'CorrelationTimes', 'effective_size', 'estimate_correlation_times', 'geyer_time',
+           'sokal_times']
 
 _SEGMENT = 1 << 17
 _PIECE = 1 << 15
@@ -324,3 +325,31 @@ def compute_allan_deviation(x: ArrayLike, rate_hz: float, tau_s: ArrayLike | Non
         terms[at] = within.size - 2 * lag
         deviation[at] = np.sqrt(0.5 * _square_steps(within, lag) / terms[at]) / span
     return AllanDeviation(m, m / rate_hz, deviation, terms)
+
+
+def allan_dof(m: ArrayLike, terms: ArrayLike) -> np.ndarray:
+    """
+    Return the degrees of freedom of overlapping Allan variances of white errors.
+
+    Parameters
+    ----------
+    m : array_like of int, shape (k,)
+        Samples per average.
+    terms : array_like of int, shape (k,)
+        Number of squared differences, at least 1.
+
+    Returns
+    -------
+    ndarray, shape (k,)
+        At least 1. Errors that change slowly have fewer.
+
+    References
+    ----------
+    NIST SP 1065 (Riley 2008), table 5, white frequency noise; with the number of phases n + 1.
+
+    """
+    m = np.asarray(m, np.float64)
+    phases = np.asarray(terms) + 2.0 * m
+    dof: Reals = (3.0 * (phases - 1.0) / (2.0 * m) - 2.0 * (phases - 2.0) / phases) * (
+        4.0 * m ** 2 / (4.0 * m ** 2 + 5.0))
+    return np.maximum(dof, 1.0)

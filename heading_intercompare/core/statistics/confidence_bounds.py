@@ -8,12 +8,15 @@ import math
 from typing import Callable
 
 import numpy as np
+from numpy.typing import ArrayLike
 import scipy
+
+from heading_intercompare.core.records import Reals
 
 from .variance_uncertainty import excess, lower_bound, Spread, upper_bound
 
-__all__ = ['confidence', 'duration_factor', 'LEAST_RISK', 'mean_confidence', 'rate_lower',
-           'rate_upper']
+__all__ = ['confidence', 'duration_factor', 'interval_factors', 'LEAST_RISK', 'mean_confidence',
+           'rate_lower', 'rate_upper']
 
 LEAST_RISK = 1e-6
 """Confidences are clipped to the range from this to one minus this."""
@@ -172,3 +175,36 @@ def rate_lower(k: float, trials: float, alpha: float) -> float:
 def rate_upper(k: float, trials: float, alpha: float) -> float:
     """Return the upper confidence bound of a rate, S.14; see `rate_lower`."""
     return float(scipy.special.betaincinv(k + 1.0, trials - k, 1.0 - alpha)) if k < trials else 1.0
+
+
+def interval_factors(dof: ArrayLike, probability: float = 0.95) -> tuple[Reals, Reals]:
+    """
+    Return the factors from an estimated power to the ends of its confidence interval.
+
+    Parameters
+    ----------
+    dof : array_like, shape (n,) or scalar
+        Degrees of freedom of the estimate, greater than 0.
+    probability : float
+        Of the two-sided interval.
+
+    Returns
+    -------
+    low, up : ndarray, shape of `dof`
+        dof / chi2 at both tails: for a variance, a spectrum, or the square of an Allan deviation.
+
+    References
+    ----------
+    NIST SP 1065 (Riley 2008), section 5.3.
+
+    Examples
+    --------
+    >>> [round(float(factor), 4) for factor in interval_factors(10.0)]
+    [0.4882, 3.0798]
+
+    """
+    dof = np.asarray(dof, np.float64)
+    risk = 0.5 * (1.0 - probability)
+    low: Reals = dof / scipy.special.chdtri(dof, risk)
+    up: Reals = dof / scipy.special.chdtri(dof, 1.0 - risk)
+    return low, up

@@ -12,9 +12,11 @@ from heading_intercompare.core.decision.gk import Printed
 from heading_intercompare.core.decision.guarded import Guarded, REASONS
 from heading_intercompare.core.decision.needed_length import describe_need, describe_need_together
 from heading_intercompare.core.decision.sequential import find_rejection, LookVerdict
+from heading_intercompare.core.decision.taken_out import TakenOut
 from heading_intercompare.core.outcome import Outcome
 
-from .validity import DOUBTFUL, Finding, gravest, VOID, VOID_REASONS, worst_effect
+from .headline import OUTCOME_WORDS
+from .validity import DOUBTFUL, Finding, gravest, HOLDS, VOID, VOID_REASONS, worst_effect
 
 if TYPE_CHECKING:
     from heading_intercompare.core.decision.coverage import Coverage
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
     from .verdict_document import Campaign, RunVerdict
 
 __all__ = ['ALL_REASONS', 'campaign_words', 'conclude', 'effect_with_looks', 'explain',
-           'with_findings', 'with_looks']
+           'find_taken_out', 'with_findings', 'with_looks']
 
 ALL_REASONS = {
     **REASONS,
@@ -33,6 +35,8 @@ ALL_REASONS = {
     **VOID_REASONS,
 }
 """Reasons for the outcome of a run: code and words."""
+
+_BADNESS = {Outcome.COMPLIANT: 0, Outcome.INDETERMINATE: 1, Outcome.NON_COMPLIANT: 2}
 
 
 #: Void for a permanent reason: the set-up of the sensors.
@@ -151,3 +155,35 @@ def campaign_words(campaign: Campaign, runs: Sequence[RunVerdict],
 def _hours_needed(run: RunVerdict) -> float:
     hours = run.guarded.hours_needed
     return math.inf if hours is None else hours
+
+
+def find_taken_out(outcome: Outcome, effect: str, taken_out: TakenOut) -> Finding:
+    """
+    Return the finding on what a person took out: doubtful if it changes the verdict.
+
+    Parameters
+    ----------
+    outcome : Outcome
+        Without the stretches taken out.
+    effect : {'holds', 'doubtful', 'void'}
+        Of the findings on the rest.
+    taken_out : TakenOut
+        Holds the outcome with nothing taken out.
+
+    """
+    whole = taken_out.as_recorded
+    share = f'{100.0 * taken_out.share:.2g} % taken out by hand'
+    reasons = ', '.join(dict.fromkeys(one.reason for one in taken_out.stretches if one.n))
+    evidence = (f'{taken_out.n} differences, {share}: {reasons}; with nothing taken out: '
+                f'{whole.headline}')
+    said = OUTCOME_WORDS[whole.outcome.value]
+    if whole.validity_effect != HOLDS:
+        said += f', {whole.validity_effect.upper()}'
+    is_graver = gravest((effect, whole.validity_effect)) != effect
+    if whole.outcome is outcome and not is_graver:
+        return Finding('exclusions', HOLDS, f'{share}, {said} also with nothing taken out',
+                       evidence)
+    is_worse = is_graver if whole.outcome is outcome else _BADNESS[whole.outcome] > _BADNESS[
+        outcome]
+    words = 'and worse with nothing taken out' if is_worse else 'with nothing taken out'
+    return Finding('exclusions', DOUBTFUL, f'{share}, {words}: {said}', evidence)

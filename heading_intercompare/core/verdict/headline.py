@@ -45,8 +45,11 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
     text = OUTCOME_WORDS[outcome.value]
     void = [f.words for f in findings if f.effect == VOID]
     doubts = [f.words for f in findings if f.effect == DOUBTFUL]
+    # What a person took out is said whatever the outcome, unless it is among the doubts.
+    taken_out = [f'; {f.words}' for f in findings if f.condition == 'exclusions'
+                 and (void or f.effect != DOUBTFUL)]
     if outcome is Outcome.COMPLIANT and coverage is not None and not doubts:
-        return f'{text} {coverage.words}'
+        return f'{text} {coverage.words}' + ''.join(taken_out)
     if void:
         # One cause has many symptoms; the conditions are ordered by cause.
         text += f', VOID: {void[0]}'
@@ -56,7 +59,7 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
         text += f': {why}'
     if outcome is Outcome.COMPLIANT and coverage is not None:
         text += f' ({coverage.words})'
-    return text
+    return text + ''.join(taken_out)
 
 
 def add_looks(at_end: str, outcome: Outcome, reason: str,

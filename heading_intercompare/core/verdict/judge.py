@@ -21,6 +21,7 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.gk import apply_gk, Printed
 from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence, Guarded
 from heading_intercompare.core.decision.sequential import Look, LookVerdict, risk_at_the_end
+from heading_intercompare.core.decision.taken_out import AsRecorded, Stretch, TakenOut
 from heading_intercompare.core.diagnostics.run_diagnostics import (
     diagnose,
     SETTLED_SHARE,
@@ -40,8 +41,20 @@ from heading_intercompare.core.statistics.ergodicity import (
     Homogeneity,
     RunFigures,
 )
+from heading_intercompare.core.time_rules.exclusions import (
+    Exclusion,
+    find_excluded,
+    read_exclusions,
+)
 
-from .conclusion import conclude, effect_with_looks, explain, with_findings, with_looks
+from .conclusion import (
+    conclude,
+    effect_with_looks,
+    explain,
+    find_taken_out,
+    with_findings,
+    with_looks,
+)
 from .headline import add_looks, compose_headline
 from .losses import find_losses
 from .prepare import HIGHEST_ORDER_REMOVED, prepare_run, PreparedRun
@@ -53,7 +66,11 @@ __all__ = ['compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResu
 
 @dataclass(frozen=True, slots=True)
 class RunResult:
-    """A judged run, with everything needed to decide again on it among several runs."""
+    """
+    A judged run, with everything needed to decide again on it among several runs.
+
+    `whole` is the same run with nothing taken out by hand; None if nothing is.
+    """
 
     verdict: RunVerdict
     evidence: Evidence
@@ -63,6 +80,7 @@ class RunResult:
     settings: Settings
     stabilization_s: float | str
     set_backs: tuple[SetBack, ...] = ()
+    whole: 'RunResult | None' = None
 
     def with_pairing(self, share: LedgerSegment, inside: LedgerSegment,
                      warnings: Sequence[str] = ()) -> 'RunResult':
@@ -84,9 +102,10 @@ class RunResult:
                                     old.rs_variance_factor, old.ts_variance_factor)
         verdict = replace(self.verdict, pairing=pairing,
                           warnings=(*self.verdict.warnings, *warnings))
-        return replace(self, verdict=_conclude(
+        whole = None if self.whole is None else self.whole.with_pairing(share, inside)
+        return replace(self, whole=whole, verdict=_conclude(
             verdict, self.alone, (*(f for f in verdict.validity if f.condition != 'losses'),
-                                  find_losses(verdict, share, inside, self.settings))))
+                                  find_losses(verdict, share, inside, self.settings)), whole))
 
     def with_set_backs(self, set_backs: Sequence[SetBack]) -> 'RunResult':
         """Return the result with the finding on the clocks that were set back, if any."""
@@ -94,8 +113,24 @@ class RunResult:
             return self
         findings = [add_set_backs(f, set_backs) if f.condition == 'clocks' else f
                     for f in self.verdict.validity]
-        return replace(self, set_backs=tuple(set_backs),
-                       verdict=_conclude(self.verdict, self.alone, findings))
+        whole = None if self.whole is None else self.whole.with_set_backs(set_backs)
+        return replace(self, set_backs=tuple(set_backs), whole=whole,
+                       verdict=_conclude(self.verdict, self.alone, findings, whole))
+
+    def beside(self, whole: 'RunResult', stretches: Sequence[Stretch]) -> 'RunResult':
+        """Return the result with the one of the same run with nothing taken out by hand."""
+        # A reading that was taken out is not lost.
+        lost = whole.verdict.correlation.stamps.lost_share
+        correlation = self.verdict.correlation
+        n = sum(one.n for one in stretches)
+        verdict = replace(
+            self.verdict, correlation=replace(correlation, stamps=replace(
+                correlation.stamps, lost_share=lost)),
+            taken_out=TakenOut(n, n / whole.verdict.n, tuple(stretches), _describe(whole.verdict)))
+        findings = (*(f for f in verdict.validity if f.condition != 'losses'),
+                    find_losses(verdict, None, None, self.settings))
+        return replace(self, whole=whole,
+                       verdict=_conclude(verdict, self.alone, findings, whole))
 
     def place_among(self, run: int, runs: Homogeneity) -> 'RunResult':
         """Return the result with its number among the runs, and with (g) judged from all runs."""
@@ -117,9 +152,19 @@ class RunResult:
         return Outcome.INDETERMINATE if among is Outcome.COMPLIANT else among
 
 
-def _conclude(verdict: RunVerdict, alone: tuple[Outcome, str],
-              findings: Sequence[Finding]) -> RunVerdict:
-    """Return a verdict with outcome and headline after findings and looks."""
+def _describe(whole: RunVerdict) -> AsRecorded:
+    return AsRecorded(whole.outcome, whole.validity_effect, whole.headline, whole.n,
+                      whole.variance_deg2)
+
+
+def _conclude(verdict: RunVerdict, alone: tuple[Outcome, str], findings: Sequence[Finding],
+              whole: RunResult | None = None) -> RunVerdict:
+    """Return a verdict with outcome and headline after findings, looks and what is taken out."""
+    findings = [f for f in findings if f.condition != 'exclusions']
+    if whole is not None and verdict.taken_out is not None:
+        taken_out = replace(verdict.taken_out, as_recorded=_describe(whole.verdict))
+        verdict = replace(_conclude(verdict, alone, findings), taken_out=taken_out)
+        findings = [*findings, find_taken_out(verdict.outcome, verdict.validity_effect, taken_out)]
     at_end = with_findings(*alone, findings)
     outcome, reason = with_looks(*at_end, verdict.looks)
     line = compose_headline(at_end[0], findings, verdict.coverage,
@@ -132,8 +177,10 @@ def _conclude(verdict: RunVerdict, alone: tuple[Outcome, str],
 class _Decision:
     """The decision rule of one run, for its differences and for variations of them."""
 
-    def __init__(self, limits: Limits, settings: Settings, risk: Risk) -> None:
+    def __init__(self, limits: Limits, settings: Settings, risk: Risk,
+                 taken_out_s: float) -> None:
         self._limits, self._settings, self._risk = limits, settings, risk
+        self._taken_out_s = taken_out_s
 
     def __call__(self, data: PreparedRun, cells: Cells,
                  drift_left_deg2: float) -> tuple[Evidence, Guarded, Printed]:
@@ -153,9 +200,11 @@ class _Decision:
                 rs_factor: float = 1.0) -> Outcome:
         """Return the outcome of other differences, with the RS noise reduced by `rs_factor`."""
         if rs_factor != 1.0:
-            other = _Decision(self._limits.with_rs_factor(rs_factor), self._settings, self._risk)
+            other = _Decision(self._limits.with_rs_factor(rs_factor), self._settings, self._risk,
+                              self._taken_out_s)
             return other.outcome(stamp_ns, x_deg)
-        data = PreparedRun.of(stamp_ns, x_deg, np.zeros_like(x_deg), self._settings)
+        data = replace(PreparedRun.of(stamp_ns, x_deg, np.zeros_like(x_deg), self._settings),
+                       taken_out_s=self._taken_out_s)
         drift_left_deg2 = left_in_deg2(stamp_ns, x_deg) if data.residual_deg is None else 0.0
         _, guarded, printed = self(data, Cells.of(data.series_deg, stamp_ns), drift_left_deg2)
         return conclude(guarded, printed)[0]
@@ -195,6 +244,8 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     With a plan of looks, the end of the run is the last look and takes its share of the risks,
     so that all looks together keep the stated risks. A look judges just as the end does.
 
+    With exclusions the run is judged twice: without the stretches taken out, and as recorded.
+
     References
     ----------
     GK (4)-(7); ``docs/verdict.md`` for the guarded decision.
@@ -202,24 +253,44 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     """
     if run.start_ns is None or run.end_ns is None:
         raise ValueError('run: has no pair, must have at least one')
+    exclusions = [one for one in read_exclusions(settings.exclusions)
+                  if one.start_ns <= run.end_ns and one.end_ns > run.start_ns]
+    whole = _judge(run, settings, number, source, risk,
+                   [look.recorded or look for look in looks], ())
+    lo = whole.verdict.n_stabilization - run.n_stabilization
+    at = find_excluded(run.stamp_ns.values[lo:], exclusions)
+    if not exclusions or not np.any(at >= 0):
+        return whole
+    count = np.bincount(at[at >= 0], minlength=len(exclusions)).tolist()
+    return _judge(run, settings, number, source, risk, looks, exclusions).beside(
+        whole, [Stretch(one.start_ns, one.end_ns, one.reason, n)
+                for one, n in zip(exclusions, count) if n])
+
+
+def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: Risk | None,
+           looks: Sequence[LookVerdict], exclusions: Sequence[Exclusion]) -> RunResult:
+    """Judge a run without the differences in some stretches."""
+    assert run.start_ns is not None and run.end_ns is not None
     risk = risk_at_the_end(settings) if risk is None else risk
     limits = run.limits(settings.norms, settings.model)
-    data = prepare_run(run, limits, settings)
+    data = prepare_run(run, limits, settings, exclusions)
     moments = data.moments
     n = moments.n
     drift, rest = describe_drift(data.stamp_ns, data.x_deg, SETTLED_SHARE * limits.sigma_max_deg)
     left = drift.left_deg2 if data.residual_deg is None and drift.left_deg2 is not None else 0.0
     # Live figures use the same sums, so they are the same to the bit.
-    as_it_came = data.residual_deg is None and not data.n_left_out
+    as_it_came = data.residual_deg is None and not data.n_left_out and not exclusions
     cells = run.cells() if as_it_came else Cells.of(data.series_deg, data.stamp_ns)
-    decision = _Decision(limits, settings, risk)
+    decision = _Decision(limits, settings, risk, data.taken_out_s)
     evidence, guarded, printed = decision(data, cells, left)
     outcome, reason = conclude(guarded, printed)
+    factor = run.factor.values[data.n_left_out:]
+    if exclusions:
+        factor = factor[find_excluded(run.stamp_ns.values[data.n_left_out:], exclusions) < 0]
     found = diagnose(data.stamp_ns, data.x_deg, data.rs_deg, settings, guarded, limits,
                      drift=drift, rest=rest, residual_deg=data.residual_deg,
                      times=estimate_correlation_times(data.series_deg),
-                     factor=run.factor.values[data.n_left_out:],
-                     interpolates_ts=run.interpolates_ts)
+                     factor=factor, interpolates_ts=run.interpolates_ts)
     validity = examine(Examined(
         data, found, limits, settings, outcome, decision.outcome,
         guarded.d_hat_deg2, guarded.lower_bound_deg2, guarded.upper_bound_deg2))
@@ -275,9 +346,12 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings) -> LookV
     or without partner count only at the end.
 
     """
-    found = judge_run(run, settings, 0, '', risk=look.risk).verdict
-    return LookVerdict(look.index + 1, looks, run.span_s, found.outcome, found.reason,
-                       found.validity_effect, found.headline)
+    def describe(found: RunVerdict, recorded: LookVerdict | None = None) -> LookVerdict:
+        return LookVerdict(look.index + 1, looks, run.span_s, found.outcome, found.reason,
+                           found.validity_effect, found.headline, recorded)
+    result = judge_run(run, settings, 0, '', risk=look.risk)
+    return describe(result.verdict,
+                    None if result.whole is None else describe(result.whole.verdict))
 
 
 def _apply_gk(data: PreparedRun, limits: Limits, settings: Settings) -> Printed:

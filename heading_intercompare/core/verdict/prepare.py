@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Sequence
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.drift import remove_polynomial, select_order
 from heading_intercompare.core.statistics.moments import Moments
 from heading_intercompare.core.statistics.warm_up import fit_warm_up
+from heading_intercompare.core.time_rules.exclusions import Exclusion, find_excluded
 
 __all__ = ['HIGHEST_ORDER_REMOVED', 'prepare_run', 'PreparedRun']
 
@@ -44,6 +46,8 @@ class PreparedRun:
         Moments of `x_deg`.
     variance_deg2 : float or None
         GK (4): sum of squared residuals / (n - 1 - order); None for n < 2 + order.
+    taken_out_s : float
+        Time within the run that a person took out, seconds.
 
     """
 
@@ -56,6 +60,7 @@ class PreparedRun:
     n_left_out: int
     moments: Moments
     variance_deg2: float | None
+    taken_out_s: float = 0.0
 
     def deviations(self, variant: str) -> Reals:
         """Return the values to count: ``|x|`` in variant A, otherwise the absolute residuals."""
@@ -93,12 +98,15 @@ class PreparedRun:
 
     @property
     def span_s(self) -> float:
-        """Time from the first to the last analysed difference, seconds."""
+        """Time from the first to the last analysed difference that is not taken out, seconds."""
         stamps = self.stamp_ns
-        return (int(stamps[-1]) - int(stamps[0])) / 1e9 if stamps.size else 0.0
+        if not stamps.size:
+            return 0.0
+        return max(0.0, (int(stamps[-1]) - int(stamps[0])) / 1e9 - self.taken_out_s)
 
 
-def prepare_run(run: RunSeries, limits: Limits, settings: Settings) -> PreparedRun:
+def prepare_run(run: RunSeries, limits: Limits, settings: Settings,
+                exclusions: Sequence[Exclusion] = ()) -> PreparedRun:
     """
     Remove the stabilisation period and the drift of a run, as the settings say.
 
@@ -111,6 +119,8 @@ def prepare_run(run: RunSeries, limits: Limits, settings: Settings) -> PreparedR
     settings : Settings
         Uses `runs.stabilization_s` and `drift_order`; both may be 'auto'. A run that goes on
         after a cut by the clock has no automatic stabilisation period.
+    exclusions : sequence of Exclusion
+        Stretches to leave out after the stabilisation period, which they do not move.
 
     References
     ----------
@@ -125,4 +135,11 @@ def prepare_run(run: RunSeries, limits: Limits, settings: Settings) -> PreparedR
             until = int(stamps[0]) + round(found.stabilization_s * 1e9)
             lo = int(np.searchsorted(stamps, until))
             stamps, x, rs = stamps[lo:], x[lo:], rs[lo:]
-    return PreparedRun.of(stamps, x, rs, settings, lo)
+    if not exclusions:
+        return PreparedRun.of(stamps, x, rs, settings, lo)
+    kept = find_excluded(stamps, exclusions) < 0
+    stamps, x, rs = stamps[kept], x[kept], rs[kept]
+    taken_out_ns = sum(min(one.end_ns, int(stamps[-1])) - max(one.start_ns, int(stamps[0]))
+                       for one in exclusions if stamps.size
+                       and one.start_ns < int(stamps[-1]) and one.end_ns > int(stamps[0]))
+    return replace(PreparedRun.of(stamps, x, rs, settings, lo), taken_out_s=taken_out_ns / 1e9)

@@ -9,17 +9,21 @@ from dataclasses import field, fields, is_dataclass
 from enum import Enum, EnumMeta
 from functools import cache
 import math
+import re
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints, Literal, TypeGuard, Union
 
 from heading_intercompare.core.outcome import Outcome
 
-__all__ = ['is_left_out', 'leave_out_none', 'make_plain', 'read_plain', 'VerdictError']
+__all__ = ['check_schema', 'is_left_out', 'leave_out_none', 'list_keys', 'make_plain', 'no_key',
+           'read_plain', 'VerdictError']
 
 _WORDS = {bool: 'true or false', float: 'a number', int: 'an integer', str: 'text',
           NoneType: 'null'}
 _LEFT_OUT = 'left_out'
+_NO_KEY = 'no_key'
 _LONGEST = 60
+_VERSION = re.compile(r'([1-9][0-9]{0,8})\.([0-9]{1,9})', re.ASCII)
 #: Integers from here on do not fit into a float.
 _MOST = 2 ** 1023
 
@@ -36,6 +40,16 @@ def leave_out_none() -> Any:
     return field(default=None, metadata={_LEFT_OUT: True})
 
 
+def no_key() -> Any:
+    """Declare a field of a dataclass that is no key of the JSON, and None when read."""
+    return field(default=None, compare=False, repr=False, metadata={_NO_KEY: True})
+
+
+def list_keys(kind: Any) -> list[Any]:
+    """Return the fields of a dataclass, or of an instance, that are keys of the JSON."""
+    return [f for f in fields(kind) if not f.metadata.get(_NO_KEY, False)]
+
+
 def is_left_out(declared: Any, value: Any) -> bool:
     """Tell whether the key of a field, from `dataclasses.fields`, is left out."""
     return value is None and declared.metadata.get(_LEFT_OUT, False)
@@ -50,7 +64,7 @@ def make_plain(value: Any, *, exact: bool = False) -> Any:
     reverses this.
     """
     if is_dataclass(value) and not isinstance(value, type):
-        return {f.name: make_plain(getattr(value, f.name), exact=exact) for f in fields(value)
+        return {f.name: make_plain(getattr(value, f.name), exact=exact) for f in list_keys(value)
                 if not is_left_out(f, getattr(value, f.name))}
     if isinstance(value, Outcome):
         return value.value
@@ -136,7 +150,7 @@ def _read_dataclass(kind: type, value: Any, where: str) -> Any:
     if not isinstance(value, Mapping):
         raise _make_error(where, value, 'an object')
     given = {}
-    for declared in fields(kind):
+    for declared in list_keys(kind):
         name = f'{where}.{declared.name}'.lstrip('.')
         if declared.name in value:
             given[declared.name] = read_plain(_hints_of(kind)[declared.name],
@@ -189,3 +203,39 @@ def _make_error(where: str, value: Any, allowed: str) -> VerdictError:
     shown = shown if len(shown) <= _LONGEST else f'{shown[:_LONGEST]}...'
     return VerdictError(f'{where} = {shown}: must be {allowed}' if where else
                         f'{shown}: must be {allowed}')
+
+
+def check_schema(mapping: Mapping[str, Any], kind: str, newest: int, again: str) -> None:
+    """
+    Raise VerdictError for another kind of document or another major version.
+
+    Parameters
+    ----------
+    mapping : mapping
+        With the keys `schema` and `schema_version`.
+    kind : str
+        The schema without its major version.
+    newest : int
+        The major version that can be read.
+    again : str
+        What to do with a document of an earlier version.
+
+    """
+    wanted = f'{kind}{newest}'
+    schema, version = mapping.get('schema'), mapping.get('schema_version', f'{newest}.0')
+    found = _VERSION.fullmatch(version) if isinstance(version, str) else None
+    if found is None:
+        raise VerdictError(f"schema_version = {version!r}: must be text such as '2.1'")
+    name, told = 'schema', schema
+    major = schema[len(kind):] if isinstance(schema, str) and schema.startswith(kind) else ''
+    if schema == wanted:
+        name, told, major = 'schema_version', version, found[1]
+    if not _VERSION.fullmatch(f'{major}.0'):
+        raise VerdictError(f'schema = {schema!r}: must be {wanted!r}')
+    if int(major) > newest:
+        raise VerdictError(f'{name} = {told!r}: must be {wanted!r}; a newer version of '
+                           'heading_intercompare wrote it: install that version to read it')
+    if int(major) < newest:
+        raise VerdictError(f'{name} = {told!r}: must be {wanted!r}; an earlier version of '
+                           'heading_intercompare wrote it, which judged by another rule: '
+                           f'{again}')

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-import re
 from typing import Any, Callable, Iterable, Mapping, Sequence, TYPE_CHECKING
 
 from heading_intercompare.core.decision.campaign import Together
@@ -18,6 +17,7 @@ from heading_intercompare.core.decision.criteria import (
 )
 from heading_intercompare.core.decision.guarded import Guarded
 from heading_intercompare.core.decision.sequential import LookVerdict
+from heading_intercompare.core.decision.taken_out import TakenOut
 from heading_intercompare.core.diagnostics.assumptions import Assumption
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
@@ -36,7 +36,14 @@ from heading_intercompare.core.version import RULE_VERSION, VERSION
 
 from .conclusion import campaign_words
 from .headline import compose_headline
-from .typed_reader import leave_out_none, make_plain, read_plain, VerdictError
+from .typed_reader import (
+    check_schema,
+    leave_out_none,
+    make_plain,
+    no_key,
+    read_plain,
+    VerdictError,
+)
 from .validity import Finding, gravest
 
 if TYPE_CHECKING:
@@ -47,7 +54,7 @@ __all__ = ['Campaign', 'Input', 'LostReadings', 'OperatorNote', 'PairingFigures'
            'VerdictError']
 
 _SCHEMA = 'heading_intercompare/verdict/'
-SCHEMA_VERSION = '2.2'
+SCHEMA_VERSION = '2.3'
 """
 Major and minor version of the mapping.
 
@@ -57,7 +64,6 @@ disappears or changes its meaning.
 _MAJOR = int(SCHEMA_VERSION.partition('.')[0])
 SCHEMA = f'{_SCHEMA}{_MAJOR}'
 """Kind of the document, and its major version only."""
-_VERSION = re.compile(r'([1-9][0-9]{0,8})\.([0-9]{1,9})', re.ASCII)
 _AGAIN = 'judge the recordings again, with `analyze` or `rejudge`'
 
 
@@ -174,6 +180,7 @@ class RunVerdict:
     allan: Allan
     assumptions: Sequence[Assumption]
     warnings: Sequence[str]
+    taken_out: TakenOut | None = leave_out_none()
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,6 +332,10 @@ class Verdict:
         Sentences that say why the ledger is not complete; None if unknown, before 2.2.
     intermediate : bool or None
         True if the last run was still in progress: what a stop would have given; otherwise None.
+    taken_out : TakenOut or None
+        What a person took out, and the verdict with nothing taken out; None without exclusions.
+    plotter : callable or None
+        ``plotter(verdict, name)`` draws the figures, from a sketch of the pairs; no key.
     settings_sha256 : str
         Hash of the settings, see the function `settings_sha256`.
 
@@ -342,6 +353,8 @@ class Verdict:
     rule_version: int | None = RULE_VERSION
     ledger_problems: Sequence[str] | None = leave_out_none()
     intermediate: bool | None = leave_out_none()
+    taken_out: TakenOut | None = leave_out_none()
+    plotter: Any = no_key()
 
     @property
     def ledger_complete(self) -> bool | None:
@@ -395,13 +408,20 @@ class Verdict:
         from .verdict_frame import frame_of_runs
         return frame_of_runs(self)
 
+    def plot(self, name: str | None = None) -> Any:
+        """Return the figures of ``docs/figures.md`` for a notebook, or the one of a name."""
+        if self.plotter is None:
+            raise ValueError('plot: this verdict knows no readings to draw; judge them with '
+                             'analyze, analyze_bag or analyze_bags')
+        return self.plotter(self, name)
+
     def to_dict(self) -> dict[str, Any]:
         """Return the verdict as plain dictionaries and lists, ready for JSON."""
         more: dict[str, Any] = {} if self.ledger_problems is None else {
             'ledger_complete': self.ledger_complete,
             'ledger_problems': make_plain(self.ledger_problems)}
-        if self.intermediate is not None:
-            more['intermediate'] = self.intermediate
+        more |= {name: make_plain(value) for name in ('intermediate', 'taken_out')
+                 if (value := getattr(self, name)) is not None}
         return {
             'schema': SCHEMA,
             'schema_version': SCHEMA_VERSION,
@@ -440,7 +460,7 @@ class Verdict:
         """
         if not isinstance(mapping, Mapping):
             raise VerdictError(f'a verdict must be an object, not {type(mapping).__name__}')
-        _check_schema(mapping)
+        check_schema(mapping, _SCHEMA, _MAJOR, _AGAIN)
         of_2_0 = 'schema_version' not in mapping
         try:
             # All settings must be present: a default could differ from the value that was used.
@@ -463,27 +483,6 @@ class Verdict:
             raise VerdictError(f'settings_sha256 = {found!r:.70}: the settings have '
                                f'{verdict.settings_sha256!r}, so they were changed afterwards')
         return verdict
-
-
-def _check_schema(mapping: Mapping[str, Any]) -> None:
-    """Raise VerdictError for another kind of document or another major version."""
-    schema, version = mapping.get('schema'), mapping.get('schema_version', f'{_MAJOR}.0')
-    found = _VERSION.fullmatch(version) if isinstance(version, str) else None
-    if found is None:
-        raise VerdictError(f"schema_version = {version!r}: must be text such as '2.1'")
-    name, told = 'schema', schema
-    major = schema[len(_SCHEMA):] if isinstance(schema, str) and schema.startswith(_SCHEMA) else ''
-    if schema == SCHEMA:
-        name, told, major = 'schema_version', version, found[1]
-    if not _VERSION.fullmatch(f'{major}.0'):
-        raise VerdictError(f'schema = {schema!r}: must be {SCHEMA!r}')
-    if int(major) > _MAJOR:
-        raise VerdictError(f'{name} = {told!r}: must be {SCHEMA!r}; a newer version of '
-                           'heading_intercompare wrote it: install that version to read it')
-    if int(major) < _MAJOR:
-        raise VerdictError(f'{name} = {told!r}: must be {SCHEMA!r}; an earlier version of '
-                           'heading_intercompare wrote it, which judged by another rule: '
-                           f'{_AGAIN}')
 
 
 def _read_settings(given: Mapping[str, Any]) -> dict[str, Any]:

@@ -28,6 +28,7 @@ CONDITION_WORDS = {
     'clocks': 'the clocks of the sensors agree',
     'interpolation': 'the slower sensor is fast enough for the motion',
     'losses': 'few readings are lost, rejected or without partner',
+    'exclusions': 'nothing that was taken out by hand decides',
 }
 
 EFFECT_WORDS = {'holds': 'holds', 'doubtful': 'DOUBTFUL', 'void': 'VOID',

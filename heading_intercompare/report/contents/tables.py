@@ -109,6 +109,8 @@ LEDGER: tuple[Row[RunVerdict], ...] = (
     Row('pairs given', '1', lambda run: run.n_input),
     Row('left out: not finite', '1', lambda run: run.n_invalid),
     Row('left out: stabilisation period', '1', lambda run: run.n_stabilization),
+    Row('left out: taken out by hand', '1',
+        lambda run: 0 if run.taken_out is None else run.taken_out.n),
     Row('differences analysed, n', '1', lambda run: run.n),
 )
 

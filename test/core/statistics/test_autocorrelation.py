@@ -18,6 +18,7 @@ from scipy.signal import lfilter
 
 from heading_intercompare.core.angles import unwrap_deg, wrap180
 from heading_intercompare.core.statistics.autocorrelation import (
+    allan_dof,
     autocorrelate,
     compute_allan_deviation,
     effective_size,
@@ -260,3 +261,14 @@ def test_allan_deviation_leaves_out_times_that_the_record_does_not_hold():
     assert got.m.tolist() == [1, 5]
     with pytest.raises(ValueError, match='rate_hz = 0.0'):
         compute_allan_deviation([1.0, 2.0], 0.0)
+
+
+def test_the_allan_variance_of_white_noise_scatters_as_its_degrees_of_freedom_say(rng):
+    """400 records of 256 samples: a ratio of variances of 400 values is good to 25 %."""
+    found = [compute_allan_deviation(rng.standard_normal(256), 1.0) for _ in range(400)]
+    variance = np.array([one.deviation ** 2 for one in found])
+    dof = allan_dof(found[0].m, found[0].terms)
+    measured = 2.0 * variance.mean(axis=0) ** 2 / variance.var(axis=0)
+    # The last has one or two: its formula is an approximation there.
+    assert dof[:-1] == pytest.approx(measured[:-1], rel=0.35)
+    assert np.all(dof >= 1.0) and np.all(np.diff(dof) < 0.0)

@@ -8,12 +8,13 @@ import math
 
 import numpy as np
 import pytest
-from scipy.stats import binomtest, t as student
+from scipy.stats import binomtest, chi2, t as student
 
 from heading_intercompare.core.statistics.cells import Cells
 from heading_intercompare.core.statistics.confidence_bounds import (
     confidence,
     duration_factor,
+    interval_factors,
     LEAST_RISK,
     mean_confidence,
     rate_lower,
@@ -172,3 +173,9 @@ def test_rates_of_part_events_lie_between_those_of_whole_ones():
     up = [rate_upper(k, 25.5, 0.05) for k in (0.0, 0.4, 1.0, 1.7, 25.4, 25.5)]
     assert np.all(np.diff(low) > 0.0) and np.all(np.diff(up) > 0.0)
     assert low[0] == 0.0 and up[-1] == 1.0
+
+
+def test_the_interval_of_a_power_has_its_probability_on_both_sides():
+    low, up = interval_factors([3.0, 40.0], 0.9)
+    for dof, factor, p in ((3.0, low[0], 0.95), (3.0, up[0], 0.05), (40.0, low[1], 0.95)):
+        assert dof / factor == pytest.approx(chi2.ppf(p, dof))

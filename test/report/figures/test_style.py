@@ -16,7 +16,7 @@ pytest.importorskip('matplotlib')
 
 import matplotlib  # noqa: E402
 
-from heading_intercompare.report import plots  # noqa: E402
+from heading_intercompare.report.figures import style  # noqa: E402
 
 SVG, XLINK = '{http://www.w3.org/2000/svg}', '{http://www.w3.org/1999/xlink}'
 
@@ -30,7 +30,7 @@ def curve(axes):
 
 def drawn(name='one', **changes):
     """Return a graph."""
-    return plots.draw(curve, **{'name': name, 'title': 'Run 1: x < y, n = 2',
+    return style.draw(curve, **{'name': name, 'title': 'Run 1: x < y, n = 2',
                                 'x_label': 'time [s]', 'y_label': 'x [deg]', **changes})
 
 
@@ -81,7 +81,7 @@ def test_a_graph_brings_no_rule_and_no_link_for_the_page():
 def elsewhere(code):
     """Return the output of another process, which has other string hashes and another date."""
     head = f'import sys; sys.path[:0] = {[str(Path(__file__).parent), *sys.path]}; '
-    done = subprocess.run([sys.executable, '-c', f'{head}import test_plots; {code}'], check=True,
+    done = subprocess.run([sys.executable, '-c', f'{head}import test_style; {code}'], check=True,
                           text=True, timeout=120, stdout=subprocess.PIPE,
                           env={**os.environ, 'SOURCE_DATE_EPOCH': '1', 'PYTHONHASHSEED': '7'})
     return done.stdout
@@ -89,12 +89,12 @@ def elsewhere(code):
 
 @pytest.mark.slow
 def test_the_same_graph_has_the_same_bytes_in_any_process():
-    assert elsewhere('sys.stdout.write(test_plots.drawn())') == drawn() == drawn()
+    assert elsewhere('sys.stdout.write(test_style.drawn())') == drawn() == drawn()
 
 
 @pytest.mark.slow
 def test_the_state_of_pyplot_is_not_touched():
-    assert elsewhere('test_plots.drawn(); print("matplotlib.pyplot" in sys.modules)') == 'False\n'
+    assert elsewhere('test_style.drawn(); print("matplotlib.pyplot" in sys.modules)') == 'False\n'
 
 
 def test_what_the_user_has_set_for_plots_is_not_ours_and_stays():
@@ -110,7 +110,7 @@ def test_each_two_words_of_the_legend_take_a_row():
     def fill(count):
         return lambda axes: [axes.plot([0, 1], [0, 1], label=f'line {k}') for k in range(count)]
 
-    heights = [float(ElementTree.fromstring(plots.draw(
+    heights = [float(ElementTree.fromstring(style.draw(
         fill(count), name='x', title='', x_label='', y_label='')).get('height')[:-2])
         for count in range(5)]
     assert heights[0] < heights[1] == heights[2] < heights[3] == heights[4]
@@ -121,5 +121,5 @@ def test_lines_differ_without_colour():
     lightness = sorted(
         sum(weight * int(color[at:at + 2], 16) for weight, at in zip(
             (0.2126, 0.7152, 0.0722), (1, 3, 5)))
-        for color in (plots.INK, plots.ACCENT, plots.GREY, plots.SHADE))
+        for color in (style.INK, style.ACCENT, style.GREY, style.SHADE))
     assert min(up - low for low, up in zip(lightness, lightness[1:])) > 40.0

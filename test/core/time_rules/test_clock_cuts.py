@@ -8,8 +8,8 @@ from hypothesis import given, strategies as st
 import numpy as np
 import pytest
 
-from heading_intercompare.core.clock_cuts import ClockCuts
 from heading_intercompare.core.settings import RunCutting, Settings, settings_sha256, SettingsError
+from heading_intercompare.core.time_rules.clock_cuts import ClockCuts
 
 S = 1_000_000_000
 H = 3600 * S

@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The differences that a person took out, beside the outcome with nothing taken out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Iterable, Sequence
+
+from heading_intercompare.core.outcome import Outcome
+
+__all__ = ['AsRecorded', 'Stretch', 'sum_stretches', 'TakenOut']
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """
+    An exclusion, and what it took out; keys of the JSON.
+
+    Attributes
+    ----------
+    start_ns, end_ns : int
+        Its ends; the end does not belong to it.
+    reason : str
+    n : int
+        Differences that it took out.
+
+    """
+
+    start_ns: int
+    end_ns: int
+    reason: str
+    n: int
+
+
+@dataclass(frozen=True, slots=True)
+class AsRecorded:
+    """
+    The judgement with nothing taken out; keys of the JSON.
+
+    Attributes
+    ----------
+    outcome : Outcome
+    validity_effect : {'holds', 'doubtful', 'void'}
+    headline : str
+    n : int
+        Differences analysed.
+    variance_deg2 : float or None
+        Of one run; None for several.
+
+    """
+
+    outcome: Outcome
+    validity_effect: str
+    headline: str
+    n: int
+    variance_deg2: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class TakenOut:
+    """
+    What a person took out of a run or of all runs; keys of the JSON.
+
+    Attributes
+    ----------
+    n : int
+        Differences taken out that would have been analysed.
+    share : float
+        Their share of those.
+    stretches : sequence of Stretch
+        Each with its reason.
+    as_recorded : AsRecorded
+        The judgement with nothing taken out.
+
+    """
+
+    n: int
+    share: float
+    stretches: Sequence[Stretch]
+    as_recorded: AsRecorded
+
+
+def sum_stretches(parts: Iterable[Sequence[Stretch]]) -> tuple[Stretch, ...]:
+    """Return the stretches of several runs, each once, with the sum of its differences."""
+    found: dict[tuple[int, int, str], int] = {}
+    for part in parts:
+        for one in part:
+            key = one.start_ns, one.end_ns, one.reason
+            found[key] = found.get(key, 0) + one.n
+    return tuple(Stretch(*key, n) for key, n in sorted(found.items()))

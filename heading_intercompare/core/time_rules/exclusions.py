@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Stretches of time that a person takes out of the judgement, each with a reason."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import re
+from typing import Iterator, Sequence, TYPE_CHECKING
+
+if TYPE_CHECKING:
+    # The settings import this module, and the Tab key needs them without numpy.
+    import numpy as np
+    from numpy.typing import NDArray
+
+__all__ = ['Exclusion', 'find_excluded', 'read_exclusions']
+
+_TIME = re.compile(r'(\d{4})-(\d\d)-(\d\d)[T ](\d\d):(\d\d)(?::(\d\d)(?:\.(\d{1,9}))?)?Z?',
+                   re.ASCII)
+_STAMP = re.compile(r'\d{1,19}', re.ASCII)
+_HEADER = ['start', 'end', 'reason']
+_LONGEST_REASON = 200
+_NEWEST_NS = 2 ** 63 - 1
+
+
+@dataclass(frozen=True, slots=True)
+class Exclusion:
+    """
+    A stretch that is taken out.
+
+    Attributes
+    ----------
+    start_ns, end_ns : int
+        Differences with start_ns <= stamp < end_ns are taken out.
+    reason : str
+        Why, in the words of the person who took it out.
+
+    """
+
+    start_ns: int
+    end_ns: int
+    reason: str
+
+    def __str__(self) -> str:
+        from heading_intercompare.core.utc_text import utc
+        return f'{utc(self.start_ns)} to {utc(self.end_ns)} UTC ({self.reason})'
+
+
+def read_exclusions(text: str | None) -> tuple[Exclusion, ...]:
+    """
+    Return the exclusions in a table.
+
+    Parameters
+    ----------
+    text : str or None
+        Rows ``start, end, reason``, separated by line ends or ``;``. Times are ISO UTC or integer
+        nanoseconds. A header ``start, end, reason`` is skipped.
+
+    Returns
+    -------
+    tuple of Exclusion
+        By their start.
+
+    Raises
+    ------
+    ValueError
+        If a row has no reason or ends before it starts, or two overlap; the message names the row.
+
+    Examples
+    --------
+    >>> print(*read_exclusions('2026-05-01T10:00Z, 2026-05-01T10:20Z, RS in dock mode'))
+    2026-05-01 10:00:00.000 to 2026-05-01 10:20:00.000 UTC (RS in dock mode)
+
+    """
+    rows = list(_read_rows(text or ''))
+    found = sorted(rows, key=lambda row: (row[1].start_ns, row[1].end_ns))
+    for (_, first), (at, second) in zip(found, found[1:]):
+        if second.start_ns < first.end_ns:
+            raise ValueError(f'row {at}: {second} overlaps {first}; join them to one row')
+    return tuple(exclusion for _, exclusion in found)
+
+
+def _read_rows(text: str) -> Iterator[tuple[int, Exclusion]]:
+    rows = [row for row in map(str.strip, re.split(r'[;\r\n]', text)) if row]
+    for at, row in enumerate(rows, 1):
+        parts = [part.strip() for part in row.split(',', 2)]
+        if at == 1 and [part.lower() for part in parts] == _HEADER:
+            continue
+        if len(parts) < 3 or not parts[2]:
+            raise ValueError(f'row {at}: {row!r:.80}: must be start, end, reason; a stretch is '
+                             'taken out only with its reason')
+        if len(parts[2]) > _LONGEST_REASON:
+            raise ValueError(f'row {at}: the reason has {len(parts[2])} characters, must have at '
+                             f'most {_LONGEST_REASON}')
+        try:
+            start_ns, end_ns = _read_time(parts[0]), _read_time(parts[1])
+        except ValueError as error:
+            raise ValueError(f'row {at}: {error}') from error
+        if end_ns <= start_ns:
+            raise ValueError(f'row {at}: end {parts[1]} is not after start {parts[0]}')
+        yield at, Exclusion(start_ns, end_ns, parts[2])
+
+
+def _read_time(text: str) -> int:
+    """Return a time, ISO UTC or integer nanoseconds, as a stamp."""
+    if _STAMP.fullmatch(text) and int(text) <= _NEWEST_NS:
+        return int(text)
+    found = _TIME.fullmatch(text)
+    year, month, day, hour, minute, second = (int(part or 0) for part in (
+        found.groups()[:6] if found else (0,) * 6))
+    # Years that fit into nanoseconds.
+    if not (found and 1970 <= year < 2200 and 1 <= month <= 12 and hour < 24 and minute < 60
+            and 1 <= day <= _days_of(year, month) and second < 60):
+        raise ValueError(f'{text!r} is neither ISO UTC (2026-05-01T10:00:00.5Z) nor integer '
+                         'nanoseconds')
+    days = sum(365 + _is_leap(one) for one in range(1970, year)) + sum(
+        _days_of(year, one) for one in range(1, month)) + day - 1
+    seconds = 86_400 * days + 3600 * hour + 60 * minute + second
+    return seconds * 10 ** 9 + int((found[7] or '0').ljust(9, '0'))
+
+
+def _is_leap(year: int) -> bool:
+    return year % 4 == 0 and (year % 100 != 0 or year % 400 == 0)
+
+
+def _days_of(year: int, month: int) -> int:
+    return 28 + _is_leap(year) if month == 2 else 30 + (month + month // 8) % 2
+
+
+def find_excluded(stamp_ns: 'NDArray[np.int64]',
+                  exclusions: Sequence[Exclusion]) -> 'NDArray[np.int64]':
+    """
+    Return the number of the exclusion that holds each stamp; -1 for none.
+
+    Parameters
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps in ascending order, nanoseconds.
+    exclusions : sequence of Exclusion
+
+    Returns
+    -------
+    ndarray of int64, shape (n,)
+
+    """
+    found = stamp_ns * 0 - 1
+    for at, one in enumerate(exclusions):
+        found[stamp_ns.searchsorted(one.start_ns):stamp_ns.searchsorted(one.end_ns)] = at
+    return found

@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The figures against what the difference may depend on: heading, rate of turn, time skew."""
+
+from __future__ import annotations
+
+from typing import Any, Iterator
+
+import numpy as np
+
+from heading_intercompare.core.records import Reals
+from heading_intercompare.report.formatting import number
+from heading_intercompare.report.series_sketch import HEADING_BINS
+
+from .drawing import Drawing, LeftOut, SERIES, SIGMA, START, UNIT
+from .subject import pad, Subject
+
+__all__ = ['draw_against_heading', 'draw_against_rate', 'draw_skew_scan']
+
+_NORM: dict[str, Any] = {'color': '#000000', 'linewidth': 1.2, 'linestyle': (0, (16.0, 4.0))}
+_LEAST_IN_BIN = 5
+_LEAST_BINS = 4
+_BARS: dict[str, Any] = {'color': '#767676', 'linewidth': 1.4}
+_Y_LABEL = 'difference TS - RS [deg]'
+
+
+def _harmonics(coefficients: tuple[float, ...], heading_deg: Reals) -> Reals:
+    """Return A + B sin + C cos + D sin 2 + E cos 2 of headings."""
+    psi = np.radians(heading_deg)
+    a, b, c, d, e = coefficients
+    found: Reals = (a + b * np.sin(psi) + c * np.cos(psi) + d * np.sin(2.0 * psi)
+                    + e * np.cos(2.0 * psi))
+    return found
+
+
+def draw_against_heading(about: Subject) -> Iterator[Drawing | LeftOut]:
+    """Yield the figure of mean and standard deviation against the RS heading, with harmonics."""
+    bins, width = about.sketch.heading, 360.0 / HEADING_BINS
+    at = np.flatnonzero(bins.n)
+    x, mean = (at + 0.5) * width, bins.mean_deg[at]
+    std = np.nan_to_num(bins.std_deg[at], nan=0.0)
+    norm_deg = about.settings.norms.total_error_max_deg
+    lines = [(norm_deg * sign, _NORM, 'norm of the total error' if sign > 0 else None)
+             for sign in (1.0, -1.0)] if norm_deg is not None else []
+    if about.bands:
+        low = min(band.center_deg - band.sigma_deg for band in about.bands)
+        up = max(band.center_deg + band.sigma_deg for band in about.bands)
+        lines += [(up, SIGMA, 'mean +/- root of the limit of GK (5)'), (low, SIGMA, None)]
+    fits = [fit for run in about.runs
+            if (fit := run.heading_dependence.coefficients_deg) is not None]
+    why_not = sorted({run.heading_dependence.reason.replace('_', ' ') for run in about.runs
+                      if run.heading_dependence.coefficients_deg is None})
+    levels = [*(mean - std).tolist(), *(mean + std).tolist(), *(level for level, _, _ in lines)]
+
+    def fill(axes: Any) -> None:
+        axes.vlines(x, mean - std, mean + std, **_BARS, label='+/- its standard deviation')
+        axes.plot(x, mean, 'o', color=SERIES['color'], markersize=4.0,
+                  label=f'mean in each {number(width)} deg')
+        everywhere = np.arange(0.0, 360.5, 1.0)
+        for k, fit in enumerate(fits):
+            axes.plot(everywhere, _harmonics(fit, everywhere), **UNIT,
+                      label=None if k else 'harmonics A to E of each run' if len(fits) > 1
+                      else 'harmonics A to E')
+        for level, look, words in lines:
+            axes.axhline(level, **look, label=words)
+        axes.set_xlim(0.0, 360.0)
+        axes.set_xticks(range(0, 361, 45))
+        axes.set_ylim(*pad(min(levels), max(levels)))
+
+    more = f' No harmonics: {" and ".join(why_not)}.' if why_not and not fits else ''
+    yield Drawing('heading', about.title('difference against heading'),
+                  'A wave of the means about their average is a deviation: one wave a turn is an '
+                  'error that turns with the ship, two waves a quadrantal one.' + more,
+                  'RS heading [deg]', _Y_LABEL, fill)
+
+
+def draw_against_rate(about: Subject) -> Iterator[Drawing | LeftOut]:
+    """Yield the figure of the differences against the rate of turn."""
+    turning = about.sketch.turning
+    bins, rate = turning.bins, turning.rate_deg_s
+    n = int(bins.n.sum())
+    at = np.flatnonzero(bins.n >= min(_LEAST_IN_BIN, max(1, n // 50)))
+    title = about.title('difference against rate of turn', n)
+    if len(at) < _LEAST_BINS:
+        yield LeftOut('rate', title, 'the record has no rate of turn: too few seconds that follow '
+                      'each other, or a ship that does not turn')
+        return
+    mean = bins.mean_deg[at]
+    std = np.nan_to_num(bins.std_deg[at], nan=0.0)
+    slopes = [(skew_s, run.mean_deg or 0.0) for run in about.runs
+              if (skew_s := run.skew.estimate.skew_s) is not None]
+
+    def fill(axes: Any) -> None:
+        axes.vlines(rate[at], mean - std, mean + std, **_BARS, label='+/- standard deviation')
+        axes.plot(rate[at], mean, 'o', color=SERIES['color'], markersize=3.5,
+                  label=f'mean in each {number(turning.width_deg_s, 3)} deg/s')
+        ends = rate[at[[0, -1]]]
+        for k, (skew_s, mean_deg) in enumerate(slopes):
+            words = f'skew of {skew_s:.3f} s' if len(slopes) == 1 else 'skew of each run'
+            axes.plot(ends, mean_deg - skew_s * ends, **UNIT, label=None if k else words)
+        axes.set_ylim(*pad(float((mean - std).min()), float((mean + std).max())))
+
+    yield Drawing('rate', title, 'A line that falls or rises through the points is a time skew: '
+                  'its slope in degrees for each degree per second is minus the age of the TS '
+                  'data in seconds.', 'rate of turn of the RS, over 2 s [deg/s]', _Y_LABEL, fill)
+
+
+def draw_skew_scan(about: Subject) -> Iterator[Drawing | LeftOut]:
+    """Yield the figure of the scatter at each skew that could be removed."""
+    shifts = about.sketch.shifts
+    scans = [run.skew.scan for run in about.runs if run.skew.scan is not None]
+    n = sum(scan.n for scan in scans) if scans else 0 if shifts is None else shifts.n
+    title = about.title('scatter against the skew removed', n)
+    if scans:
+        curves = [(np.array(scan.curve_s), np.array(scan.curve_std_deg)) for scan in scans]
+    elif shifts is not None and shifts.n > 1:
+        curves = [(shifts.latency_s, shifts.std_deg)]
+    else:
+        yield LeftOut('skew_scan', title, 'the record is too short, or its readings too far '
+                      'apart, to shift one sensor against the other')
+        return
+    estimates = [(run.skew.estimate.skew_s, run.skew.estimate.interval_s) for run in about.runs
+                 if run.skew.estimate.skew_s is not None]
+
+    def fill(axes: Any) -> None:
+        for k, (shift_s, std_deg) in enumerate(curves):
+            axes.plot(shift_s, std_deg, **SERIES, marker='.', markersize=4.0,
+                      label=None if k else 'standard deviation')
+        for k, (skew_s, interval_s) in enumerate(estimates):
+            axes.axvline(skew_s, **UNIT, label=None if k else 'skew that the verdict estimates')
+            if interval_s is not None:
+                axes.axvspan(*interval_s, color='#c3d3e6', zorder=0,
+                             label=None if k else 'its interval of 95 %')
+        axes.axvline(0.0, **START, label='as the stamps say')
+
+    yield Drawing('skew_scan', title, 'The lowest point is the skew at which both sensors '
+                  'agree best; a flat curve means that the ship turned too little to tell. '
+                  'Interpolation '
+                  'averages noise and lowers the curve between readings.',
+                  'age of the TS data assumed [s]', 'standard deviation [deg]', fill,
+                  height_mm=60.0)

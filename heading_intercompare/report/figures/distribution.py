@@ -1,0 +1,119 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The figures of the size of the differences: histogram, and quantiles against the model."""
+
+from __future__ import annotations
+
+from typing import Any, Iterator
+
+import numpy as np
+
+from heading_intercompare.report.formatting import number
+
+from .drawing import Drawing, LeftOut, LIMIT, RANGE, SERIES, UNIT
+from .subject import pad, Subject
+
+__all__ = ['draw_histogram', 'draw_quantiles']
+
+_BARS = 120
+_LOST_AT_MOST = 0.02
+_FINE = 4001
+_POINTS = 400
+_LEAST = 30
+
+
+def _choose_axis(about: Subject) -> tuple[float, float, int]:
+    """Return the ends of the histogram's axis, and the number of differences beyond them."""
+    low, up = about.extremes()
+    limits = [level for band in about.bands for level, _, _ in band.lines()]
+    if limits:
+        least, most = min(limits), max(limits)
+        near, far = least - (most - least), most + (most - least)
+        if low < near or up > far:
+            histogram = about.sketch.histogram
+            edges = histogram.edges_deg()
+            lost = int(histogram.counts[(edges[:-1] < near) | (edges[1:] > far)].sum())
+            if lost <= _LOST_AT_MOST * about.sketch.n:
+                return near, far, lost
+        low, up = min(low, least), max(up, most)
+    return (*pad(low, up), 0)
+
+
+def draw_histogram(about: Subject) -> Iterator[Drawing | LeftOut]:
+    """Yield the histogram of the differences, with the density of the model."""
+    histogram = about.sketch.histogram
+    low, up, lost = _choose_axis(about)
+    joint = 1
+    while (up - low) / (joint * histogram.width_deg) > _BARS:
+        joint *= 2
+    width = joint * histogram.width_deg
+    at = (histogram.first + np.arange(len(histogram.counts))) // joint
+    counts = np.bincount(at - at[0], histogram.counts)
+    edges = (at[0] + np.arange(len(counts) + 1)) * width
+    fine = np.linspace(low, up, 401)
+    model = about.model_density(fine)
+    beyond = f', {lost} beyond the axis' if lost else ''
+    bands = about.bands
+
+    def fill(axes: Any) -> None:
+        axes.stairs(counts, edges, fill=True, color=RANGE['color'])
+        axes.stairs(counts, edges, color=SERIES['color'], linewidth=0.8)
+        top = float(counts.max())
+        if model is not None:
+            expected = model * width * about.sketch.n
+            top = max(top, float(expected.max()))
+            axes.plot(fine, expected, **UNIT, label=f'model {about.settings.model} with the mean '
+                      'and variance of the run')
+        if len(bands) == 1:
+            for level, look, words in bands[0].lines():
+                axes.axvline(level, **look, label=words)
+        elif bands:
+            for pick, words in ((min, None), (max, 'outermost limits of GK (*) of the runs')):
+                axes.axvline(pick(level for band in bands for level, _, _ in band.lines()),
+                             **LIMIT, label=words)
+        axes.set_xlim(low, up)
+        axes.set_ylim(0.0, 1.08 * top)
+
+    yield Drawing('histogram', about.title('size of the differences') + beyond,
+                  'The bars should follow the line of the model; bars beyond the dashed limits '
+                  'are the counts of GK (6).', 'difference TS - RS [deg]',
+                  f'number in {number(width, 3)} deg', fill)
+
+
+def draw_quantiles(about: Subject) -> Iterator[Drawing | LeftOut]:
+    """Yield the quantiles of the differences against those of the model."""
+    title, n = about.title('quantiles against the model'), about.sketch.n
+    low, up = about.extremes()
+    if n < _LEAST or not up > low:
+        yield LeftOut('quantiles', title, f'it needs {_LEAST} differences that are not all equal')
+        return
+    margin = 0.5 * (up - low)
+    fine = np.linspace(low - margin, up + margin, _FINE)
+    share = about.model_share(fine)
+    if share is None:
+        yield LeftOut('quantiles', title, 'no run has a mean and a variance')
+        return
+    histogram = about.sketch.histogram
+    filled = np.flatnonzero(histogram.counts)
+    counts, edges = histogram.counts[filled], histogram.edges_deg()
+    # The middle of each bin stands for the middle of its values.
+    found = (np.cumsum(counts) - 0.5 * counts) / n
+    size = 0.5 * (edges[filled] + edges[filled + 1])
+    rising = np.flatnonzero(np.diff(share, prepend=-1.0) > 0.0)
+    expected = np.interp(found, share[rising], fine[rising])
+    # The ends show every bin, the middle a few.
+    rank = np.arange(len(found))
+    keep = (rank < _POINTS // 4) | (rank >= len(rank) - _POINTS // 4) | (
+        rank % max(1, len(rank) * 2 // _POINTS) == 0)
+    both = np.concatenate((expected, size))
+    lowest, highest = float(both.min()), float(both.max())
+
+    def fill(axes: Any) -> None:
+        axes.plot([lowest, highest], [lowest, highest], **LIMIT, label='the model')
+        axes.plot(expected[keep], size[keep], 'o', color=SERIES['color'], markersize=2.6,
+                  label='the differences')
+
+    yield Drawing('quantiles', title, 'Points on the dashed line follow the model; ends that turn '
+                  'away from it upwards on the right and downwards on the left are heavy tails.',
+                  f'quantile of the model {about.settings.model} [deg]',
+                  'quantile of the differences [deg]', fill)

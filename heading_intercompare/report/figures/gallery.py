@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""All figures of a record in their order, or as SVG for a page."""
+
+from __future__ import annotations
+
+from typing import Callable, Iterator, NamedTuple
+
+from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.report.series_sketch import SeriesSketch
+
+from .correlation import draw_allan_deviation, draw_autocorrelation, draw_spectrum
+from .dependence import draw_against_heading, draw_against_rate, draw_skew_scan
+from .distribution import draw_histogram, draw_quantiles
+from .drawing import Drawing, LeftOut
+from .over_time import draw_differences, draw_headings, draw_running_variance
+from .subject import Subject
+
+__all__ = ['collect', 'draw_figures', 'Drawn', 'NAMES']
+
+_FAMILIES: dict[str, Callable[[Subject], Iterator[Drawing | LeftOut]]] = {
+    'headings': draw_headings, 'differences': draw_differences,
+    'running_variance': draw_running_variance, 'heading': draw_against_heading,
+    'rate': draw_against_rate, 'skew_scan': draw_skew_scan, 'histogram': draw_histogram,
+    'quantiles': draw_quantiles, 'autocorrelation': draw_autocorrelation,
+    'spectrum': draw_spectrum, 'allan': draw_allan_deviation,
+}
+
+NAMES = (*_FAMILIES, 'track')
+"""Names of the figures, in their order."""
+
+
+class Drawn(NamedTuple):
+    """
+    A figure of a page.
+
+    Attributes
+    ----------
+    id : str
+        Unique on the page.
+    title, caption : str
+        The caption says how to read the figure or, if it is left out, why.
+    svg : str
+        Empty if the figure is left out.
+
+    """
+
+    id: str
+    title: str
+    caption: str
+    svg: str
+
+
+def collect(sketch: SeriesSketch, verdict: Verdict, name: str | None = None,
+            ) -> Iterator[Drawing | LeftOut]:
+    """
+    Yield the figures of a record; none if it has no difference.
+
+    Parameters
+    ----------
+    sketch : SeriesSketch
+    verdict : Verdict
+        Gives the runs and their limits.
+    name : str, optional
+        One of `NAMES`; default all.
+
+    """
+    about = Subject.of(sketch, verdict)
+    if about is None:
+        return
+    for each, family in _FAMILIES.items():
+        if name in (None, each):
+            yield from family(about)
+    if name in (None, 'track'):
+        yield LeftOut('track', about.title('track'), 'the record has no positions')
+
+
+def draw_figures(sketch: SeriesSketch, verdict: Verdict, prefix: str) -> list[Drawn]:
+    """
+    Return the figures of a record as SVG, in their order; none if it has no difference.
+
+    Parameters
+    ----------
+    sketch, verdict
+        As for `collect`.
+    prefix : str
+        Letters and digits with which the ids begin; no other record of the page has it.
+
+    """
+    # Only now: matplotlib is optional and takes long to load.
+    from .style import to_svg
+    return [Drawn(f'{prefix}-{one.name}', one.title, f'Left out: {one.reason}.', '')
+            if isinstance(one, LeftOut) else
+            Drawn(f'{prefix}-{one.name}', one.title, one.caption,
+                  to_svg(one, f'{prefix}-{one.name}'))
+            for one in collect(sketch, verdict)]

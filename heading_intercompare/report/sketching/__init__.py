@@ -1,0 +1,20 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Summaries of a series in bounded memory: bins, rate of turn, shifts and spectra."""
+
+from typing import TYPE_CHECKING
+
+from heading_intercompare._doors import door
+
+__getattr__, __dir__, __all__ = door(__name__, {
+    'bins': ('Bins', 'Envelope', 'Histogram'),
+    'shift_scan': ('ShiftScan',),
+    'spectra': ('Spectra',),
+    'turning': ('Turning',),
+})
+if TYPE_CHECKING:
+    # The same names for type checkers, by ``make docs``.
+    from .bins import Bins as Bins, Envelope as Envelope, Histogram as Histogram
+    from .shift_scan import ShiftScan as ShiftScan
+    from .spectra import Spectra as Spectra
+    from .turning import Turning as Turning

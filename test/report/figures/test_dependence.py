@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The figures against heading, rate of turn and skew show what was put into the data."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heading_intercompare import analyze, Headings, pair, Settings
+from heading_intercompare.report import SeriesSketch
+from heading_intercompare.report.figures.drawing import LeftOut
+from heading_intercompare.report.figures.gallery import collect
+
+pytest.importorskip('matplotlib')
+
+from heading_intercompare.report.figures.style import to_figure  # noqa: E402
+
+
+def axes_of(sketch, verdict, name):
+    """Return the axes of a figure."""
+    (drawing,) = collect(sketch, verdict, name)
+    return to_figure(drawing).axes[0]
+
+
+def line(axes, words):
+    """Return the values of the line with a label."""
+    (found,) = (one for one in axes.lines if str(one.get_label()).startswith(words))
+    return np.array(found.get_xdata()), np.array(found.get_ydata())
+
+
+@pytest.fixture
+def late(rng):
+    """Return the verdict on a TS that is 0.4 s late, and its sketch."""
+    settings = Settings.of(sigma_max_deg=0.3, sigma_ref_max_deg=0.1)
+    t = np.arange(6000) / 5.0
+    stamps = 1_700_000_000 * 10 ** 9 + (t * 1e9).astype(np.int64)
+
+    def true(at):
+        return 180.0 + 20.0 * np.sin(at / 20.0)
+
+    ts = Headings.of(stamps, true(t - 0.4) + rng.normal(0.0, 0.02, t.size))
+    rs = Headings.of(stamps, true(t) + rng.normal(0.0, 0.02, t.size))
+    sketch = SeriesSketch()
+    sketch.update(pair(ts, rs, settings)[0], settings)
+    return analyze(ts, rs, settings), sketch
+
+
+def test_the_slope_against_the_rate_of_turn_is_minus_the_skew(late):
+    axes = axes_of(late[1], late[0], 'rate')
+    rate, mean = line(axes, 'mean in each')
+    assert np.polyfit(rate, mean, 1)[0] == pytest.approx(-0.4, abs=0.02)
+    x, y = line(axes, 'skew of')
+    assert (y[1] - y[0]) / (x[1] - x[0]) == pytest.approx(-0.4, abs=0.01)
+
+
+def test_the_scatter_is_least_at_the_skew(late):
+    axes = axes_of(late[1], late[0], 'skew_scan')
+    skew_s, std_deg = line(axes, 'standard deviation')
+    assert skew_s[np.argmin(std_deg)] == pytest.approx(0.4, abs=0.05)
+    assert line(axes, 'skew that the verdict estimates')[0][0] == pytest.approx(0.4, abs=0.01)
+
+
+def test_a_scan_of_the_verdict_goes_before_that_of_the_sketch(late):
+    settings = Settings.of(sigma_max_deg=0.3, sigma_ref_max_deg=0.1, alignment_skew='apply')
+    t = np.arange(3000) / 5.0
+    stamps = 1_700_000_000 * 10 ** 9 + (t * 1e9).astype(np.int64)
+    ts = Headings.of(stamps, 100.0 + 20.0 * np.sin((t - 0.4) / 20.0))
+    rs = Headings.of(stamps, 100.0 + 20.0 * np.sin(t / 20.0))
+    verdict, sketch = analyze(ts, rs, settings), SeriesSketch()
+    sketch.update(pair(ts, rs, settings)[0], settings)
+    skew_s, _ = line(axes_of(sketch, verdict, 'skew_scan'), 'standard deviation')
+    assert skew_s.tolist() == list(verdict.runs[0].skew.scan.curve_s)
+
+
+def test_the_harmonics_are_those_of_the_verdict(late, rng):
+    settings = Settings.of(sigma_max_deg=0.3, sigma_ref_max_deg=0.1)
+    true = np.mod(np.arange(7200) * 1.0, 360.0)
+    stamps = 1_700_000_000 * 10 ** 9 + np.arange(7200) * 10 ** 9
+    wave = 0.2 * np.sin(np.radians(true)) + rng.normal(0.0, 0.05, 7200)
+    ts, rs = Headings.of(stamps, np.mod(true + wave, 360.0)), Headings.of(stamps, true)
+    sketch = SeriesSketch()
+    sketch.update(pair(ts, rs, settings)[0], settings)
+    x, y = line(axes_of(sketch, analyze(ts, rs, settings), 'heading'), 'harmonics A to E')
+    assert np.interp([90.0, 270.0], x, y) == pytest.approx([0.2, -0.2], abs=0.02)
+
+
+def test_the_norm_and_the_limit_are_drawn_against_the_heading(made):
+    verdict, sketches = made(1, norms__total_error_max_deg=0.75)
+    axes, run = axes_of(sketches[0], verdict, 'heading'), verdict.runs[0]
+    assert line(axes, 'norm of the total error')[1] == pytest.approx([0.75, 0.75])
+    sigma = run.variance_criterion.limit_deg2 ** 0.5
+    assert line(axes, 'mean +/- root')[1][0] == pytest.approx(run.mean_deg + sigma)
+
+
+def test_a_ship_that_does_not_turn_has_no_figure_of_its_rate(made, rng):
+    settings = Settings.of(sigma_max_deg=0.3, sigma_ref_max_deg=0.1)
+    stamps = 1_700_000_000 * 10 ** 9 + np.arange(600) * 10 ** 9
+    ts = Headings.of(stamps, 100.0 + rng.normal(0.0, 0.1, 600))
+    rs = Headings.of(stamps, np.full(600, 100.0))
+    sketch = SeriesSketch()
+    sketch.update(pair(ts, rs, settings)[0], settings)
+    (found,) = collect(sketch, analyze(ts, rs, settings), 'rate')
+    assert isinstance(found, LeftOut) and 'does not turn' in found.reason

@@ -1,0 +1,43 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The bins of the rate of turn hold the means of seconds, whatever the chunks."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heading_intercompare.report.sketching.turning import Turning
+
+
+def turning_of(stamps, x, rs, size):
+    """Return the bins of columns given in chunks."""
+    turning = Turning()
+    for lo in range(0, len(x), size):
+        turning.update(stamps[lo:lo + size], x[lo:lo + size], rs[lo:lo + size])
+    return turning
+
+
+@pytest.mark.parametrize('size', [1, 7, 100])
+def test_the_bins_do_not_depend_on_the_chunks(rng, size):
+    t = np.arange(500) * 0.3
+    stamps = 10 ** 18 + (t * 1e9).astype(np.int64)
+    rs, x = 30.0 * np.sin(t / 9.0), rng.normal(size=500)
+    whole, parts = turning_of(stamps, x, rs, 500), turning_of(stamps, x, rs, size)
+    assert parts.width_deg_s == whole.width_deg_s
+    assert np.array_equal(parts.bins.n, whole.bins.n) and whole.bins.n.sum() == 147
+    np.testing.assert_allclose(parts.bins.mean_deg, whole.bins.mean_deg, atol=1e-12)
+
+
+def test_a_steady_turn_is_in_the_bin_of_its_rate():
+    """2.5 deg/s at 4 Hz; the first and the last second have no neighbour."""
+    stamps = 10 ** 18 + np.arange(40) * 250_000_000
+    turning = turning_of(stamps, np.full(40, 0.7), 2.5 * np.arange(40) / 4.0, 40)
+    (at,) = np.flatnonzero(turning.bins.n)
+    assert turning.bins.n[at] == 7 and turning.bins.mean_deg[at] == pytest.approx(0.7)
+    assert turning.rate_deg_s[at] == pytest.approx(2.5, abs=turning.width_deg_s)
+
+
+def test_there_is_no_rate_over_a_silence():
+    stamps = 10 ** 18 + np.arange(10) * 20 * 10 ** 9
+    assert turning_of(stamps, np.zeros(10), np.arange(10.0), 10).bins.n.sum() == 0
