@@ -52,7 +52,7 @@ ALLOWED = {
                     'yaml_file'},
                    {'numpy', 'distributed', 'threadpoolctl'}),
     'cli': Allowed({'app', 'core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'logbook',
-                    'nodes'},
+                    'nodes', 'web'},
                    {'numpy', 'yaml', 'rich', 'argcomplete'}),
     '__main__': Allowed({'cli'}, set()),
 }
@@ -68,11 +68,11 @@ ORDER = {
              'sensors', 'simulator'),
     'bags': ('errors', 'checked_text', 'settings', 'mcap', 'parallel', 'rosbag2',
              'recording', 'recovery', 'csv'),
-    'web': ('wording', 'figures', 'bridge_records', 'verdict_lamp', 'bridge_view',
-            'controls', 'guard', 'palettes', 'trend_picture', 'page_texts', 'page', 'server'),
+    'web': ('figures', 'bridge', 'controls', 'guard', 'palettes', 'trend_picture', 'page',
+            'server'),
     'nodes': ('settings', 'ros', 'runtime', 'taking', 'alarms', 'judging', 'synchronizer',
               'compliance', 'recorder', 'replayer', 'nmea_driver', 'sensor_simulator', 'dashboard',
-              'graph'),
+              'watcher', 'graph'),
     'cli': ('terminal', 'completion', 'node_command', 'commands', 'program'),
 }
 
@@ -80,7 +80,7 @@ ORDER = {
 LOADED_BY = {
     'jinja2': {'report/html'}, 'matplotlib': {'report/graphs', 'report/plots'},
     'distributed': {'app/cluster'}, 'argcomplete': {'cli/completion'},
-    'rich': {'cli/terminal/console', 'cli/terminal/progress'},
+    'rich': {'cli/terminal/console', 'cli/terminal/progress', 'cli/terminal/screen'},
     'nicegui': {'web/page', 'web/server'}, 'fastapi': {'web/server'}, 'uvicorn': {'web/server'},
 }
 
