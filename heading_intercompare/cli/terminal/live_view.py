@@ -13,12 +13,11 @@ from heading_intercompare.web.bridge.bridge_view import BridgeView
 
 from .keyboard import Keyboard
 from .screen import can_draw, Screen
+from .status_lines import StatusLines
 from .view_lines import lay_out, one_line
 
 __all__ = ['LiveView']
 
-#: Plain text: a line at least this often, and not more often than that.
-_EVERY_S, _AT_MOST_S = 10.0, 1.0
 _NUMBER = re.compile(r'\d[\d.,:]*')
 
 
@@ -48,8 +47,7 @@ class LiveView:
         self._screen = Screen() if not quiet and can_draw(sys.stderr) else None
         self._open = ExitStack()
         self._keyboard: Keyboard | None = None
-        self._state: tuple[object, ...] = ()
-        self._next_s = self._soonest_s = 0.0
+        self._lines = StatusLines()
 
     def __enter__(self) -> 'LiveView':
         if self._screen is not None:
@@ -78,24 +76,15 @@ class LiveView:
             columns, rows = self._screen.room()
             self._screen.draw(lay_out(view, columns, rows, title=self._title, phase=phase,
                                       foot=self._foot))
-        elif not self._quiet:
-            self._write_if_due(view, phase)
-
-    def _write_if_due(self, view: BridgeView, phase: str) -> None:
-        now_s, state = time.monotonic(), _state_of(view, phase)
-        if now_s < self._soonest_s or state == self._state and now_s < self._next_s:
-            return
-        self._state = state
-        self._next_s, self._soonest_s = now_s + _EVERY_S, now_s + _AT_MOST_S
-        self.tell(one_line(view, time.time_ns(), phase))
+        elif not self._quiet and self._lines.is_due(_state_of(view, phase)):
+            self._lines.write(one_line(view, time.time_ns(), phase))
 
     def tell(self, text: str) -> None:
         """Write a line that stays."""
         if self._screen is not None:
             self._screen.tell(text)
         elif not self._quiet:
-            sys.stderr.write(f'{text}\n')
-            sys.stderr.flush()
+            self._lines.write(text)
 
 
 def _state_of(view: BridgeView, phase: str) -> tuple[object, ...]:

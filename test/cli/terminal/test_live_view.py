@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from heading_intercompare.cli.terminal import live_view
+from heading_intercompare.cli.terminal import status_lines
 from heading_intercompare.cli.terminal.live_view import LiveView
 from heading_intercompare.web.bridge.bridge_records import LampView, Tone
 from heading_intercompare.web.bridge.bridge_view import BridgeView
@@ -12,7 +12,7 @@ from heading_intercompare.web.bridge.bridge_view import BridgeView
 
 def test_text_comes_every_ten_seconds_and_when_something_changes(capsys, monkeypatch):
     clock = [100.0]
-    monkeypatch.setattr(live_view.time, 'monotonic', lambda: clock[0])
+    monkeypatch.setattr(status_lines.time, 'monotonic', lambda: clock[0])
 
     def lines(view):
         shown.show(view)
