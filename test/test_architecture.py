@@ -52,7 +52,7 @@ ALLOWED = {
                     'yaml_file'},
                    {'numpy', 'distributed', 'threadpoolctl'}),
     'cli': Allowed({'app', 'core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'logbook',
-                    'nodes'},
+                    'nodes', 'web'},
                    {'numpy', 'yaml', 'rich', 'argcomplete'}),
     '__main__': Allowed({'cli'}, set()),
 }
@@ -70,11 +70,11 @@ ORDER = {
              'recording', 'recovery', 'csv'),
     'report': ('sketching', 'series_sketch', 'formatting', 'figures', 'contents', 'json',
                'json_schema', 'runs_csv', 'html', 'pdf'),
-    'web': ('wording', 'figures', 'bridge_records', 'verdict_lamp', 'bridge_view',
-            'controls', 'guard', 'palettes', 'trend_picture', 'page_texts', 'page', 'server'),
+    'web': ('figures', 'bridge', 'controls', 'guard', 'palettes', 'trend_picture', 'page',
+            'server'),
     'nodes': ('settings', 'ros', 'runtime', 'taking', 'alarms', 'judging', 'synchronizer',
               'compliance', 'recorder', 'replayer', 'nmea_driver', 'sensor_simulator', 'dashboard',
-              'graph'),
+              'watcher', 'graph'),
     'cli': ('terminal', 'completion', 'node_command', 'commands', 'program'),
 }
 
@@ -83,7 +83,7 @@ LOADED_BY = {
     'jinja2': {'report/html'}, 'weasyprint': {'report/pdf'},
     'matplotlib': {'report/figures/style'},
     'distributed': {'app/cluster'}, 'argcomplete': {'cli/completion'},
-    'rich': {'cli/terminal/console', 'cli/terminal/progress'},
+    'rich': {'cli/terminal/console', 'cli/terminal/progress', 'cli/terminal/screen'},
     'nicegui': {'web/page', 'web/server'}, 'fastapi': {'web/server'}, 'uvicorn': {'web/server'},
 }
 

@@ -33,7 +33,8 @@ def read_commands(text):
 @pytest.mark.parametrize('page', PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_the_program_takes_each_command_of_a_page(page):
     for words in read_commands(page.read_text('utf-8')):
-        if 'COMMAND' in words:
+        # Not those that stand for any command, nor the output of one.
+        if 'COMMAND' in words or words[0].endswith(':'):
             continue
         try:
             _build_parser(words).parse_args(words)

@@ -12,7 +12,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 import hashlib
 from pathlib import Path
-from typing import Any, Callable, Mapping, Sequence
+from typing import Any, Callable, Iterable, Mapping, Sequence
 
 from heading_intercompare.bags.csv.pairs_csv import read_pairs_csv
 from heading_intercompare.bags.mcap.mcap_file import mcap_files
@@ -298,7 +298,7 @@ def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
     kept: dict[str, list[Headings]] = {}
     if settings.alignment.skew == 'apply':
         kept = {ts: [], rs: []}
-    n = 0
+    n, whole = 0, _count_headings(readers, conventions)
     lost: list[tuple[LedgerKey, Losses]] = []
 
     def lose(key: LedgerKey, losses: Losses) -> None:
@@ -323,18 +323,26 @@ def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
                 chunks.append(chunk[topic])
             n += sum(len(h) for h in chunk.values())
             hand_out(comparison.update(ts=chunk[ts], rs=chunk[rs]))
-            progress(f'{n:,} headings')
+            progress(f'{n:,} of {whole:,} headings' if n <= whole else f'{n:,} headings')
         if reader is readers[-1]:
             start_digest()
         told.read_told()
         told.finish(comparison.pairer.ledger.newest_ns)
         problems += find_problems(reader)
+    progress('judging the runs')
     hand_out(comparison.finish())
     results = comparison.results()
     if kept:
         results = judge_aligned(Headings.concatenate(kept[ts]), Headings.concatenate(kept[rs]),
                                 results, settings, source=name, lost=lost)
     return results, comparison.compliance.take_earlier(), tuple(problems), comparison.ledger
+
+
+def _count_headings(readers: Sequence[BagReader], topics: Iterable[str]) -> int:
+    """Return the number of headings in bags, by their indexes."""
+    wanted = {f'/{topic.lstrip("/")}' for topic in topics}
+    return sum(info.count for reader in readers for name, info in reader.topics.items()
+               if f'/{name.lstrip("/")}' in wanted)
 
 
 def explain_no_run(ledger: Ledger, settings: Settings,

@@ -49,7 +49,7 @@ def list_scenarios() -> list[str]:
 def _find(given: str) -> Path:
     """Return the path of the file; it may not exist."""
     path = Path(given)
-    if path.exists() or path.name != given or path.suffix:
+    if path.is_file() or path.name != given or path.suffix:
         return path
     shipped = [folder / f'{given}.yaml' for folder in _folders()]
     found = next((file for file in shipped if file.is_file()), None)

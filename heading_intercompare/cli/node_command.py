@@ -11,12 +11,14 @@ from heading_intercompare.app.config import load_config
 
 __all__ = ['run_node']
 
-_WATCH_S = 0.1
+_WATCH_S, _BESIDE_S = 0.1, 0.3
 
 
 def run_node(module: str, node: str, config: str | None, *,
              remap: Mapping[str, str] | None = None,
-             watch: Callable[[Any], None] | None = None, **parameters: Any) -> int:
+             watch: Callable[[Any], None] | None = None,
+             beside: tuple[str, str, Callable[[Any, Any], None]] | None = None,
+             **parameters: Any) -> int:
     """
     Run a node until its work is done or the user presses Ctrl-C.
 
@@ -31,6 +33,9 @@ def run_node(module: str, node: str, config: str | None, *,
         it does not publish.
     watch : callable, optional
         Called with the node ten times a second.
+    beside : (str, str, callable), optional
+        Module and class of a node that runs beside it, and what is called with both nodes three
+        times a second.
     **parameters : object
         Parameters of the node; those that are None are left out.
 
@@ -51,7 +56,7 @@ def run_node(module: str, node: str, config: str | None, *,
 
     # rcl's message for an unreadable file is long and unclear, and rcl ignores other text.
     load_config(config)
-    kind = getattr(import_module(f'heading_intercompare.nodes.{module}'), node)
+    kind = _find(module, node)
     given: dict[str, Any] = {'parameter_overrides': make_overrides(parameters)}
     if remap:
         given['remapped'] = list(remap)
@@ -62,7 +67,18 @@ def run_node(module: str, node: str, config: str | None, *,
             every(made, _WATCH_S, lambda: watch(made))
         return made
 
+    def make_beside(made: Any, **kwargs: Any) -> Any:
+        other_module, other_node, look = beside
+        other = _find(other_module, other_node)(**kwargs)
+        every(other, _BESIDE_S, lambda: look(made, other))
+        return other
+
     arguments = ['--params-file', config] if config else []
     for old, new in (remap or {}).items():
         arguments += ['-r', f'{old}:={new}']
-    return run('heading-intercompare', make, ['--ros-args', *arguments] if arguments else [])
+    return run('heading-intercompare', make, ['--ros-args', *arguments] if arguments else [],
+               beside=None if beside is None else make_beside)
+
+
+def _find(module: str, node: str) -> Any:
+    return getattr(import_module(f'heading_intercompare.nodes.{module}'), node)

@@ -14,6 +14,7 @@ from contextlib import contextmanager
 import os
 from queue import SimpleQueue
 import threading
+import time
 from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 
 import rclpy
@@ -30,15 +31,18 @@ from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.ros.process import end, settle_memory, spin_nodes, Stop
 from heading_intercompare.nodes.ros.security import check_security, say_security_errors
 from heading_intercompare.nodes.ros.transports import prefer_udp, set_variable
+from heading_intercompare.web.bridge.bridge_view import BridgeView
 
 from .compliance import Compliance
 from .dashboard import Dashboard
 from .recorder import Recorder
 from .synchronizer import Synchronizer
+from .watcher import Watcher
 
 __all__ = ['intercompare', 'Source']
 
 _RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
+_SHOW_S = 0.3
 
 
 class Source(NamedTuple):
@@ -113,11 +117,26 @@ def _spin_in_thread(executor: Executor) -> Iterator[Future]:
     spun.result()
 
 
+class _Look:
+    """Passes on what to show of a graph, if anybody wants to know, several times per second."""
+
+    def __init__(self, watcher: Node, show: Callable[[BridgeView, str], None] | None) -> None:
+        self._watcher, self._show, self._next_s = watcher, show, 0.0
+
+    def pass_on(self, phase: str = '', *, at_once: bool = False) -> None:
+        """Show the graph if it is time to."""
+        now_s = time.monotonic()
+        if self._show is not None and (at_once or now_s >= self._next_s):
+            self._next_s = now_s + _SHOW_S
+            self._show(self._watcher.view(), phase)
+
+
 def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                  output: str | None = None, report_dir: str | None = None,
                  own: Mapping[str, Mapping[str, Any]] | None = None, private: bool = False,
                  namespace: str = '/', page: Mapping[str, Any] | None = None,
                  progress: Callable[[int], None] = lambda n_pairs: None,
+                 show: Callable[[BridgeView, str], None] | None = None,
                  tell: Callable[[str], None] | None = None,
                  served: Callable[[str], None] = lambda url: None) -> Verdict:
     """
@@ -145,6 +164,9 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         Parameters of the node dashboard, which then serves the live page; it prints the address.
     progress : callable
         Called with the number of pairs several times per second.
+    show : callable, optional
+        Called several times per second with what to show of the graph, and with what it does if
+        it does not just run.
     tell : callable, optional
         Called with a line for each change of an alarm, which is then not logged.
     served : callable
@@ -172,6 +194,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         (Synchronizer, 'synchronizer', {**own.get('synchronizer', {}), **heard})]
     if page is not None:
         first.append((Dashboard, 'dashboard', page))
+    if show is not None:
+        first.append((Watcher, 'watcher', {}))
     then: list[_Planned] = [(s.make, s.name, {**heard, **s.settings}) for s in sources]
     if output is not None:
         then.insert(0, (Recorder, 'recorder', {**own.get('recorder', {}), 'output': output}))
@@ -188,11 +212,14 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         start(first)
         compliance, synchronizer, *pages = nodes
         for one in pages:
-            served(one.page.url)
+            if isinstance(one, Dashboard):
+                served(one.page.url)
+        look = _Look(nodes[-1], show)
         # Beside another graph no bag is begun.
         while not (stop.requested or compliance.sole.clear and synchronizer.sole.clear):
             judging.spin_once(0.01)
             executor.spin_once(0.01)
+            look.pass_on('starting: looking for other graphs')
         start(then)
         recorders = nodes[2 + len(pages):len(nodes) - len(sources)]
         running = nodes[len(nodes) - len(sources):]
@@ -209,9 +236,11 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                        or (running and all(s.done for s in running))):
                 executor.spin_once(0.2)
                 progress(compliance.n_pairs)
+                look.pass_on()
                 # The judge has its own thread; only this one writes.
                 while tell is not None and not told.empty():
                     tell(told.get())
+        look.pass_on('ending: taking the last pairs, closing the bag', at_once=True)
         judging.remove_node(compliance)
         executor.add_node(compliance)
         # End the sources first, then the synchronizer, then compliance, then those that show and

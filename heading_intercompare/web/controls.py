@@ -8,7 +8,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import Callable
 
-from .bridge_view import BridgeView
+from heading_intercompare.web.bridge.bridge_view import BridgeView
 
 __all__ = ['Controls']
 

@@ -10,9 +10,10 @@ from typing import Any
 
 from nicegui import ui
 
+from heading_intercompare.web.bridge.view_texts import alarm_words, node_words, Said, tell
+
 from .controls import Controls
 from .guard import check_token
-from .page_texts import alarm_words, node_words, Said, tell
 from .palettes import PALETTES, style
 from .trend_picture import draw_trend
 

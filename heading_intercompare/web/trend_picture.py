@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from .bridge_records import TrendView
+from heading_intercompare.web.bridge.bridge_records import TrendView
 
 __all__ = ['draw_trend']
 

@@ -57,6 +57,8 @@ def folder(tmp_path):
     ('rejudge x tri', {'trial_bag/', 'trial.mcap'}),
     ('analyze x --config tri', {'trial_bag/', 'trial.yaml'}),
     ('analyze x --runs tri', {'trial_bag/', 'trial.csv'}),
+    ('analyze x --runs-csv tri', {'trial_bag/', 'trial.csv'}),
+    ('report x --runs-c', {'--runs-csv'}),
     ('simulate --scenario tri', {'trial_bag/', 'trial.yaml'}),
     ('simulate --scenario sea_', {name for name in list_scenarios() if name.startswith('sea_')}),
     ('analyze x --set norms.sigma_m', {'norms.sigma_max_deg='}),

@@ -4,13 +4,18 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+import fcntl
 import json
 import os
 from pathlib import Path
+import pty
 import signal
 import socket
+import struct
 import subprocess
 import sys
+import termios
 from threading import Event, Thread
 import time
 
@@ -524,6 +529,46 @@ def test_a_trial_in_order_logs_no_warning_from_its_start_to_its_end(processes, t
     said = (tmp_path / 'live.log').read_text()
     assert '[compliance]: verdict on 1 runs' in said
     assert '[WARN]' not in said and '[ERROR]' not in said
+
+
+@pytest.mark.slow
+def test_live_and_record_on_a_terminal_show_the_graph_and_leave_the_terminal_as_it_was(
+        processes, tmp_path):
+    pytest.importorskip('rich')
+    config, ports = write_udp_config(tmp_path, {**NORMS, 'pairing.method': 'interpolate'})
+    ship, ours, theirs = TurningShip(ports), *pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack('HHHH', 24, 80, 0, 0))
+    before, written = termios.tcgetattr(theirs), [b'']
+    environment = {**os.environ, 'ROS_DOMAIN_ID': str(DOMAIN), 'TERM': 'xterm',
+                   'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+
+    def shows(*words):
+        with suppress(BlockingIOError):
+            written[0] += os.read(ours, 65536)
+        return all(word in written[0].decode(errors='ignore') for word in words)
+    os.set_blocking(ours, False)
+    ship.start()
+    try:
+        for command, words, told in (
+                (['live', '--config', str(config), '-o', 'trial'],
+                 ['starting: looking for other graphs', 'NONE YET', 'recording to trial',
+                  'ts_driver', 'paired ', 'nothing speaks against'], 'VERDICT: '),
+                (['record', '-o', 'raw'], ['recording to raw', 'recorder'], '')):
+            written[0] = b''
+            live = processes.running[command[0]] = subprocess.Popen(
+                [sys.executable, '-m', 'heading_intercompare', *command], env=environment,
+                cwd=tmp_path, stdin=theirs, stdout=theirs, stderr=theirs)
+            wait_for(lambda words=words: shows(*words))
+            live.send_signal(signal.SIGINT)
+            wait_for(lambda live=live: shows() and live.poll() is not None)
+            assert shows(told) and live.returncode == 0
+            assert termios.tcgetattr(theirs) == before
+            assert b' WARN ' not in written[0] and b' ERROR ' not in written[0]
+    finally:
+        ship.stopped.set()
+        ship.join()
+        os.close(ours)
+        os.close(theirs)
 
 
 @pytest.mark.slow

@@ -27,13 +27,15 @@ from heading_intercompare.nodes.replayer import Replayer
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 from heading_intercompare.nodes.synchronizer import Synchronizer
+from heading_intercompare.nodes.watcher import Watcher
 
 from .conftest import NoPage
 from .lines import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 POLICY = ElementTree.parse(ROOT / 'security' / 'heading_intercompare.policy.xml').getroot()
-NODES = ('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder', 'dashboard')
+NODES = ('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder', 'dashboard',
+         'watcher')
 #: Made by rclpy only with `use_sim_time`; while a node looks for another of its name.
 EXEMPT = {'/clock', '/diagnostics'}
 
@@ -110,6 +112,16 @@ def test_the_dashboard_does_what_its_policy_allows_and_nothing_else(ros, monkeyp
     check(ros, dashboard)
 
 
+def test_the_watcher_does_what_its_policy_allows_also_beside_a_recorder(ros):
+    for role in ('ts', 'rs'):
+        ros.plain.create_publisher(Imu, f'{role}/heading', qos.HEADINGS_OUT)
+    ros.plain.create_publisher(TwistStamped, 'pairs', qos.PAIRS)
+    watcher = ros.ours(Watcher)
+    watcher.open()
+    check(ros, watcher)
+    assert allowed(profiles('recorder')['watcher']) == allowed(profiles('watcher')['watcher'])
+
+
 def test_the_replayer_does_what_its_policy_allows_and_nothing_else(ros, tmp_path):
     with BagWriter(tmp_path / 'bag') as bag:
         bag.metadata('heading_intercompare', {})
@@ -145,7 +157,8 @@ def test_the_policy_has_the_form_of_sros2():
 
 def test_no_node_but_the_drivers_may_publish_headings():
     """A compromised recorder cannot invent readings."""
-    for name in ('synchronizer', 'compliance', 'recorder', 'operator_note', 'dashboard'):
+    for name in ('synchronizer', 'compliance', 'recorder', 'operator_note', 'dashboard',
+                 'watcher'):
         may = allowed(profiles(name)[name])
         assert not may['publish'] & {'/ts/heading', '/rs/heading', '/clock'}
     for name in set(NODES) - {'synchronizer'}:

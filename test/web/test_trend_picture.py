@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from heading_intercompare.web.bridge_records import TrendView
+from heading_intercompare.web.bridge.bridge_records import TrendView
 from heading_intercompare.web.figures.trend import TrendColumn
 from heading_intercompare.web.trend_picture import draw_trend
 

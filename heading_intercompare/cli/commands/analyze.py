@@ -175,7 +175,8 @@ def deliver(verdict: Verdict, arguments: argparse.Namespace,
         with name_file(arguments.runs_csv):
             write_runs(verdict, arguments.runs_csv)
     if arguments.report:
-        with name_file(arguments.report):
+        with name_file(arguments.report), Progress(arguments.report, arguments.quiet) as progress:
+            progress.show('drawing the protocol')
             write(verdict, arguments.report, sketches)
     return code
 

@@ -27,14 +27,16 @@ VERDICT_MARKS: tuple[_Mark, ...] = (
 _CONTROL = re.compile('[\x00-\x08\x0b-\x1f\x7f-\x9f]')
 
 
-def open_console(stream: IO[str]) -> Any:
+def open_console(stream: IO[str], *, colourless: bool = False) -> Any:
     """
     Return a rich console that writes to a stream, or None if text must stay plain.
 
-    Text stays plain if the stream is not a terminal, or is a dumb one, if ``NO_COLOR`` is set, or
-    if rich is not installed.
+    Text stays plain if the stream is not a terminal, or is a dumb one, if ``NO_COLOR`` is set
+    unless `colourless` asks for a console without colours, or if rich is not installed.
     """
-    if not stream.isatty() or os.environ.get('NO_COLOR') or os.environ.get('TERM') == 'dumb':
+    if not stream.isatty() or os.environ.get('TERM') == 'dumb':
+        return None
+    if os.environ.get('NO_COLOR') and not colourless:
         return None
     try:
         from rich.console import Console

@@ -17,16 +17,17 @@ __all__ = ['Progress']
 _USUAL = 80
 _BAR = 24
 #: Beginnings of a text that say how much of the work is done.
-_PERCENT, _OF = re.compile(r'(\d+)%'), re.compile(r'([\d,]+) of ([\d,]+)\b')
+_NUMBER, _PERCENT = re.compile(r'\d[\d.,]*'), re.compile(r'(\d+)%')
+_OF = re.compile(r'(?:replaying at )?([\d,]+(?:\.\d+)?)(?: s)? of ([\d,]+(?:\.\d+)?)\b')
 
 
 class Progress:
     """
     One line on stderr that is overwritten each time; nothing if stderr is not a terminal.
 
-    With rich it has a spinner and the elapsed time. If the text begins with a percentage or with
-    "n of m", it also has a bar and the time left. It uses no thread, because the bag reader does
-    not fork decoders from a process with a second thread.
+    With rich it has a spinner and the elapsed time. If the text begins with a percentage, with
+    "n of m" or with "replaying at n s of m s", it also has a bar and the time left. It uses
+    no thread, because the bag reader does not fork decoders from a process with a second thread.
 
     Parameters
     ----------
@@ -42,9 +43,12 @@ class Progress:
         self._on = not quiet and sys.stderr.isatty()
         self._console = open_console(sys.stderr) if self._on else None
         self._spinner: Any = None
-        self._start = self._begun = time.monotonic() if self._on else 0.0
+        self._start = time.monotonic() if self._on else 0.0
+        # When the work began or went on after a pause, and its share then.
+        self._begun: tuple[float, float] | None = (self._start, 0.0)
         self._share = 0.0
         self._next = 0.0
+        self._words = ''
         self._width = 0
 
     def __enter__(self) -> 'Progress':
@@ -54,10 +58,13 @@ class Progress:
         self.clear()
 
     def show(self, text: str) -> None:
-        """Write the state, at most ten times a second; the next output overwrites it."""
-        if not self._on or time.monotonic() < self._next:
+        """Write the state, at most ten times a second, or at once if the words change."""
+        if not self._on:
             return
-        self._next = time.monotonic() + 0.1
+        words, now = _NUMBER.sub('', text), time.monotonic()
+        if now < self._next and words == self._words:
+            return
+        self._next, self._words = now + 0.1, words
         room = _columns() - 1
         if self._console is not None:
             self._draw(text, room)
@@ -83,16 +90,16 @@ class Progress:
         words = Text(_printable(f'{self._label}: {text}'), overflow='ellipsis')
         cells = [self._spinner.render(now), words, Text(_clock(now - self._start), style='dim')]
         share = _find_share(text)
+        left_s = self._find_left_s(now, share)
         if share is not None and room > 2 * _BAR:
-            if share < self._share:
-                self._begun = now
-            self._share = share
-            left_s = (now - self._begun) * (1.0 / share - 1.0) if share else None
             cells += [ProgressBar(total=1.0, completed=share, width=_BAR),
                       Text('' if left_s is None else f'{_clock(left_s)} left')]
         line = Table.grid(*('' for _ in cells), padding=(0, 1))
         for column in line.columns:
             column.no_wrap = True
+        # In a narrow terminal the words give way, and a blank stands between two cells.
+        others = sum(1 + getattr(cell, 'cell_len', _BAR) for cell in cells if cell is not words)
+        words.truncate(max(1, room - others), overflow='ellipsis')
         line.add_row(*cells)
         options = self._console.options.update(width=room, no_wrap=True)
         (drawn, *_) = self._console.render_lines(line, options)
@@ -100,6 +107,18 @@ class Progress:
             self._console.print(Segments(drawn), end='')
         sys.stderr.write(written.get() + '\r')
         self._width = room
+
+    def _find_left_s(self, now: float, share: float | None) -> float | None:
+        """Return the time left at the pace since the work went on; None if it is not known."""
+        if share is None:
+            self._begun = None
+            return None
+        if self._begun is None or share < self._share:
+            self._begun = (now, share)
+        self._share = share
+        begun_s, begun_share = self._begun
+        done = share - begun_share
+        return (now - begun_s) * (1.0 - share) / done if done > 0.0 else None
 
     def tell(self, text: str) -> None:
         """Write a line that stays, above the one that is overwritten."""
@@ -123,12 +142,14 @@ def _find_share(text: str) -> float | None:
     --------
     >>> _find_share('12% copied'), _find_share('1,200 of 4,800 s'), _find_share('17 pairs')
     (0.12, 0.25, None)
+    >>> _find_share('replaying at 6.250 s of 25.000 s'), _find_share('paused at 1.0 s of 25.0 s')
+    (0.25, None)
 
     """
     if match := _PERCENT.match(text):
         return min(int(match[1]) / 100.0, 1.0)
     if match := _OF.match(text):
-        part, whole = (int(number.replace(',', '') or '0') for number in match.groups())
+        part, whole = (float(number.replace(',', '') or '0') for number in match.groups())
         return min(part / whole, 1.0) if whole else None
     return None
 

@@ -127,7 +127,8 @@ def error_words(error: Exception) -> str:
     return ' '.join(str(error).split())
 
 
-def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None) -> int:
+def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None, *,
+        beside: Callable[..., Node] | None = None) -> int:
     """
     Run a node until its work is over or a signal comes.
 
@@ -139,6 +140,8 @@ def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None)
         Makes the node, given `context`.
     args : sequence of str, optional
         Arguments; by default those of the process.
+    beside : callable, optional
+        Makes a node that runs as long as the first one, given that one and `context`.
 
     Returns
     -------
@@ -158,7 +161,10 @@ def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None)
             with spin_nodes(context) as (executor, nodes):
                 with say_security_errors():
                     nodes.append(make(context=context))
-                executor.add_node(nodes[0])
+                    if beside is not None:
+                        nodes.append(beside(nodes[0], context=context))
+                for node in nodes:
+                    executor.add_node(node)
                 settle_memory()
                 while not (stop.requested or nodes[0].done):
                     executor.spin_once(0.2)

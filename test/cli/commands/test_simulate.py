@@ -174,6 +174,12 @@ def test_mistakes_give_one_line(tmp_path, capsys, content, options, words):
     assert words in err and err.count('\n') == 1 and out == ''
 
 
+def test_a_folder_of_the_name_of_a_scenario_does_not_hide_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / 'demo').mkdir()
+    assert read_scenario('demo').scenario.duration_s == 1200.0
+
+
 def test_absent_scenario_and_present_bag_are_named(scenario, bag, tmp_path, capsys):
     for given, output, words in (
             ('no_such', tmp_path / 'a', 'neither a file nor one of the scenarios degraded_rs, '),

@@ -97,28 +97,28 @@ def test_with_rich_the_line_stays_one_and_fits_any_width(terminal, monkeypatch):
 
 @rich_terminal
 def test_with_rich_time_and_a_bar_are_shown_where_the_amount_is_known(terminal, monkeypatch):
-    """The clock is read at the start, and three times by `show`."""
+    """The clock is read at the start, and twice by `show`."""
     monkeypatch.setattr(sys, 'stderr', terminal.stderr)
     terminal.widen(100)
     with progress.Progress('trial') as line:
         line.show('25% looked at')
         (shown,) = lines(terminal.seen())
-        assert 'trial: 25% looked at 0:03' in shown and shown.count('\u2501') == 23
+        assert 'trial: 25% looked at 0:02' in shown and shown.count('\u2501') == 23
         assert shown.index('\u257a') - shown.index('\u2501') == 6
-        assert shown.rstrip().endswith('0:09 left')
+        assert shown.rstrip().endswith('0:06 left')
         line.show('1,200 of 2,400 s simulated')
         (shown,) = lines(terminal.seen())
-        assert '0:06' in shown and shown.rstrip().endswith('0:06 left')
+        assert '0:04' in shown and shown.rstrip().endswith('0:04 left')
         # A second part of the work begins again at zero.
         line.show('0% copied')
         (shown,) = lines(terminal.seen())
         assert 'left' not in shown
         line.show('50% copied')
         (shown,) = lines(terminal.seen())
-        assert '0:12' in shown and shown.rstrip().endswith('0:03 left')
+        assert '0:08' in shown and shown.rstrip().endswith('0:02 left')
         line.show('17 pairs')
         (shown,) = lines(terminal.seen())
-        assert shown.rstrip().endswith('trial: 17 pairs 0:15')
+        assert shown.rstrip().endswith('trial: 17 pairs 0:10')
 
 
 @rich_terminal
@@ -156,3 +156,41 @@ def test_the_quiet_and_the_redirected_show_nothing(terminal, monkeypatch, tmp_pa
     assert (tmp_path / 'log').read_text() == ''
     with pytest.raises(BlockingIOError):
         terminal.seen()
+
+
+@rich_terminal
+def test_the_time_left_of_a_replay_counts_no_pause(terminal, monkeypatch):
+    monkeypatch.setattr(sys, 'stderr', terminal.stderr)
+    terminal.widen(120)
+    with progress.Progress('bag') as line:
+        for _ in range(20):
+            line.show('paused at 2.000 s of 10.000 s; space: pause, resume')
+        (shown,) = lines(terminal.seen())[-1:]
+        assert 'left' not in shown
+        # Each drawing takes two readings of the clock: 2 s of 10 s in 2 s, so 4 s take 4 s.
+        line.show('replaying at 2.000 s of 10.000 s')
+        line.show('replaying at 4.000 s of 10.000 s')
+        line.show('replaying at 6.000 s of 10.000 s')
+        (shown,) = lines(terminal.seen())[-1:]
+        assert shown.rstrip().endswith('0:04 left')
+
+
+@rich_terminal
+def test_in_a_narrow_terminal_the_words_give_way_to_the_time_left(terminal, monkeypatch):
+    monkeypatch.setattr(sys, 'stderr', terminal.stderr)
+    terminal.widen(80)
+    with progress.Progress('bag') as line:
+        line.show(f'25% of {"x" * 100}')
+        (shown,) = lines(terminal.seen())
+        assert len(shown) == 79 and shown.rstrip().endswith('0:06 left') and '…' in shown
+
+
+def test_new_words_are_drawn_at_once_and_new_numbers_after_a_while(terminal, monkeypatch):
+    monkeypatch.setattr(sys, 'stderr', terminal.stderr)
+    monkeypatch.setattr(progress, 'time', SimpleNamespace(monotonic=lambda: 5.0))
+    with progress.Progress('bag') as line:
+        line.show('1 of 9 headings')
+        assert lines(terminal.seen()) == ['bag: 1 of 9 headings']
+        line.show('8 of 9 headings')
+        line.show('judging the runs')
+        assert lines(terminal.seen()) == ['bag: judging the runs']

@@ -37,7 +37,8 @@ def keys_of(kind, prefix=''):
     for field in fields(kind):
         hint = get_type_hints(kind)[field.name]
         inner = next((one for one in (hint, *get_args(hint)) if is_dataclass(one)), None)
-        if inner is None:
+        # A look may hold the same look with nothing taken out.
+        if inner in (None, kind):
             yield prefix + field.name
         else:
             yield from keys_of(inner, f'{prefix}{field.name}.')

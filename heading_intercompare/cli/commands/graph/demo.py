@@ -62,6 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
     tell = print if not arguments.quiet else lambda *_: None
 
     addresses: list[str] = []
+    expected = round(scenario.duration_s * scenario.ts.rate_hz)
     tell(f'1. live: simulator -> synchronizer -> compliance -> recorder, '
          f'{scenario.duration_s:g} s at {arguments.speed:g} times real time')
     with Progress('live', arguments.quiet) as progress:
@@ -69,13 +70,15 @@ def run(arguments: argparse.Namespace) -> int:
             [Source(SensorSimulator, 'sensor_simulator',
                     {**scenario.to_mapping(), 'speed': arguments.speed, 'stamps': 'scenario'})],
             _SETTINGS, output=bag, report_dir=str(out / 'live'), private=True, page=page,
-            served=addresses.append, progress=lambda n: progress.show(f'{n:,} pairs'))
+            served=addresses.append,
+            progress=lambda n: progress.show(f'{min(n, expected):,} of {expected:,} pairs'))
+    paired = sum(run.pairing.paired for run in live.runs)
     tell(f'2. replayed: {bag} -> synchronizer -> compliance')
     with Progress('replayed', arguments.quiet) as progress:
         replayed = intercompare(
             [Source(Replayer, 'replayer', {'bag': bag, 'rate': 1.0})],
             _SETTINGS, report_dir=str(out / 'replayed'), private=True,
-            progress=lambda n: progress.show(f'{n:,} pairs'))
+            progress=lambda n: progress.show(f'{min(n, paired):,} of {paired:,} pairs'))
     tell(f'3. offline: analyze {bag}\n')
     settings = Settings.from_mapping(_SETTINGS)
     with Progress(bag, arguments.quiet) as progress:

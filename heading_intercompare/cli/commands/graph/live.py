@@ -19,7 +19,7 @@ from heading_intercompare.cli.commands.analyze import (
     conclude,
 )
 from heading_intercompare.cli.commands.note import add_note_argument, read_notes
-from heading_intercompare.cli.terminal.progress import Progress
+from heading_intercompare.cli.terminal.live_view import LiveView
 from heading_intercompare.core.decision.coverage import least_duration_words
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.settings import from_mapping, SettingsError
@@ -88,13 +88,14 @@ def run(arguments: argparse.Namespace) -> int:
         if heard := [topic for name, topic in topics.items() if name not in drivers]:
             print(f'note: listening to {" and ".join(heard)}; Ctrl-C ends the trial',
                   file=sys.stderr)
-    with Progress(output, arguments.quiet) as progress:
+    with LiveView(f'heading-intercompare live: {output}', 'Ctrl-C ends the trial',
+                  arguments.quiet) as shown:
         verdict = intercompare(
             [Source(NmeaDriver, name, driver) for name, driver in drivers.items()],
             {k: v for k, v in settings.to_mapping().items() if v is not None},
             output=output, report_dir=config.sections.get('compliance', {}).get('report_dir'),
             own={**config.sections, 'compliance': own, 'recorder': recorder},
             namespace=arguments.namespace, page=page,
-            progress=lambda n: progress.show(f'{n:,} pairs'),
-            tell=None if arguments.quiet else progress.tell)
+            show=None if arguments.quiet else shown.show,
+            tell=None if arguments.quiet else shown.tell)
     return conclude(verdict, arguments)

@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 from heading_intercompare.cli.commands.note import add_note_argument, read_notes
 from heading_intercompare.cli.node_command import run_node
+from heading_intercompare.cli.terminal.live_view import LiveView
 
 __all__ = ['add_arguments', 'run']
 
@@ -22,5 +24,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Record until Ctrl-C."""
-    return run_node('recorder', 'Recorder', arguments.config, output=arguments.output,
-                    note=read_notes(arguments) or None, parameter_file=arguments.config)
+    def watch(recorder: Any, watcher: Any) -> None:
+        if recorder.written:
+            watcher.open()
+        shown.show(watcher.view())
+
+    with LiveView('heading-intercompare record', 'Ctrl-C ends the recording',
+                  arguments.quiet) as shown:
+        return run_node('recorder', 'Recorder', arguments.config, output=arguments.output,
+                        beside=None if arguments.quiet else ('watcher', 'Watcher', watch),
+                        note=read_notes(arguments) or None, parameter_file=arguments.config)

@@ -7,14 +7,17 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 import re
+import sys
 from typing import Any
 
 from heading_intercompare.cli.node_command import run_node
 from heading_intercompare.cli.terminal.progress import Progress
+from heading_intercompare.cli.terminal.status_lines import StatusLines
 
 __all__ = ['add_arguments', 'run']
 
 _TOPIC = re.compile(r'(?!.*__)(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*', re.ASCII)
+_NUMBER = re.compile(r'\d[\d.,]*')
 
 
 def _parse_rule(text: str) -> tuple[str, str]:
@@ -61,8 +64,12 @@ def run(arguments: argparse.Namespace) -> int:
             node.pause()
         keys = '; space: pause, resume' if keyboard.on else ''
         line.show(f'{node.state}{keys}')
+        if plain and lines.is_due(_NUMBER.sub('#', node.state)):
+            lines.write(f'{name}: {node.state}')
 
-    with Progress(Path(arguments.bag).name, arguments.quiet) as line, Keyboard() as keyboard:
+    name, lines = Path(arguments.bag).name, StatusLines()
+    plain = not (arguments.quiet or sys.stderr.isatty())
+    with Progress(name, arguments.quiet) as line, Keyboard() as keyboard:
         return run_node(
             'replayer', 'Replayer', arguments.config, remap=remap, watch=watch,
             bag=arguments.bag, rate=arguments.rate, start_s=arguments.start,

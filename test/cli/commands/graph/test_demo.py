@@ -147,6 +147,7 @@ def test_live_needs_norms_and_nothing_else(capfd, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr('heading_intercompare.nodes.graph.intercompare',
                         lambda sources, settings, **kwargs: asked.append((sources, settings)))
+    monkeypatch.setattr('heading_intercompare.cli.commands.graph.live.conclude', lambda *_: 0)
     assert main(['live', '--ts', '/gyro/imu', '--set', 'norms.sigma_max_deg=0.2',
                  '--set', 'norms.sigma_ref_max_deg=0.1']) == 0
     (sources, settings), = asked

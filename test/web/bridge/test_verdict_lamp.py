@@ -7,8 +7,8 @@ from __future__ import annotations
 import pytest
 
 from heading_intercompare.messages.status_messages import Status
-from heading_intercompare.web.bridge_records import Tone
-from heading_intercompare.web.verdict_lamp import light_lamp
+from heading_intercompare.web.bridge.bridge_records import Tone
+from heading_intercompare.web.bridge.verdict_lamp import light_lamp
 
 S = 10 ** 9
 T0 = 1_700_000_000 * S

@@ -8,7 +8,7 @@ import math
 
 import pytest
 
-from heading_intercompare.web.wording import (
+from heading_intercompare.web.bridge.wording import (
     integer,
     lacking_words,
     real,

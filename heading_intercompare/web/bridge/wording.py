@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Times, lengths and texts of messages as the page says them."""
+"""Times, lengths and texts of messages as page and terminal say them."""
 
 from __future__ import annotations
 

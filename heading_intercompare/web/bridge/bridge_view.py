@@ -311,6 +311,12 @@ class Bridge:
             return ValidityView(f'no comparison now: {", ".join(grave)}', Tone.BAD)
         if not judged:
             return ValidityView('not known: the compliance node is not heard', Tone.DOUBT)
+        if self._pair_s is None and not self._verdict.statuses:
+            # A start in order.
+            rule = self._settings.pairing
+            when = f'the first pairs come after {rule.auto_s:g} s of readings' \
+                if rule.method == 'auto' else 'no pair has come'
+            return ValidityView(f'no comparison yet: {when}', Tone.NONE)
         if stale:
             return ValidityView('no comparison now: no pairs come', Tone.BAD)
         if active:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import pytest
 
-from heading_intercompare.web.bridge_records import (
+from heading_intercompare.web.bridge.bridge_records import (
     AlarmView,
     BagView,
     LampView,
@@ -16,9 +16,9 @@ from heading_intercompare.web.bridge_records import (
     TrendView,
     WindowView,
 )
-from heading_intercompare.web.bridge_view import BridgeView
+from heading_intercompare.web.bridge.bridge_view import BridgeView
+from heading_intercompare.web.bridge.view_texts import alarm_words, node_words, tell
 from heading_intercompare.web.figures.stream_watch import SensorView
-from heading_intercompare.web.page_texts import alarm_words, node_words, tell
 
 T0 = 1_700_000_000 * 10 ** 9
 
@@ -26,7 +26,7 @@ T0 = 1_700_000_000 * 10 ** 9
 def test_before_anything_is_heard_no_place_shows_a_figure():
     said = tell(BridgeView())
     assert said['ts_heading'].text == said['rs_heading'].text == said['difference'].text == '– –'
-    assert said['ts_state'].text == 'never heard'
+    assert said['ts_state'].text == 'not heard yet'
     assert said['difference_state'].text == 'no pair yet'
     assert said['lamp'].text == '… NONE YET' and said['run'].text == 'no run'
     assert said['graph'].text == 'nothing heard from the graph yet'

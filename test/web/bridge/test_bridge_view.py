@@ -22,8 +22,8 @@ from heading_intercompare.messages.status_messages import (
     WARN,
 )
 from heading_intercompare.messages.verdict_messages import encode_verdict
-from heading_intercompare.web.bridge_records import Tone
-from heading_intercompare.web.bridge_view import Bridge, BridgeView
+from heading_intercompare.web.bridge.bridge_records import Tone
+from heading_intercompare.web.bridge.bridge_view import Bridge, BridgeView
 
 S = 10 ** 9
 T0 = 1_700_000_000 * S

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The words and numerals of the page, by the place where they stand."""
+"""The words and numerals of a view, by the place where they stand."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Said(NamedTuple):
 
 def tell(view: BridgeView) -> dict[str, Said]:
     """
-    Return the texts of a view by their place on the page.
+    Return the texts of a view by their place on page and terminal.
 
     A figure that is stale is not among the big numerals: a dash stands there, and the line below
     says what the last one was and how old it is.
@@ -63,7 +63,7 @@ def tell(view: BridgeView) -> dict[str, Said]:
         'trend': Said('no pairs yet' if view.trend.newest_ns is None else
                       f'to {clock(view.trend.newest_ns)}'
                       + (f', STALE for {age_words(view.trend.age_s)}' if view.trend.stale else ''),
-                      Tone.DOUBT if view.trend.stale else Tone.NONE),
+                      Tone.DOUBT if view.trend.stale and view.trend.newest_ns else Tone.NONE),
         'mode': Said(f'AHRS {view.mode}' if view.mode else ''),
         'bag': Said(f'bag: {bag.words}; free disk {size_words(bag.free_bytes)}'
                     + (f'; STALE, heard {age_words(bag.age_s)} ago'
@@ -113,7 +113,7 @@ def _big_difference(x_deg: float | None) -> str:
 
 def _sensor(one: SensorView) -> Said:
     if one.age_s is None:
-        return Said('never heard', Tone.DOUBT)
+        return Said('not heard yet')
     last = '' if one.last_deg is None else f'last {_compass(one.last_deg)}, '
     if one.stale:
         return Said(f'STALE: {last}{age_words(one.age_s)} ago', Tone.BAD)
@@ -132,7 +132,7 @@ def _offset(offset_s: float) -> str:
 
 def _difference(view: BridgeView) -> Said:
     if view.difference_age_s is None:
-        return Said('no pair yet', Tone.DOUBT)
+        return Said('no pair yet')
     if view.difference_stale:
         return Said(f'STALE: last {_deg(view.last_difference_deg, "+")}, '
                     f'{age_words(view.difference_age_s)} ago', Tone.BAD)
@@ -149,6 +149,6 @@ def _side(turn_deg_min: float) -> str:
 
 def _aged(text: str, age_s: float | None, stale: bool) -> Said:
     """Return a text, with its age if it is stale."""
-    if not stale:
+    if not stale or age_s is None:
         return Said(text)
-    return Said(f'{text} (STALE, {age_words(age_s)})' if age_s is not None else text, Tone.DOUBT)
+    return Said(f'{text} (STALE, {age_words(age_s)})', Tone.DOUBT)

@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A running graph on standard error: lines that are drawn again on a terminal, text elsewhere."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+import re
+import sys
+import time
+
+from heading_intercompare.web.bridge.bridge_view import BridgeView
+
+from .keyboard import Keyboard
+from .screen import can_draw, Screen
+from .status_lines import StatusLines
+from .view_lines import lay_out, one_line
+
+__all__ = ['LiveView']
+
+_NUMBER = re.compile(r'\d[\d.,:]*')
+
+
+class LiveView:
+    """
+    A context manager that shows views of a graph until it is left.
+
+    Parameters
+    ----------
+    title : str
+        What runs.
+    foot : str
+        What can be done, such as how to end it.
+    quiet : bool
+        Show nothing.
+
+    Notes
+    -----
+    On a terminal with rich the view is drawn again each time. Elsewhere a line of text is written
+    every 10 s, and when something changes: a verdict, what speaks against the comparison, an
+    alarm, a node.
+
+    """
+
+    def __init__(self, title: str, foot: str = '', quiet: bool = False) -> None:
+        self._title, self._foot, self._quiet = title, foot, quiet
+        self._screen = Screen() if not quiet and can_draw(sys.stderr) else None
+        self._open = ExitStack()
+        self._keyboard: Keyboard | None = None
+        self._lines = StatusLines()
+
+    def __enter__(self) -> 'LiveView':
+        if self._screen is not None:
+            self._open.enter_context(self._screen)
+            # Typed letters would tear the view apart.
+            self._keyboard = self._open.enter_context(Keyboard())
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._open.close()
+
+    def show(self, view: BridgeView, phase: str = '') -> None:
+        """
+        Show a view.
+
+        Parameters
+        ----------
+        view : BridgeView
+        phase : str
+            What the graph does at the moment if it does not just run.
+
+        """
+        if self._screen is not None:
+            if self._keyboard is not None:
+                self._keyboard.keys()
+            columns, rows = self._screen.room()
+            self._screen.draw(lay_out(view, columns, rows, title=self._title, phase=phase,
+                                      foot=self._foot))
+        elif not self._quiet and self._lines.is_due(_state_of(view, phase)):
+            self._lines.write(one_line(view, time.time_ns(), phase))
+
+    def tell(self, text: str) -> None:
+        """Write a line that stays."""
+        if self._screen is not None:
+            self._screen.tell(text)
+        elif not self._quiet:
+            self._lines.write(text)
+
+
+def _state_of(view: BridgeView, phase: str) -> tuple[object, ...]:
+    """Return what a person wants to know at once when it changes."""
+    return (phase, view.lamp.word, view.lamp.given_ns, _NUMBER.sub('#', view.validity.words),
+            tuple((one.name, one.state) for one in view.alarms),
+            tuple((one.name, one.level, one.stale) for one in view.nodes),
+            view.ts.stale, view.rs.stale, view.run.number)

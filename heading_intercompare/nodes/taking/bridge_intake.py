@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""All messages of a graph that are shown to people, as one view of it."""
+
+from __future__ import annotations
+
+import time
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+
+from heading_intercompare.bags.rosbag2.part_states import DIAGNOSTICS_TOPIC
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.heading_messages import read_headings, read_pairs
+from heading_intercompare.messages.ledger_messages import decode_ledger, LedgerMessage
+from heading_intercompare.messages.status_messages import decode_statuses
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.batches import Arrivals
+from heading_intercompare.nodes.ros.message_types import HEADING_TYPES, PAIRS_TYPES
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.settings import Taking
+from heading_intercompare.web.bridge.bridge_view import Bridge, BridgeView
+
+from .intake import Intake
+from .raw_subscription import subscribe
+from .recorded_topics import ALARMS_TOPIC
+
+__all__ = ['BridgeIntake']
+
+
+class BridgeIntake:
+    """
+    Takes what a graph publishes, for a view of it.
+
+    Headings and pairs are only heard once the synchronizer has readings, or after `open`. So a
+    view is never mistaken for one of the subscribers that a log or a simulation waits for.
+
+    Parameters
+    ----------
+    node : Node
+        The node that shows the view.
+    health : Health
+        Its state.
+    settings : Settings
+        Of the analysis.
+    taking : Taking
+    trend_limit_deg : float, optional
+        As for `Bridge`.
+
+    """
+
+    def __init__(self, node: Node, health: Health, settings: Settings, taking: Taking,
+                 trend_limit_deg: float | None = None) -> None:
+        self._bridge = Bridge(settings, trend_limit_deg=trend_limit_deg,
+                              stale_s=taking.stale_s, namespace=node.get_namespace())
+        arrivals = Arrivals(node, self._drain, taking.drain_period_s)
+        self._intakes = {stream: Intake(
+            node, topic, HEADING_TYPES, qos.HEADINGS_IN, health,
+            unreliable=qos.HEADINGS_UNRELIABLE, needed=False, counted=False, arrivals=arrivals)
+            for stream, topic in (('ts', settings.ts_topic), ('rs', settings.rs_topic))}
+        self._conventions = {'ts': settings.ts_convention, 'rs': settings.rs_convention}
+        self._pairs = Intake(node, 'pairs', PAIRS_TYPES, qos.PAIRS_TAKEN, health,
+                             needed=False, counted=False, arrivals=arrivals)
+        for intake in (*self._intakes.values(), self._pairs):
+            intake.open = False
+        self._listen(node, health)
+
+    def _listen(self, node: Node, health: Health) -> None:
+        """Subscribe to the statuses of the graph."""
+        bridge = self._bridge
+        for topic, profile, act in (
+                ('compliance/rolling', qos.STATUS, bridge.take_rolling),
+                ('compliance/run', qos.STATUS, bridge.take_run),
+                ('compliance/verdict', qos.VERDICT, bridge.take_verdict)):
+            subscribe(node, DiagnosticArray, topic, profile, health, decode_statuses,
+                      lambda told, take=act: take(*told, time.monotonic()))
+        for topic, profile, act in (
+                (ALARMS_TOPIC, qos.ALARMS, bridge.take_alarms),
+                (DIAGNOSTICS_TOPIC, qos.HEADINGS_UNRELIABLE, bridge.take_health)):
+            subscribe(node, DiagnosticArray, topic, profile, health, decode_statuses,
+                      lambda told, take=act: take(told[1], time.monotonic()))
+        subscribe(node, DiagnosticArray, 'pairs/ledger', qos.LEDGER, health, decode_ledger,
+                  self._book)
+
+    def _book(self, told: LedgerMessage) -> None:
+        self._bridge.take_ledger(told, time.monotonic())
+        if any(told.ledger.total.counts.values()):
+            self.open()
+
+    def open(self) -> None:
+        """Hear headings and pairs from now on."""
+        for intake in (*self._intakes.values(), self._pairs):
+            intake.open = True
+
+    def _drain(self) -> None:
+        now_s = time.monotonic()
+        for stream, intake in self._intakes.items():
+            taken = intake.take()
+            headings, refused = read_headings(intake.type_name, self._conventions[stream],
+                                              [message for message, _ in taken])
+            intake.refuse(refused)
+            if taken:
+                self._bridge.take_headings(stream, headings, taken[-1][1]['received_timestamp'],
+                                           now_s)
+        pairs, refused = read_pairs([message for message, _ in self._pairs.take()])
+        self._pairs.refuse(refused)
+        self._bridge.take_pairs(pairs, now_s)
+
+    def view(self) -> BridgeView:
+        """Return what to show now."""
+        return self._bridge.view(time.monotonic())

@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command `replay` says for whom it waits, and what it does then."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from heading_intercompare import Headings
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.messages.heading_messages import encode_imu, IMU
+
+pytest.importorskip('rclpy')
+
+S = 1_000_000_000
+
+
+@pytest.mark.slow
+@pytest.mark.process
+@pytest.mark.parametrize('options, then', [([], 'replaying'), (['--start-paused'], 'paused')])
+def test_without_a_terminal_lines_say_for_whom_a_replay_waits(tmp_path, options, then):
+    stamps = 1_400_000_000 * S + np.arange(100) * S // 10
+    with BagWriter(tmp_path / 'bag') as writer:
+        for topic in ('ts/heading', 'rs/heading'):
+            writer.add_topic(topic, IMU)
+            readings = Headings.of(stamps, np.full(100, 90.0))
+            writer.write_rows([Rows(topic, encode_imu(readings, 'x'), stamps)])
+    wanted = ('bag: waiting for a subscriber of /ts/heading and /rs/heading; then '
+              f'{then} at 0.000 s of 9.900 s')
+    said = tmp_path / 'said'
+    with open(said, 'wb') as file, subprocess.Popen(
+            [sys.executable, '-m', 'heading_intercompare', 'replay', str(tmp_path / 'bag'),
+             *options], stderr=file,
+            env={**os.environ, 'ROS_DOMAIN_ID': str(1 + os.getpid() % 100)}) as process:
+        try:
+            deadline_s = time.monotonic() + 30.0
+            while wanted not in said.read_text():
+                assert time.monotonic() < deadline_s and process.poll() is None, said.read_text()
+                os.sched_yield()
+            process.send_signal(signal.SIGINT)
+            assert process.wait(15.0) == 0
+        finally:
+            process.kill()
+    assert said.read_text().splitlines()[0].startswith('bag: ')
+    assert 'WARN' not in said.read_text()
