@@ -79,7 +79,7 @@ def test_a_verdict_becomes_the_protocol_without_the_readings(verdict, pairs, tmp
     (['{file}'], '{file}: a verdict must be the only INPUT, 2 are given'),
     (['--json', '{file}'], '--json {file}: that is an INPUT'),
     (['-o', '{file}'], '--report {file}: that is an INPUT'),
-    (['-o', 'x.pdf'], '--report x.pdf: must end with .html or .json')])
+    (['-o', 'x.txt'], '--report x.txt: must end with .html or .json or .pdf')])
 def test_what_a_verdict_cannot_be_asked_for_is_one_line(verdict, tmp_path, capsys, monkeypatch,
                                                         options, words):
     file, _ = verdict
