@@ -147,10 +147,13 @@ class RunView:
     span_s, needed_s : float or None
         As on `compliance/run`.
     next_look_ns : int or None
+        When the next look is due.
     lacking : str
         What is missing, in words.
     age_s : float or None
     stale : bool
+    ends_ns : int or None
+        When the clock ends the run.
 
     """
 
@@ -162,6 +165,7 @@ class RunView:
     lacking: str = 'not heard'
     age_s: float | None = None
     stale: bool = True
+    ends_ns: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

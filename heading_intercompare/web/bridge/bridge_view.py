@@ -294,11 +294,13 @@ class Bridge:
         return RunView(
             number=number, n=n, span_s=real(values.get('span_s')), needed_s=needed_s,
             next_look_ns=integer(values.get('next_look_ns')),
+            ends_ns=integer(values.get('ends_ns')),
             lacking=lacking_words(n, needed_s), age_s=age_s, stale=stale)
 
     def _view_lamp(self, run: RunView, validity: ValidityView, judged: bool) -> LampView:
         """Return the lamp; it is never good while something speaks against the comparison."""
-        lamp = light_lamp(self._verdict.statuses, self._verdict.stamp_ns, run.next_look_ns)
+        lamp = light_lamp(self._verdict.statuses, self._verdict.stamp_ns, run.next_look_ns,
+                          run.ends_ns)
         if lamp.tone is Tone.GOOD and (validity.tone is not Tone.NONE or not judged):
             return replace(lamp, tone=Tone.DOUBT)
         return lamp

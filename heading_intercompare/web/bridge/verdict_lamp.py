@@ -13,14 +13,15 @@ from heading_intercompare.messages.status_messages import Status
 from .bridge_records import LampView, Tone
 from .wording import clock, integer, shorten
 
-__all__ = ['light_lamp']
+__all__ = ['coming_words', 'light_lamp']
 
 _TONES = {Outcome.COMPLIANT: Tone.GOOD, Outcome.INDETERMINATE: Tone.DOUBT,
           Outcome.NON_COMPLIANT: Tone.BAD}
 _GRAVITY = (Tone.NONE, Tone.GOOD, Tone.DOUBT, Tone.BAD)
 
 
-def light_lamp(statuses: Sequence[Status], stamp_ns: int, next_look_ns: int | None) -> LampView:
+def light_lamp(statuses: Sequence[Status], stamp_ns: int, next_look_ns: int | None = None,
+               ends_ns: int | None = None) -> LampView:
     """
     Return the lamp for the last message on `compliance/verdict`.
 
@@ -30,8 +31,8 @@ def light_lamp(statuses: Sequence[Status], stamp_ns: int, next_look_ns: int | No
         Of that message; none if none has come.
     stamp_ns : int
         Its stamp, nanoseconds.
-    next_look_ns : int or None
-        When the next look is due.
+    next_look_ns, ends_ns : int or None
+        When the next look is due, and when the clock ends the run.
 
     Returns
     -------
@@ -44,9 +45,15 @@ def light_lamp(statuses: Sequence[Status], stamp_ns: int, next_look_ns: int | No
     found = [lamp for lamp in (_judge_look(named.get('run in progress'), stamp_ns),
                                _judge_runs(named, stamp_ns)) if lamp is not None]
     if not found:
-        return LampView(what='at the end of the run' if next_look_ns is None else
-                        f'next look {clock(next_look_ns)}')
+        return LampView(what=coming_words(next_look_ns, ends_ns) or 'at the end of the run')
     return max(found, key=lambda lamp: _GRAVITY.index(lamp.tone))
+
+
+def coming_words(next_look_ns: int | None, ends_ns: int | None) -> str:
+    """Return when the next verdict is due, in words; '' if that is not known."""
+    if next_look_ns is not None and (ends_ns is None or next_look_ns < ends_ns):
+        return f'next look {clock(next_look_ns)}'
+    return '' if ends_ns is None else f'the run ends {clock(ends_ns)}'
 
 
 def _judge_look(look: Status | None, stamp_ns: int) -> LampView | None:

@@ -11,6 +11,7 @@ from heading_intercompare.web.figures.stream_watch import SensorView
 
 from .bridge_records import NodeView, Tone
 from .bridge_view import BridgeView
+from .verdict_lamp import coming_words
 from .wording import age_words, clock, size_words, span_words
 
 __all__ = ['alarm_words', 'node_words', 'Said', 'tell']
@@ -36,7 +37,8 @@ def tell(view: BridgeView) -> dict[str, Said]:
     """
     window, run, bag, lamp = view.window, view.run, view.bag, view.lamp
     given = '' if lamp.given_ns is None else f'{utc(lamp.given_ns)[:16]} UTC, '
-    more = '' if run.next_look_ns is None else f', next look {clock(run.next_look_ns)}'
+    coming = coming_words(run.next_look_ns, run.ends_ns)
+    more = f', {coming}' if coming else ''
     return {
         'ts_heading': _heading(view.ts), 'ts_state': _sensor(view.ts),
         'rs_heading': _heading(view.rs), 'rs_state': _sensor(view.rs),

@@ -83,6 +83,16 @@ def test_with_a_plan_the_next_look_has_a_time_and_more_data_are_needed(pairs):
     assert plain.run_figures()['next_look_ns'] is None
 
 
+def test_where_the_clock_cuts_runs_their_end_is_known(pairs):
+    plain, cut = compliance(), compliance(**{'runs.every_h': 1.0})
+    for live in (plain, cut):
+        live.update(pairs[:400])
+    newest_ns = int(pairs.stamp_ns[399])
+    ends_ns = cut.run_figures()['ends_ns']
+    assert 0 < ends_ns - newest_ns <= 3600 * S and ends_ns % (3600 * S) == 0
+    assert plain.run_figures()['ends_ns'] is None
+
+
 def test_a_run_that_lacks_nothing_needs_no_more_time(pairs):
     live = compliance(**{'risk.min_duration_s': 200.0})
     live.update(pairs)

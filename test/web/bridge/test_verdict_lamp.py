@@ -34,6 +34,10 @@ def test_without_a_verdict_the_lamp_says_when_the_next_look_is():
     lamp = light_lamp([], 0, LOOK_NS)
     assert (lamp.word, lamp.tone, lamp.what) == ('NONE YET', Tone.NONE, 'next look 22:40 UTC')
     assert light_lamp([], 0, None).what == 'at the end of the run'
+    for look_ns, ends_ns, words in ((None, LOOK_NS, 'the run ends 22:40 UTC'),
+                                    (LOOK_NS, LOOK_NS + 1, 'next look 22:40 UTC'),
+                                    (LOOK_NS + 3600 * S, LOOK_NS, 'the run ends 22:40 UTC')):
+        assert light_lamp([], 0, look_ns, ends_ns).what == words
 
 
 def test_a_verdict_on_no_run_is_none():
