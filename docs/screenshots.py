@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Take the pictures of the live page in the docs, from the demo as it runs.
+Take the pictures in the docs: the live page as the demo runs, and the first page of a protocol.
 
-It needs the extras `web` and `test`, ROS, and Chromium. Run it after a change of the page:
-``python docs/screenshots.py``.
+It needs the extras `web`, `report` and `test`, ROS, and Chromium. Run it after a change of either:
+``python docs/screenshots.py``, or ``python docs/screenshots.py protocol``.
 """
 
 from __future__ import annotations
@@ -17,13 +17,15 @@ import sys
 import tempfile
 from typing import Iterator
 
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import Browser, Page, Playwright, sync_playwright
 
 DOCS = Path(__file__).resolve().parent
 BROWSERS = ('chromium', 'chromium-browser', 'google-chrome')
 PICTURES = (('day', 1280, 800), ('night', 1280, 800), ('dusk', 768, 1024))
 MOST_BYTES = 150_000
 _SPEED, _LEAST_PAIRS = '30', 4000
+_TRIAL = ('norms.sigma_max_deg=0.3', 'norms.sigma_ref_max_deg=0.1', 'trial.ship=MV Example',
+          'trial.place=German Bight', 'trial.ts_type=Gyro 7', 'trial.ts_serial=007-1234')
 
 
 def serve(folder: str) -> Iterator[str]:
@@ -44,14 +46,32 @@ def serve(folder: str) -> Iterator[str]:
         demo.wait(60.0)
 
 
-def take() -> None:
-    """Take all pictures while the demo runs."""
+def keep(page: Page, name: str, where: str | None = None) -> None:
+    """Write a picture of a page, or of the element that a selector names."""
+    path = DOCS / f'{name}.png'
+    if where is None:
+        page.screenshot(path=path)
+    else:
+        page.locator(where).screenshot(path=path)
+    size = path.stat().st_size
+    print(f'wrote docs/{path.name}, {size} bytes')
+    if size > MOST_BYTES:
+        raise SystemExit(f'screenshots: error: {path.name} has more than {MOST_BYTES} bytes')
+
+
+def open_browser(play: Playwright) -> Browser:
+    """Start Chromium."""
     browser = next(filter(None, map(shutil.which, BROWSERS)), None)
     if browser is None:
         raise SystemExit('screenshots: error: no Chromium is here: apt-get install chromium')
+    return play.chromium.launch(executable_path=browser, args=['--no-sandbox'])
+
+
+def take_live_page() -> None:
+    """Take the pictures of the live page while the demo runs."""
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as play:
         for url in serve(folder):
-            made = play.chromium.launch(executable_path=browser, args=['--no-sandbox'])
+            made = open_browser(play)
             page = made.new_page(viewport={'width': 1280, 'height': 800})
             page.goto(url)
             page.wait_for_function(
@@ -61,15 +81,27 @@ def take() -> None:
                 page.set_viewport_size({'width': width, 'height': height})
                 page.click(f'.k-{name}')
                 page.wait_for_function(f'document.documentElement.dataset.palette === "{name}"')
-                path = DOCS / f'live_page_{name}.png'
-                page.screenshot(path=path)
-                size = path.stat().st_size
-                print(f'wrote docs/{path.name}, {size} bytes')
-                if size > MOST_BYTES:
-                    raise SystemExit(f'screenshots: error: {path.name} has more than '
-                                     f'{MOST_BYTES} bytes')
+                keep(page, f'live_page_{name}')
             made.close()
 
 
+def take_protocol() -> None:
+    """Take the picture of the first page of a protocol, as it is printed."""
+    program = [sys.executable, '-m', 'heading_intercompare']
+    settings = [word for one in _TRIAL for word in ('--set', one)]
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as play:
+        for words in (['simulate', '--scenario', 'demo', '-o', 'trial'],
+                      ['report', 'trial', *settings, '-o', 'report.html']):
+            subprocess.run([*program, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+        made = open_browser(play)
+        page = made.new_page(viewport={'width': 794, 'height': 1123})
+        page.emulate_media(media='print')
+        page.goto(Path(folder, 'report.html').as_uri())
+        keep(page, 'protocol_first_page', 'section.first')
+        made.close()
+
+
 if __name__ == '__main__':
-    take()
+    if sys.argv[1:] != ['protocol']:
+        take_live_page()
+    take_protocol()

@@ -55,10 +55,13 @@ def test_the_notebook_runs_and_shows_the_verdict(capsys, monkeypatch):
 
 
 @pytest.mark.slow
-def test_the_notebook_of_two_loggers_reads_their_tables_and_judges(capsys):
-    *_, verdict, pairing, _, _ = run_cells(EXAMPLES / 'two_loggers.ipynb')
+def test_the_notebook_of_two_loggers_reads_their_tables_and_judges(capsys, monkeypatch):
+    pytest.importorskip('matplotlib')
+    monkeypatch.setenv('MPLBACKEND', 'Agg')
+    *_, verdict, pairing, _, figure, _ = run_cells(EXAMPLES / 'two_loggers.ipynb')
     assert verdict.outcome == 'compliant' and pairing.ts_received == 3000
     assert 'COMPLIANT for errors' in capsys.readouterr().out
+    assert figure.axes[0].lines and 'difference' in figure.axes[0].get_ylabel()
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import doctest
+from importlib.util import find_spec
 from pathlib import Path
 import re
 import runpy
@@ -40,7 +41,7 @@ def fits(shown, printed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('name, least', [('first_verdict', 6), ('ship_logs', 3),
+@pytest.mark.parametrize('name, least', [('first_verdict', 6), ('ship_logs', 5),
                                          ('fleet', 7)])
 def test_the_commands_of_a_tutorial_print_what_it_shows(name, least, tmp_path, monkeypatch,
                                                         capsys, request):
@@ -55,6 +56,8 @@ def test_the_commands_of_a_tutorial_print_what_it_shows(name, least, tmp_path, m
     sessions = read_sessions(page)
     assert len(sessions) >= least
     for command, shown in sessions:
+        if '.pdf' in command and find_spec('weasyprint') is None:
+            continue
         program, *arguments = shlex.split(command)
         assert program == 'heading-intercompare'
         assert main(arguments) == 0, command

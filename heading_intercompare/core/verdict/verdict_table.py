@@ -19,6 +19,12 @@ __all__ = ['describe_together', 'head_lines', 'summary_text', 'verdict_html', 'v
 
 _COLUMNS = 5
 
+_LAWS = {'N': 'normal', 'U': 'uniform'}
+#: What is known of the mean of the TS, GK Table I.
+_VARIANTS = {'A': 'the mean of the TS is known to be 0',
+             'B': 'the mean of the TS is not known, and the same in all runs',
+             'C': 'the mean of the TS is not known, and may differ between runs'}
+
 
 def _number(value: float | int | None, digits: int = 4) -> str:
     if isinstance(value, int):
@@ -98,6 +104,16 @@ def _describe_norms(verdict: Verdict) -> str:
             f'producer {settings.risk.alpha_producer:g}')
 
 
+def _explain_letters(verdict: Verdict) -> str:
+    """Say in one line what the abbreviations on the screen stand for."""
+    ts_law, rs_law = (_LAWS[letter] for letter in verdict.settings.model)
+    laws = f'errors of TS and RS {ts_law}' if ts_law == rs_law else (
+        f'errors of the TS {ts_law}, of the RS {rs_law}')
+    return (f'TS: tested sensor; RS: reference sensor; GK: Granovskii and Kudryavtsev 2016; '
+            f'{verdict.settings.model}: {laws}; {verdict.settings.variant}: '
+            f'{_VARIANTS[verdict.settings.variant]}')
+
+
 def _tables(verdict: Verdict) -> Iterator[list[tuple[str, ...]]]:
     """Yield one table per group of runs, as rows; the first row is the head."""
     for first in range(0, len(verdict.runs), _COLUMNS):
@@ -136,9 +152,10 @@ def describe_together(verdict: Verdict) -> list[str]:
 
 
 def head_lines(verdict: Verdict) -> list[str]:
-    """Return the first lines of a verdict: headline, outcome of GK as printed, norms."""
+    """Return the first lines: headline, outcome of GK as printed, norms, abbreviations."""
     return [f'VERDICT: {verdict.headline}',
-            f'GK as printed: {OUTCOME_WORDS[verdict.paper_outcome]}', _describe_norms(verdict)]
+            f'GK as printed: {OUTCOME_WORDS[verdict.paper_outcome]}', _describe_norms(verdict),
+            _explain_letters(verdict)]
 
 
 def verdict_text(verdict: Verdict) -> str:
@@ -177,6 +194,7 @@ def verdict_html(verdict: Verdict) -> str:
     SubElement(SubElement(whole, 'p'), 'strong').text = verdict.headline
     SubElement(whole, 'p').text = f'GK as printed: {OUTCOME_WORDS[verdict.paper_outcome]}'
     SubElement(whole, 'p').text = _describe_norms(verdict)
+    SubElement(whole, 'p').text = _explain_letters(verdict)
     for rows in _tables(verdict):
         table = SubElement(whole, 'table')
         for row in rows:

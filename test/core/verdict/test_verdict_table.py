@@ -35,10 +35,13 @@ def test_a_verdict_is_printed_as_a_table():
     verdict = judged(1)
     run = verdict.runs[0]
     lines = str(verdict).splitlines()
-    assert lines[:3] == [
+    assert lines[:5] == [
         f'VERDICT: {verdict.headline}', 'GK as printed: COMPLIANT',
         'norms: sigma_max 0.3 deg, sigma_ref_max 0.1 deg, P 0.997; model NN, variant B; '
-        'risks: consumer 0.05, producer 0.05']
+        'risks: consumer 0.05, producer 0.05',
+        'TS: tested sensor; RS: reference sensor; GK: Granovskii and Kudryavtsev 2016; '
+        'NN: errors of TS and RS normal; '
+        'B: the mean of the TS is not known, and the same in all runs', '']
     cells = dict(line.rsplit('  ', 1) for line in lines if '  ' in line.strip())
     cells = {name.strip(): cell for name, cell in cells.items()}
     assert cells['outcome'] == 'COMPLIANT'
@@ -142,3 +145,14 @@ def test_without_pandas_one_line_says_so(monkeypatch):
     monkeypatch.setitem(sys.modules, 'pandas', None)
     with pytest.raises(ValueError, match=r'^to_frame needs pandas \(no module pandas\): install'):
         judged(1).to_frame()
+
+
+@pytest.mark.parametrize('model, variant, words', [
+    ('NN', 'A', 'NN: errors of TS and RS normal; A: the mean of the TS is known to be 0'),
+    ('UN', 'C', 'UN: errors of the TS uniform, of the RS normal; C: the mean of the TS is not')])
+def test_the_letters_of_the_screen_are_explained_on_it(model, variant, words):
+    settings = Settings.of(sigma_max_deg=0.3, sigma_ref_max_deg=0.1, model=model, variant=variant)
+    stamps = np.arange(1_700_000_000, 1_700_000_600) * 10 ** 9
+    headings = Headings.of(stamps, np.full(600, 1.0))
+    verdict = analyze(headings, headings, settings)
+    assert words in str(verdict).splitlines()[3] and words in verdict._repr_html_()
