@@ -163,7 +163,7 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     page : mapping, optional
         Parameters of the node dashboard, which then serves the live page; it prints the address.
     progress : callable
-        Called with the number of pairs several times per second.
+        Called with the number of pairs several times per second, and at the end.
     show : callable, optional
         Called several times per second with what to show of the graph, and with what it does if
         it does not just run.
@@ -246,4 +246,6 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         # End the sources first, then the synchronizer, then compliance, then those that show and
         # record what it says last.
         end(executor, [*running, synchronizer, compliance, *recorders, *pages])
+        # The last pairs come while the nodes end.
+        progress(compliance.n_pairs)
         return compliance.verdict
