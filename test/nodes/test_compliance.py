@@ -109,9 +109,9 @@ def values(message):
     return {pair.key: pair.value for pair in message.status[0].values}
 
 
-def offline(pairs, marks=()):
+def offline(pairs, marks=(), **more):
     """Return the result of the pure part for the pairs."""
-    compliance = pipeline.Compliance(Settings.from_mapping(NORMS), source='live')
+    compliance = pipeline.Compliance(Settings.from_mapping({**NORMS, **more}), source='live')
     for kind, stamp_ns in marks:
         compliance.mark(kind, stamp_ns)
     compliance.update(pairs)
@@ -783,6 +783,19 @@ def test_intermediate_reports_come_by_the_stamps(ros, rng):
     ros.spin_until(lambda: len(between) == 3)
     ends = [json.loads(m.data)['runs'][0]['end_ns'] for m in between]
     assert [round((end - T0_NS) / S_NS) for end in ends] == [419, 779, 1139]
+
+
+def test_stretches_taken_out_by_hand_are_left_out_live_as_offline(ros, rng):
+    out = {'exclusions': f'{T0_NS + 100 * S_NS}, {T0_NS + 160 * S_NS}, tug alongside'}
+    graph, pairs = Graph(ros, **out), some_pairs(rng, 0, 900)
+    graph.send(pairs)
+    graph.book({'paired': 900, 'ts_paired': 900, 'rs_used': 900}, final=True)
+    report, expected = graph.end(), offline(pairs, **out)
+    run, = report['runs']
+    assert run['n'] == 840 and run['taken_out']['stretches'][0]['reason'] == 'tug alongside'
+    assert run['taken_out']['as_recorded']['n'] == 900
+    for key in ('n', 'std_deg', 'headline', 'taken_out'):
+        assert run[key] == expected['runs'][0][key], key
 
 
 def test_displays_get_the_newest_figures_as_numbers(ros, rng):
