@@ -173,7 +173,7 @@ def test_an_input_without_runs_is_named_and_the_campaign_is_not_compliant(bags, 
     assert said == f'note: {dead}: no run: {why}\n'
     assert main(['analyze', bags[0], dead, *NORMS]) == 0
     text = capsys.readouterr().out
-    _, _, _, _, head, first, second = text.splitlines()
+    *_, head, first, second = text.splitlines()
     assert head.split()[:2] == ['recording', 'outcome']
     # The worst comes first.
     assert first.split()[:3] == ['dead', 'NO', 'RUN'] and first.endswith(f'  {why}')
