@@ -53,7 +53,11 @@ if {'distributed', 'threadpoolctl'} & {*MISSING}:
     collect_ignore_glob.append('heading_intercompare/app/cluster.py')
 if {'jinja2', 'matplotlib'} & {*MISSING}:
     collect_ignore_glob += [f'heading_intercompare/report/{name}.py'
-                            for name in ('graphs', 'html', 'plots')]
+                            for name in ('html', 'pdf', 'figures/style')]
+if find_spec('weasyprint') is None:
+    collect_ignore_glob.append('heading_intercompare/report/pdf.py')
+if find_spec('nicegui') is None:
+    collect_ignore_glob += [f'heading_intercompare/web/{name}.py' for name in ('page', 'server')]
 
 
 def pytest_configure():

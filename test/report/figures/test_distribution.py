@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
 from heading_intercompare.report.figures.gallery import collect
 
@@ -26,7 +27,7 @@ def test_the_bars_hold_all_differences_and_the_density_has_their_area(made):
     counts, edges, _ = axes.patches[0].get_data()
     assert counts.sum() == 600
     (model,) = (line for line in axes.lines if str(line.get_label()).startswith('model NN'))
-    area = np.trapezoid(model.get_ydata(), model.get_xdata())
+    area = trapezoid(model.get_ydata(), model.get_xdata())
     assert area == pytest.approx(600 * (edges[1] - edges[0]), rel=1e-3)
 
 

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from functools import reduce
+from operator import xor
 from pathlib import Path
 import re
 import shlex
@@ -20,8 +22,6 @@ pytest.importorskip('jinja2')
 pytest.importorskip('matplotlib')
 
 from heading_intercompare.report import html  # noqa: E402
-
-from ....nodes.test_graph import log  # noqa: E402
 
 TUTORIALS = Path(__file__).resolve().parents[4] / 'docs' / 'tutorials'
 NORMS = 'norms: {sigma_max_deg: 0.2, sigma_ref_max_deg: 0.1, m_low: 0.9}'
@@ -96,6 +96,18 @@ def test_real_logs_played_live_give_the_verdict_of_their_import(ts, rs, n, share
         assert list(find_differences(verdicts[0], other)) == []
 
 
+def log(path, first_s):
+    """Write a log of 300 HDT sentences, 5 per second; return its source."""
+    lines = []
+    for i in range(300):
+        body = f'HEHDT,{90.0 + 0.02 * (i * 7 % 11):.2f},T'
+        checksum = reduce(xor, body.encode())
+        minutes, seconds = divmod(first_s + i / 5, 60)
+        lines.append(f'2014-08-01T00:{minutes:02.0f}:{seconds:09.6f}Z ${body}*{checksum:02X}\n')
+    path.write_text(''.join(lines))
+    return f'file:{path}'
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize('page', ['live_graph', 'bridge'])
 def test_the_tutorials_of_the_live_graph_run_as_printed(page, tmp_path, capfd, monkeypatch):
@@ -106,8 +118,8 @@ def test_the_tutorials_of_the_live_graph_run_as_printed(page, tmp_path, capfd, m
     text = (TUTORIALS / 'live_graph.md').read_text('utf-8')
     settings, = re.findall(r'^```yaml\n# my\.yaml\n(.*?)^```', text, re.MULTILINE | re.DOTALL)
     settings, n = re.subn(r"'(?:udp|serial):.*?'", lambda match: repr(log(
-        tmp_path / ('ts.log' if 'udp' in match[0] else 'rs.log'), 300,
-        0.0 if 'udp' in match[0] else 0.05, 90.0)) + ', speed: 50', settings)
+        tmp_path / ('ts.log' if 'udp' in match[0] else 'rs.log'),
+        0.0 if 'udp' in match[0] else 0.05)) + ', speed: 50', settings)
     assert n == 2
     (tmp_path / 'my.yaml').write_text(settings + 'dashboard: {ros__parameters: {port: 0}}\n')
     command, = re.findall(r'^heading-intercompare (live --config .*)$',
