@@ -67,24 +67,29 @@ def pytest_configure():
                                 'the tests that need it would be skipped')
 
 
-_GRAPHS = 'test/nodes'
+_NODES = 'test/nodes'
+#: Modules whose graphs mostly wait for the clock; they run beside those of the others.
+_LONG = {f'{_NODES}/test_{name}.py' for name in (
+    'alarms_on_the_graph', 'launch', 'months', 'real_logs_over_udp', 'soak', 'soak_with_faults')}
 
 
 def _group(item: pytest.Item) -> str:
-    """Return the group of tests that share a worker: all tests of nodes, or one module."""
+    """Return the group of tests that share a worker: tests of nodes in two groups, or a module."""
     path = Path(item.path).relative_to(Path(__file__).parent)
-    return _GRAPHS if path.is_relative_to(_GRAPHS) else str(path)
+    if str(path) in _LONG:
+        return f'{_NODES}, long'
+    return _NODES if path.is_relative_to(_NODES) else str(path)
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
     """Mark the tests that run nodes, before `-m` selects, and give each test its worker."""
     for item in items:
-        if _group(item) == _GRAPHS:
+        if _group(item).startswith(_NODES):
             item.add_marker('ros')
         item.add_marker(pytest.mark.xdist_group(_group(item)))
-    # The longest group begins first, so that no worker is still busy with it at the end.
-    items.sort(key=lambda item: _group(item) != _GRAPHS)
+    # The longest groups begin first, so that no worker is still busy with them at the end.
+    items.sort(key=lambda item: not _group(item).startswith(_NODES))
 
 
 def pytest_report_header():
