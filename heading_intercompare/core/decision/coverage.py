@@ -10,9 +10,10 @@ from typing import Mapping
 from heading_intercompare.core.settings import Risk
 
 __all__ = ['Coverage', 'coverage_of', 'least_apart_s', 'least_duration_s', 'least_duration_words',
-           'least_together_s', 'SENSOR_CLASSES', 'SensorClass', 'slowest_error_s', 'span_words']
+           'LEAST_TIMES', 'least_together_s', 'SENSOR_CLASSES', 'SensorClass', 'slowest_error_s',
+           'span_words']
 
-_LEAST_TIMES = 20.0
+LEAST_TIMES = 20.0
 """Least length of a record in correlation times; in shorter records the risks do not hold."""
 
 _UNSTATED_LEAST_S = 600.0
@@ -46,7 +47,7 @@ class SensorClass:
     @property
     def least_s(self) -> float:
         """Least length of a run, seconds."""
-        return _LEAST_TIMES * self.slowest_s
+        return LEAST_TIMES * self.slowest_s
 
 
 SENSOR_CLASSES: Mapping[str, SensorClass] = {
@@ -155,7 +156,7 @@ def least_duration_s(risk: Risk) -> float:
 
     """
     slowest = slowest_error_s(risk)
-    stated = [s for s in (None if slowest is None else _LEAST_TIMES * slowest,
+    stated = [s for s in (None if slowest is None else LEAST_TIMES * slowest,
                           risk.min_duration_s) if s is not None]
     return max(stated, default=_UNSTATED_LEAST_S)
 
@@ -185,9 +186,9 @@ def least_duration_words(risk: Risk) -> str:
     slowest = slowest_error_s(risk)
     if slowest is None:
         return f'{text}; its slowest error is not stated (risk.slowest_error_s)'
-    if risk.min_duration_s is not None and risk.min_duration_s > _LEAST_TIMES * slowest:
+    if risk.min_duration_s is not None and risk.min_duration_s > LEAST_TIMES * slowest:
         return f'{text} (risk.min_duration_s)'
-    return f'{text}: {_LEAST_TIMES:g} times its slowest error, {span_words(slowest)}'
+    return f'{text}: {LEAST_TIMES:g} times its slowest error, {span_words(slowest)}'
 
 
 def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None) -> Coverage:
@@ -203,7 +204,7 @@ def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None) -> C
         Shortest time between runs, seconds, if their means cover slower errors.
 
     """
-    longest = span_s / _LEAST_TIMES
+    longest = span_s / LEAST_TIMES
     if apart_s is None:
         return Coverage(span_s, longest, slowest_error_s(risk), least_duration_s(risk))
     return Coverage(span_s, max(longest, apart_s), slowest_error_s(risk), least_together_s(risk),

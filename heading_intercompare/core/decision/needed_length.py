@@ -6,17 +6,18 @@ from __future__ import annotations
 
 import math
 
+from heading_intercompare.core.statistics.cells import LEAST_CELLS
+
 from .campaign import Together
-from .coverage import Coverage, span_words
+from .coverage import Coverage, LEAST_TIMES, span_words
 from .guarded import Guarded
 
-__all__ = ['describe_need', 'describe_need_together', 'LEAST_COVERED', 'longest_visible_s']
+__all__ = ['describe_need', 'describe_need_together']
 
-LEAST_COVERED = 20.0
-"""A record covers errors that change within this part of it; see `Coverage`."""
-
-_LEAST_N = 128
 _YEAR_H = 8766.0
+
+_BETWEEN = ('no length decides while the variance stays between the limits; better knowledge of '
+            'sigma_ref does')
 
 _NO_LENGTH = {
     'reference_limited': 'no length helps',
@@ -27,9 +28,9 @@ _NO_LENGTH = {
 }
 
 
-def longest_visible_s(span_s: float) -> float:
+def _longest_visible_s(span_s: float) -> float:
     """Return the length of a run that covers errors as slow as a record of this length."""
-    return LEAST_COVERED * span_s
+    return LEAST_TIMES * span_s
 
 
 def describe_need(reason: str, guarded: Guarded, coverage: Coverage, *, n: int,
@@ -76,7 +77,7 @@ def describe_need(reason: str, guarded: Guarded, coverage: Coverage, *, n: int,
     hours = guarded.hours_needed
     is_known = hours is not None and math.isfinite(hours)
     if reason == 'slow_errors_not_resolved':
-        needed_s = hours * 3600.0 if hours is not None and is_known else longest_visible_s(
+        needed_s = hours * 3600.0 if hours is not None and is_known else _longest_visible_s(
             coverage.span_s)
         return f'{_measure(max(needed_s, coverage.least_duration_s))}, or at least five runs'
     if reason == 'insufficient_duration':
@@ -127,7 +128,7 @@ def describe_need_together(reason: str, found: Together | None,
     if reason == 'insufficient_duration':
         return _measure(coverage.least_duration_s)
     if reason == 'slow_errors_not_resolved':
-        return f'{_measure(longest_visible_s(found.span_s))}, or at least five runs'
+        return f'{_measure(_longest_visible_s(found.span_s))}, or at least five runs'
     if reason != 'data_limited':
         return ''
     d, slow = found.d_hat_deg2, found.slow_allowance_deg2
@@ -140,8 +141,7 @@ def describe_need_together(reason: str, found: Together | None,
         root = (math.log(d / found.lower_bound_deg2)
                 / math.log(d / found.rejection_limit_deg2))
     else:
-        return ('no length decides while the variance stays between the limits; better knowledge '
-                'of sigma_ref does')
+        return _BETWEEN
     return f'{_measure(max(1.0, root * root) * found.span_s)} if the errors stay as they are'
 
 
@@ -167,18 +167,17 @@ def _short_hours(hours: float) -> str:
 def _describe_no_length(guarded: Guarded) -> str:
     d = guarded.d_hat_deg2
     if d is not None and guarded.acceptance_limit_deg2 < d <= guarded.rejection_limit_deg2:
-        return ('no length decides while the variance stays between the limits; better knowledge '
-                'of sigma_ref does')
+        return _BETWEEN
     return 'no length decides while the errors stay as they are; at least five runs may'
 
 
 def _describe_more_data(coverage: Coverage, n: int) -> str:
-    if n >= _LEAST_N:
+    if n >= LEAST_CELLS:
         return f'{_measure(coverage.least_duration_s)}, with readings spread evenly over the run'
     # The rate of the readings so far.
-    by_rate_s = coverage.span_s * _LEAST_N / max(1, n - 1)
+    by_rate_s = coverage.span_s * LEAST_CELLS / max(1, n - 1)
     needed_s = max(coverage.least_duration_s, by_rate_s)
-    count = f'at least {_LEAST_N} differences'
+    count = f'at least {LEAST_CELLS} differences'
     return f'{_measure(needed_s)}, with {count}' if needed_s > 0.0 else f'measure {count}'
 
 
