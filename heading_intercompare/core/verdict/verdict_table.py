@@ -13,13 +13,12 @@ from heading_intercompare.core.utc_text import utc
 from .conclusion import explain
 from .validity import DOUBTFUL, VOID
 from .verdict_document import RunVerdict, Verdict
-from .vocabulary import CAMPAIGN_WORDS, EFFECT_WORDS, NO_RUN, OUTCOME_WORDS
+from .vocabulary import CAMPAIGN_WORDS, EFFECT_WORDS, law_words, NO_RUN, OUTCOME_WORDS
 
 __all__ = ['describe_together', 'head_lines', 'summary_text', 'verdict_html', 'verdict_text']
 
 _COLUMNS = 5
 
-_LAWS = {'N': 'normal', 'U': 'uniform'}
 #: What is known of the mean of the TS, GK Table I.
 _VARIANTS = {'A': 'the mean of the TS is known to be 0',
              'B': 'the mean of the TS is not known, and the same in all runs',
@@ -106,7 +105,7 @@ def _describe_norms(verdict: Verdict) -> str:
 
 def _explain_letters(verdict: Verdict) -> str:
     """Say in one line what the abbreviations on the screen stand for."""
-    ts_law, rs_law = (_LAWS[letter] for letter in verdict.settings.model)
+    ts_law, rs_law = law_words(verdict.settings.model)
     laws = f'errors of TS and RS {ts_law}' if ts_law == rs_law else (
         f'errors of the TS {ts_law}, of the RS {rs_law}')
     return (f'TS: tested sensor; RS: reference sensor; GK: Granovskii and Kudryavtsev 2016; '

@@ -9,8 +9,8 @@ from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
 from .conclusion import ALL_REASONS
 from .headline import OUTCOME_WORDS
 
-__all__ = ['CAMPAIGN_WORDS', 'CONDITION_WORDS', 'EFFECT_WORDS', 'NO_RUN', 'OUTCOME_WORDS',
-           'REASON_WORDS', 'STATE_WORDS']
+__all__ = ['CAMPAIGN_WORDS', 'CONDITION_WORDS', 'EFFECT_WORDS', 'law_words', 'NO_RUN',
+           'OUTCOME_WORDS', 'REASON_WORDS', 'STATE_WORDS']
 
 NO_RUN = 'No run: there are no pairs, or none in a run of sufficient length.'
 
@@ -35,3 +35,11 @@ EFFECT_WORDS = {'holds': 'holds', 'doubtful': 'DOUBTFUL', 'void': 'VOID',
                 'not_testable': 'not testable'}
 
 STATE_WORDS = {'met': 'met', 'violated': 'VIOLATED', 'not_testable': 'not testable'}
+
+_LAWS = {'N': 'normal', 'U': 'uniform'}
+
+
+def law_words(model: str) -> tuple[str, str]:
+    """Return the error distributions of TS and RS in words, for a model such as 'UN'."""
+    ts_law, rs_law = (_LAWS[letter] for letter in model)
+    return ts_law, rs_law

@@ -11,6 +11,7 @@ from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Pairing, Settings
 from heading_intercompare.core.verdict.validity import is_doubtful, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
+from heading_intercompare.core.verdict.vocabulary import law_words
 from heading_intercompare.report.formatting import interval, number, outcome, value
 
 __all__ = ['describe_norms', 'describe_uncertainty', 'state_conformity']
@@ -21,13 +22,11 @@ _MET = {Outcome.COMPLIANT: 'met', Outcome.NON_COMPLIANT: 'not met',
         Outcome.INDETERMINATE: 'not decided; at the stated risks the data support neither '
                                '"met" nor "not met"'}
 
-_LAWS = {'N': 'normal', 'U': 'uniform'}
-
 
 def describe_norms(settings: Settings) -> Rows:
     """Return the norms and the method as pairs of name and value."""
     norms = settings.norms
-    ts_law, rs_law = (_LAWS[letter] for letter in settings.model)
+    ts_law, rs_law = law_words(settings.model)
     rows = [('norm of the TS standard deviation, sigma_max [deg]',
              number(sigma_max_deg(norms, settings.model))),
             ('norm of the RS standard deviation, sigma_ref_max [deg]',
