@@ -226,10 +226,8 @@ class Compliance:
         result: dict[str, Any] = {'run': self.finished_runs + 1 if run else 0}
         if run is None:
             return {**result, 'n': 0}
-        cuts = self.settings.runs.clock_cuts()
-        ends_ns = cuts.next(run.end_ns) if cuts and run.end_ns is not None else None
-        result |= {'start_ns': run.start_ns, 'newest_ns': run.end_ns, 'ends_ns': ends_ns,
-                   'n_input': run.n_input,
+        result |= {'start_ns': run.start_ns, 'newest_ns': run.end_ns,
+                   'ends_ns': self._cutter.next_cut_ns, 'n_input': run.n_input,
                    'n_invalid': run.n_invalid, 'n_stabilization': run.n_stabilization}
         if not len(run):
             return {**result, 'n': 0}

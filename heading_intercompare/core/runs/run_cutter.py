@@ -135,6 +135,13 @@ class RunCutter:
         """Key of the run in progress, None outside runs."""
         return self._key if self._in_run else None
 
+    @property
+    def next_cut_ns(self) -> int | None:
+        """When the clock cuts next after the newest pair; None if it does not or there is none."""
+        if self._newest_ns is None or not self._clock:
+            return None
+        return self._clock.next(self._newest_ns)
+
     def mark(self, kind: str, stamp_ns: int) -> bool:
         """
         Set a mark.
