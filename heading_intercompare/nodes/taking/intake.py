@@ -104,7 +104,8 @@ class Intake:
     until all publishers are gone.
 
     DDS gives up a publisher that it cannot reach for 20 s. A subscription that is `kept` gets what
-    this publisher sent in the meantime when it is back.
+    this publisher sent in the meantime when it is back. Before the first message, this is all that
+    it sent since the subscription was made.
 
     """
 
@@ -136,10 +137,13 @@ class Intake:
         self._rivals_since_s: float | None = None
         self._ghost = False
         self._after = '', 0
+        self._opened_ns, self._parted = 0, False
         health.add_refresher(self._note)
 
     def take(self) -> list[Message]:
         """Return the messages since the last call, each with its info."""
+        if not self.received and self._renewal.stood_still(time.monotonic()):
+            self._part()
         if not self._reception.there:
             self.look()
         taken = self._reception.take()
@@ -201,6 +205,7 @@ class Intake:
         if self.publishers < 2:
             self._rivals_since_s = None
         if not self.publishers:
+            self._part()
             if self._qos is self._unreliable:
                 self._reception.close()
                 self._qos = self._reliable
@@ -214,8 +219,10 @@ class Intake:
         wanted = [name for name in good if self.type_name in (None, name)]
         if self.open and wanted and not self._reception.there:
             self.type_name = wanted[0]
-            self._reception.open(self._types[wanted[0]], self._qos,
-                                 self._after[1] if self._qos is self._kept else 0)
+            self._opened_ns = self._opened_ns or time.time_ns()
+            kept = self._qos is self._kept
+            self._reception.open(self._types[wanted[0]], self._qos, self._after[1] * kept,
+                                 self._opened_ns * (kept and self._parted))
         strange = sorted(found - {self.type_name} - set(() if self.type_name else good))
         if strange:
             return (f'{self._topic} has the type {", ".join(strange)}; must be '
@@ -241,10 +248,17 @@ class Intake:
                     'the old one may be dead and disappears within 20 s')
         return f'{len(infos)} publishers on {self._topic} instead of one: {", ".join(names)}'
 
+    def _part(self) -> None:
+        """Begin again where publishers may have given up this process before a message came."""
+        if self._kept is not None and self._reception.there and not self._reception.newest:
+            self._parted = True
+            self._reception.set_aside()
+
     @property
     def _may_look_back(self) -> bool:
-        """Whether it is known with which number to begin."""
-        return bool(self._reception.newest or self._after[0] == self._publishers[1] != '')
+        """Whether it is known with which number or time to begin."""
+        return bool(self._reception.newest or self._parted
+                    or self._after[0] == self._publishers[1] != '')
 
     def _change_qos(self, infos: Sequence[TopicEndpointInfo]) -> None:
         """Subscribe with what hears all publishers and loses least."""

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from itertools import islice
+import time
 from typing import Mapping, Sequence
 
 from rclpy.node import Node
@@ -20,6 +21,8 @@ Message = tuple[bytes, Mapping[str, int]]
 
 #: More messages than any publisher keeps for late subscriptions.
 _REMEMBERED = 12_000
+#: What publishers keep arrives within this. What comes later is new, whatever its stamp says.
+_KEPT_NS = 5_000_000_000
 
 
 def number_of(message: Message) -> int:
@@ -53,6 +56,9 @@ class Reception:
     both deliver is known by its number and its time of sending. What was sent before the first
     message that was taken is left out.
 
+    Where a subscription may have been cut off before its first message, there is no such number.
+    It is set aside, and the next one begins with what was sent since the first one was made.
+
     """
 
     def __init__(self, node: Node, topic: str, group: Unwatched) -> None:
@@ -60,6 +66,8 @@ class Reception:
         self._current: Subscription | None = None
         self._successor: Subscription | None = None
         self._left: list[Message] = []
+        self._aside: list[Message] = []
+        self._since_ns = self._kept_until_ns = 0
         self._known: dict[tuple[int, int], None] = {}
         self._skip_until = self.newest = 0
         self._first = 0, 0
@@ -69,9 +77,34 @@ class Reception:
         """Whether there is a subscription."""
         return self._current is not None
 
-    def open(self, kind: type, profile: QoSProfile, after: int = 0) -> None:
-        """Subscribe; leave out the first messages up to the number `after`."""
+    def open(self, kind: type, profile: QoSProfile, after: int = 0, since_ns: int = 0) -> None:
+        """
+        Subscribe.
+
+        Parameters
+        ----------
+        kind : type
+            Message type.
+        profile : QoSProfile
+            Quality of service.
+        after : int
+            Leave out the first messages up to this number.
+        since_ns : int
+            Leave out what publishers keep from before this time. They also keep what the
+            subscription that was set aside held.
+
+        """
         self._current, self._skip_until = self._subscribe(kind, profile), after
+        self._since_ns, self._kept_until_ns = since_ns, time.time_ns() + _KEPT_NS
+        aside, self._aside = self._aside, []
+        self._left += [] if since_ns else self._once(aside)
+
+    def set_aside(self) -> None:
+        """Give up a subscription of which nothing was taken; `open` says what it held."""
+        assert self._current is not None and not self.newest
+        self._aside += take_all(self._current)
+        self._node.destroy_subscription(self._current)
+        self._current = None
 
     def hand_over(self, profile: QoSProfile) -> None:
         """Subscribe with another profile, too, and keep only that one once it has come as far."""
@@ -116,6 +149,8 @@ class Reception:
                 if number <= self._skip_until:
                     continue
                 self._skip_until = 0
+            if self._since_ns and self._is_kept_from_before(message):
+                continue
             name = number, message[1]['source_timestamp']
             if name not in self._known:
                 self._known[name] = None
@@ -127,6 +162,11 @@ class Reception:
             if not self._first[0]:
                 self._first = number_of(fresh[0]), fresh[0][1]['source_timestamp']
         return fresh
+
+    def _is_kept_from_before(self, message: Message) -> bool:
+        info = message[1]
+        return (info['source_timestamp'] < self._since_ns
+                and info['received_timestamp'] < self._kept_until_ns)
 
     def _is_earlier(self, message: Message) -> bool:
         """Tell whether a message was sent before the first one that was taken."""

@@ -46,6 +46,7 @@ class Renewal:
 
     def __init__(self) -> None:
         self._looked_s: float | None = None
+        self._told_s: float | None = None
         self._missing, self._asked_for, self._wait_s = 0, 0, _WAIT_S
         self._due_s: float | None = None
         self._received, self._arrivals, self._newest_s = 0, 0, 0.0
@@ -71,6 +72,13 @@ class Renewal:
         if missing:
             self._wait_s = min(2.0 * self._wait_s, _LONGEST_S)
         self._asked_for = missing
+        return True
+
+    def stood_still(self, now_s: float) -> bool:
+        """Tell, once, whether this process stood still since it last asked what is due."""
+        if self._looked_s in (None, self._told_s) or now_s - self._looked_s <= _STOPPED_S:
+            return False
+        self._told_s = self._looked_s
         return True
 
     def _is_silent(self, now_s: float, passed_s: float, received: int) -> bool:

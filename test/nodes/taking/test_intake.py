@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import time
+
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import QuaternionStamped
 import pytest
@@ -19,6 +21,7 @@ from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import take_all
 from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
 from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.taking import reception
 from heading_intercompare.nodes.taking.intake import Intake
 
 from ..rclpy_objects import heading_messages
@@ -288,6 +291,48 @@ def test_messages_that_are_missing_are_fetched_with_a_new_subscription(ros):
     ros.spin_until(lambda: taken.extend(m for m, _ in intake.take()) or (
         taken and intake.received == 21), 10.0)
     assert intake.lost == 0
+
+
+@pytest.mark.parametrize('stopped', [True, False], ids=['this process', 'the publisher'])
+@pytest.mark.parametrize('profile', [qos.HEADINGS_OUT, QoSProfile(depth=5000)],
+                         ids=['kept', 'not kept'])
+def test_an_intake_cut_off_before_the_first_message_begins_where_it_subscribed(
+        ros, monkeypatch, stopped, profile):
+    """383 pairs were lost: a synchronizer publishes the first ones all at once."""
+    intake, _ = intake_of(ros, kept=qos.HEADINGS_KEPT)
+    publisher = ros.plain.create_publisher(Imu, 'h', profile)
+    for message in headings(0, 20):
+        publisher.publish(message)
+    ros.spin_until(lambda: intake.take() == [] and publisher.get_subscription_count() == 1)
+    for message in headings(20, 50):
+        publisher.publish(message)
+    # What the middleware does not send again to those it had given up.
+    lost = []
+    ros.spin_until(lambda: lost.extend(take_all(intake._reception._current)) or len(lost) == 30)
+    publisher.publish(headings(50, 51)[0])
+    ros.spin_until(publisher.wait_for_all_acked)
+    if stopped:
+        intake._renewal._looked_s = time.monotonic() - 10.0
+    else:
+        with monkeypatch.context() as patch:
+            patch.setattr(intake._node, 'count_publishers', lambda name: 0)
+            assert intake.look() == '' and not intake._reception.there
+    came = seconds(take(ros, intake, 31 if profile is qos.HEADINGS_OUT else 1))
+    assert came == ([*range(20, 51)] if profile is qos.HEADINGS_OUT else [50])
+    publisher.publish(headings(51, 52)[0])
+    assert seconds(take(ros, intake, 1)) == [51] and intake.lost == 0
+
+
+def test_an_intake_cut_off_hears_a_publisher_whose_clock_is_slow(ros, monkeypatch):
+    """What it sends is no message of the past for ever."""
+    monkeypatch.setattr(reception, '_KEPT_NS', 0)
+    intake, _ = intake_of(ros, kept=qos.HEADINGS_KEPT)
+    publisher = publisher_to(ros, intake)
+    intake._opened_ns += 3600 * 10 ** 9
+    intake._part()
+    ros.spin_until(lambda: intake.take() == [] and publisher.get_subscription_count() == 1)
+    publisher.publish(headings(7, 8)[0])
+    assert seconds(take(ros, intake, 1)) == [7]
 
 
 @pytest.mark.parametrize('own, first', [(True, 31), (False, 51)])

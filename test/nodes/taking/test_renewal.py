@@ -53,3 +53,12 @@ def test_what_does_not_come_again_is_asked_for_ever_less_often():
 def test_a_process_that_stood_still_asks_for_all():
     seconds = [*range(10), *range(40, 60)]
     assert times_due(lambda s: 3, seconds=seconds) == [42]
+
+
+def test_a_process_that_stood_still_is_told_so_once():
+    renewal = Renewal()
+    assert not renewal.stood_still(990.0)
+    renewal.is_due(1000.0, received=0, missing=0)
+    told = [renewal.stood_still(1000.0 + s) for s in (1, 3, 4, 5)]
+    renewal.is_due(1006.0, received=0, missing=0)
+    assert told == [False, False, True, False] and not renewal.stood_still(1007.0)
