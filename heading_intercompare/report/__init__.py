@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Sequence
+from typing import Callable, Sequence
 
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
@@ -15,18 +15,25 @@ from .series_sketch import SeriesSketch
 __all__ = ['check_form', 'SeriesSketch', 'write', 'WRITERS']
 
 
-def _write_html(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch]) -> None:
+def _write_html(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],
+                progress: Callable[[str], None]) -> None:
     # Its libraries load slowly, and may not be installed.
     from . import html
-    html.write(verdict, path, sketches)
+    html.write(verdict, path, sketches, progress)
 
 
-def _write_pdf(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch]) -> None:
+def _write_json(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],
+                progress: Callable[[str], None]) -> None:
+    json.write(verdict, path)
+
+
+def _write_pdf(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],
+               progress: Callable[[str], None]) -> None:
     from . import pdf
-    pdf.write(verdict, path, sketches)
+    pdf.write(verdict, path, sketches, progress)
 
 
-WRITERS = {'.html': _write_html, '.json': json.write, '.pdf': _write_pdf}
+WRITERS = {'.html': _write_html, '.json': _write_json, '.pdf': _write_pdf}
 
 
 def check_form(path: str | Path) -> None:
@@ -67,7 +74,8 @@ def check_form(path: str | Path) -> None:
 
 
 def write(verdict: Verdict, path: str | Path,
-          sketches: Sequence[SeriesSketch] = ()) -> None:
+          sketches: Sequence[SeriesSketch] = (),
+          progress: Callable[[str], None] = lambda text: None) -> None:
     """
     Write a verdict in the form that the suffix names.
 
@@ -78,6 +86,8 @@ def write(verdict: Verdict, path: str | Path,
         Must end in a key of `WRITERS`.
     sketches : sequence of SeriesSketch
         For the figures, in the forms that have figures.
+    progress : callable
+        Called with the progress in words.
 
     Raises
     ------
@@ -88,4 +98,4 @@ def write(verdict: Verdict, path: str | Path,
 
     """
     check_form(path)
-    WRITERS[Path(path).suffix.lower()](verdict, path, sketches)
+    WRITERS[Path(path).suffix.lower()](verdict, path, sketches, progress)

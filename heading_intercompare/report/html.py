@@ -7,7 +7,7 @@ from __future__ import annotations
 from functools import cache, partial
 from pathlib import Path
 import re
-from typing import Any, Mapping, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 import jinja2
 
@@ -38,7 +38,7 @@ from .contents.tables import (
     WORST,
 )
 from .contents.uncertainty_budget import budget_of
-from .figures.gallery import draw_figures, Drawn
+from .figures.gallery import draw_figures, Drawn, NAMES
 from .formatting import exact, flatten, value
 from .series_sketch import SeriesSketch
 
@@ -49,7 +49,8 @@ _UNPRINTABLE = re.compile('[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\uff
 _LONGEST_HEAD = 80
 
 
-def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] = ()) -> None:
+def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] = (),
+          progress: Callable[[str], None] = lambda text: None) -> None:
     """
     Write the protocol; see `render`.
 
@@ -59,10 +60,11 @@ def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] =
         If the file cannot be written.
 
     """
-    Path(path).write_text(render(verdict, sketches), encoding='utf-8')
+    Path(path).write_text(render(verdict, sketches, progress), encoding='utf-8')
 
 
-def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = ()) -> str:
+def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
+           progress: Callable[[str], None] = lambda text: None) -> str:
     """
     Return the protocol as an HTML page.
 
@@ -71,12 +73,15 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = ()) -> str:
     verdict : Verdict
     sketches : sequence of SeriesSketch
         One per input, for the figures; without any there are no figures.
+    progress : callable
+        Called with the progress in words.
 
     """
     runs = [(run.run, run) for run in verdict.runs]
     campaign, settings = verdict.campaign, verdict.settings
-    drawn = [(sketch.source, sketch.n_invalid, draw_figures(sketch, verdict, f'input{k}'))
-             for k, sketch in enumerate(sketches, 1)]
+    drawn = [(sketch.source, sketch.n_invalid, draw_figures(
+        sketch, verdict, f'input{k}', partial(_tell, progress, k, len(sketches))))
+        for k, sketch in enumerate(sketches, 1)]
     by_sensor = campaign.rule == 'sensor' and verdict.validity_effect != VOID
     running = name_trial(settings)
     return _load_template().render(
@@ -97,6 +102,12 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = ()) -> str:
                   if not name.startswith('trial.')],
         taken_out=[(f'{utc(one.start_ns)} UTC', f'{utc(one.end_ns)} UTC', str(one.n), one.reason)
                    for one in (verdict.taken_out.stretches if verdict.taken_out else ())])
+
+
+def _tell(progress: Callable[[str], None], sketch: int, sketches: int, done: int) -> None:
+    """Say how many figures are drawn, `done` of them of the sketch of this number."""
+    each = len(NAMES)
+    progress(f'{(sketch - 1) * each + done} of {sketches * each} figures drawn')
 
 
 def _compare_runs(verdict: Verdict) -> list[Table]:

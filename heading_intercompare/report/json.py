@@ -6,11 +6,8 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Sequence
 
 from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictError
-
-from .series_sketch import SeriesSketch
 
 __all__ = ['parse', 'read', 'render', 'write']
 
@@ -20,8 +17,8 @@ def render(verdict: Verdict) -> str:
     return json.dumps(verdict.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + '\n'
 
 
-def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] = ()) -> None:
-    """Write the verdict; the sketches are ignored, for JSON has no figures."""
+def write(verdict: Verdict, path: str | Path) -> None:
+    """Write the verdict."""
     # The name of a file may have bytes that are not UTF-8.
     Path(path).write_text(render(verdict), 'utf-8', 'backslashreplace')
 

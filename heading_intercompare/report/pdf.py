@@ -4,8 +4,11 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
+import logging
 from pathlib import Path
-from typing import NoReturn, Sequence
+import re
+from typing import Callable, Iterator, NoReturn, Sequence
 
 import weasyprint
 
@@ -16,8 +19,14 @@ from .series_sketch import SeriesSketch
 
 __all__ = ['write']
 
+_STEP = re.compile(r'Step (\d)(?:.*Page (\d+))?')
+#: Part of the time before each step of WeasyPrint, and that of a page of a usual protocol.
+_BEFORE = {2: 0.05, 3: 0.1, 4: 0.25, 5: 0.3, 6: 0.65, 7: 1.0}
+_PAGES, _PER_PAGE = 5, 0.018
 
-def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] = ()) -> None:
+
+def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] = (),
+          progress: Callable[[str], None] = lambda text: None) -> None:
     """
     Write the protocol on pages of A4.
 
@@ -27,6 +36,8 @@ def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] =
     path : str or Path
     sketches : sequence of SeriesSketch
         One per input, for the figures; without any there are no figures.
+    progress : callable
+        Called with the progress in words.
 
     Raises
     ------
@@ -34,9 +45,43 @@ def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] =
         If the file cannot be written.
 
     """
-    page = weasyprint.HTML(string=html.render(verdict, sketches), url_fetcher=_refuse)
+    text = html.render(verdict, sketches, progress)
+    with _told_to(progress):
+        made = weasyprint.HTML(string=text, url_fetcher=_refuse).write_pdf()
     # Made first, so that a fault leaves no half-written file.
-    Path(path).write_bytes(page.write_pdf())
+    Path(path).write_bytes(made)
+
+
+class _Told(logging.Handler):
+    """Says how much of the layout is done, from the steps that WeasyPrint logs."""
+
+    def __init__(self, progress: Callable[[str], None]) -> None:
+        super().__init__()
+        self._progress, self._share = progress, 0.0
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if (found := _STEP.match(record.getMessage())) is None:
+            return
+        step, page = int(found[1]), int(found[2] or 0)
+        share = _BEFORE.get(step, 0.0)
+        if step == _PAGES:
+            share = min(share + _PER_PAGE * page, _BEFORE[_PAGES + 1])
+        # Pages are laid out again when their number has become known.
+        self._share = max(share, self._share)
+        self._progress(f'{self._share:.0%} of the pages laid out')
+
+
+@contextmanager
+def _told_to(progress: Callable[[str], None]) -> Iterator[None]:
+    logger, handler = logging.getLogger('weasyprint.progress'), _Told(progress)
+    before = logger.level
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        logger.setLevel(before)
+        logger.removeHandler(handler)
 
 
 def _refuse(url: str, *rest: object, **more: object) -> NoReturn:

@@ -376,3 +376,15 @@ def test_a_name_in_the_running_head_cannot_leave_its_string(made):
     assert 'display: none' not in style and '<b>' not in style
     assert html._quote_css('a"é 1') == 'a\\22 \\e9 \\20 1'
     assert Page(page).faults == [] and name in Page(page).cells
+
+
+@pytest.mark.slow
+def test_it_says_how_many_figures_are_drawn(made):
+    """A terminal shows the time left from that."""
+    verdict, sketches = made(2)
+    told = []
+    html.render(verdict, sketches, told.append)
+    done = [int(text.split(' of ')[0]) for text in told]
+    whole = 12 * len(sketches)
+    assert done == sorted(done) and done[-1] == whole and len(done) >= whole
+    assert {text.partition(' of ')[2] for text in told} == {f'{whole} figures drawn'}

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import logging
+
 import pytest
 
 from heading_intercompare.report import write
@@ -53,6 +55,17 @@ def test_the_first_page_holds_the_verdict_its_facts_and_its_figure(made):
     for words in ('INDETERMINATE', 'rests on', 'covers', 'validity', 'why', 'measure 10 min'):
         assert words in first
     assert 'Contents' not in first and 'Contents' in second
+
+
+def test_it_says_how_much_of_the_pages_is_laid_out(made, tmp_path):
+    """A terminal shows the time left from that."""
+    told = []
+    verdict, sketches = made(1)
+    write(verdict, tmp_path / 'r.pdf', sketches, told.append)
+    assert [text for text in told if 'figures' in text][-1] == '12 of 12 figures drawn'
+    shares = [int(text.partition('%')[0]) for text in told if '%' in text]
+    assert shares == sorted(shares) and len(set(shares)) > 8 and 75 <= shares[-1] <= 100
+    assert logging.getLogger('weasyprint.progress').handlers == []
 
 
 def test_nothing_is_fetched():

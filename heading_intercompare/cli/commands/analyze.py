@@ -177,7 +177,7 @@ def deliver(verdict: Verdict, arguments: argparse.Namespace,
     if arguments.report:
         with name_file(arguments.report), Progress(arguments.report, arguments.quiet) as progress:
             progress.show('drawing the protocol')
-            write(verdict, arguments.report, sketches)
+            write(verdict, arguments.report, sketches, progress.show)
     return code
 
 

@@ -75,7 +75,8 @@ def collect(sketch: SeriesSketch, verdict: Verdict, name: str | None = None,
         yield LeftOut('track', about.title('track'), 'the record has no positions')
 
 
-def draw_figures(sketch: SeriesSketch, verdict: Verdict, prefix: str) -> list[Drawn]:
+def draw_figures(sketch: SeriesSketch, verdict: Verdict, prefix: str,
+                 progress: Callable[[int], None] = lambda done: None) -> list[Drawn]:
     """
     Return the figures of a record as SVG, in their order; none if it has no difference.
 
@@ -85,12 +86,17 @@ def draw_figures(sketch: SeriesSketch, verdict: Verdict, prefix: str) -> list[Dr
         As for `collect`.
     prefix : str
         Letters and digits with which the ids begin; no other record of the page has it.
+    progress : callable
+        Called after each figure with how many of `NAMES` are done.
 
     """
     # Only now: matplotlib is optional and takes long to load.
     from .style import to_svg
-    return [Drawn(f'{prefix}-{one.name}', one.title, f'Left out: {one.reason}.', '')
-            if isinstance(one, LeftOut) else
-            Drawn(f'{prefix}-{one.name}', one.title, one.caption,
-                  to_svg(one, f'{prefix}-{one.name}'))
-            for one in collect(sketch, verdict)]
+    drawn = []
+    for one in collect(sketch, verdict):
+        name = f'{prefix}-{one.name}'
+        drawn.append(Drawn(name, one.title, f'Left out: {one.reason}.', '')
+                     if isinstance(one, LeftOut) else
+                     Drawn(name, one.title, one.caption, to_svg(one, name)))
+        progress(NAMES.index(one.name) + 1)
+    return drawn
