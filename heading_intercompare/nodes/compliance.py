@@ -16,7 +16,6 @@ from heading_intercompare.core.decision.coverage import least_duration_words
 from heading_intercompare.core.pipeline import Compliance as PureCompliance
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict
-from heading_intercompare.messages.heading_messages import read_pairs
 from heading_intercompare.messages.ledger_messages import decode_ledger
 from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKER_TOPIC
 from heading_intercompare.messages.status_messages import WARN
@@ -98,8 +97,7 @@ class Compliance(Node):
     def _drain(self) -> None:
         if self.ended:
             return
-        pairs, refused = read_pairs([message for message, _ in self._pairs.take()])
-        self._pairs.refuse(refused)
+        pairs = self._pairs.read()
         self._journal.add(pairs, self._pairs.numbers)
         self._compliance.update(pairs)
         self._journal.tick(self.sole.clear)

@@ -337,6 +337,22 @@ def test_pairs_and_ledgers_that_cannot_be_read_are_counted(ros, rng):
     assert graph.node._compliance.newest_ns == T0_NS + 3 * S_NS
 
 
+def test_pairs_with_the_stamp_of_the_pair_before_are_refused(ros, rng):
+    """A run of them ended the node: division by zero. Only a foreign node sends such pairs."""
+    graph = Graph(ros)
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    twice = some_pairs(rng, 0, 400)[np.arange(800) // 2]
+    graph.send(twice[:401])
+    graph.send(twice[401:])
+    ros.spin_until(lambda: any(
+        s.message == f'400 messages refused: the stamp {T0_NS + 399 * S_NS} ns is that of the '
+        'pair before' for m in states for s in m.status if s.name == 'compliance: pairs lost'))
+    graph.call('stop_run')
+    ros.spin_until(graph.reports)
+    run, = graph.reports()[-1]['runs']
+    assert run['n_input'] == 400
+
+
 def test_each_run_gets_a_row_in_the_logbook(ros, rng, tmp_path):
     graph = Graph(ros, logbook=str(tmp_path / 'l'), ship='MV Example')
     pairs = some_pairs(rng, 0, 200)

@@ -9,11 +9,14 @@ from itertools import groupby
 import time
 from typing import Mapping
 
+import numpy as np
 from rclpy.node import Node
 
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.core.pairing.incarnation_choice import IncarnationChoice
+from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Pairing
+from heading_intercompare.messages.heading_messages import read_pairs
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.stamps import header_frame, header_stamp_ns
 from heading_intercompare.nodes.ros import qos
@@ -74,11 +77,29 @@ class PairIntake(Intake):
         self._held: dict[int, deque[tuple[bytes, Mapping[str, int]]]] = {}
         self._ledgers: dict[int, LedgerMessage] = {}
         self._numbers: dict[str, Numbering] = {}
-        self._newest_ns = 0
+        self._newest_ns = self._read_ns = 0
         self._resuming: dict[str, int] = {}
         self._named = self._behind = False
         self._taken: deque[bytes] = deque(maxlen=_MOST_HELD)
         self.left_out = self.missed = 0
+
+    def read(self) -> Pairs:
+        """
+        Return the pairs since the last call.
+
+        What cannot be read is refused, and pairs with the stamp of the pair before.
+        """
+        pairs, refused = read_pairs([message for message, _ in self.take()])
+        new = np.diff(pairs.stamp_ns, prepend=self._read_ns) != 0
+        if not new.all():
+            # A synchronizer makes no such pair; another node may.
+            refused += [f'the stamp {stamp_ns} ns is that of the pair before'
+                        for stamp_ns in pairs.stamp_ns[~new].tolist()]
+            pairs = pairs[new]
+        self.refuse(refused)
+        if len(pairs):
+            self._read_ns = int(pairs.stamp_ns[-1])
+        return pairs
 
     def take(self) -> _Taken:
         """Return the pairs of the followed synchronizer since the last call."""
@@ -150,7 +171,7 @@ class PairIntake(Intake):
             self._resuming[name] = self.last_sequence = summary[1]
             if name.isdecimal():
                 self._choice.follow(int(name), time.monotonic())
-        self._newest_ns = newest_ns or 0
+        self._newest_ns = self._read_ns = newest_ns or 0
         self.look()
 
     def _hold(self, started_ns: int, batch: _Taken) -> None:
