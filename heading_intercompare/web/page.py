@@ -77,6 +77,7 @@ class _Page:
                     self._label(f'{name}_state' if name else 'difference_state', 'row')
             self._lamp = self._box('panel wide box-none')
             with self._lamp:
+                self._title('Verdict')
                 for key, size in (('lamp', 'lamp'), ('lamp_given', 'row'),
                                   ('lamp_headline', 'small'), ('validity', 'row')):
                     self._label(key, size)

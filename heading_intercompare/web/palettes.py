@@ -68,4 +68,5 @@ def style() -> str:
     blocks = [f'html[data-palette={name}] {{ '
               + ' '.join(f'--{key}: {colour};' for key, colour in colours.items()) + ' }'
               for name, colours in PALETTES.items()]
-    return '\n'.join([*blocks, _STYLE])
+    chosen = ',\n'.join(f'html[data-palette={name}] .bridge .k-{name}' for name in PALETTES)
+    return '\n'.join([*blocks, _STYLE, f'{chosen} {{ border: 3px solid var(--ink); }}'])

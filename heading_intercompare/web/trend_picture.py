@@ -8,7 +8,7 @@ from heading_intercompare.web.bridge.bridge_records import TrendView
 
 __all__ = ['draw_trend']
 
-_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 800, 150, 66, 8, 8, 22
+_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 800, 180, 66, 8, 8, 22
 
 
 def draw_trend(trend: TrendView) -> str:
@@ -35,7 +35,7 @@ def draw_trend(trend: TrendView) -> str:
         parts += [f'<line class="{kind}" x1="{_LEFT}" x2="{right}" y1="{place(value):.1f}" '
                   f'y2="{place(value):.1f}"/>' for value in values]
     parts += [f'<text class="mark" x="{_LEFT - 6}" y="{place(value) + 5:.1f}" text-anchor="end">'
-              f'{value:+.2f}°</text>' for value in (*limits, 0.0)]
+              f'{f"{value:+.2f}" if value else "0"}°</text>' for value in (*limits, 0.0)]
     for minutes in range(0, round(trend.span_s / 60.0) + 1, 10):
         at = right - scale * 60.0 * minutes
         parts.append(f'<text class="mark" x="{at:.1f}" y="{_HEIGHT - 6}" text-anchor="'
