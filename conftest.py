@@ -20,6 +20,10 @@ for name in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'):
 # Seconds for one test, read by pytest-timeout: a test that hangs fails with every thread's stack.
 os.environ.setdefault('PYTEST_TIMEOUT', '600')
 
+# The first two workers begin with the tests of nodes, which must not wait for a processor.
+if os.environ.get('PYTEST_XDIST_WORKER', 'gw0') not in ('gw0', 'gw1'):
+    os.nice(10)
+
 # A process started in the background or with `nohup` ignores these signals, and so would every
 # process that a test starts.
 signal.signal(signal.SIGINT, signal.default_int_handler)
