@@ -10,6 +10,7 @@ import os
 from typing import Callable, Iterable, Sequence
 import warnings
 
+from heading_intercompare.bags.csv.pairs_account import PairsAccount
 from heading_intercompare.core import offline
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.pipeline import join
@@ -42,6 +43,8 @@ class Judgement:
         Data for the graphs of a report, one per input that was read; empty unless requested.
     earlier : tuple of RunVerdict
         Runs that the verdict does not cover because they are too old (`runs.keep`).
+    account : PairsAccount or None
+        What belongs beside a csv of the pairs; None of several inputs.
 
     """
 
@@ -49,6 +52,7 @@ class Judgement:
     notes: tuple[str, ...] = ()
     sketches: tuple[SeriesSketch, ...] = ()
     earlier: tuple[RunVerdict, ...] = ()
+    account: PairsAccount | None = None
 
 
 def judge_bags(paths: Sequence[Place], settings: Settings, *,
@@ -114,7 +118,8 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
     if sketches:
         verdict = replace(verdict, plotter=Plotter(sketches))
     return Judgement(verdict, tuple(notes), sketches,
-                     tuple(run for each in judged for run in each.earlier))
+                     tuple(run for each in judged for run in each.earlier),
+                     judged[0].account if len(judged) == 1 else None)
 
 
 def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings],

@@ -12,20 +12,18 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 import hashlib
 from pathlib import Path
-from typing import Any, Callable, Iterable, Mapping, Sequence
+from typing import Any, Callable, Iterable, Mapping, NamedTuple, Sequence
 
-from heading_intercompare.bags.csv.pairs_csv import read_pairs_csv
+from heading_intercompare.bags.csv.pairs_account import PairsAccount
 from heading_intercompare.bags.mcap.mcap_file import mcap_files
 from heading_intercompare.bags.recording.bag_losses import BagLosses
 from heading_intercompare.bags.recording.journal import (
     is_journal,
-    JournalContents,
     read_journal,
 )
 from heading_intercompare.bags.recording.journal_reading import (
     compare_settings,
     describe_gaps,
-    JournalOrigin,
     JournalReader,
     read_origin,
 )
@@ -36,7 +34,6 @@ from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.core.kept_state import KeptState
 from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
-from heading_intercompare.core.pairing.stamp_jumps import Decided, JumpFilter
 from heading_intercompare.core.pipeline import Compliance, Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.settings import leave_out_added, Settings, SettingsError
@@ -46,14 +43,37 @@ from heading_intercompare.core.verdict.verdict_document import Input, OperatorNo
 
 from .config import Config, load_config
 from .run_table import RunTable
+from .sources.csv_source import judge_csv
+from .sources.found import Found, make_account
 
-__all__ = ['analyze_input', 'explain_no_run', 'load_config_or_journal', 'sha256']
+__all__ = ['analyze_input', 'Analyzed', 'explain_no_run', 'load_config_or_journal', 'sha256']
 
 #: Its settings are at the start of a journal.
 _HEAD_BYTES = 1_000_000
 
-#: Runs of the verdict, earlier runs, notes, and the ledger.
-_Found = tuple[list[RunResult], list[RunResult], tuple[str, ...], Ledger]
+
+class Analyzed(NamedTuple):
+    """
+    The runs of one input.
+
+    Attributes
+    ----------
+    results, earlier : list of RunResult
+        The runs of the verdict, and those that are too old for it (`runs.keep`).
+    notes : list of str
+        What the user should know about the input: unfinished bag, no run.
+    described : Input
+        Its entry in the verdict.
+    account : PairsAccount
+        What belongs beside a csv of its pairs.
+
+    """
+
+    results: list[RunResult]
+    earlier: list[RunResult]
+    notes: list[str]
+    described: Input
+    account: PairsAccount
 
 
 def load_config_or_journal(path: str | None, inputs: Sequence[str]) -> Config:
@@ -97,7 +117,7 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
                   takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                   *, name: str | None = None,
                   helpers: int = 0, parts: Sequence[str] = (),
-                  ) -> tuple[list[RunResult], list[RunResult], list[str], Input]:
+                  ) -> Analyzed:
     """
     Judge the runs of one input.
 
@@ -121,12 +141,7 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
 
     Returns
     -------
-    results, earlier : list of RunResult
-        The runs of the verdict, and those that are too old for it (`runs.keep`).
-    notes : list of str
-        What the user should know about the input: unfinished bag, no run.
-    described : Input
-        Its entry in the verdict.
+    Analyzed
 
     Raises
     ------
@@ -148,68 +163,24 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
             # Called once all is read: only a process with a single thread can start helpers.
             digest.append(beside.submit(sha256, path))
         if is_journal(path):
-            # A node may be writing it: the hash is that of the bytes that were read.
-            contents = read_journal(Path(path))
-            origin = read_origin(contents, Path(path))
-            results, earlier, problems, ledger = _analyze_journal(
-                contents, origin, path, name, settings, runs, takers, progress)
-            described = Input(name, contents.sha256, origin.settings.get('ts_topic'),
-                              origin.settings.get('rs_topic'))
+            found = _analyze_journal(path, name, settings, runs, takers, progress)
         elif Path(path).suffix == '.csv':
-            results, earlier, problems, ledger = _analyze_csv(
-                path, name, settings, runs, takers, progress, start_digest)
-            described = Input(name, digest[0].result())
+            found = judge_csv(path, name, settings, runs, takers, progress)
         else:
-            bag, *rest = [BagReader(one) for one in (path, *parts)]
-            results, earlier, problems, ledger = _analyze_bag(
-                [bag, *rest], name, settings, runs, takers, progress, start_digest, helpers)
-            described = _describe(bag, name, settings, digest[0].result())
-        described = replace(described, ledger_problems=problems or None)
-    notes = [f'{name}: {problem}' for problem in problems]
-    if not results:
-        described = replace(described, no_run=explain_no_run(ledger, settings, runs))
+            readers = [BagReader(one) for one in (path, *parts)]
+            found = _analyze_bag(readers, name, settings, runs, takers, progress, start_digest,
+                                 helpers)
+            found = replace(found, described=replace(
+                _describe(readers[0], name, settings, digest[0].result()),
+                ledger_problems=found.notes or None))
+    described = found.described
+    notes = [f'{name}: {problem}' for problem in found.notes]
+    if not found.results:
+        described = replace(described, no_run=explain_no_run(found.ledger, settings, runs))
         notes.append(f'{name}: no run: {described.no_run}')
-    return results, earlier, notes, described
-
-
-def _analyze_csv(path: str, name: str, settings: Settings,
-                 runs: Sequence[tuple[int, int]] | None,
-                 takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
-                 start_digest: Callable[[], None]) -> _Found:
-    compliance = Compliance(settings, source=name, table=runs)
-    ledger = Ledger()
-    jumps = JumpFilter('ts', settings.pairing.jump_s, Pairs.empty())
-    n = 0
-
-    def judge(decided: Decided[Pairs]) -> None:
-        _book_rows(decided, ledger)
-        compliance.update(decided.accepted)
-        for take in takers:
-            take(decided.accepted)
-    for pairs in read_pairs_csv(path):
-        n += len(pairs)
-        ledger.receive('ts', pairs.stamp_ns)
-        ledger.receive('rs', pairs.stamp_ns)
-        judge(jumps.take(pairs))
-        progress(f'{n:,} pairs')
-    start_digest()
-    judge(jumps.end())
-    # A row has one stamp for both sensors.
-    ledger.set_backs = {stream: [replace(one, stream=stream) for one in jumps.set_backs]
-                        for stream in ('ts', 'rs')}
-    compliance.finish()
-    for cut_ns in compliance.cuts:
-        ledger.cut(cut_ns)
-    return compliance.results(ledger), compliance.take_earlier(), (), ledger
-
-
-def _book_rows(decided: Decided[Pairs], ledger: Ledger) -> None:
-    """Enter the rows of a csv, which are pairs already."""
-    for reason, stamps in (('stamp_not_increasing', decided.late_ns), ('jump', decided.jumped_ns)):
-        for stream in ('ts', 'rs'):
-            ledger.add(LedgerKey.of_rejected(stream, reason), stamps)
-    for key in (LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED):
-        ledger.add(key, decided.accepted.stamp_ns)
+    spans = None if runs is None else tuple(runs)
+    return Analyzed(found.results, found.earlier, notes, described,
+                    make_account(replace(found, table=spans), settings))
 
 
 class _Resumed:
@@ -251,10 +222,13 @@ def _leave_out_names(given: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in given.items() if not name.startswith('trial.')}
 
 
-def _analyze_journal(contents: JournalContents, origin: JournalOrigin, path: str, name: str,
-                     settings: Settings, runs: Sequence[tuple[int, int]] | None,
+def _analyze_journal(path: str, name: str, settings: Settings,
+                     runs: Sequence[tuple[int, int]] | None,
                      takers: Sequence[Callable[[Pairs], None]],
-                     progress: Callable[[str], None]) -> _Found:
+                     progress: Callable[[str], None]) -> Found:
+    # A node may be writing it: the hash is that of the bytes that were read.
+    contents = read_journal(Path(path))
+    origin = read_origin(contents, Path(path))
     compliance = Compliance(settings, source=name, table=runs)
     others = compare_settings(*map(_leave_out_names, (
         origin.settings or {}, leave_out_added(settings.to_mapping()))))
@@ -283,14 +257,16 @@ def _analyze_journal(contents: JournalContents, origin: JournalOrigin, path: str
     if total is None or not total.paired:
         n = dict.fromkeys((LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED), kept.n_pairs)
         total = Ledger.from_segments([LedgerSegment(None, n)])
-    return results, earlier, tuple(problems), total
+    described = Input(name, contents.sha256, origin.settings.get('ts_topic'),
+                      origin.settings.get('rs_topic'), ledger_problems=tuple(problems))
+    return Found(results, earlier, total, described, tuple(problems), tuple(sorted(kept.marks)))
 
 
 def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                  start_digest: Callable[[], None],
-                 helpers: int) -> _Found:
+                 helpers: int) -> Found:
     comparison = Intercomparison(settings, source=name, table=runs)
     ts, rs = settings.ts_topic, settings.rs_topic
     conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
@@ -306,6 +282,7 @@ def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
         if kept:
             lost.append((key, losses))
     problems: list[str] = []
+    marks: list[tuple[str, int]] = []
 
     def hand_out(pairs: Pairs) -> None:
         for take in takers:
@@ -316,7 +293,7 @@ def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
             problems.append(f'{reader.path} goes on with this trial; readings between the two '
                             'are not counted')
         if runs is None:
-            _set_marks(comparison, reader)
+            marks += _set_marks(comparison, reader)
         told = BagLosses(reader, {ts: 'ts', rs: 'rs'}, lose)
         for chunk in reader.headings(conventions, helpers, told.take):
             for topic, chunks in kept.items():
@@ -335,7 +312,8 @@ def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
     if kept:
         results = judge_aligned(Headings.concatenate(kept[ts]), Headings.concatenate(kept[rs]),
                                 results, settings, source=name, lost=lost)
-    return results, comparison.compliance.take_earlier(), tuple(problems), comparison.ledger
+    return Found(results, comparison.compliance.take_earlier(), comparison.ledger, Input(name),
+                 tuple(problems), tuple(marks))
 
 
 def _count_headings(readers: Sequence[BagReader], topics: Iterable[str]) -> int:
@@ -361,10 +339,12 @@ def explain_no_run(ledger: Ledger, settings: Settings,
             f'{ledger.paired} paired, rejected: {", ".join(rejected) or "none"}')
 
 
-def _set_marks(comparison: Intercomparison, reader: BagReader) -> None:
-    """Start and stop runs at the marks in the bag."""
-    for kind, stamp_ns in read_marks(reader):
+def _set_marks(comparison: Intercomparison, reader: BagReader) -> list[tuple[str, int]]:
+    """Start and stop runs at the marks in the bag; return the marks."""
+    marks = list(read_marks(reader))
+    for kind, stamp_ns in marks:
         comparison.mark(kind, stamp_ns)
+    return marks
 
 
 def _describe(bag: BagReader, name: str, settings: Settings, digest: str) -> Input:

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Callable, Iterable, Mapping, Sequence
 
+from heading_intercompare.bags.csv.pairs_account import PairsAccount
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
@@ -53,6 +54,8 @@ class Judged:
         Data for the graphs of a report, if requested.
     earlier : list of RunVerdict
         Its runs that are too old for the verdict (`runs.keep`).
+    account : PairsAccount or None
+        What belongs beside a csv of its pairs; None if it was not judged.
 
     """
 
@@ -62,6 +65,7 @@ class Judged:
     description: Input
     sketch: SeriesSketch | None = None
     earlier: list[RunVerdict] = field(default_factory=list)
+    account: PairsAccount | None = None
 
     @property
     def error(self) -> str | None:
@@ -110,10 +114,11 @@ class Job:
         sketch = SeriesSketch(path) if self.sketched else None
         if sketch is not None:
             takers.append(partial(sketch.update, settings=self.settings))
-        results, earlier, notes, described = analyze_input(
+        found = analyze_input(
             place, self.settings, self.table, takers, progress, name=path, helpers=helpers,
             parts=self.parts.get(path, ()))
-        return Judged(path, results, notes, described, sketch, [r.verdict for r in earlier])
+        return Judged(path, found.results, found.notes, found.described, sketch,
+                      [r.verdict for r in found.earlier], found.account)
 
     def survive(self, path: str, place: str | None = None) -> Judged:
         """Judge one input among others; if that fails, return a result that says why."""

@@ -12,6 +12,11 @@ from pathlib import Path
 from typing import Callable, Iterator, Sequence
 
 from heading_intercompare.bags.csv.ensembles_csv import EnsemblesCsvWriter
+from heading_intercompare.bags.csv.pairs_account import (
+    account_path,
+    PairsAccount,
+    write_account,
+)
 from heading_intercompare.bags.csv.pairs_csv import PairsCsvWriter
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.records import Pairs
@@ -73,7 +78,8 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
         taken[given.resolve()] = 'an INPUT'
         for pattern in ('*.mcap', 'metadata.yaml'):
             taken |= {file.resolve(): f'a file of {given}' for file in given.glob(pattern)}
-    for option, path in (('csv', outputs.csv), ('ensembles', outputs.ensembles),
+    beside = None if outputs.csv in (None, '', '-') else str(account_path(outputs.csv))
+    for option, path in (('csv', outputs.csv), ('csv', beside), ('ensembles', outputs.ensembles),
                          ('runs-csv', outputs.runs_csv), ('report', outputs.report),
                          ('json', outputs.json)):
         if path is None or (option, path) == ('json', '-'):
@@ -107,6 +113,7 @@ class _Table:
         self._path = path
         self._open_file = open_file
         self._file: _Writer | None = None
+        self._account: PairsAccount | None = None
 
     def __enter__(self) -> '_Table':
         return self
@@ -117,6 +124,13 @@ class _Table:
                 self._file = self._open_file()
             if self._file is not None:
                 self._file.close()
+            if self._account is not None and isinstance(self._file, PairsCsvWriter) and (
+                    Path(self._path).is_file()):
+                write_account(self._path, self._account, self._file.fingerprint)
+
+    def add_account(self, account: PairsAccount | None) -> None:
+        """Lay an account beside the table at the end, if it has pairs."""
+        self._account = account
 
     def write(self, pairs: Pairs) -> None:
         """Append the rows of some pairs."""

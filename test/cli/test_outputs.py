@@ -185,7 +185,8 @@ def test_the_json_holds_the_notes_and_a_sha256_that_anybody_can_check(bag, tmp_p
     assert main(['analyze', str(bag), *NORMS, '--csv', str(tmp_path / 'p.csv')]) == 0
     capsys.readouterr()
     assert main(['analyze', str(tmp_path / 'p.csv'), *NORMS, '--json', '-']) == 0
-    assert 'notes' not in json.loads(capsys.readouterr().out)['inputs'][0]
+    again, = json.loads(capsys.readouterr().out)['inputs']
+    assert again['notes'] == entry['notes'] and list(again['made_from']) == [str(bag)]
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ from typing import Callable, Iterable, Mapping, Sequence
 from heading_intercompare.app.analysis import Judgement
 from heading_intercompare.app.inputs import explain_no_run
 from heading_intercompare.app.run_table import assign_runs, name_outside, read_run_table
+from heading_intercompare.app.sources.found import Found, make_account
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pipeline import Intercomparison, join
@@ -137,8 +138,12 @@ def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, Drive
     notes += [f'{runs}: source {source} is not the log of the TS' for source in elsewhere]
     verdict = join(results, settings, inputs, incomplete=not results)
     notes += name_outside(verdict)
+    earlier = comparison.compliance.take_earlier()
+    judged = Found(results, earlier, comparison.ledger, inputs[0],
+                   table=None if table is None else tuple(table))
     return Judgement(verdict, tuple(notes), () if sketch is None else (sketch,),
-                     tuple(each.verdict for each in comparison.compliance.take_earlier()))
+                     tuple(each.verdict for each in earlier),
+                     make_account(judged, settings, inputs[1]))
 
 
 def _check_headings(log: ImportedLog, role: str) -> None:

@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-import csv
-from decimal import Decimal, localcontext
+import hashlib
 import math
 import os
 from typing import Callable, Iterable, Iterator
@@ -14,143 +13,200 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Pairs
 
-__all__ = ['COLUMNS', 'PairsCsvWriter', 'read_pairs_csv', 'write_pairs_csv']
+from .csv_rows import CsvRows
+from .pairs_account import Fingerprint, PairsDigest
+from .stamp_cells import explain_stamp, looks_like_days, nanoseconds, STAMP_COLUMNS
 
-#: Columns written; the reader ignores the difference and the lag.
+__all__ = ['COLUMNS', 'PairsCsv', 'PairsCsvWriter', 'read_pairs_csv', 'write_pairs_csv']
+
+#: Columns written; the difference follows from the others.
 COLUMNS = ('stamp_ns', 'ts_deg', 'rs_deg', 'difference_deg', 'lag_s', 'rs_variance_factor',
            'ts_variance_factor')
+_HEADINGS = ('ts_deg', 'rs_deg')
 _FACTORS = COLUMNS[-2:]
+_WANTED = 'stamp_s or stamp_ns, ts_deg, rs_deg'
+#: Rows looked at before the first pairs are given out.
+_FIRST_ROWS = 100
 
 _ROWS = 65536
 _SECOND_NS = 1_000_000_000
-_DIGITS = 60
 _FIRST_BEYOND = 2**63
-
-
-def _stamp_of_seconds(text: str) -> int:
-    """Return decimal seconds as nanoseconds, rounded from the tenth decimal on, without floats."""
-    whole, point, decimals = text.partition('.')
-    if whole.isdecimal() and len(decimals) <= 9 and (decimals.isdecimal() or not decimals):
-        return int(whole) * _SECOND_NS + int(decimals.ljust(9, '0'))
-    with localcontext() as context:
-        context.prec = _DIGITS
-        stamp_ns = Decimal(text) * _SECOND_NS
-        if not abs(stamp_ns) < _FIRST_BEYOND:
-            raise OverflowError
-        return int(stamp_ns.to_integral_value())
+_SHOWN = 40
 
 
 def _heading(text: str) -> float:
-    heading_deg = float(text) if text.strip() else math.nan
+    heading_deg = float(text) if text else math.nan
     return heading_deg if math.isfinite(heading_deg) else math.nan
-
-
-_STAMPS: dict[str, tuple[Callable[[str], int], str]] = {
-    'stamp_ns': (int, 'a whole number of nanoseconds'),
-    'stamp_s': (_stamp_of_seconds, 'a decimal number of seconds'),
-}
 
 
 def _factor(text: str) -> float:
     """Return a variance factor; 1 if the text is empty."""
-    factor = float(text) if text.strip() else 1.0
+    factor = float(text) if text else 1.0
     if not 0.0 < factor <= 1.0:
         raise ValueError
     return factor
 
 
-def _columns(path: str, header: list[str]) -> tuple[str, list[int], list[int | None]]:
-    """Return the name of the stamp column, and the places of stamp, TS, RS, and of the factors."""
-    names = [name.strip() for name in header]
-    stamp = next((name for name in _STAMPS if name in names), None)
-    absent = [name for name in ('ts_deg', 'rs_deg') if name not in names]
-    if stamp is None:
-        absent.insert(0, 'stamp_s or stamp_ns')
-    if absent:
-        raise BagError(f'line 1 is {",".join(header)[:80]!r}: must be a header with the columns '
-                       f'stamp_s or stamp_ns, ts_deg, rs_deg; missing: {", ".join(absent)}', path)
-    return (stamp, [names.index(name) for name in (stamp, 'ts_deg', 'rs_deg')],
-            [names.index(name) if name in names else None for name in _FACTORS])
+def _lag_of_seconds(text: str) -> int:
+    if text in ('', '0.0'):
+        return 0
+    return -nanoseconds(text[1:]) if text.startswith('-') else nanoseconds(text)
 
 
-def read_pairs_csv(path: str | os.PathLike[str]) -> Iterator[Pairs]:
+def _lag(text: str) -> int:
+    return int(text) if text else 0
+
+
+_LAGS: dict[str, tuple[Callable[[str], int], str]] = {
+    'lag_s': (_lag_of_seconds, 'a decimal number of seconds, or empty'),
+    'lag_ns': (_lag, 'a whole number of nanoseconds, or empty'),
+}
+
+
+class PairsCsv:
     """
-    Yield the pairs of a csv file.
+    A csv file of pairs; iterate once.
 
     Parameters
     ----------
     path : str or path
-        A header, then one row per pair. Columns in any order: `stamp_ns` or `stamp_s` (decimal,
-        read exactly to the nanosecond), `ts_deg`, `rs_deg`; optionally `rs_variance_factor` and
-        `ts_variance_factor`. Others are ignored.
+        A header, then one row per pair. Columns in any order: `stamp_ns`, `stamp_s` (decimal) or
+        `stamp_utc` (ISO 8601, or the day numbers of a spreadsheet), all read exactly to the
+        nanosecond; `ts_deg`, `rs_deg`; where present also `lag_s` or `lag_ns`,
+        `rs_variance_factor` and `ts_variance_factor`. See `CsvRows` for the form.
 
-    Yields
-    ------
-    Pairs
-        At most 65536 rows each, in file order. A heading that is empty or not finite is nan. Lags
-        are 0; variance factors are 1 where they are empty or absent.
+    Attributes
+    ----------
+    names : tuple of str
+        The columns of the header.
+    ignored : tuple of str
+        Those that are not read.
 
     Raises
     ------
     OSError
         If the file cannot be read.
     BagError
-        If the header or a row is wrong, with the number of its line.
+        If the header is wrong; while iterating, if a row is, with the number of its line.
 
     """
-    path = os.fspath(path)
-    with open(path, newline='', encoding='utf-8-sig', errors='replace') as file:
-        rows = csv.reader(file)
-        header = next(rows, None)
-        if header is None:
-            raise BagError('is empty; must begin with a header with the columns stamp_s or '
-                           'stamp_ns, ts_deg, rs_deg', path)
-        name, places, factors = _columns(path, header)
-        stamp_of, allowed = _STAMPS[name]
-        last = max(*places, *(place for place in factors if place is not None))
-        chunk: tuple[list, ...] = ([], [], [], [], [])
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self._rows = CsvRows(path, _WANTED)
+        names = self._rows.names
         try:
-            for row in rows:
-                if not row:
-                    continue
-                if len(row) <= last:
-                    raise BagError(f'line {rows.line_num} has {len(row)} columns, fewer than the '
-                                   'header', path)
-                stamp, ts_text, rs_text = (row[place] for place in places)
-                try:
-                    stamp_ns = stamp_of(stamp.strip())
-                except (ValueError, ArithmeticError):
-                    stamp_ns = _FIRST_BEYOND
-                if abs(stamp_ns) >= _FIRST_BEYOND:
-                    raise BagError(f'line {rows.line_num}: {name} = {stamp[:40]!r} must be '
-                                   f'{allowed} since 1970', path)
-                try:
-                    heading = _heading(ts_text), _heading(rs_text)
-                except ValueError:
-                    raise BagError(f'line {rows.line_num}: ts_deg = {ts_text[:40]!r}, rs_deg = '
-                                   f'{rs_text[:40]!r} must be numbers', path) from None
-                texts = ['' if place is None else row[place] for place in factors]
-                try:
-                    shrunk = [_factor(text) for text in texts]
-                except ValueError:
-                    given = ', '.join(f'{name} = {text[:40]!r}'
-                                      for name, text in zip(_FACTORS, texts))
-                    raise BagError(f'line {rows.line_num}: {given} must be above 0 and at most '
-                                   '1, or empty', path) from None
-                for column, value in zip(chunk, (stamp_ns, *heading, *shrunk)):
+            stamp = self._find_columns(names)
+        except BagError:
+            self._rows.__exit__()
+            raise
+        self._stamp = stamp
+        self.names = tuple(names)
+        self._lag = next((name for name in _LAGS if name in names), None)
+        self._places = [names.index(name) for name in (stamp, *_HEADINGS)]
+        read = {stamp, *_HEADINGS, *_FACTORS, 'difference_deg', *STAMP_COLUMNS, *_LAGS}
+        self.ignored = tuple(name for name in names if name and name not in read)
+
+    def _find_columns(self, names: list[str]) -> str:
+        """Return the name of the column of stamps; BagError if one is missing."""
+        stamp = next((name for name in STAMP_COLUMNS if name in names), None)
+        absent = [name for name in _HEADINGS if name not in names]
+        if stamp is None:
+            absent.insert(0, 'stamp_s or stamp_ns')
+        if stamp is None or absent:
+            raise BagError(f'line {self._rows.line} is {",".join(names)[:80]!r}: must be a header '
+                           f'with the columns {_WANTED}; missing: {", ".join(absent)}',
+                           self._rows.path)
+        return stamp
+
+    def __iter__(self) -> Iterator[Pairs]:
+        """Yield the pairs in file order, at most 65536 rows each."""
+        with self._rows:
+            most = _FIRST_ROWS
+            chunk: tuple[list, ...] = ([], [], [], [], [], [])
+            for row in self._read():
+                for column, value in zip(chunk, row):
                     column.append(value)
-                if len(chunk[0]) == _ROWS:
-                    yield _pairs(chunk)
-                    chunk = ([], [], [], [], [])
-        except csv.Error as error:
-            raise BagError(f'line {rows.line_num}: {error}', path) from None
-        if chunk[0]:
-            yield _pairs(chunk)
+                if len(chunk[0]) == most == _FIRST_ROWS:
+                    self._check_days(chunk[0])
+                    most = _ROWS
+                if len(chunk[0]) == most:
+                    yield Pairs.of(*chunk)
+                    chunk = ([], [], [], [], [], [])
+            if chunk[0]:
+                if most == _FIRST_ROWS:
+                    self._check_days(chunk[0])
+                yield Pairs.of(*chunk)
+
+    def _check_days(self, stamp_ns: list[int]) -> None:
+        if self._stamp == 'stamp_s' and (why := looks_like_days(stamp_ns)):
+            raise BagError(why, self._rows.path)
+
+    def _read(self) -> Iterator[tuple[int, float, float, int, float, float]]:
+        """Yield the fields of `Pairs` row by row."""
+        rows, plain = self._rows, self._rows.plain
+        at_stamp, at_ts, at_rs = self._places
+        kind = STAMP_COLUMNS[self._stamp]
+        convert_lag, lag_allowed = _LAGS[self._lag or 'lag_s']
+        at_lag = None if self._lag is None else rows.names.index(self._lag)
+        factors = [rows.names.index(name) if name in rows.names else None for name in _FACTORS]
+        last = max(place for place in (*self._places, at_lag, *factors) if place is not None)
+        for row in rows:
+            if len(row) <= last:
+                raise BagError(f'line {rows.line} has {len(row)} columns, fewer than the '
+                               'header', rows.path)
+            stamp = row[at_stamp].strip()
+            try:
+                stamp_ns = kind.convert(plain(stamp) if kind.decimal else stamp)
+            except (ValueError, ArithmeticError):
+                stamp_ns = _FIRST_BEYOND
+            if not -_FIRST_BEYOND < stamp_ns < _FIRST_BEYOND:
+                raise self._wrong(self._stamp, stamp, kind.allowed,
+                                  explain_stamp(self._stamp, stamp))
+            try:
+                ts_deg, rs_deg = _heading(plain(row[at_ts])), _heading(plain(row[at_rs]))
+            except ValueError:
+                ts, rs = row[at_ts], row[at_rs]
+                raise BagError(
+                    f'line {rows.line}: ts_deg = {ts[:_SHOWN]!r}, rs_deg = {rs[:_SHOWN]!r} must '
+                    f'be numbers{rows.why_no_number(ts) or rows.why_no_number(rs)}',
+                    rows.path) from None
+            lag_ns = 0
+            if at_lag is not None and row[at_lag]:
+                try:
+                    lag_ns = convert_lag(plain(row[at_lag]))
+                except (ValueError, ArithmeticError):
+                    lag_ns = _FIRST_BEYOND
+                if not -_FIRST_BEYOND < lag_ns < _FIRST_BEYOND:
+                    raise self._wrong(self._lag or '', row[at_lag], lag_allowed)
+            texts = ['' if place is None else row[place] for place in factors]
+            try:
+                rs_factor, ts_factor = [_factor(plain(text)) for text in texts]
+            except ValueError:
+                given = ', '.join(f'{name} = {text[:_SHOWN]!r}'
+                                  for name, text in zip(_FACTORS, texts))
+                raise BagError(f'line {rows.line}: {given} must be above 0 and at most '
+                               '1, or empty',
+                               rows.path) from None
+            yield stamp_ns, ts_deg, rs_deg, lag_ns, rs_factor, ts_factor
+
+    def _wrong(self, name: str, text: str, allowed: str, hint: str = '') -> BagError:
+        hint = hint or self._rows.why_no_number(text)
+        return BagError(f'line {self._rows.line}: {name} = {text[:_SHOWN]!r} must be '
+                        f'{allowed}{hint}', self._rows.path)
 
 
-def _pairs(columns: tuple[list, ...]) -> Pairs:
-    stamps, ts_deg, rs_deg, rs_factor, ts_factor = columns
-    return Pairs.of(stamps, ts_deg, rs_deg, None, rs_factor, ts_factor)
+def read_pairs_csv(path: str | os.PathLike[str]) -> Iterator[Pairs]:
+    """
+    Yield the pairs of a csv file; see `PairsCsv`.
+
+    Yields
+    ------
+    Pairs
+        At most 65536 rows each, in file order. A heading that is empty or not finite is nan. Lags
+        are 0 and variance factors 1 where they are empty or absent.
+
+    """
+    yield from PairsCsv(path)
 
 
 class PairsCsvWriter:
@@ -173,8 +229,9 @@ class PairsCsvWriter:
 
     def __init__(self, path: str | os.PathLike[str], *, wrap_center_deg: float = 0.0) -> None:
         self._center_deg = wrap_center_deg
-        self._file = open(path, 'w', encoding='ascii', newline='')
-        self._file.write(','.join(COLUMNS) + '\n')
+        self._pairs, self._bytes = PairsDigest(), hashlib.sha256()
+        self._file = open(path, 'wb')
+        self._put(','.join(COLUMNS) + '\n')
 
     def __enter__(self) -> 'PairsCsvWriter':
         return self
@@ -184,11 +241,22 @@ class PairsCsvWriter:
 
     def write(self, pairs: Pairs) -> None:
         """Append one row per pair; the installation offset stays in the difference."""
+        self._pairs.update(pairs)
         columns = (pairs.stamp_ns, pairs.ts_deg, pairs.rs_deg,
                    subtract(pairs, wrap_center_deg=self._center_deg).x_deg,
                    pairs.lag_ns / _SECOND_NS, pairs.rs_variance_factor, pairs.ts_variance_factor)
-        for row in zip(*(column.tolist() for column in columns)):
-            self._file.write(','.join(map(repr, row)) + '\n')
+        rows = zip(*(column.tolist() for column in columns))
+        self._put(''.join(','.join(map(repr, row)) + '\n' for row in rows))
+
+    def _put(self, text: str) -> None:
+        data = text.encode('ascii')
+        self._bytes.update(data)
+        self._file.write(data)
+
+    @property
+    def fingerprint(self) -> Fingerprint:
+        """The hashes of what was written so far, for `write_account`."""
+        return Fingerprint(self._bytes.hexdigest(), self._pairs.hexdigest())
 
     def close(self) -> None:
         """Close the file; a second call does nothing."""

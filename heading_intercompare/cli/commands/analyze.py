@@ -136,7 +136,8 @@ def run(arguments: argparse.Namespace) -> int:
     book = _open_logbook(arguments.logbook)
     with (ExitStack() as files, Progress(_label(arguments), arguments.quiet) as progress,
           _cluster(arguments.dask) as executor):
-        takers = [files.enter_context(file).write for file in open_tables(outputs, settings)]
+        tables = [files.enter_context(file) for file in open_tables(outputs, settings)]
+        takers = [table.write for table in tables]
         if logs is not None:
             judged = judge_logs(*logs, settings, drivers_for(arguments), takers=takers,
                                 runs=arguments.runs or None, sketched=bool(arguments.report),
@@ -145,6 +146,8 @@ def run(arguments: argparse.Namespace) -> int:
             judged = judge_bags(arguments.inputs, settings, runs=arguments.runs or None,
                                 takers=takers, sketched=bool(arguments.report),
                                 jobs=arguments.jobs, executor=executor, progress=progress.show)
+        for table in tables:
+            table.add_account(judged.account)
     for note in judged.notes:
         print(f'note: {note}', file=sys.stderr)
     if book is not None:

@@ -255,22 +255,22 @@ class Input:
     sha256 : str or None
         Hash of its data; None if it could not be read.
     ts_topic, rs_topic : str or None
-        Topics read, or of the readings that made the pairs of a journal; None for a csv of pairs.
-        Of a log one is its sentence ('HEHDT'), or 'csv', and the other None.
+        Topics read, or that made the pairs of a journal or csv. Of a log one is its sentence
+        ('HEHDT'), or 'csv', and the other None.
     notes : tuple of OperatorNote, or None
         Notes of the operator, in time order.
     error : str or None
         Why it could not be read.
     no_run : str or None
         Why it gave no run, and the fate of its readings.
-    same_as : str or None
-        Path of an earlier input with the same data.
-    continues : str or None
-        Path of the input with the beginning of this trial; both were judged together.
+    same_as, continues : str or None
+        Path of an earlier input: with the same data; judged together, as this trial began there.
     ledger_problems : tuple of str, or None
         Why its readings are not all accounted for.
-    not_taken : mapping of str to int, or None
+    not_taken : mapping, or None
         Lines of a log that gave no heading, by reason; None if it is no log.
+    made_from : mapping, or None
+        Path and hash of each recording whose readings a csv of pairs has.
 
     """
 
@@ -285,6 +285,7 @@ class Input:
     continues: str | None = leave_out_none()
     ledger_problems: tuple[str, ...] | None = leave_out_none()
     not_taken: Mapping[str, int] | None = leave_out_none()
+    made_from: Mapping[str, str | None] | None = leave_out_none()
 
     @property
     def why_no_run(self) -> str | None:

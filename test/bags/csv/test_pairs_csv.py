@@ -4,11 +4,14 @@
 
 from __future__ import annotations
 
+import hashlib
+
 import numpy as np
 import pytest
 
 from heading_intercompare.bags.csv.pairs_csv import (
     COLUMNS,
+    PairsCsv,
     PairsCsvWriter,
     read_pairs_csv,
     write_pairs_csv,
@@ -61,8 +64,7 @@ def test_what_is_written_is_read_back_to_the_bit(tmp_path, rng):
     write_pairs_csv(tmp_path / 'a.csv', [pairs[:1], pairs[1:]])
     chunks = list(read_pairs_csv(tmp_path / 'a.csv'))
     assert [len(c) for c in chunks] == [65536, count - 65536]
-    assert Pairs.concatenate(chunks) == Pairs.of(
-        pairs.stamp_ns, ts_deg, rs_deg, None, pairs.rs_variance_factor, pairs.ts_variance_factor)
+    assert Pairs.concatenate(chunks) == pairs
 
 
 def test_a_file_without_variance_factors_has_factors_of_1(csv):
@@ -85,6 +87,65 @@ def test_differences_are_wrapped_about_the_centre(tmp_path):
     assert (tmp_path / 'a.csv').read_text().splitlines()[1].split(',')[3] == '359.25'
 
 
+@pytest.mark.parametrize('text, lag_ns', [
+    ('-0.003', -3_000_000), ('1e-09', 1), ('-1e-09', -1), ('0.0', 0), ('-0.0', 0), ('', 0),
+    ('0.300000001', 300_000_001), ('86400.000000001', 86_400_000_000_001)])
+def test_the_lag_is_read_to_the_nanosecond(csv, text, lag_ns):
+    assert csv(f'stamp_ns,ts_deg,rs_deg,lag_s\n5,1,2,{text}\n').lag_ns.tolist() == [lag_ns]
+    assert csv(f'stamp_ns,ts_deg,rs_deg,lag_ns\n5,1,2,{lag_ns}\n').lag_ns.tolist() == [lag_ns]
+
+
+TEXT = ('stamp_s,ts_deg,rs_deg,lag_s,rs_variance_factor\n'
+        '1406851200.183,359.5,0.25,-0.003,0.625\n1406851201.183,nan,0.5,,\n')
+READ = Pairs.of([1406851200183000000, 1406851201183000000], [359.5, np.nan], [0.25, 0.5],
+                [-3_000_000, 0], [0.625, 1.0])
+
+
+@pytest.mark.parametrize('text', [
+    TEXT, TEXT.replace(',', ';'), TEXT.replace(',', '\t'), TEXT.replace('\n', '\r\n'),
+    TEXT.replace(',', ';').replace('.', ','), TEXT.replace(',', '\t').replace('.', ','),
+    'sep=;\r\n' + TEXT.replace(',', ';').replace('.', ','),
+    '# made by a program\n\n' + TEXT.replace('\n', '\n# between, the, rows\n', 1),
+    TEXT.replace('1406851200.183,', '"1406851200,183",').replace('1406851201.183,',
+                                                                 '"1406851201,183",')
+    .replace('359.5', '"359,5"').replace('0.25', '"0,25"').replace('0.5', '"0,5"')
+    .replace('-0.003', '"-0,003"').replace('0.625', '"0,625"'),
+    TEXT.replace('\n', ',,\n') + ',,,,,,\n',
+    TEXT.replace('1406851200.183', '2014-08-01T00:00:00.183Z').replace('stamp_s', 'stamp_utc')
+    .replace('1406851201.183', '2014-08-01 02:00:01,183+02:00', 1).replace(
+        '2014-08-01 02:00:01,183', '"2014-08-01 02:00:01,183').replace('+02:00', '+02:00"'),
+    '\ufeff' + TEXT, TEXT.encode('utf-16'), TEXT.rstrip('\n')],
+    ids=['commas', 'semicolons', 'tabs', 'crlf', 'decimal commas', 'tabs and decimal commas',
+         'sep', 'comments', 'quoted decimal commas', 'padded', 'utc', 'bom', 'utf-16', 'no end'])
+def test_a_file_is_read_as_spreadsheets_write_it(csv, text):
+    assert csv(text) == READ
+
+
+def test_day_numbers_of_a_spreadsheet_are_read_as_utc(csv):
+    """2014-08-01 is day 41852 from 1899-12-30; 0.25 days are 6 hours."""
+    assert csv('stamp_utc,ts_deg,rs_deg\n41852.25,1,2\n').stamp_ns.tolist() == [
+        1406851200000000000 + 6 * 3600 * 10**9]
+
+
+def test_columns_that_are_not_read_are_named(tmp_path):
+    path = tmp_path / 'a.csv'
+    path.write_text('stamp_s,ts_deg,rs_deg,rs_variance_factr,difference_deg\n1,2,3,0.5,-1\n')
+    assert PairsCsv(path).ignored == ('rs_variance_factr',)
+
+
+def test_the_fingerprint_of_pairs_is_that_of_their_values(tmp_path):
+    one, two = (Pairs.of([5, 6], [359.75, nan], [0.5, -0.0], [-3, 4]) for nan in
+                (np.nan, np.inf))
+    found = []
+    for name, chunks in (('a', [one]), ('b', [two[:1], two[1:]]), ('c', [one[:1]])):
+        with PairsCsvWriter(tmp_path / name) as file:
+            for pairs in chunks:
+                file.write(pairs)
+            found.append(file.fingerprint)
+        assert found[-1].csv_sha256 == hashlib.sha256((tmp_path / name).read_bytes()).hexdigest()
+    assert found[0].pairs_sha256 == found[1].pairs_sha256 != found[2].pairs_sha256
+
+
 def test_a_header_alone_is_no_pairs(csv):
     assert csv('stamp_s,ts_deg,rs_deg\n') == Pairs.empty()
 
@@ -104,6 +165,28 @@ def test_a_header_alone_is_no_pairs(csv):
     ('stamp_ns,ts_deg,rs_deg\n\n1,north,2\n', "line 3: ts_deg = 'north', rs_deg = '2' must be"),
     ('stamp_ns,ts_deg,rs_deg,ts_variance_factor\n1,1,2,1.5\n',
      "line 2: rs_variance_factor = '', ts_variance_factor = '1.5' must be above 0 and at most 1"),
+    ('stamp_ns,ts_deg,rs_deg,ts_deg\n1,2,3,4\n',
+     "line 1: column 'ts_deg' stands twice, as column 2 and 4"),
+    ('# x\nremark,stamp_ns, remark ,ts_deg,rs_deg\n', "line 2: column 'remark' stands twice"),
+    ('stamp_s,ts_deg,rs_deg\n1406851200,5,1,5,2,5\n',
+     r'line 2 has 6 columns, more than the header \(3\); if its numbers have decimal commas'),
+    ('stamp_s;ts_deg;rs_deg\n1406851200,5;1,5;2,5\n1406851201,5;1.5;2,5\n',
+     "line 3: ts_deg = '1.5', rs_deg = '2,5' must be numbers; its decimal mark is '.'"),
+    ('stamp_s;ts_deg;rs_deg\n1.406.851.200,5;1,5;2,5\n',
+     "line 2: stamp_s = '1.406.851.200,5' .* since 1970; write numbers without thousands"),
+    ('stamp_s,ts_deg,rs_deg\n"1,406,851,200.5",1,2\n', 'without thousands separators'),
+    ('stamp_s\tts_deg\trs_deg\n1 406 851 200\t1\t2\n', 'without thousands separators'),
+    ('stamp_ns,ts_deg,rs_deg\n1.40685E+18,1,2\n', 'a spreadsheet has rounded it: give it as text'),
+    ('stamp_s,ts_deg,rs_deg\n2014-08-01 00:00:00,1,2\n', 'name the column stamp_utc'),
+    ('stamp_utc,ts_deg,rs_deg\n01.08.2014 00:00,1,2\n', 'a spreadsheet has rewritten it'),
+    ('stamp_s,ts_deg,rs_deg\n00:00.2,1,2\n', 'a spreadsheet has rewritten it'),
+    ('stamp_utc,ts_deg,rs_deg\n1406851200,1,2\n', 'name the column stamp_s or stamp_ns'),
+    ('stamp_utc,ts_deg,rs_deg\n2014-13-01T00:00:00Z,1,2\n', 'line 2: stamp_utc = '),
+    ('stamp_s,ts_deg,rs_deg\n' + ''.join(f'{41852 + i / 86400!r},1,2\n' for i in range(5)),
+     'stamp_s = 41852.0 looks like a day number of a spreadsheet .2014-08-01 00:00:00.000 UTC'),
+    ('stamp_ns,ts_deg,rs_deg,lag_s\n1,1,2,late\n', "line 2: lag_s = 'late' must be a decimal"),
+    ('stamp_ns,ts_deg,rs_deg,lag_s\n1,1,2,nan\n', "line 2: lag_s = 'nan' must be a decimal"),
+    ('# nothing\n,,,\n', 'is empty'),
     (b'\x89MCAP0\r\n\0\0', 'line 1 is'),
     ('stamp_ns,ts_deg,rs_deg\n1,"' + 'x' * 200_000, 'line 2: field larger')])
 def test_a_mistake_is_named_with_its_line(csv, tmp_path, text, problem):

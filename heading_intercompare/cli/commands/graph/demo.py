@@ -83,9 +83,9 @@ def run(arguments: argparse.Namespace) -> int:
     settings = Settings.from_mapping(_SETTINGS)
     with Progress(bag, arguments.quiet) as progress:
         sketch = SeriesSketch(bag)
-        results, _, _, described = analyze_input(
+        found = analyze_input(
             bag, settings, None, [partial(sketch.update, settings=settings)], progress.show)
-    offline = join(results, settings, [described])
+    offline = join(found.results, settings, [found.described])
     write(offline, out / 'offline.json')
     say(str(offline), VERDICT_MARKS)
     protocol = _write_protocol(offline, out / 'report.html', sketch)

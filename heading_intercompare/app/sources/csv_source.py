@@ -1,0 +1,207 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The verdict on a csv of pairs.
+
+With the account that this package writes beside a csv, the verdict is that of the recording that
+the pairs came from. Without one, the rows are all that is known.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+import hashlib
+import os
+from typing import Any, Callable, Mapping, Sequence
+
+from heading_intercompare.bags.csv.pairs_account import (
+    account_path,
+    PairsAccount,
+    PairsDigest,
+    read_account,
+)
+from heading_intercompare.bags.csv.pairs_csv import COLUMNS, PairsCsv, read_pairs_csv
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
+from heading_intercompare.core.pairing.stamp_jumps import Decided, JumpFilter
+from heading_intercompare.core.pipeline import Compliance
+from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.verdict_document import Input
+
+from .found import Found
+
+__all__ = ['judge_csv']
+
+_BLOCK = 1 << 20
+
+
+def judge_csv(path: str, name: str, settings: Settings,
+              runs: Sequence[tuple[int, int]] | None,
+              takers: Sequence[Callable[[Pairs], None]],
+              progress: Callable[[str], None] = lambda text: None) -> Found:
+    """
+    Judge the pairs of a csv file.
+
+    Parameters
+    ----------
+    path : str
+        The file; see `PairsCsv`.
+    name : str
+        Its name in the verdict.
+    settings : Settings
+        Settings with the norms.
+    runs : sequence of (start_ns, stop_ns), optional
+        Table of runs. Without one, that of the account decides, or its marks.
+    takers : sequence of callable
+        Each is called with the pairs, chunk by chunk.
+    progress : callable
+        Called with the progress in words.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    BagError
+        If it, or its account, is wrong.
+
+    """
+    digest = _sha256(path)
+    account, problems = _find_account(path, digest, progress)
+    table = runs
+    if account is not None and runs is None:
+        table = account.table
+    compliance = Compliance(settings, source=name, table=table)
+    judging = _Judging(compliance, settings, takers, progress, trusted=account is not None)
+    if account is not None and table is None:
+        for kind, stamp_ns in account.marks:
+            compliance.mark(kind, stamp_ns)
+    rows = PairsCsv(path)
+    for pairs in rows:
+        judging.take(pairs)
+    judging.end()
+    ledger, kept = judging.ledger, None
+    if account is not None:
+        problems += _compare_pairing(account.settings, settings.to_mapping())
+        if _has_runs_of(account, table, compliance.cuts):
+            ledger = account.ledger
+            kept = replace(account, table=None if table is None else tuple(table))
+        else:
+            problems.append('its runs are not those of its account: what was rejected, lost or '
+                            'without partner is unknown')
+    notes = []
+    if settings.alignment.skew == 'apply':
+        notes.append('alignment.skew = apply: a csv of pairs has no readings to align; it is '
+                     'judged as it was paired')
+    if rows.ignored:
+        notes.append(f'columns that are not read: {", ".join(rows.ignored)}')
+    described = _describe(name, digest, account)
+    noted = (*notes, *problems)
+    if account is None and rows.names == COLUMNS and not problems:
+        # Its own program wrote it.
+        problems.append(f'{account_path(path).name} is not beside it: what was rejected, lost or '
+                        'without partner is unknown')
+    known = () if account is None else account.inputs[0].ledger_problems or ()
+    described = replace(described, ledger_problems=(*known, *problems) or None)
+    return Found(compliance.results(ledger), compliance.take_earlier(), ledger, described,
+                 noted, account=kept)
+
+
+def _sha256(path: str) -> str:
+    digest = hashlib.sha256()
+    with open(path, 'rb') as file:
+        while block := file.read(_BLOCK):
+            digest.update(block)
+    return digest.hexdigest()
+
+
+def _find_account(path: str, digest: str, progress: Callable[[str], None],
+                  ) -> tuple[PairsAccount | None, list[str]]:
+    """Return the account of a csv of this hash, and why the one beside it does not count."""
+    found = read_account(path)
+    if found is None:
+        return None, []
+    account, of = found
+    if digest != of.csv_sha256:
+        progress('comparing the pairs with their account')
+        pairs_digest = PairsDigest()
+        for pairs in read_pairs_csv(path):
+            pairs_digest.update(pairs)
+        if pairs_digest.hexdigest() != of.pairs_sha256:
+            return None, [f'{account_path(path).name} belongs to other pairs, and does not count: '
+                          'what was rejected, lost or without partner is unknown']
+    return account, []
+
+
+class _Judging:
+    """Hands pairs to a judge and to the takers, and books each row as a reading of both."""
+
+    def __init__(self, compliance: Compliance, settings: Settings,
+                 takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
+                 *, trusted: bool) -> None:
+        self.ledger = Ledger()
+        self._compliance, self._takers, self._progress = compliance, takers, progress
+        # The stamps of a recording were examined when its pairs were made.
+        self._jumps = None if trusted else JumpFilter('ts', settings.pairing.jump_s,
+                                                      Pairs.empty())
+        self._n = 0
+
+    def take(self, pairs: Pairs) -> None:
+        self._n += len(pairs)
+        for stream in ('ts', 'rs'):
+            self.ledger.receive(stream, pairs.stamp_ns)
+        if self._jumps is None:
+            self._judge(pairs)
+        else:
+            self._decide(self._jumps.take(pairs))
+        self._progress(f'{self._n:,} pairs')
+
+    def end(self) -> None:
+        if self._jumps is not None:
+            self._decide(self._jumps.end())
+            # A row has one stamp for both sensors.
+            self.ledger.set_backs = {
+                stream: [replace(one, stream=stream) for one in self._jumps.set_backs]
+                for stream in ('ts', 'rs')}
+        self._compliance.finish()
+        for cut_ns in self._compliance.cuts:
+            self.ledger.cut(cut_ns)
+
+    def _decide(self, decided: Decided[Pairs]) -> None:
+        for reason, stamps in (('stamp_not_increasing', decided.late_ns),
+                               ('jump', decided.jumped_ns)):
+            for stream in ('ts', 'rs'):
+                self.ledger.add(LedgerKey.of_rejected(stream, reason), stamps)
+        self._judge(decided.accepted)
+
+    def _judge(self, pairs: Pairs) -> None:
+        for key in (LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED):
+            self.ledger.add(key, pairs.stamp_ns)
+        self._compliance.update(pairs)
+        for take in self._takers:
+            take(pairs)
+
+
+def _has_runs_of(account: PairsAccount, table: Sequence[tuple[int, int]] | None,
+                 cuts: Sequence[int]) -> bool:
+    """Tell whether the ledger of an account can be divided among runs with these cuts."""
+    if (None if table is None else {*table}) != (
+            None if account.table is None else {*account.table}):
+        return False
+    return {*cuts[1:]} <= {segment.start_ns for segment in account.segments}
+
+
+def _compare_pairing(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+    """Return which settings of the pairing differ; the pairs remain as they were made."""
+    names = [name for name in now if name.startswith('pairing.') or name == 'alignment.skew_s']
+    told = [f'{name} = {before[name]}, not {now[name]}' for name in names
+            if name in before and before[name] != now[name]]
+    return [f'its pairs were made with {", ".join(told)}'] if told else []
+
+
+def _describe(name: str, digest: str, account: PairsAccount | None) -> Input:
+    if account is None:
+        return Input(name, digest)
+    ts = next((one.ts_topic for one in account.inputs if one.ts_topic), None)
+    rs = next((one.rs_topic for one in account.inputs if one.rs_topic), None)
+    return Input(name, digest, ts, rs, notes=account.inputs[0].notes,
+                 made_from={os.fspath(one.path): one.sha256 for one in account.inputs})

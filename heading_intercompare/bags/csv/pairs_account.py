@@ -1,0 +1,207 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The account beside a csv of pairs: what the pairs alone cannot say.
+
+It has the ledger of the readings that made the pairs, the marks or the table of the runs, the
+settings, and where the readings come from. So a csv is judged as the recording that it came from.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any, Mapping, NamedTuple
+
+import numpy as np
+
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
+from heading_intercompare.core.pairing.stamp_jumps import SetBack
+from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.verdict.typed_reader import make_plain, read_plain, VerdictError
+from heading_intercompare.core.verdict.verdict_document import Input
+from heading_intercompare.core.version import VERSION
+
+__all__ = ['account_path', 'Fingerprint', 'PairsAccount', 'PairsDigest', 'read_account',
+           'write_account']
+
+_SCHEMA = 'heading_intercompare/pairs_account/1'
+#: An account of a year of hourly runs has some megabytes.
+_MOST_BYTES = 1 << 28
+_MARKS = ('start', 'stop')
+_REMOVE = 'remove it to judge the pairs alone'
+
+
+@dataclass(frozen=True, slots=True)
+class PairsAccount:
+    """
+    What belongs to a csv of pairs.
+
+    Attributes
+    ----------
+    inputs : tuple of Input
+        The recordings whose readings were paired, with hashes, topics, notes and problems.
+    settings : mapping
+        Settings of the analysis that made the pairs, by dotted name.
+    marks : tuple of (str, int)
+        Marks of runs: 'start' or 'stop' and the stamp, nanoseconds.
+    table : tuple of (int, int), or None
+        Start and stop of the runs, nanoseconds, if a table gave them.
+    newest_ns : int or None
+        Newest stamp received.
+    segments : tuple of LedgerSegment
+        The ledger; see `ledger`.
+    set_backs : tuple of SetBack
+        The times at which a clock was set back.
+    software_version : str
+
+    """
+
+    inputs: tuple[Input, ...]
+    settings: Mapping[str, Any]
+    marks: tuple[tuple[str, int], ...]
+    table: tuple[tuple[int, int], ...] | None
+    newest_ns: int | None
+    segments: tuple[LedgerSegment, ...]
+    set_backs: tuple[SetBack, ...]
+    software_version: str = VERSION
+
+    @property
+    def ledger(self) -> Ledger:
+        """The account of every reading."""
+        return Ledger.from_segments(self.segments, self.newest_ns, self.set_backs)
+
+
+def account_path(csv: str | os.PathLike[str]) -> Path:
+    """
+    Return the path of the account beside a csv of pairs.
+
+    Examples
+    --------
+    >>> account_path('trial/pairs.csv').name
+    'pairs.csv.account.json'
+
+    """
+    return Path(f'{os.fspath(csv)}.account.json')
+
+
+class PairsDigest:
+    """
+    The hash of pairs, however they are cut into chunks and written as text.
+
+    A heading that is not finite counts as nan, as in a csv.
+
+    Examples
+    --------
+    >>> one, two, pairs = PairsDigest(), PairsDigest(), Pairs.of([5, 6], [1.0, 2.0], [3.0, 4.0])
+    >>> one.update(pairs)
+    >>> for part in (pairs[:1], pairs[1:]):
+    ...     two.update(part)
+    >>> one.hexdigest() == two.hexdigest()
+    True
+
+    """
+
+    def __init__(self) -> None:
+        self._columns = [hashlib.sha256() for _ in fields(Pairs)]
+
+    def update(self, pairs: Pairs) -> None:
+        """Take pairs."""
+        for declared, digest in zip(fields(Pairs), self._columns):
+            column = getattr(pairs, declared.name)
+            if column.dtype.kind == 'f':
+                # There are many nan, and two zeros.
+                column = np.where(np.isfinite(column), column, np.nan) + 0.0
+            digest.update(np.ascontiguousarray(column, column.dtype.newbyteorder('<')))
+
+    def hexdigest(self) -> str:
+        """Return the hash of the pairs so far."""
+        return hashlib.sha256(b''.join(one.digest() for one in self._columns)).hexdigest()
+
+
+class Fingerprint(NamedTuple):
+    """
+    The hashes of a csv of pairs.
+
+    Attributes
+    ----------
+    csv_sha256 : str
+        Of the bytes of the file.
+    pairs_sha256 : str
+        Of the pairs in it, from `PairsDigest`: the same after a spreadsheet has saved it, unless
+        that rounded its numbers.
+
+    """
+
+    csv_sha256: str
+    pairs_sha256: str
+
+
+def write_account(csv: str | os.PathLike[str], account: PairsAccount, of: Fingerprint) -> None:
+    """
+    Write the account beside a csv of pairs; an existing one is replaced.
+
+    Parameters
+    ----------
+    csv : str or path
+        The csv file.
+    account : PairsAccount
+    of : Fingerprint
+        Of the csv file.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+
+    """
+    plain = {'schema': _SCHEMA, **of._asdict(), **make_plain(account)}
+    text = json.dumps(plain, indent=1, ensure_ascii=False, allow_nan=False)
+    account_path(csv).write_text(f'{text}\n', 'utf-8')
+
+
+def read_account(csv: str | os.PathLike[str]) -> tuple[PairsAccount, Fingerprint] | None:
+    """
+    Return the account beside a csv of pairs, and of which csv it is; None if there is none.
+
+    Parameters
+    ----------
+    csv : str or path
+        The csv file.
+
+    Raises
+    ------
+    OSError
+        If the account cannot be read.
+    BagError
+        If it is no account.
+
+    """
+    path = account_path(csv)
+    try:
+        with path.open('rb') as file:
+            data = file.read(_MOST_BYTES + 1)
+    except FileNotFoundError:
+        return None
+    try:
+        if len(data) > _MOST_BYTES:
+            raise VerdictError('is too large')
+        plain = json.loads(data)
+        if not isinstance(plain, dict) or plain.get('schema') != _SCHEMA:
+            raise VerdictError(f'is no account of pairs: its schema must be {_SCHEMA!r}')
+        account: PairsAccount = read_plain(PairsAccount, plain)
+        for at, segment in enumerate(account.segments):
+            if at and segment.start_ns is None:
+                raise VerdictError(f'segments[{at}].start_ns = None: must be an integer')
+        for at, (kind, _) in enumerate(account.marks):
+            if kind not in _MARKS:
+                raise VerdictError(f"marks[{at}][0] = {kind!r}: must be 'start' or 'stop'")
+        return account, Fingerprint(*(str(plain.get(name)) for name in Fingerprint._fields))
+    except RecursionError:
+        raise BagError(f'is no account of pairs; {_REMOVE}', path) from None
+    except ValueError as error:
+        raise BagError(f'{error}; {_REMOVE}', path) from None
