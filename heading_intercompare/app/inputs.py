@@ -229,7 +229,7 @@ def _analyze_journal(path: str, name: str, settings: Settings,
     # A node may be writing it: the hash is that of the bytes that were read.
     contents = read_journal(Path(path))
     origin = read_origin(contents, Path(path))
-    compliance = Compliance(settings, source=name, table=runs)
+    compliance = Compliance(settings, source=name, table=runs, progress=progress)
     others = compare_settings(*map(_leave_out_names, (
         origin.settings or {}, leave_out_added(settings.to_mapping()))))
     whole = runs is None and not others
@@ -267,7 +267,7 @@ def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                  start_digest: Callable[[], None],
                  helpers: int) -> Found:
-    comparison = Intercomparison(settings, source=name, table=runs)
+    comparison = Intercomparison(settings, source=name, table=runs, progress=progress)
     ts, rs = settings.ts_topic, settings.rs_topic
     conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
     # Aligning a run needs all readings a second time; otherwise they are dropped chunk by chunk.
@@ -306,7 +306,6 @@ def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
         told.read_told()
         told.finish(comparison.pairer.ledger.newest_ns)
         problems += find_problems(reader)
-    progress('judging the runs')
     hand_out(comparison.finish())
     results = comparison.results()
     if kept:

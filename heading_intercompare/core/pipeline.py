@@ -65,6 +65,8 @@ class Compliance:
     keeper : callable, optional
         Returns the store for the pages of a run (see `Column`), so that memory does not grow
         during the run. Without it all pages stay in memory.
+    progress : callable
+        Called with the progress in words while a run is judged.
 
     Raises
     ------
@@ -80,9 +82,10 @@ class Compliance:
 
     def __init__(self, settings: Settings, *, source: str = '',
                  table: Sequence[tuple[int, int]] | None = None,
-                 keeper: Callable[[], Keep | None] = lambda: None) -> None:
+                 keeper: Callable[[], Keep | None] = lambda: None,
+                 progress: Callable[[str], None] = lambda text: None) -> None:
         self.settings = settings
-        self._keeper = keeper
+        self._keeper, self._progress = keeper, progress
         self.newest_ns: int | None = None
         # The limits of the newest run also serve the rolling window, which ends in it.
         self._limits = Limits.of(settings.norms, settings.model)
@@ -205,8 +208,10 @@ class Compliance:
         if run.end_ns - run.start_ns < round(self.settings.runs.min_duration_s * 1e9):
             self._n_short += 1
             return
-        result = judge_run(run, self.settings, len(self._finished) + 1, self._source,
-                           looks=looks)
+        number = len(self._finished) + 1
+        result = judge_run(
+            run, self.settings, number, self._source, looks=looks,
+            told=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
         self._limits = result.limits
         self._finished.append((result, run.cut_ns))
 
@@ -376,7 +381,7 @@ class Intercomparison:
     ----------
     settings : Settings
         Must hold the norms.
-    source, table
+    source, table, progress
         As for `Compliance`.
 
     Examples
@@ -395,8 +400,9 @@ class Intercomparison:
     """
 
     def __init__(self, settings: Settings, *, source: str = '',
-                 table: Sequence[tuple[int, int]] | None = None) -> None:
-        self.compliance = Compliance(settings, source=source, table=table)
+                 table: Sequence[tuple[int, int]] | None = None,
+                 progress: Callable[[str], None] = lambda text: None) -> None:
+        self.compliance = Compliance(settings, source=source, table=table, progress=progress)
         self._table = table or ()
         self._before = Incarnations()
         self._begin()

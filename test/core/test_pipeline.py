@@ -84,6 +84,17 @@ def test_a_good_sensor_complies_and_a_bad_one_does_not(rng):
     assert analyze(ts, rs, settings(norms__sigma_max_deg=0.1)).outcome is Outcome.NON_COMPLIANT
 
 
+def test_the_share_of_a_run_that_is_judged_is_told(rng):
+    told = []
+    ts, rs = sensors(rng)
+    comparison = Intercomparison(settings(), progress=told.append)
+    comparison.update(ts, rs)
+    assert told == []
+    comparison.finish()
+    shares = [int(text.removesuffix('% of run 1 judged')) for text in told]
+    assert len(shares) > 2 and shares == sorted(shares) and 0 < shares[0] < shares[-1] <= 100
+
+
 def test_a_silence_makes_two_runs_and_divides_the_ledger(rng):
     ts, rs = sensors(rng)
     late = 100 * S

@@ -120,7 +120,7 @@ def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, Drive
     if sketch is not None:
         takers.append(partial(sketch.update, settings=settings))
     readings = log['ts'].headings, log['rs'].headings
-    comparison = Intercomparison(settings, source=ts, table=table)
+    comparison = Intercomparison(settings, source=ts, table=table, progress=progress)
     for pairs in (comparison.update(*readings), comparison.finish()):
         for take in takers:
             take(pairs)

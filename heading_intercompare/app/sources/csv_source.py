@@ -70,7 +70,7 @@ def judge_csv(path: str, name: str, settings: Settings,
     table = runs
     if account is not None and runs is None:
         table = account.table
-    compliance = Compliance(settings, source=name, table=table)
+    compliance = Compliance(settings, source=name, table=table, progress=progress)
     judging = _Judging(compliance, settings, takers, progress, trusted=account is not None)
     if account is not None and table is None:
         for kind, stamp_ns in account.marks:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 import math
-from typing import Iterator, Sequence
+from typing import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -111,7 +111,8 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
              guarded: Guarded, limits: Limits, *, drift: Drift, rest: Detrended,
              residual_deg: np.ndarray | None = None, times: CorrelationTimes | None = None,
              scan: Scan | None = None, factor: np.ndarray | None = None,
-             interpolates_ts: bool = False) -> Diagnostics:
+             interpolates_ts: bool = False,
+             told: Callable[[float], None] = lambda share: None) -> Diagnostics:
     """
     Examine a run.
 
@@ -142,6 +143,8 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
         default 1.
     interpolates_ts : bool
         Whether the TS is interpolated, not the RS.
+    told : callable
+        Called with the share of the work that is done, from 0 to 1.
 
     Returns
     -------
@@ -167,11 +170,13 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     range_s = settings.alignment.skew_range_s
     estimate = Skew(0) if settings.alignment.skew == 'off' else estimate_skew(
         stamp_ns, x_deg, rs_deg, range_s=range_s, max_gap_s=settings.pairing.max_gap_s)
+    told(0.3)
     stamps = measure_stamp_steps(stamp_ns, detectors.silence_steps)
     correlation = describe_correlation(residual, stamps, times
                                        or estimate_correlation_times(residual))
     signs, normal = _examine_headings(stamp_ns, x_deg, rs_deg, residual, settings, detectors,
                                       limits, factor, interpolates_ts, correlation, estimate)
+    told(0.9)
     allan = describe_allan(x_deg, stamps.typical_s, _noise_of_rs(x_deg, rs_deg, estimate, range_s))
     variance = float(np.var(x_deg, ddof=1)) if n > 1 else None
     block = describe_skew(estimate, variance, limits, scan)

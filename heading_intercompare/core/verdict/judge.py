@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 import math
-from typing import Iterator, Sequence
+from typing import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -62,6 +62,9 @@ from .validity import add_set_backs, examine, Examined, Finding, VOID
 from .verdict_document import Campaign, PairingFigures, RunVerdict
 
 __all__ = ['compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult']
+
+#: Share of the work of judging a run before its diagnostics.
+_BEFORE = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,7 +214,8 @@ class _Decision:
 
 
 def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
-              risk: Risk | None = None, looks: Sequence[LookVerdict] = ()) -> RunResult:
+              risk: Risk | None = None, looks: Sequence[LookVerdict] = (),
+              told: Callable[[float], None] = lambda share: None) -> RunResult:
     """
     Judge a run as it is.
 
@@ -229,6 +233,9 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         Share of the risks for this judgement; default that of the end of a run.
     looks : sequence of LookVerdict
         Results of the looks so far.
+    told : callable
+        Called with the share of the work that is done, from 0 to 1. With exclusions it begins
+        again, for the run is judged twice.
 
     Returns
     -------
@@ -256,19 +263,20 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     exclusions = [one for one in read_exclusions(settings.exclusions)
                   if one.start_ns <= run.end_ns and one.end_ns > run.start_ns]
     whole = _judge(run, settings, number, source, risk,
-                   [look.recorded or look for look in looks], ())
+                   [look.recorded or look for look in looks], (), told)
     lo = whole.verdict.n_stabilization - run.n_stabilization
     at = find_excluded(run.stamp_ns.values[lo:], exclusions)
     if not exclusions or not np.any(at >= 0):
         return whole
     count = np.bincount(at[at >= 0], minlength=len(exclusions)).tolist()
-    return _judge(run, settings, number, source, risk, looks, exclusions).beside(
+    return _judge(run, settings, number, source, risk, looks, exclusions, told).beside(
         whole, [Stretch(one.start_ns, one.end_ns, one.reason, n)
                 for one, n in zip(exclusions, count) if n])
 
 
 def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: Risk | None,
-           looks: Sequence[LookVerdict], exclusions: Sequence[Exclusion]) -> RunResult:
+           looks: Sequence[LookVerdict], exclusions: Sequence[Exclusion],
+           told: Callable[[float], None] = lambda share: None) -> RunResult:
     """Judge a run without the differences in some stretches."""
     assert run.start_ns is not None and run.end_ns is not None
     risk = risk_at_the_end(settings) if risk is None else risk
@@ -277,6 +285,7 @@ def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: R
     moments = data.moments
     n = moments.n
     drift, rest = describe_drift(data.stamp_ns, data.x_deg, SETTLED_SHARE * limits.sigma_max_deg)
+    told(_BEFORE)
     left = drift.left_deg2 if data.residual_deg is None and drift.left_deg2 is not None else 0.0
     # Live figures use the same sums, so they are the same to the bit.
     as_it_came = data.residual_deg is None and not data.n_left_out and not exclusions
@@ -290,7 +299,8 @@ def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: R
     found = diagnose(data.stamp_ns, data.x_deg, data.rs_deg, settings, guarded, limits,
                      drift=drift, rest=rest, residual_deg=data.residual_deg,
                      times=estimate_correlation_times(data.series_deg),
-                     factor=factor, interpolates_ts=run.interpolates_ts)
+                     factor=factor, interpolates_ts=run.interpolates_ts,
+                     told=lambda share: told(_BEFORE + (1.0 - _BEFORE) * share))
     validity = examine(Examined(
         data, found, limits, settings, outcome, decision.outcome,
         guarded.d_hat_deg2, guarded.lower_bound_deg2, guarded.upper_bound_deg2))
