@@ -142,8 +142,7 @@ class Intake:
 
     def take(self) -> list[Message]:
         """Return the messages since the last call, each with its info."""
-        if not self.received and self._renewal.stood_still(time.monotonic()):
-            self._part()
+        self._notice_standstill()
         if not self._reception.there:
             self.look()
         taken = self._reception.take()
@@ -248,6 +247,10 @@ class Intake:
                     'the old one may be dead and disappears within 20 s')
         return f'{len(infos)} publishers on {self._topic} instead of one: {", ".join(names)}'
 
+    def _notice_standstill(self) -> None:
+        if not self.received and self._renewal.stood_still(time.monotonic()):
+            self._part()
+
     def _part(self) -> None:
         """Begin again where publishers may have given up this process before a message came."""
         if self._kept is not None and self._reception.there and not self._reception.newest:
@@ -282,6 +285,8 @@ class Intake:
     def _note(self) -> None:
         """Report the state of this input."""
         now_s = time.monotonic()
+        # Before the renewal is asked, which forgets that this process stood still.
+        self._notice_standstill()
         wrong, age_s = self.look(), now_s - self._newest_s
         if self._renewal.is_due(now_s, self.received, self._fetchable) and self._reception.there:
             self._reception.hand_over(self._qos)

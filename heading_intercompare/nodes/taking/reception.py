@@ -112,6 +112,7 @@ class Reception:
         if self._successor is not None:
             self._node.destroy_subscription(self._successor)
         self._successor = self._subscribe(self._current.msg_type, profile)
+        self._kept_until_ns = time.time_ns() + _KEPT_NS
 
     def take(self) -> list[Message]:
         """Return the messages since the last call."""
@@ -121,7 +122,7 @@ class Reception:
         if self._successor is not None:
             again = take_all(self._successor)
             caught_up = bool(again) and number_of(again[-1]) >= self.newest
-            taken += self._once([one for one in again if not self._is_earlier(one)])
+            taken += self._once(again)
             if caught_up:
                 # What the first one still holds comes to the second one, too.
                 self._node.destroy_subscription(self._current)
@@ -149,7 +150,7 @@ class Reception:
                 if number <= self._skip_until:
                     continue
                 self._skip_until = 0
-            if self._since_ns and self._is_kept_from_before(message):
+            if self._is_earlier(message):
                 continue
             name = number, message[1]['source_timestamp']
             if name not in self._known:
@@ -163,12 +164,12 @@ class Reception:
                 self._first = number_of(fresh[0]), fresh[0][1]['source_timestamp']
         return fresh
 
-    def _is_kept_from_before(self, message: Message) -> bool:
-        info = message[1]
-        return (info['source_timestamp'] < self._since_ns
-                and info['received_timestamp'] < self._kept_until_ns)
-
     def _is_earlier(self, message: Message) -> bool:
-        """Tell whether a message was sent before the first one that was taken."""
-        number, sent_ns = self._first
-        return number_of(message) < number and message[1]['source_timestamp'] < sent_ns
+        """Tell whether a message was sent before the first one taken, or the time of `open`."""
+        number, info = number_of(message), message[1]
+        if self._since_ns:
+            return (info['source_timestamp'] < self._since_ns
+                    and info['received_timestamp'] < self._kept_until_ns
+                    and (not self.newest or number < self.newest))
+        first, sent_ns = self._first
+        return number < first and info['source_timestamp'] < sent_ns

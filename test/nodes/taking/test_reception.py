@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 from std_msgs.msg import String
 
@@ -137,3 +139,22 @@ def test_one_made_again_brings_what_the_first_one_did_not(line, lost):
     line.reception.hand_over(qos.HEADINGS_KEPT)
     line.take_until(lambda: len(line.taken) == 40)
     assert sorted(line.taken) == [*range(11, 51)] and line.taken[-10:] == [*lost]
+
+
+def test_one_set_aside_begins_with_what_was_sent_since_it_was_made(line):
+    """Also where the next one does not bring it, and the one after it does."""
+    line.send(20)
+    line.open()
+    since_ns = time.time_ns()
+    line.send(30)
+    line.ros.spin_until(lambda: line.publisher.wait_for_all_acked())
+    line.reception.set_aside()
+    line.reception.open(String, qos.HEADINGS_KEPT, since_ns=since_ns)
+    stolen = []
+    line.ros.spin_until(lambda: stolen.extend(take_all(line.reception._current))
+                        or len(stolen) == 50)
+    line.send(5)
+    line.take_until(lambda: len(line.taken) == 5)
+    line.reception.hand_over(qos.HEADINGS_KEPT)
+    line.take_until(lambda: len(line.taken) == 35)
+    assert line.taken == [*range(51, 56), *range(21, 51)]
