@@ -12,6 +12,7 @@ import threading
 import time
 
 import pytest
+from ros_domain import take_domain
 from sensor_msgs.msg import Imu
 
 from heading_intercompare.ahrs.settings import Scenario
@@ -138,7 +139,7 @@ def test_a_replay_at_any_rate_gives_the_live_verdict(trial, rate):
 def domain(monkeypatch):
     """Let contexts of this process find each other, and nobody else, in a ROS domain."""
     monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    monkeypatch.setenv('ROS_DOMAIN_ID', str(101 + os.getpid() % 100))
+    monkeypatch.setenv('ROS_DOMAIN_ID', str(take_domain()))
 
 
 def test_without_sources_the_graph_listens_to_the_topics_of_others(domain, tmp_path):

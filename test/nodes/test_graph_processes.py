@@ -20,6 +20,7 @@ from threading import Event, Thread
 import time
 
 import pytest
+from ros_domain import DOMAIN
 import yaml
 
 from heading_intercompare.app.analysis import judge_bags
@@ -39,9 +40,6 @@ from .lines import free_port, sentence
 from .test_graph import assert_same, log, offline
 
 pytestmark = pytest.mark.process
-
-# A domain of its own for each process that tests, so that their graphs do not see each other.
-DOMAIN = 1 + os.getpid() % 100
 
 
 class Processes:

@@ -9,7 +9,6 @@ Datagrams are those of IEC 61162-450, the time of the log in their TAG blocks, m
 from __future__ import annotations
 
 from datetime import datetime, timezone
-import os
 from pathlib import Path
 import signal
 import socket
@@ -18,6 +17,7 @@ import sys
 import time
 
 import pytest
+from ros_domain import DOMAIN
 
 from heading_intercompare.cli import main
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
@@ -64,7 +64,7 @@ class Graph:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.environment = {**make_environment(1 + os.getpid() % 100, 'UDPv4'),
+        self.environment = {**make_environment(DOMAIN, 'UDPv4'),
                             'PYTHONPATH': str(Path(__file__).resolve().parents[2])}
         self.processes: dict[str, subprocess.Popen] = {}
 

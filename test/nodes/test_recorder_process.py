@@ -10,11 +10,12 @@ import sys
 
 import numpy as np
 import pytest
+from ros_domain import DOMAIN
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 
 from .launch_files import make_environment, Node
-from .test_graph_processes import DOMAIN, Processes
+from .test_graph_processes import Processes
 
 pytestmark = pytest.mark.process
 

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 import time
@@ -14,6 +13,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 import numpy as np
 import pytest
 from rclpy.serialization import serialize_message
+from ros_domain import take_domain
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 from std_srvs.srv import Trigger
@@ -506,7 +506,7 @@ COMMAND = ('-m', 'heading_intercompare', 'replay', '{}', '--rate', '0', '--remap
 @pytest.mark.slow
 @pytest.mark.parametrize('arguments', [NODE, COMMAND], ids=['node', 'command'])
 def test_another_process_hears_it_under_the_new_name(arguments, tmp_path, monkeypatch):
-    monkeypatch.setenv('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
+    monkeypatch.setenv('ROS_DOMAIN_ID', str(take_domain()))
     monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     ros = Ros()
     bag = bag_of(tmp_path / 'bag')

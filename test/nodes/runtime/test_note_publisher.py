@@ -11,6 +11,7 @@ import sys
 import time
 
 import pytest
+from ros_domain import DOMAIN
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
@@ -18,9 +19,6 @@ from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.nodes.runtime.note_publisher import publish_note
 
 pytestmark = pytest.mark.process
-
-# A domain of its own for each process that tests, so that their graphs do not see each other.
-DOMAIN = 1 + os.getpid() % 100
 
 
 def test_a_note_that_nobody_hears_is_an_error():

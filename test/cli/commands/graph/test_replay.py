@@ -12,6 +12,7 @@ import time
 
 import numpy as np
 import pytest
+from ros_domain import take_domain
 
 from heading_intercompare import Headings
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
@@ -38,7 +39,7 @@ def test_without_a_terminal_lines_say_for_whom_a_replay_waits(tmp_path, options,
     with open(said, 'wb') as file, subprocess.Popen(
             [sys.executable, '-m', 'heading_intercompare', 'replay', str(tmp_path / 'bag'),
              *options], stderr=file,
-            env={**os.environ, 'ROS_DOMAIN_ID': str(1 + os.getpid() % 100)}) as process:
+            env={**os.environ, 'ROS_DOMAIN_ID': str(take_domain())}) as process:
         try:
             deadline_s = time.monotonic() + 30.0
             while wanted not in said.read_text():
