@@ -19,9 +19,10 @@ from .pipeline import Intercomparison, join
 from .records import Headings, Losses, Pairs
 from .settings import LARGEST_SKEW_S, Pairing, Settings
 
-__all__ = ['analyze', 'judge_aligned']
+__all__ = ['analyze', 'judge_aligned', 'name_apart']
 
 _LEAST_READINGS = 64
+_SHOWS_NONE = ('no_fit', 'too_few')
 
 _NO_RUN = ('not_aligned: with the skew removed the run no longer pairs as one run; it is judged '
            'with its stamps unchanged')
@@ -120,6 +121,39 @@ def _search(ts: Headings, rs: Headings, settings: Settings) -> float | None:
     _, found = find_apart(ts_track, rs_track, settings.alignment.clock_range_s,
                           settings.pairing.max_gap_s)
     return None if found is None else found.skew_s
+
+
+def name_apart(ts: Headings, rs: Headings, results: Sequence[RunResult],
+               settings: Settings) -> str:
+    """
+    Say how far the clocks of an input lie apart if its pairs cannot show it.
+
+    Parameters
+    ----------
+    ts, rs : Headings
+        All readings of an input, with a partner or without.
+    results : sequence of RunResult
+        Its runs as judged; may be empty.
+    settings : Settings
+        The search covers `alignment.clock_range_s`.
+
+    Returns
+    -------
+    str
+        Empty if each run shows its skew, or if the readings show none, either.
+
+    """
+    rule = settings.alignment
+    shown = results and all(result.verdict.skew.estimate.kind not in _SHOWS_NONE
+                            for result in results)
+    if shown or rule.skew == 'off' or rule.clock_range_s <= REACH_S:
+        return ''
+    apart_s = _search(ts, rs, settings)
+    if apart_s is None:
+        return ''
+    return (f'the clock of the {"RS" if apart_s > 0.0 else "TS"} lags by about '
+            f'{abs(apart_s):.1f} s by the motion in all readings: alignment.skew_s = '
+            f'{rule.skew_s + apart_s:.1f} pairs them')
 
 
 def _pair_again(ts: Headings, rs: Headings, result: RunResult, settings: Settings, source: str,
