@@ -39,8 +39,8 @@ VOID_REASONS = {
     'void.mean_difference': 'void: the mean difference is too large for sensors mounted parallel, '
                             'and the stated installation angle does not explain it',
     'void.frozen': 'void: a sensor repeats its value while the other shows that the ship turns',
-    'void.clocks': 'void: the clocks of the sensors lie apart, drift apart or step, and that '
-                   'decides the outcome',
+    'void.clocks': 'void: the clocks of the sensors lie minutes apart, or drift apart or step, '
+                   'and that decides the outcome',
     'void.interpolation': 'void: the slower sensor is too slow for the motion, and that decides '
                           'the outcome',
     'void.losses': 'void: too many readings of the run are lost, rejected or without partner',
