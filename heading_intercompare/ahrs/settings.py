@@ -148,7 +148,7 @@ class Sensor(Checked):
         0.0, 'delay from the instant of a reading to its delivery [s]', 0.0, 60.0)
     stamp_offset_s: float = setting(
         0.0, 'stamp minus the instant of the reading [s]; what the skew estimate finds',
-        -60.0, 60.0)
+        -3600.0, 3600.0)
     stamp_jitter_s: float = setting(
         0.0, 'largest random error of a stamp, uniform [s]', 0.0, 10.0)
     clock_drift_ppm: float = setting(0.0, 'rate error of the clock of the stamps [1e-6]',

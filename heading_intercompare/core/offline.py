@@ -8,15 +8,24 @@ from dataclasses import replace
 from typing import Callable, Sequence
 
 from heading_intercompare.core.pairing.ledger import LedgerKey
+from heading_intercompare.core.timing.clock_search import find_apart
+from heading_intercompare.core.timing.heading_track import Track
 from heading_intercompare.core.timing.skew_scan import Scan, scan_skew
+from heading_intercompare.core.timing.skew_search import REACH_S
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
 from .pipeline import Intercomparison, join
 from .records import Headings, Losses, Pairs
-from .settings import Pairing, Settings
+from .settings import LARGEST_SKEW_S, Pairing, Settings
 
-__all__ = ['analyze', 'judge_aligned']
+__all__ = ['analyze', 'judge_aligned', 'name_apart']
+
+_LEAST_READINGS = 64
+_SHOWS_NONE = ('no_fit', 'too_few')
+
+_NO_RUN = ('not_aligned: with the skew removed the run no longer pairs as one run; it is judged '
+           'with its stamps unchanged')
 
 
 def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], settings: Settings, *,
@@ -32,7 +41,8 @@ def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], sett
     results : sequence of RunResult
         Its runs as first judged.
     settings : Settings
-        The search covers `alignment.skew_range_s` on both sides of `alignment.skew_s`.
+        The search covers `alignment.skew_range_s` on both sides of `alignment.skew_s`, and
+        `alignment.clock_range_s` for clocks that lie apart.
     source : str
         Name of the input.
     lost : sequence of (LedgerKey, Losses)
@@ -49,7 +59,8 @@ def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], sett
     The skew is that of the regression. The scan is shown for comparison only: interpolation
     averages the noise of the RS, which shifts the minimum of the scan. A run keeps its TS
     readings, so its bounds move with the TS stamps. Each run is paired from its own readings
-    alone.
+    alone. Clocks that lie apart are moved first, and the skew is that of the moved pairs; then
+    there is no scan.
 
     References
     ----------
@@ -61,17 +72,99 @@ def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], sett
 
 def _judge_again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
                  source: str, lost: Sequence[tuple[LedgerKey, Losses]]) -> RunResult:
-    estimate = result.verdict.skew.estimate
-    ts, rs = _readings_of(ts, rs, result, settings)
-    found = scan_skew(ts, rs, settings.alignment.skew_range_s)
+    apart_s = _find_apart(ts, rs, result, settings)
+    begun: RunResult | None = result
+    if apart_s:
+        begun = _pair_again(ts, rs, result, settings, source, lost, apart_s)
+    ts_then, rs_then = _readings_of(ts, rs, result, settings, 0.0)
+    found = None if apart_s else scan_skew(ts_then, rs_then, settings.alignment.skew_range_s)
+    if begun is None:
+        return _note_alignment(result, found, _NO_RUN)
+    estimate = begun.verdict.skew.estimate
     if not estimate.well_determined or estimate.skew_s is None:
         why = estimate.why_not(settings.alignment.skew_range_s)
         return _note_alignment(result, found,
                                f'not_aligned: {why}; the run is judged with its stamps unchanged')
-    shift_ns = round(estimate.skew_s * 1e9)
-    skew_s = settings.alignment.skew_s + shift_ns / 1e9
+    shift_s = apart_s + round(estimate.skew_s * 1e9) / 1e9
+    again = _pair_again(ts, rs, result, settings, source, lost, shift_s)
+    if again is None:
+        return _note_alignment(result, found, _NO_RUN)
+    return _note_alignment(
+        again, found, f'aligned: {settings.alignment.skew_s + shift_s:.3f} s are subtracted from '
+        f'the TS stamps; without this the outcome was {result.verdict.outcome}')
+
+
+def _find_apart(ts: Headings, rs: Headings, result: RunResult, settings: Settings) -> float:
+    """
+    Return a skew beyond the range of the estimate, seconds; 0 if there is none.
+
+    The pairs show one only if both sensors share enough of them. So the readings are searched if
+    the pairs show no skew at all.
+    """
+    rule, estimate = settings.alignment, result.verdict.skew.estimate
+    apart_s = estimate.beyond_s
+    if apart_s is None and not estimate.well_determined and rule.clock_range_s > REACH_S:
+        apart_s = _search(*_readings_of(ts, rs, result, settings, rule.clock_range_s), settings)
+    if apart_s is None or abs(apart_s) > max(REACH_S, rule.clock_range_s) or (
+            abs(apart_s + rule.skew_s) > LARGEST_SKEW_S - rule.skew_range_s):
+        return 0.0
+    return round(apart_s, 9)
+
+
+def _search(ts: Headings, rs: Headings, settings: Settings) -> float | None:
+    """Return the skew beyond a minute at which the motion in all readings agrees, seconds."""
+    origin_ns = int(ts.stamp_ns[0]) if len(ts) else 0
+    ts_track = Track(ts, origin_ns + round(settings.alignment.skew_s * 1e9))
+    rs_track = Track(rs, origin_ns)
+    if min(len(ts_track), len(rs_track)) < _LEAST_READINGS:
+        return None
+    _, found = find_apart(ts_track, rs_track, settings.alignment.clock_range_s,
+                          settings.pairing.max_gap_s)
+    return None if found is None else found.skew_s
+
+
+def name_apart(ts: Headings, rs: Headings, results: Sequence[RunResult],
+               settings: Settings) -> str:
+    """
+    Say how far the clocks of an input lie apart if its pairs cannot show it.
+
+    Parameters
+    ----------
+    ts, rs : Headings
+        All readings of an input, with a partner or without.
+    results : sequence of RunResult
+        Its runs as judged; may be empty.
+    settings : Settings
+        The search covers `alignment.clock_range_s`.
+
+    Returns
+    -------
+    str
+        Empty if each run shows its skew, or if the readings show none, either.
+
+    """
+    rule = settings.alignment
+    shown = results and all(result.verdict.skew.estimate.kind not in _SHOWS_NONE
+                            for result in results)
+    if shown or rule.skew == 'off' or rule.clock_range_s <= REACH_S:
+        return ''
+    apart_s = _search(ts, rs, settings)
+    if apart_s is None:
+        return ''
+    return (f'the clock of the {"RS" if apart_s > 0.0 else "TS"} lags by about '
+            f'{abs(apart_s):.1f} s by the motion in all readings: alignment.skew_s = '
+            f'{rule.skew_s + apart_s:.1f} pairs them')
+
+
+def _pair_again(ts: Headings, rs: Headings, result: RunResult, settings: Settings, source: str,
+                lost: Sequence[tuple[LedgerKey, Losses]], shift_s: float) -> RunResult | None:
+    """Return a run as judged with a skew removed; None if it does not pair as one run."""
+    ts, rs = _readings_of(ts, rs, result, settings, abs(shift_s))
+    shift_ns = round(shift_s * 1e9)
     table = [(result.verdict.start_ns - shift_ns, result.verdict.end_ns - shift_ns + 1)]
-    moved = replace(settings, alignment=replace(settings.alignment, skew_s=skew_s),
+    moved = replace(settings,
+                    alignment=replace(settings.alignment,
+                                      skew_s=settings.alignment.skew_s + shift_ns / 1e9),
                     pairing=_fix_method(result, settings.pairing),
                     runs=replace(settings.runs, stabilization_s=result.stabilization_s))
     comparison = Intercomparison(moved, source=source, table=table)
@@ -83,12 +176,8 @@ def _judge_again(ts: Headings, rs: Headings, result: RunResult, settings: Settin
     comparison.finish()
     now = comparison.results()
     if len(now) != 1:
-        return _note_alignment(result, found,
-                               'not_aligned: with the skew removed the run no longer pairs as one '
-                               'run; it is judged with its stamps unchanged')
-    again = now[0] if now[0].set_backs else now[0].with_set_backs(result.set_backs)
-    return _note_alignment(again, found, f'aligned: {skew_s:.3f} s are subtracted from the TS '
-                           f'stamps; without this the outcome was {result.verdict.outcome}')
+        return None
+    return now[0] if now[0].set_backs else now[0].with_set_backs(result.set_backs)
 
 
 def _fix_method(result: RunResult, rule: Pairing) -> Pairing:
@@ -99,13 +188,13 @@ def _fix_method(result: RunResult, rule: Pairing) -> Pairing:
     return replace(rule, method='interpolate' if sensor == 'rs' else 'interpolate_ts')
 
 
-def _readings_of(ts: Headings, rs: Headings, result: RunResult,
-                 settings: Settings) -> tuple[Headings, Headings]:
-    """Return the TS readings of a run, and the RS readings that any skew in range needs."""
+def _readings_of(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
+                 apart_s: float) -> tuple[Headings, Headings]:
+    """Return the TS readings of a run, and the RS readings up to range and `apart_s` away."""
     known_ns = round(settings.alignment.skew_s * 1e9)
     run = result.verdict
     inside = (ts.stamp_ns - known_ns >= run.start_ns) & (ts.stamp_ns - known_ns <= run.end_ns)
-    margin_ns = (round(settings.alignment.skew_range_s * 1e9) + abs(known_ns)
+    margin_ns = (round((settings.alignment.skew_range_s + apart_s) * 1e9) + abs(known_ns)
                  + round(settings.pairing.max_gap_s * 1e9))
     near = (rs.stamp_ns >= run.start_ns - margin_ns) & (rs.stamp_ns <= run.end_ns + margin_ns)
     return ts[inside], rs[near]

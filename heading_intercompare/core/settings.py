@@ -31,9 +31,9 @@ from .time_rules.clock_cuts import ClockCuts
 from .time_rules.exclusions import read_exclusions
 
 __all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown', 'flatten',
-           'from_mapping', 'leave_out_added', 'leave_out_gone', 'list_settings', 'Norms',
-           'Pairing', 'Risk', 'RunCutting', 'Sequential', 'Setting', 'setting', 'Settings',
-           'settings_sha256', 'SettingsError', 'to_mapping', 'Trial']
+           'from_mapping', 'LARGEST_SKEW_S', 'leave_out_added', 'leave_out_gone', 'list_settings',
+           'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential', 'Setting', 'setting',
+           'Settings', 'settings_sha256', 'SettingsError', 'to_mapping', 'Trial']
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,17 +153,25 @@ class RunCutting(Checked):
         return cuts.before(newest_ns, spans * self.keep)
 
 
+LARGEST_SKEW_S = 3600.0
+"""Largest skew that settings may state or search for, in either direction, seconds."""
+
+
 @dataclass(frozen=True, slots=True)
 class Alignment(Checked):
     """Time skew between the sensors."""
 
     skew_s: float = setting(
-        0.0, 'known TS latency, subtracted from the TS stamps before pairing [s]', -60.0, 60.0)
+        0.0, 'known TS latency, subtracted from the TS stamps before pairing [s]', -LARGEST_SKEW_S,
+        LARGEST_SKEW_S)
     skew: str = setting(
         'report', "'off'; 'report': estimate the skew and show the verdict with and without it; "
         "'apply': pair again with the skew removed", choices=('off', 'report', 'apply'))
     skew_range_s: float = setting(
         2.0, 'largest skew to search for, in either direction [s]', 0.01, 60.0)
+    clock_range_s: float = setting(
+        600.0, 'largest offset of the clocks to search for beyond a minute, in either direction; '
+        '0: none [s]', 0.0, LARGEST_SKEW_S)
 
 
 @dataclass(frozen=True, slots=True)

@@ -52,3 +52,79 @@ def test_an_aligned_run_keeps_its_first_and_last_pair(rng, rs_hz, late_s):
         stamps = rs.stamp_ns[(rs.stamp_ns >= kept[0]) & (rs.stamp_ns <= kept[-1])]
         assert run.pairing.ts_variance_factor < 1.0 == run.pairing.rs_variance_factor
     assert (run.start_ns, run.end_ns, run.n) == (stamps[0], stamps[-1], stamps.size)
+
+
+GYROS = ('gyr1', 'lgyr')
+NAMES = {'norms.sigma_max_deg': 0.2, 'norms.sigma_ref_max_deg': 0.1}
+
+
+def moved(headings, by_s):
+    """Return headings with stamps of a clock that is ahead."""
+    return Headings.as_sent(headings.stamp_ns + round(by_s * 1e9), headings.heading_deg)
+
+
+@pytest.mark.parametrize('name', GYROS)
+@pytest.mark.parametrize('by_s', [79.5, 89.1, -300.0])
+def test_one_gyro_in_two_loggers_is_void_and_its_clocks_are_named(logs, name, by_s):
+    """
+    At 79.5 s the gyro of the Gould had "met" as its (b), at 89.1 s a sound gyro was rejected.
+
+    The loose norm once made this COMPLIANT, the tight one NON-COMPLIANT.
+    """
+    for sigma_max_deg in (0.2, 10.0):
+        verdict = analyze(moved(logs[name], by_s), logs[name], Settings.from_mapping(
+            {**NAMES, 'norms.sigma_max_deg': sigma_max_deg}))
+        assert verdict.runs[0].reason == 'void.clocks'
+        assert (f'the clock of the {"RS" if by_s > 0.0 else "TS"} lags by about {abs(by_s):.1f} s '
+                f'(alignment.skew_s = {by_s:.1f} mends it)') in verdict.headline
+        assert {a.id: a.state for a in verdict.runs[0].assumptions}['b'] == 'violated'
+
+
+@pytest.mark.parametrize('by_s', [79.5, -300.0])
+def test_clocks_of_a_gyro_and_a_satellite_compass_are_named(logs, by_s):
+    """The gyro is 1.2 s late by itself."""
+    verdict = analyze(moved(logs['gyr1'], by_s), logs['s330'], Settings.from_mapping(NAMES))
+    assert verdict.runs[0].reason == 'void.clocks'
+    assert verdict.runs[0].skew.estimate.beyond_s == pytest.approx(by_s + 1.18, abs=0.1)
+
+
+@pytest.mark.parametrize('name', GYROS)
+@pytest.mark.parametrize('by_s', [89.1, -300.0, 590.0])
+def test_clocks_that_lie_apart_are_mended_by_apply_and_by_a_setting(logs, name, by_s):
+    """At 590 s only the readings show it: the pairs of 410 s were made of different motion."""
+    gyro = logs[name]
+    (run,) = analyze(moved(gyro, by_s), gyro, Settings.from_mapping(
+        {**NAMES, 'alignment.skew': 'apply'})).runs
+    (said,) = (w for w in run.warnings if w.startswith('aligned: '))
+    assert float(said.split()[1]) == pytest.approx(by_s, abs=2e-3)
+    assert run.std_deg < 1e-3
+    (mended,) = analyze(moved(gyro, by_s), gyro, Settings.from_mapping(
+        {**NAMES, 'alignment.skew_s': by_s})).runs
+    assert mended.std_deg == 0.0
+    assert mended.n == len(gyro)
+
+
+def test_beyond_what_the_pairs_show_nothing_is_met(logs):
+    (run,) = analyze(moved(logs['lgyr'], 590.0), logs['lgyr'],
+                     Settings.from_mapping(NAMES)).runs
+    (b,) = (a for a in run.assumptions if a.id == 'b')
+    assert b.state == 'not_testable'
+    assert 0.0 < run.skew.estimate.searched_s < 300.0
+    assert f'nor was one found up to {run.skew.estimate.searched_s:g} s' in b.evidence
+
+
+def test_a_skew_that_no_setting_may_state_is_not_applied(rng):
+    """The known latency and what is found exceed an hour together."""
+    t_s = np.arange(0.0, 6000.0, 0.5)
+
+    def heading(at_s):
+        return 100.0 + sum(np.sin(2.0 * np.pi * at_s / period + period) for period in (
+            5.3, 6.1, 7.7, 8.4, 9.9, 11.6))
+
+    def stream(by_s):
+        return Headings.of(T0 + np.round((t_s + by_s) * 1e9).astype(np.int64), heading(t_s)
+                           + 0.05 * rng.standard_normal(t_s.size))
+    (run,) = analyze(stream(3700.0), stream(0.0), Settings.from_mapping(
+        {**NAMES, 'alignment.skew': 'apply', 'alignment.skew_s': 3500.0})).runs
+    assert run.skew.estimate.beyond_s == pytest.approx(200.0, abs=0.1)
+    assert any(w.startswith('not_aligned: ') for w in run.warnings)

@@ -14,7 +14,7 @@ from heading_intercompare.app.inputs import explain_no_run
 from heading_intercompare.app.run_table import assign_runs, name_outside, read_run_table
 from heading_intercompare.app.sources.found import Found, make_account
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.offline import judge_aligned
+from heading_intercompare.core.offline import judge_aligned, name_apart
 from heading_intercompare.core.pipeline import Intercomparison, join
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
@@ -135,6 +135,8 @@ def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, Drive
         why = explain_no_run(comparison.ledger, settings, table)
         inputs[0] = replace(inputs[0], no_run=why)
         notes.append(f'{ts}, {rs}: no run: {why}')
+    if words := name_apart(*readings, results, settings):
+        notes.append(f'{ts}, {rs}: {words}')
     notes += [f'{runs}: source {source} is not the log of the TS' for source in elsewhere]
     verdict = join(results, settings, inputs, incomplete=not results)
     notes += name_outside(verdict)

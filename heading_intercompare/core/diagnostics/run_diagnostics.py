@@ -42,6 +42,7 @@ from heading_intercompare.core.timing.interpolation_error import (
     estimate_interpolation_error,
     InterpolationError,
 )
+from heading_intercompare.core.timing.realignment import move_pairs
 from heading_intercompare.core.timing.skew_scan import Scan
 from heading_intercompare.core.timing.stamp_steps import measure_stamp_steps
 from heading_intercompare.core.timing.time_skew import estimate_skew, Skew
@@ -169,7 +170,8 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     residual = x_deg if residual_deg is None else residual_deg
     range_s = settings.alignment.skew_range_s
     estimate = Skew(0) if settings.alignment.skew == 'off' else estimate_skew(
-        stamp_ns, x_deg, rs_deg, range_s=range_s, max_gap_s=settings.pairing.max_gap_s)
+        stamp_ns, x_deg, rs_deg, range_s=range_s, max_gap_s=settings.pairing.max_gap_s,
+        clock_range_s=settings.alignment.clock_range_s)
     told(0.3)
     stamps = measure_stamp_steps(stamp_ns, detectors.silence_steps)
     correlation = describe_correlation(residual, stamps, times
@@ -186,7 +188,7 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
                          (), signs)
     resolved = assumptions.is_resolved(rest.found)
     rest_found = examine_stationarity(rest.polynomial.residual_deg, stamps.typical_s or 0.0)
-    return replace(result, warnings=tuple(_warnings(result)),
+    return replace(result, warnings=tuple(_warnings(result, range_s)),
                    assumptions=_assumptions(result, n, settings, guarded, limits, rest_found,
                                             resolved, is_whole))
 
@@ -201,8 +203,12 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
     ts_deg = wrap360(ts_deg)
     both = (ts_deg, rs_deg) if interpolates_ts else (rs_deg, ts_deg)
     steps = find_resolution(ts_deg), find_resolution(rs_deg)
+    # Read minutes apart, sound sensors seem to turn against each other.
+    at_ns, x_there, rs_there = stamp_ns, x_deg, rs_deg
+    if estimate.apart_s is not None:
+        at_ns, x_there, rs_there = move_pairs(stamp_ns, x_deg, rs_deg, estimate.apart_s)
     signs = Signs(
-        find_convention(x_deg, rs_deg, detectors.convention_tolerance_deg, stamp_ns=stamp_ns,
+        find_convention(x_there, rs_there, detectors.convention_tolerance_deg, stamp_ns=at_ns,
                         range_s=settings.alignment.skew_range_s), estimate_mean_difference(x_deg),
         find_one_source(stamp_ns, x_deg, rs_deg, factor=factor, interpolates_ts=interpolates_ts,
                         share=detectors.same_source_share),
@@ -261,9 +267,11 @@ def with_runs(checked: Sequence[Assumption], runs: Homogeneity) -> tuple[Assumpt
     return tuple(assumptions.judge_ergodic(runs) if a.id == 'g' else a for a in checked)
 
 
-def _warnings(found: Diagnostics) -> Iterator[str]:
+def _warnings(found: Diagnostics, range_s: float) -> Iterator[str]:
     estimate = found.skew.estimate
     skew_s, std_deg, aligned_deg = estimate.skew_s, estimate.std_deg, estimate.std_aligned_deg
+    if estimate.kind == 'beyond':
+        yield f'skew: {estimate.why_not(range_s)}'
     if (estimate.significant and estimate.well_determined and skew_s is not None
             and std_deg is not None and aligned_deg is not None):
         share = 1.0 - (aligned_deg / std_deg) ** 2

@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 import scipy
 
-from heading_intercompare.core.records import Headings, Reals
+from heading_intercompare.core.records import Headings, Integers, Reals
 from heading_intercompare.core.statistics.blocking import student_95
 
 from .heading_track import Track
+from .realignment import move_pairs
 from .skew_instrument import common_tracks, HALF_SPAN_S, Instrument
-from .skew_search import find_skew, scatter_deg
+from .skew_search import find_skew, REACH_S, scatter_deg
 
 __all__ = ['ClockDrift', 'ClockStep', 'estimate_clock_drift', 'SkewOfPart']
 
@@ -140,7 +141,8 @@ def estimate_clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLik
     max_gap_s : float
         Spans with a longer silence are left out, seconds.
     near_s : float
-        The skew of the whole run, if known, seconds.
+        The skew of the whole run, if known, seconds. The pairs are moved by one of more than a
+        minute.
 
     Returns
     -------
@@ -166,6 +168,10 @@ def estimate_clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLik
 
     """
     stamps, x, rs = np.asarray(stamp_ns), np.asarray(x_deg), np.asarray(rs_deg)
+    if abs(near_s) > REACH_S:
+        moved = move_pairs(stamps, x, rs, near_s)
+        found = estimate_clock_drift(*moved, range_s=range_s, max_gap_s=max_gap_s)
+        return _move_back(found, near_s, stamps, moved[0])
     if x.size < _LEAST_SAMPLES or stamps[-1] == stamps[0]:
         return ClockDrift('not_testable')
     ts_track, rs_track = common_tracks(stamps, x, rs, _BLOCK_S)
@@ -174,23 +180,41 @@ def estimate_clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLik
     if count < _FEWEST_PARTS:
         return ClockDrift('not_testable')
     edges = np.searchsorted(ts_track.t_s, np.linspace(0.0, span, count + 1) + ts_track.t_s[0])
-    found: list[SkewOfPart] = []
+    parts: list[SkewOfPart] = []
     for lo, hi in zip(edges[:-1].tolist(), edges[1:].tolist()):
         if hi - lo < _LEAST_SAMPLES:
             continue
         middle = (lo + hi) // 2
         lo, hi = max(lo, middle - _MOST_SAMPLES // 2), min(hi, middle + _MOST_SAMPLES // 2)
         part = _cut(ts_track, lo, hi)
-        one = _skew_of(part, rs_track, _extrapolate(found, float(part.t_s.mean()), near_s),
+        one = _skew_of(part, rs_track, _extrapolate(parts, float(part.t_s.mean()), near_s),
                        range_s,
                        max_gap_s)
         if one is not None:
-            found.append(one)
-    if len(found) < _FEWEST_PARTS:
-        return ClockDrift('not_testable', tuple(found))
-    line = _line(found, float(ts_track.t_s[0]) + 0.5 * span)
-    steps = _steps(found, ts_track, rs_track)
+            parts.append(one)
+    if len(parts) < _FEWEST_PARTS:
+        return ClockDrift('not_testable', tuple(parts))
+    line = _line(parts, float(ts_track.t_s[0]) + 0.5 * span)
+    steps = _steps(parts, ts_track, rs_track)
     return replace(line, kind='stepped', steps=steps) if steps else line
+
+
+def _move_back(found: ClockDrift, by_s: float, stamps: Integers, moved: Integers) -> ClockDrift:
+    """Return the drift of moved pairs as that of the pairs themselves."""
+    if not moved.size:
+        return found
+    first_s = (int(moved[0]) - int(stamps[0])) / 1e9
+    skew_s = None
+    if found.skew_s is not None and found.slope_s_per_h is not None:
+        # From the middle of the moved pairs to that of all.
+        later_s = (int(stamps[0]) + int(stamps[-1]) - int(moved[0]) - int(moved[-1])) / 2e9
+        skew_s = found.skew_s + by_s + found.slope_s_per_h / 3600.0 * later_s
+    return replace(
+        found, skew_s=skew_s,
+        parts=tuple(replace(one, time_s=one.time_s + first_s, skew_s=one.skew_s + by_s)
+                    for one in found.parts),
+        steps=tuple(ClockStep(one.time_s + first_s, one.before_s + by_s, one.after_s + by_s)
+                    for one in found.steps))
 
 
 def _cut(track: Track, lo: int, hi: int) -> Track:

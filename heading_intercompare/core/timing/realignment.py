@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The differences of a run with its time skew removed, by reading the RS earlier."""
+"""The pairs of a run with its time skew removed, by reading the RS earlier."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from heading_intercompare.core.angles import unwrap_deg
 
-__all__ = ['realign']
+__all__ = ['move_pairs', 'realign']
 
 _FEW_STEPS = 5.0
 
@@ -38,6 +38,38 @@ def realign(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
     """
     if not stamp_ns.size:
         return stamp_ns, x_deg, 1.0
+    kept, rs, earlier_rs, w = _read_earlier(stamp_ns, rs_deg, late_s)
+    x = (x_deg + rs - earlier_rs)[kept]
+    w = w[kept]
+    return stamp_ns[kept], x, float(np.mean((1.0 - w) ** 2 + w ** 2)) if w.size else 1.0
+
+
+def move_pairs(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
+               late_s: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """
+    Return the pairs that there would be if the TS were not late.
+
+    Parameters
+    ----------
+    stamp_ns, x_deg, rs_deg, late_s
+        As for `realign`.
+
+    Returns
+    -------
+    stamp_ns, x_deg, rs_deg : ndarray, shape (m,)
+        Stamps, differences and headings of the RS, m <= n, as `realign` selects them. The
+        headings of the RS are unwrapped, degrees.
+
+    """
+    if not stamp_ns.size:
+        return stamp_ns, x_deg, rs_deg
+    kept, rs, earlier_rs, _ = _read_earlier(stamp_ns, rs_deg, late_s)
+    return stamp_ns[kept], (x_deg + rs - earlier_rs)[kept], earlier_rs[kept]
+
+
+def _read_earlier(stamp_ns: np.ndarray, rs_deg: np.ndarray, late_s: float | np.ndarray,
+                  ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return which pairs stay, the RS, the RS read earlier, and where between two readings."""
     t = (stamp_ns - stamp_ns[0]) / 1e9
     earlier = t - late_s
     steps = np.diff(t)
@@ -49,6 +81,4 @@ def realign(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
         wide = np.append(steps > _FEW_STEPS * np.median(steps), False)
         kept &= ~wide[left.astype(np.intp)] | (w == 0.0)
     rs = unwrap_deg(rs_deg)
-    x = (x_deg + rs - np.interp(earlier, t, rs))[kept]
-    w = w[kept]
-    return stamp_ns[kept], x, float(np.mean((1.0 - w) ** 2 + w ** 2)) if w.size else 1.0
+    return kept, rs, np.interp(earlier, t, rs), w

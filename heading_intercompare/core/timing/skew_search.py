@@ -17,10 +17,10 @@ from heading_intercompare.core.statistics.blocking import block_means, block_siz
 from .heading_track import Track
 from .skew_instrument import Fit, Instrument, LEAST_STRENGTH
 
-__all__ = ['coarsen', 'compute_correlogram', 'Correlogram', 'find_skew', 'has_turned',
+__all__ = ['coarsen', 'compute_correlogram', 'Correlogram', 'find_skew', 'has_turned', 'REACH_S',
            'scatter_deg']
 
-_REACH_S = 60.0
+REACH_S = 60.0
 """Largest skew ever searched for, in either direction, seconds."""
 
 _GRID_S = 0.25
@@ -95,7 +95,7 @@ def _rates(track: Track, t_s: np.ndarray, max_gap_s: float) -> np.ndarray:
     return np.where(good, rate - rate[good].mean(), 0.0) if good.any() else np.zeros(t_s.size)
 
 
-def compute_correlogram(ts: Track, rs: Track, reach_s: float = _REACH_S,
+def compute_correlogram(ts: Track, rs: Track, reach_s: float = REACH_S,
                         max_gap_s: float = 3.0) -> Correlogram:
     """
     Correlate the rates of turn of both sensors at all skews within reach.

@@ -19,9 +19,11 @@ from numpy.typing import ArrayLike
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.statistics.blocking import student_95
 
+from .clock_search import find_apart
 from .heading_track import Track
+from .realignment import move_pairs
 from .skew_instrument import common_tracks, Fit, HALF_SPAN_S, Instrument, LEAST_STRENGTH
-from .skew_search import coarsen, find_skew, has_turned
+from .skew_search import coarsen, find_skew, has_turned, REACH_S
 
 __all__ = ['estimate_skew', 'regress_skew', 'Regression', 'Skew']
 
@@ -156,7 +158,12 @@ class Skew:
         Standard deviation of the differences as paired, that of the same differences with the
         skew removed, and the mean of the latter.
     beyond_s : float or None
-        Approximate skew beyond the range, up to 60 s; None unless `kind` is 'beyond'.
+        Approximate skew beyond the range; None unless `kind` is 'beyond'.
+    also_s : float or None
+        Another skew that fits about as well as `beyond_s`, because the motion repeats itself.
+    searched_s : float or None
+        Largest skew that the search for clocks that lie apart could see; 0 if the pairs overlap
+        too little for it; None if there was no such search.
 
     """
 
@@ -177,43 +184,57 @@ class Skew:
     std_aligned_deg: float | None = None
     mean_aligned_deg: float | None = None
     beyond_s: float | None = None
+    also_s: float | None = None
+    searched_s: float | None = None
 
     @property
     def about_s(self) -> float:
         """The skew, within the range or beyond it; 0 if unknown, seconds."""
         return (self.skew_s if self.well_determined else self.beyond_s) or 0.0
 
+    @property
+    def apart_s(self) -> float | None:
+        """The skew if it exceeds a minute: no sensor is that late, so the clocks lie apart."""
+        return None if abs(self.beyond_s or 0.0) <= REACH_S else self.beyond_s
+
     def why_not(self, range_s: float) -> str:
         """Say why the skew is not well determined within a range, seconds."""
         if self.kind == 'beyond':
-            return (f'the differences scatter least with a skew of about {self.beyond_s:.1f} s, '
-                    f'beyond alignment.skew_range_s = {range_s:g} s')
+            also = '' if self.also_s is None else f' (or about {self.also_s:.1f} s)'
+            return (f'the differences scatter least with a skew of about {self.beyond_s:.1f} s'
+                    f'{also}, beyond alignment.skew_range_s = {range_s:g} s')
         if self.kind == 'no_fit':
             return (f'the ship moved, but no skew within {range_s:g} s '
-                    '(alignment.skew_range_s) fits')
+                    f'(alignment.skew_range_s) fits{self._beyond_that()}')
         if self.kind == 'unclear':
             return (f'the skew, {self.skew_s:.3f} s, is not well determined (standard uncertainty '
                     f'{self.u_s:.3f} s)')
         return 'the ship did not turn enough to show a skew of the clocks'
 
+    def _beyond_that(self) -> str:
+        """Say how far the search for clocks that lie apart could see."""
+        if not self.searched_s:
+            return ''
+        return f', nor was one found up to {self.searched_s:g} s (alignment.clock_range_s)'
+
     def largest_variance_deg2(self, range_s: float) -> float | None:
         """
         Return the largest variance that a skew may add to the differences, d^2 Var(rate).
 
-        Here d is the far end of the interval, or the range if the skew is not well determined.
-        The result is None if the rates are unknown.
+        Here d is the far end of the interval, or the range if the skew is not well determined, or
+        the skew beyond it. The result is None if the rates are unknown.
         """
         interval_s, rate_deg_s = self.interval_s, self.rate_std_deg_s
         if self.well_determined and interval_s is not None and rate_deg_s is not None:
             return (max(abs(d) for d in interval_s) * rate_deg_s) ** 2
         if self.rs_rate_std_deg_s is None:
             return None
-        return (range_s * self.rs_rate_std_deg_s) ** 2
+        return (max(range_s, abs(self.beyond_s or 0.0)) * self.rs_rate_std_deg_s) ** 2
 
 
 def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
                   range_s: float = 2.0, half_span_s: float = HALF_SPAN_S,
-                  max_gap_s: float = _MAX_GAP_S) -> Skew:
+                  max_gap_s: float = _MAX_GAP_S, clock_range_s: float = 0.0) -> Skew:
     """
     Estimate the time skew of a run from its pairs.
 
@@ -229,6 +250,8 @@ def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
         Rates span this time before a pair and the same time after it, seconds.
     max_gap_s : float
         Spans with a longer silence are left out, seconds.
+    clock_range_s : float
+        Largest skew to search for beyond a minute, in either direction, seconds; default none.
 
     Returns
     -------
@@ -243,9 +266,12 @@ def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     changes its noise, but not this estimate. Pairs more frequent than 10 per second are first
     averaged over up to 0.1 s, both sensors alike, which shifts neither.
 
+    Clocks may lie minutes apart. `find_apart` looks for that, and the estimate is made again
+    on the pairs moved by what it finds.
+
     References
     ----------
-    E.8 of ``docs/diagnostics.md``; strength of an instrument: Staiger & Stock 1997
+    E.8 and E.24 of ``docs/diagnostics.md``; strength of an instrument: Staiger & Stock 1997
     (Econometrica 65, 557).
 
     """
@@ -264,9 +290,20 @@ def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
                   found.step_s if found.strength > 0.0 else None, well_determined=False,
                   std_deg=float(found.x.std(ddof=1)))
     coarse = coarsen(ts, _SEARCH_BLOCK_S), coarsen(rs, _SEARCH_BLOCK_S)
+    clocks = None
+    if clock_range_s > REACH_S:
+        clocks, apart = find_apart(*coarse, clock_range_s, max_gap_s)
+        result = replace(result, searched_s=clocks.searched_s)
+        if apart is not None:
+            moved = estimate_skew(*move_pairs(stamps, x, np.asarray(rs_deg), apart.skew_s),
+                                  range_s=range_s, half_span_s=half_span_s, max_gap_s=max_gap_s)
+            return replace(result, kind='beyond', also_s=apart.also_s,
+                           beyond_s=apart.skew_s + (moved.skew_s or 0.0))
     place = find_skew(Instrument(*coarse, half_span_s, max_gap_s, _SEARCHED), 0.0, range_s)
     if place is not None and abs(place[0]) > range_s:
-        return replace(result, kind='beyond', beyond_s=place[0])
+        if clocks is None or clocks.is_sure(place[0]):
+            return replace(result, kind='beyond', beyond_s=place[0])
+        place = None
     settled = _settle(fit, found, 0.0, range_s)
     if place is not None and (settled is None or abs(settled[0] - place[0]) > _SAME_S):
         begun = fit(place[0])
@@ -302,7 +339,7 @@ def _fill_in(result: Skew, found: Fit, d: float, range_s: float, x_paired: np.nd
         found.x.size, 'found' if clear else 'unclear', result.rs_rate_std_deg_s,
         found.rate_std_deg_s, found.strength,
         result.ols_s, result.ols_u_s, result.iv_s, d, found.u_s, interval,
-        well_determined=clear,
+        well_determined=clear, searched_s=result.searched_s,
         significant=not interval[0] <= 0.0 <= interval[1],
         std_deg=float(x_paired.std(ddof=1)), std_aligned_deg=float(found.x.std(ddof=1)),
         mean_aligned_deg=float(found.x.mean()))

@@ -39,8 +39,8 @@ VOID_REASONS = {
     'void.mean_difference': 'void: the mean difference is too large for sensors mounted parallel, '
                             'and the stated installation angle does not explain it',
     'void.frozen': 'void: a sensor repeats its value while the other shows that the ship turns',
-    'void.clocks': 'void: the clocks of the sensors drift apart or step, and that decides the '
-                   'outcome',
+    'void.clocks': 'void: the clocks of the sensors lie minutes apart, or drift apart or step, '
+                   'and that decides the outcome',
     'void.interpolation': 'void: the slower sensor is too slow for the motion, and that decides '
                           'the outcome',
     'void.losses': 'void: too many readings of the run are lost, rejected or without partner',
@@ -61,6 +61,8 @@ _NO_NOISE = {
 
 LARGE_SIGMAS = 3.0
 """A mean difference above this multiple of sigma_max is doubtful."""
+
+_UNSEEN = 'readings of different times do not show whether both come from one sensor'
 
 _YAWED_DEG = 5.0
 _MOST_NAMED = 3
@@ -293,13 +295,19 @@ def _judge_clocks(e: Examined) -> Finding:
         return Finding('clocks', NOT_TESTABLE, '', 'the skew is not estimated (alignment.skew '
                        'off)')
     estimate, clock = e.found.skew.estimate, e.found.signs.clock
+    apart_s = estimate.apart_s
     if clock.kind in ('drifting', 'stepped'):
         words, evidence = _describe_unsteady(clock, e.data)
+        if apart_s is not None:
+            words = f'{_describe_apart(e, apart_s)}; {words}'
+            evidence = f'the clocks lie {abs(apart_s):.1f} s apart; {evidence}'
         t = (e.data.stamp_ns - e.data.stamp_ns[0]) / 1e9
         steady = _decide_without(e, clock.late_s(t))
         if steady is not e.outcome:
             return Finding('clocks', VOID, words,
                            f'{evidence}; with this removed the outcome is {steady}')
+        if apart_s is not None and e.outcome is not Outcome.NON_COMPLIANT:
+            return Finding('clocks', VOID, words, f'{evidence}; {_UNSEEN}')
         return Finding('clocks', HOLDS, '', f'{evidence}; the outcome is the same without this')
     if estimate.kind == 'beyond' and estimate.beyond_s is not None:
         return _judge_beyond(e, estimate.beyond_s)
@@ -350,22 +358,41 @@ def _describe_unsteady(clock: ClockDrift, data: PreparedRun) -> tuple[str, str]:
             f'the skew steps {each}; before that it is {clock.steps[0].before_s:.2f} s')
 
 
+def _describe_apart(e: Examined, skew_s: float) -> str:
+    """Say which clock lags, by how much, and which setting mends that."""
+    known_s, also_s = e.settings.alignment.skew_s, e.found.skew.estimate.also_s
+    also = '' if also_s is None else f', or {known_s + also_s:.1f}: the motion repeats itself'
+    return (f'the clock of the {"RS" if skew_s > 0.0 else "TS"} lags by about {abs(skew_s):.1f} s '
+            f'(alignment.skew_s = {known_s + skew_s:.1f} mends it{also})')
+
+
 def _judge_beyond(e: Examined, skew_s: float) -> Finding:
     """Judge a skew beyond the range, at which the differences scatter least."""
     range_s = e.settings.alignment.skew_range_s
+    estimate = e.found.skew.estimate
+    if estimate.apart_s is not None:
+        words = _describe_apart(e, skew_s)
+        evidence = f'{words}: {estimate.why_not(range_s)}'
+        if e.outcome is not Outcome.NON_COMPLIANT and _decide_without(e, skew_s) is e.outcome:
+            return Finding('clocks', VOID, words, f'{evidence}; {_UNSEEN}')
+        return _weigh_skew(e, skew_s, f'{words}, without that', evidence, VOID)
     words = (f'the TS may be {"late" if skew_s > 0.0 else "early"} by about {abs(skew_s):.1f} s, '
              'beyond alignment.skew_range_s')
     evidence = (f'the clocks may be off by more than {range_s:g} s (alignment.skew_range_s): '
-                f'the differences scatter least with a skew of about {skew_s:.1f} s')
+                f'the differences scatter least with a skew of about {skew_s:.1f} s, which '
+                f'alignment.skew_s = {e.settings.alignment.skew_s + skew_s:.1f} removes')
+    if e.outcome is Outcome.COMPLIANT:
+        return Finding('clocks', DOUBTFUL, words, f'{evidence}; {_UNSEEN}')
     return _weigh_skew(e, skew_s, f'{words}, without that', evidence)
 
 
-def _weigh_skew(e: Examined, skew_s: float, words: str, evidence: str) -> Finding:
+def _weigh_skew(e: Examined, skew_s: float, words: str, evidence: str,
+                effect: str = DOUBTFUL) -> Finding:
     """Judge a constant skew by what it could change; `words` lead to the other outcome."""
     aligned = _decide_without(e, skew_s)
     if aligned is e.outcome:
         return Finding('clocks', HOLDS, '', f'{evidence}; the outcome is the same without it')
-    return Finding('clocks', DOUBTFUL, f'{words} {aligned}',
+    return Finding('clocks', effect, f'{words} {aligned}',
                    f'{evidence}; with it removed the outcome is {aligned}')
 
 

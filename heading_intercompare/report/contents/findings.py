@@ -153,6 +153,8 @@ FINDINGS = (
                    'estimate.ols_u_s'),
             Figure('estimate.iv_s', 'skew after one step of the estimate', 's'),
             Figure('estimate.beyond_s', 'skew beyond the range of the search, about', 's'),
+            Figure('estimate.also_s', 'another that fits about as well', 's'),
+            Figure('estimate.searched_s', 'clocks that lie apart were sought up to', 's'),
             Figure('estimate.n', 'pairs or short averages used', '1'),
             Figure('scan.skew_s', 'scan: skew of the least scatter', 's', 'scan.u_s'),
             Figure('scan.bias_s', 'scan: shift that a noisy RS may cause, at most', 's'),

@@ -17,9 +17,9 @@ NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0
 N = 900
 
 
-def lines(talker, heading_deg):
-    """Return a log at 1 Hz from noon on, with a line of another kind at its end."""
-    for second, value in enumerate(heading_deg):
+def lines(talker, heading_deg, begin_s=0):
+    """Return a log at 1 Hz from noon or later on, with a line of another kind at its end."""
+    for second, value in enumerate(heading_deg, begin_s):
         body = f'{talker}HDT,{value:.2f},T'
         checksum = reduce(lambda a, b: a ^ b, body.encode())
         yield (f'2014-08-01T12:{second // 60:02d}:{second % 60:02d}.000000Z '
@@ -139,3 +139,22 @@ def test_options_that_do_not_fit_logs_are_refused(logs, capsys, option, value, w
 def test_options_of_logs_are_refused_without_logs(tmp_path, capsys):
     assert refused(capsys, tmp_path / 'trial.mcap', '--stamp-format', 'iso') == (
         '--stamp-format iso: is for logs, and no INPUT is one; leave it out')
+
+
+@pytest.mark.parametrize('begin_s', [1200, 880, 600])
+def test_logs_whose_clocks_lie_apart_are_named_also_without_pairs(begin_s, tmp_path, capsys, rng):
+    """The stamps of the two logs overlap for 0 s, 20 s and 300 s; their motion is the same."""
+    second = np.arange(N)
+    heading = 100.0 + sum(np.sin(2.0 * np.pi * second / period) for period in (
+        5.3, 6.1, 7.7, 8.4, 9.9, 11.6, 13.1))
+    paths = tmp_path / 'gyro.log', tmp_path / 'seapath.log'
+    for path, talker, late_s in zip(paths, ('HE', 'IN'), (begin_s, 0)):
+        path.write_text(''.join(lines(talker, heading + 0.05 * rng.standard_normal(N), late_s)))
+    named = (f'note: {paths[0]}, {paths[1]}: the clock of the RS lags by about {begin_s:.1f} s by '
+             f'the motion in all readings: alignment.skew_s = {begin_s:.1f} pairs them')
+    wide = ['--set', 'alignment.clock_range_s=1800']
+    assert named in verdict_of(capsys, *paths, *wide)[1]
+    assert not any('lags' in note for note in verdict_of(capsys, *paths, *wide, '--set',
+                                                         'alignment.skew=off')[1])
+    mended, notes = verdict_of(capsys, *paths, *wide, '--set', f'alignment.skew_s={begin_s}')
+    assert mended['outcome'] == 'compliant' and not any('lags' in note for note in notes)

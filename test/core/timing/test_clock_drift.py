@@ -19,7 +19,7 @@ def stamps_of(t):
 
 
 def judged(rng, slope_s_per_h, skew_s=0.0, *, span=7200.0, ts_hz=5.0, rs_hz=5.0, size=1.0,
-           turn=0.0):
+           turn=0.0, near_s=0.0):
     """Return what is found for a ship that yaws by some degrees, and the pairs."""
     period, phase = rng.uniform(6.0, 12.0, 6), rng.uniform(0.0, 6.0, 6)
 
@@ -31,7 +31,8 @@ def judged(rng, slope_s_per_h, skew_s=0.0, *, span=7200.0, ts_hz=5.0, rs_hz=5.0,
     rs = heading(t_rs) + 0.05 * rng.standard_normal(t_rs.size)
     pairs, _ = pair(Headings.as_sent(stamps_of(t), ts % 360.0),
                     Headings.as_sent(stamps_of(t_rs), rs % 360.0))
-    return estimate_clock_drift(pairs.stamp_ns, subtract(pairs).x_deg, pairs.rs_deg), pairs
+    return estimate_clock_drift(pairs.stamp_ns, subtract(pairs).x_deg, pairs.rs_deg,
+                                near_s=near_s), pairs
 
 
 @pytest.mark.parametrize('slope, skew, rs_hz', [
@@ -44,6 +45,20 @@ def test_a_drift_is_found_with_its_slope(slope, skew, rs_hz, rng):
     assert found.slope_s_per_h == pytest.approx(slope, abs=0.02 + 6.0 * found.u_s_per_h)
     assert found.u_s_per_h < 0.1
     assert found.skew_s == pytest.approx(skew + slope, abs=0.1)
+
+
+@pytest.mark.parametrize('slope', [0.5, 0.36, -0.36])
+@pytest.mark.parametrize('skew_s', [120.0, -400.0])
+def test_a_drift_is_found_between_clocks_that_lie_apart(slope, skew_s, rng):
+    """0.36 s/h are 100 ppm; the skew is that of the middle of all pairs, after 1.5 h."""
+    found, pairs = judged(rng, slope, skew_s, span=10_800.0, near_s=skew_s + 0.3)
+    assert found.kind == 'drifting'
+    assert found.slope_s_per_h == pytest.approx(slope, abs=0.02)
+    assert found.skew_s == pytest.approx(skew_s + 1.5 * slope, abs=0.05)
+    for part in found.parts:
+        assert part.skew_s == pytest.approx(skew_s + slope * part.time_s / 3600.0, abs=0.1)
+    t_s = (pairs.stamp_ns - pairs.stamp_ns[0]) / 1e9
+    assert found.late_s(t_s)[[0, -1]] == pytest.approx([skew_s, skew_s + 3.0 * slope], abs=0.05)
 
 
 def test_what_a_drift_adds_by_hand(rng):

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.core.timing.realignment import realign
+from heading_intercompare.core.timing.realignment import move_pairs, realign
 
 S = 1_000_000_000
 
@@ -22,6 +22,13 @@ def test_differences_without_a_skew_by_hand():
     assert (x.tolist(), factor) == ([0.0, 0.0], 0.5)
     kept, x, _ = realign(stamps, ts - rs, rs, -1.0)
     assert (kept.tolist(), x.tolist()) == ([0, S, 2 * S], [-5.0, -5.0, -7.0])
+
+
+def test_moved_pairs_by_hand():
+    """As above; the RS of the pairs that remain is read 1.5 s earlier: 1 and 3."""
+    stamps, rs = np.arange(4) * S, np.array([0.0, 2.0, 4.0, 8.0])
+    kept, x, moved = move_pairs(stamps, np.array([-3.0, -3.0, -3.0, -5.0]), rs, 1.5)
+    assert (kept.tolist(), x.tolist(), moved.tolist()) == ([2 * S, 3 * S], [0.0, 0.0], [1.0, 3.0])
 
 
 @pytest.mark.parametrize('late_s', [0.7, -0.7])
@@ -49,3 +56,5 @@ def test_a_skew_of_zero_changes_nothing(rng):
 def test_nothing_is_left_of_nothing(n):
     kept, x, factor = realign(np.arange(n), np.zeros(n), np.zeros(n), 0.5)
     assert (kept.size, x.size, factor) == (0, 0, 1.0)
+    assert [part.size for part in move_pairs(np.arange(n), np.zeros(n), np.zeros(n), 0.5)] \
+        == [0, 0, 0]

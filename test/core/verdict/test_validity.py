@@ -532,9 +532,10 @@ def test_a_skew_beyond_the_range_is_named(late_s, yaw_period_s, rng):
             'beyond alignment.skew_range_s, without that compliant') in verdict.headline
     estimate = verdict.runs[0].skew.estimate
     assert (estimate.kind, estimate.well_determined) == ('beyond', False)
-    (said,) = (w for w in judged(ts, rs, alignment={'skew': 'apply'}).runs[0].warnings
-               if w.startswith('not_aligned'))
-    assert 'beyond alignment.skew_range_s' in said and 'turn' not in said
+    aligned = judged(ts, rs, alignment={'skew': 'apply'})
+    assert effects(aligned) == {} and aligned.outcome is Outcome.COMPLIANT
+    (said,) = (w for w in aligned.runs[0].warnings if 'aligned: ' in w)
+    assert float(said.split()[1]) == pytest.approx(late_s, abs=0.02)
 
 
 @pytest.mark.parametrize('step_s', [1.0, 5.0, -30.0])
@@ -543,6 +544,93 @@ def test_a_clock_that_steps_is_named_and_void(step_s, rng):
     verdict = judged(ts, rs)
     assert verdict.runs[0].reason == 'void.clocks'
     assert f'the skew changes by {step_s:.2g} s at 70' in verdict.headline
+
+
+def sea(rng, n=40):
+    """Return the heading as a function of time (s), of a ship that yaws in a swell and turns."""
+    hz, phase = rng.normal(0.11, 0.015, n), rng.uniform(0.0, 2.0 * np.pi, n)
+
+    def heading(at_s):
+        return 90.0 + 30.0 * np.sin(at_s / 140.0) + np.sqrt(2.0 / n) * np.sin(
+            2.0 * np.pi * hz * np.asarray(at_s)[:, np.newaxis] + phase).sum(axis=1)
+    return heading
+
+
+def apart_pair(rng, late_s, noise_deg=0.1):
+    """Return the headings of a TS whose clock is apart, and of the RS, in a swell."""
+    heading = sea(rng)
+    return (heading(T_S - late_s) + noise_deg * rng.standard_normal(N),
+            heading(T_S) + 0.05 * rng.standard_normal(N))
+
+
+@pytest.mark.parametrize('late_s', [79.5, 89.1, -300.0, 400.0])
+def test_clocks_that_lie_apart_are_void_and_named(late_s, rng):
+    """Such a sound sensor was rejected, without a word of clocks."""
+    verdict = judged(*apart_pair(rng, late_s))
+    assert effects(verdict) == {'clocks': VOID}
+    assert verdict.runs[0].reason == 'void.clocks'
+    slow = 'RS' if late_s > 0.0 else 'TS'
+    assert verdict.headline.startswith(
+        f'INDETERMINATE, VOID: the clock of the {slow} lags by about {abs(late_s):.1f} s '
+        f'(alignment.skew_s = {late_s:.1f} mends it), without that ')
+    (assumption,) = (a for a in verdict.runs[0].assumptions if a.id == 'b')
+    assert assumption.state == 'violated'
+    mended = judged(*apart_pair(rng, late_s), alignment={'skew_s': late_s})
+    assert effects(mended) == {}
+
+
+def test_a_known_latency_is_part_of_the_setting_that_mends_clocks(rng):
+    verdict = judged(*apart_pair(rng, 120.0), alignment={'skew_s': 20.0})
+    assert 'lags by about 100.0 s (alignment.skew_s = 120.0 mends it)' in verdict.headline
+
+
+@pytest.mark.parametrize('late_s, effect', [(79.5, VOID), (30.0, DOUBTFUL)])
+def test_clocks_that_lie_apart_give_no_certificate_either(late_s, effect, rng):
+    """Readings of different times hide that both come from one sensor."""
+    verdict = judged(*apart_pair(rng, late_s), norms={'sigma_max_deg': 60.0,
+                                                      'sigma_ref_max_deg': 0.1})
+    assert effects(verdict) == {'clocks': effect}
+    assert f'about {late_s:.1f} s' in verdict.headline
+
+
+def test_a_bad_sensor_is_not_excused_by_clocks_that_lie_apart(rng):
+    verdict = judged(*apart_pair(rng, 150.0, 0.6))
+    assert effects(verdict) == {} and verdict.outcome is Outcome.NON_COMPLIANT
+    assert any('skew of about 150.' in w for w in verdict.runs[0].warnings)
+
+
+def test_sound_sensors_are_not_called_mirrored_by_clocks_that_lie_apart(rng):
+    for late_s in (93.0, 97.5):
+        found = judged(*apart_pair(rng, late_s)).runs[0].validity
+        assert 'turns with RS' in next(f for f in found if f.condition == 'convention').evidence
+
+
+def test_motion_that_repeats_itself_says_so(rng):
+    """A weave of 600 s and a yaw of 8 s: 89.1 s and 510.9 s the other way are the same."""
+    verdict = judged(*late_pair(rng, 89.1))
+    assert effects(verdict) == {'clocks': VOID}
+    assert ('the clock of the RS lags by about 89.1 s (alignment.skew_s = 89.1 mends it, or '
+            in verdict.headline) and ': the motion repeats itself)' in verdict.headline
+
+
+@pytest.mark.parametrize('off', [{'skew': 'off'}, {'clock_range_s': 0.0},
+                                 {'clock_range_s': 100.0}])
+def test_nothing_is_said_beyond_what_was_searched(off, rng):
+    verdict = judged(*apart_pair(rng, 150.0), alignment=off)
+    assert effects(verdict) == {}
+    (assumption,) = (a for a in verdict.runs[0].assumptions if a.id == 'b')
+    assert assumption.state == 'not_testable'
+    assert ('nor was one found up to 100 s' in assumption.evidence) == ('100' in str(off))
+
+
+@pytest.mark.parametrize('slope_s_per_h, step_s', [(5.0, 0.0), (0.0, 2.0)])
+def test_clocks_that_lie_apart_and_are_unsteady_are_named_in_full(slope_s_per_h, step_s, rng):
+    verdict = judged(*apart_pair(rng, 120.0 + slope_s_per_h * T_S / 3600.0
+                                 + np.where(T_S > 700.0, step_s, 0.0)))
+    assert verdict.runs[0].reason == 'void.clocks'
+    assert 'the clock of the RS lags by about 12' in verdict.headline
+    assert ('the clocks drift apart by 5' if slope_s_per_h
+            else 'the skew changes by 2 s at 70') in verdict.headline
 
 
 @pytest.mark.parametrize('sigma_deg, late_s', [(0.5, 0.0), (0.5, 3.0), (2.0, 0.5)])
