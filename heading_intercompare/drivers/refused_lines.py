@@ -5,18 +5,20 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from typing import Mapping
 
 from .csv_log import CsvDecoder, is_csv
 from .framing import split
 from .log_lines.days import Days
 from .log_lines.line_stamps import LineStamps
+from .log_lines.log_files import head_of
 from .log_lines.log_order import open_log
 from .nmea import NmeaDecoder
 from .sentences import identify, Rejected
 from .settings import DriverSettings, SENTENCES
 
-__all__ = ['explain_no_heading']
+__all__ = ['describe_start', 'explain_no_heading']
 
 _LONGEST_SHOWN = 160
 _OTHERS = ('other_talker', 'other_sentence', 'other_instrument')
@@ -74,16 +76,35 @@ def explain_no_heading(path: str, settings: DriverSettings, counts: Mapping[str,
     if reason is None:
         return 'it has no line'
     line, of_csv = _first_line(path, settings, reason)
-    shown = line.decode('ascii', 'replace').strip()
-    if len(shown) > _LONGEST_SHOWN:
-        shown = shown[:_LONGEST_SHOWN] + '...'
-    shown = ''.join(c if c.isprintable() else '?' for c in shown)
+    shown = _show(line)
     advice = _ADVICE.get(reason.partition('.')[0], _OTHER_ADVICE)
     if of_csv:
         advice = 'correct the file, or choose another source with `talker`'
     recognised = 'a row of a csv of headings' if of_csv else _recognise(line, settings)
     return (f'first refused line: {shown!r}; recognised in it: {recognised}; '
             f'refused as {reason}; {advice}')
+
+
+def describe_start(path: str) -> str:
+    """Return in words how a file that holds no sentence begins; empty for what is no text."""
+    if not os.path.isfile(path):
+        return ''
+    head = head_of(path)
+    if not head:
+        return 'it is empty'
+    if b'\0' in head:
+        return ''
+    line = head.lstrip().partition(b'\n')[0]
+    return (f'first refused line: {_show(line)!r}; recognised in it: '
+            f'{_recognise(line, DriverSettings())}; {_ADVICE["no_sentence"]}')
+
+
+def _show(line: bytes) -> str:
+    """Return a line as one can print it, shortened."""
+    shown = line.decode('ascii', 'replace').strip()
+    if len(shown) > _LONGEST_SHOWN:
+        shown = shown[:_LONGEST_SHOWN] + '...'
+    return ''.join(c if c.isprintable() else '?' for c in shown)
 
 
 def _chief_reason(counts: Mapping[str, int]) -> str | None:

@@ -19,6 +19,7 @@ from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input
 from heading_intercompare.drivers.logs import is_log
+from heading_intercompare.drivers.refused_lines import describe_start
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.report import SeriesSketch
 
@@ -30,6 +31,7 @@ ROLES = ('ts', 'rs')
 """The sensors, in the order of their logs."""
 
 _USE = 'give two logs, first that of the TS, then that of the RS, and nothing else'
+_OTHERS = ('.mcap', '.csv', '.json', '.journal')
 _APART = ('tell its sensors apart with --ts-sentence and --rs-sentence, --ts-talker and '
           '--rs-talker, or --ts-instrument and --rs-instrument')
 
@@ -56,12 +58,14 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
     """
     logs = [path for path in inputs if is_log(path)]
     if not logs:
+        _check_texts(inputs)
         return None
     for path in inputs:
         if path not in logs:
             os.stat(path)
+            start = describe_start(path)
             raise ValueError(f'{path}: is not a log of NMEA sentences or headings, but {logs[0]} '
-                             f'is: {_USE}')
+                             f'is: {start or _USE}')
     apart = drivers is not None and drivers['ts'] != drivers['rs']
     if len(inputs) == 1 and apart:
         return inputs[0], inputs[0]
@@ -75,6 +79,15 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
                                    and os.path.samefile(ts, rs))):
         raise ValueError(f'{rs}: is given as TS and as RS: {_USE}; if it is of both, {_APART}')
     return ts, rs
+
+
+def _check_texts(inputs: Sequence[str]) -> None:
+    """Raise ValueError for two texts that are neither logs nor anything else that is judged."""
+    if len(inputs) == 2 and not any(path.endswith(_OTHERS) for path in inputs):
+        for path in inputs:
+            start = describe_start(path)
+            if start.startswith('first'):
+                raise ValueError(f'{path}: is neither a bag nor a log of NMEA sentences: {start}')
 
 
 def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, DriverSettings], *,
@@ -122,6 +135,8 @@ def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, Drive
         table = [(start, stop) for start, stop, _ in found]
     log = {role: import_log(path, drivers[role], progress, role=role)
            for role, path in zip(ROLES, (ts, rs))}
+    if ts == rs and log['ts'].headings == log['rs'].headings:
+        raise ValueError(f'{ts}: gives the same headings as TS and as RS: {_APART}')
     sketch = SeriesSketch(ts) if sketched else None
     takers = list(takers)
     if sketch is not None:

@@ -202,3 +202,22 @@ def test_an_option_of_one_log_goes_before_that_of_both(logs, capsys):
     assert 'set --stamp-format to dmy or mdy' in refused(capsys, *logs)
     verdict, _ = verdict_of(capsys, *logs, '--rs-stamp-format', 'dmy')
     assert verdict['runs'][0]['n'] >= N - 1
+
+
+def test_a_text_that_is_no_log_shows_its_first_line(logs, tmp_path, capsys):
+    text, empty = tmp_path / 'notes.txt', tmp_path / 'empty.log'
+    text.write_text('\n2014-08-01 calm\n')
+    empty.touch()
+    start = ("first refused line: '2014-08-01 calm'; recognised in it: no stamp, no sentence; "
+             'a line needs a sentence that begins with $ or !; give another log')
+    assert refused(capsys, logs[0], text) == (
+        f'{text}: is not a log of NMEA sentences or headings, but {logs[0]} is: {start}')
+    assert refused(capsys, text, text) == (
+        f'{text}: is neither a bag nor a log of NMEA sentences: {start}')
+    assert refused(capsys, empty, logs[1]) == (
+        f'{empty}: is not a log of NMEA sentences or headings, but {logs[1]} is: it is empty')
+
+
+def test_options_that_choose_the_same_sensor_twice_are_refused(logs, capsys):
+    assert 'gives the same headings as TS and as RS' in refused(
+        capsys, logs[0], '--ts-sentence', 'HDT')
