@@ -176,7 +176,7 @@ def _check_pattern(pattern: str) -> None:
 
 def _check_zone(zone: str) -> None:
     """Raise SettingsError for a zone that is unknown."""
-    if re.match(r'[+-](?:0\d|1[0-4]):?[0-5]\d\Z', zone):
+    if zone == 'UTC' or re.match(r'[+-](?:0\d|1[0-4]):?[0-5]\d\Z', zone):
         return
     try:
         ZoneInfo(zone)

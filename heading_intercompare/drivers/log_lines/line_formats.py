@@ -253,6 +253,8 @@ def read_own(match: re.Match[bytes]) -> tuple[str, int, bytes | None]:
 
     """
     parts = {name: text for name, text in match.groupdict().items() if text is not None}
+    if 'epoch' not in parts and not {'hour', 'minute', 'second'} <= set(parts):
+        raise ValueError('time of day')
     decimals_ns = fraction_ns(parts.get('fraction'))
     if 'epoch' in parts:
         digits = parts['epoch']
@@ -266,6 +268,8 @@ def read_own(match: re.Match[bytes]) -> tuple[str, int, bytes | None]:
     if 'year' not in parts:
         return 'clock', ns, zone
     year = int(parts['year']) if len(parts['year']) == 4 else short_year(int(parts['year']))
+    if 'yday' not in parts and not {'month', 'day'} <= set(parts):
+        raise ValueError('date')
     if 'yday' in parts:
         return 'date', ns + year_day_ns(year, int(parts['yday'])), zone
     month = parts['month']

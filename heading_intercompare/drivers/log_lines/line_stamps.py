@@ -120,7 +120,8 @@ class LineStamps:
     -----
     The stamp nearest to the sentence counts, first of those that end the text before it. If there
     is none before the sentence, one after it counts. The form of the first stamp is looked for
-    first in all other lines.
+    first in all other lines. Another form counts there only if nothing stands between it and the
+    sentence. A time of day never does: it may be the rest of a damaged stamp.
 
     *Bursts.* A stamp opens a burst. The lines without a stamp after it belong to it. Of each kind
     and talker the first sentence takes the stamp of the burst; a second one came at another time,
@@ -283,8 +284,12 @@ class LineStamps:
                 match = pattern.match(text)
                 if match:
                     return self._read(match, form)
-        for places in (('alone', 'last'), ('anywhere',)) if _DIGIT(text) else ():
-            for form in self._forms:
+        if not _DIGIT(text):
+            return None
+        forms = (self._forms if self._locked is None or self._locked[0].kind == 'clock' else
+                 [form for form in self._forms if form.kind != 'clock'])
+        for places in (('alone', 'last'), ('anywhere',))[:1 if self._locked else 2]:
+            for form in forms:
                 for place in places:
                     match = compile_form(form.pattern, place).match(text)
                     if match is None:
@@ -334,8 +339,9 @@ class LineStamps:
 
     def _lock(self, form: LineFormat) -> None:
         """Look for this form first from now on."""
+        # Of one form, the last stamp anywhere is the one that ends the text, if one does.
         self._locked = form, tuple(compile_form(form.pattern, place)
-                                   for place in ('alone', 'last', 'anywhere'))
+                                   for place in ('alone', 'anywhere'))
         if self._zone is None and form.kind == 'date':
             self._quick, self._form_found = self._locked[1][0].match, form.name
 

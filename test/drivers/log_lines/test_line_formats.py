@@ -144,6 +144,15 @@ def test_a_pattern_of_ones_own_reads_what_no_form_does(pattern, line, utc, read)
     assert (headings.stamp_ns.tolist(), counts) == ([ns_of(utc)], {})
 
 
+@pytest.mark.parametrize('pattern', [
+    r'(?P<hour>\d\d)(?P<minute>\d\d)?(?P<second>x)?', r'(?P<epoch>@)',
+    r'(?P<hour>.)(?P<minute>.)(?P<second>.)(?P<zone>.)',
+    r'(?P<year>2024)?(?P<yday>x)?.(?P<hour>\d\d)(?P<minute>\d\d)(?P<second>\d\d)'])
+def test_a_pattern_that_finds_no_instant_gives_no_stamp(pattern, read):
+    headings, counts = read([f'@2024 {hdt()}'], stamp_pattern=pattern)
+    assert len(headings) == 0 and sum(counts.values()) == 1
+
+
 def test_a_stamp_may_follow_a_sentence_without_a_checksum(read):
     lines = ['$PUHAW,UVH,-4.87,-6.04,219.2,1716926400.063',
              '$PUHAW,UVH,-4.87,-6.04,219.3 2024-05-28T20:00:01.063Z']
@@ -158,3 +167,13 @@ def test_the_form_of_the_first_line_goes_before_others(read):
              f'2024-05-28T20:00:0{k}Z 1716926400 {hdt()}' for k in range(3)]
     headings, _ = read(lines)
     assert np.diff(headings.stamp_ns).tolist() == [10**9, 10**9]
+
+
+@pytest.mark.parametrize('damaged', ['20:00:01.063Z GYRO {}', '28T20:00:01 1234567890 GYRO {}',
+                                     'T20:00:01Z {}', '#-28 20:00:01 {}'])
+def test_the_rest_of_a_damaged_stamp_is_no_stamp(damaged, read):
+    """The name of the file states a date, and the log may have gone on for days."""
+    lines = [f'2024-05-30T20:00:00Z GYRO {hdt()}', damaged.format(hdt(2.0))]
+    headings, counts = read(lines, name='gyro_20240528.log')
+    assert headings.heading_deg.tolist() == [218.53]
+    assert counts in ({'no_stamp': 1}, {'burst': 1})
