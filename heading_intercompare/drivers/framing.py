@@ -49,16 +49,20 @@ class Received(NamedTuple):
     late_s : float
         Longest time for which the bytes may have waited to be read, seconds. Datagrams are
         stamped by the kernel and do not wait.
+    file : str or None
+        The file of a log that begins with this line.
 
     """
 
     data: bytes
     stamp_ns: int | None
     late_s: float = 0.0
+    file: str | None = None
 
 
-#: One sentence: time of receipt [ns], the bytes before it, its text, whether it had a checksum.
-Frame = Tuple[Optional[int], bytes, bytes, bool]
+#: One sentence: time of receipt [ns], the bytes before it, its text, whether it had a checksum,
+#: the bytes between its checksum and the end of the line.
+Frame = Tuple[Optional[int], bytes, bytes, bool, bytes]
 
 
 def _checksums(texts: list[bytes]) -> list[int]:
@@ -78,6 +82,9 @@ class Framer:
     datagrams : bool
         Each `feed` is a complete datagram: its end ends a line. Otherwise the bytes are a stream,
         and a sentence may span many feeds.
+    with_lines : bool
+        A line without a sentence is returned too, as a frame without text: in a log it may be a
+        stamp.
 
     Attributes
     ----------
@@ -89,8 +96,8 @@ class Framer:
 
     """
 
-    def __init__(self, datagrams: bool = False) -> None:
-        self._datagrams = datagrams
+    def __init__(self, datagrams: bool = False, with_lines: bool = False) -> None:
+        self._datagrams, self._with_lines = datagrams, with_lines
         self._open = b''
         self._open_ns: list[int | None] = []
         self._prefix = b''
@@ -168,6 +175,8 @@ class Framer:
             if not start:
                 if prefix and ends:
                     counts['no_sentence'] += 1
+                    if self._with_lines:
+                        frames.append((None, prefix, b'', False, b''))
                 continue
             came_ns = known[n] if n < len(known) else received_ns
             n += 1
@@ -175,7 +184,7 @@ class Framer:
                 counts['too_long'] += 1
             elif checksum:
                 if _HEX[checksum] == computed:
-                    frames.append((came_ns, prefix, body, True))
+                    frames.append((came_ns, prefix, body, True, after.strip()))
                 else:
                     counts['bad_checksum'] += 1
             elif not rest:
@@ -183,12 +192,16 @@ class Framer:
             elif rest[:1] == b'*':
                 counts['bad_checksum'] += 1
             else:
-                frames.append((came_ns, prefix, body, False))
+                frames.append((came_ns, prefix, body, False, b''))
         self._prefix = prefix
         return frames
 
 
-def split(line: bytes) -> tuple[bytes, bytes] | None:
-    """Return the prefix and text of the first sentence of a line; None if there is none."""
+def split(line: bytes) -> tuple[bytes, bytes, bytes] | None:
+    """
+    Return the prefix and the text of the first sentence of a line, and what follows its checksum.
+
+    None if there is none.
+    """
     match = _PIECE.match(line if line.endswith((b'\n', b'\r')) else line + b'\n')
-    return (match[1], match[3]) if match and match[2] else None
+    return (match[1], match[3], (match[5] or b'').strip()) if match and match[2] else None

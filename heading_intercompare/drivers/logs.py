@@ -1,41 +1,45 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whole logs to headings: NMEA with or without stamps before the sentences, and csv."""
+"""Whole logs to headings: NMEA with or without stamps on the lines, and csv."""
 
 from __future__ import annotations
 
 import dataclasses
 import os
 from os import PathLike
-import re
 from typing import Iterator
 
 from heading_intercompare.core.records import Headings
 
 from .csv_log import CsvDecoder, is_csv
+from .log_lines.log_files import head_of, is_pattern, LogFiles
+from .log_lines.log_order import holds_sentences, open_log
 from .nmea import NmeaDecoder
 from .settings import DriverError, DriverSettings
 
 __all__ = ['is_log', 'LogReader', 'read_log']
 
-_HEAD_BYTES = 1 << 16
-_MCAP = b'\x89MCAP'
-_SENTENCE = re.compile(rb'[$!][A-Z]{2,}[A-Z0-9]*,')
-
 
 def is_log(path: str | PathLike) -> bool:
     """
-    Tell whether a path is a file whose beginning has an NMEA sentence or is a csv of headings.
+    Tell whether a path names a log: its beginning has an NMEA sentence or is a csv of headings.
 
-    An MCAP file, also under another name, and a file that does not exist are none.
+    A folder or a pattern of names is a log if one of its files has a sentence and none is part of
+    a bag. An MCAP file, also under another name, and a file that does not exist are none.
     """
-    if not os.path.isfile(path) or os.fspath(path).endswith('.mcap'):
+    name = os.fspath(path)
+    if os.path.isdir(name) or is_pattern(name):
+        try:
+            paths = LogFiles(name).paths
+        except DriverError:
+            return False
+        if any(each.endswith('.mcap') or os.path.basename(each) == 'metadata.yaml'
+               for each in paths):
+            return False
+        return any(holds_sentences(each) for each in paths)
+    if not os.path.isfile(name) or name.endswith('.mcap'):
         return False
-    with open(path, 'rb') as file:
-        head = file.read(_HEAD_BYTES)
-    if head.startswith(_MCAP):
-        return False
-    return is_csv(head.partition(b'\n')[0]) or _SENTENCE.search(head) is not None
+    return is_csv(head_of(name).partition(b'\n')[0]) or holds_sentences(name)
 
 
 class LogReader:
@@ -45,7 +49,8 @@ class LogReader:
     Parameters
     ----------
     path : path-like
-        A log of NMEA sentences, or a csv of headings (`csv_log`).
+        A log of NMEA sentences: a file, a folder of files, or a pattern of names (`LogFiles`). Or
+        a csv of headings (`csv_log`).
     settings : DriverSettings, optional
         `source` and `speed` are ignored.
     block_bytes : int
@@ -53,52 +58,91 @@ class LogReader:
 
     Attributes
     ----------
-    size, position : int
-        Bytes of the log, and bytes read so far, to show progress.
+    size : int
+        Bytes of the log on the disk.
 
     Raises
     ------
     OSError
         If the log cannot be read.
     DriverError
-        If the log is empty, or a csv without the required columns.
+        If the log is empty, a csv without the required columns, or holds headings of several
+        instruments of the same talker.
 
     """
 
     def __init__(self, path: str | PathLike, settings: DriverSettings | None = None,
                  block_bytes: int = 1 << 20) -> None:
         self._path, self._block_bytes = os.fspath(path), block_bytes
-        self.position = 0
         settings = settings or DriverSettings()
-        with open(self._path, 'rb') as file:
-            first = file.readline(4096)
-            self.size = os.fstat(file.fileno()).st_size
-        if not first:
+        self._files = open_log(self._path, settings)
+        self.size = self._files.size
+        head = next(self._files.bare_blocks(), b'')
+        if not head:
             raise DriverError(f'{self._path}: no lines')
+        first = head.partition(b'\n')[0]
+        self._nmea: NmeaDecoder | None = None
         if is_csv(first):
-            self._decoder = CsvDecoder(self._path, first, settings)
+            self._csv = CsvDecoder(self._path, first, settings)
         else:
-            self._decoder = NmeaDecoder(
-                dataclasses.replace(settings, source=f'file:{self._path}'))
+            self._nmea = NmeaDecoder(
+                dataclasses.replace(settings, source=f'file:{self._path}'), self._files)
+
+    @property
+    def paths(self) -> list[str]:
+        """The files of the log, in the order in which they are read."""
+        return self._files.paths
+
+    @property
+    def position(self) -> int:
+        """Bytes read so far, to show progress."""
+        return self._files.position
+
+    @property
+    def remarks(self) -> list[str]:
+        """What a reader of the verdict should know of how the log was read, in words."""
+        words = []
+        if len(self.paths) > 1:
+            words.append(f'{len(self.paths)} files')
+        if self._nmea is not None:
+            if self._nmea.stamps.borrowed:
+                words.append(f'{self._nmea.stamps.borrowed} headings with the stamp of a line '
+                             'before theirs')
+            if self._nmea.days.origin:
+                words.append(self._nmea.days.origin)
+        return words + [f'{path} ends too early' for path in self._files.cut]
 
     @property
     def counts(self) -> dict[str, int]:
         """Everything so far that gave no heading, by reason; see `NmeaDecoder.counts`."""
-        return self._decoder.counts
+        return self._csv.counts if self._nmea is None else self._nmea.counts
 
     @property
     def sentence(self) -> str | None:
         """Talker and kind of the chosen sentence ('HEHDT'); None if unknown yet, and for a csv."""
-        name = getattr(self._decoder, 'chosen', None)
+        name = None if self._nmea is None else self._nmea.chosen
         return None if name is None else str(name)
 
     def __iter__(self) -> Iterator[Headings]:
         """Yield the chunks, in the order of the log."""
-        with open(self._path, 'rb') as file:
-            while block := file.read(self._block_bytes):
-                self.position += len(block)
-                yield self._decoder.feed(block, None)
-        yield self._decoder.flush()
+        if self._nmea is None:
+            for _, block in self._files.blocks(self._block_bytes):
+                yield self._csv.feed(block)
+            yield self._csv.flush()
+            return
+        for begins, block in self._files.blocks(self._block_bytes):
+            yield self._nmea.feed(block, None, file=begins)
+        yield self._nmea.flush()
+        self._check_instruments(self._nmea)
+
+    def _check_instruments(self, decoder: NmeaDecoder) -> None:
+        """Raise DriverError if the words of the lines name several instruments."""
+        found = decoder.find_instruments()
+        if found:
+            several = ', '.join(f'{name} ({n} headings)' for name, n in found)
+            raise DriverError(f'{self._path}: {self.sentence} comes from several instruments: '
+                              f'{several}; choose one with `instrument`, such as '
+                              f"{found[0][0]}, or 'any' to take all")
 
 
 def read_log(path: str | PathLike, settings: DriverSettings | None = None
@@ -125,7 +169,7 @@ def read_log(path: str | PathLike, settings: DriverSettings | None = None
     OSError
         If the log cannot be read.
     DriverError
-        If the log is empty, or a csv without the required columns.
+        As `LogReader`.
 
     """
     reader = LogReader(path, settings)

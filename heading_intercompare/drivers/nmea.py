@@ -12,9 +12,15 @@ import numpy as np
 from heading_intercompare.core.records import Headings
 
 from .bursts import BurstFinder
-from .framing import Frame, Framer, KEPT_PREFIX
-from .log_stamps import day_time_ns, log_stamp_ns, nearest_day_ns, zda_ns
-from .sentence_choice import accepts, choose_sentence, find_sentence
+from .framing import Frame, Framer
+from .log_lines.days import Days
+from .log_lines.line_stamps import find_date_order, LineStamps, read_offset, STAMP_REASONS
+from .log_lines.line_words import WordCounts
+from .log_lines.log_files import LogFiles
+from .log_lines.log_order import open_log
+from .log_lines.stream_times import find_first_time, find_kind, StreamTimes, TIME_SENTENCES
+from .log_lines.times import day_time_ns
+from .sentence_choice import accepts, choose_instrument, choose_sentence, find_sentence
 from .sentences import heading_of, identify, may_lack_checksum, Name, Rejected
 from .settings import DriverSettings
 
@@ -25,6 +31,9 @@ __all__ = ['NmeaDecoder']
 _MOST_OTHERS = 32
 #: Readings held until a sentence is chosen; a flood does not wait for the end of `learn_s`.
 _MOST_HELD = 100_000
+
+
+_TIME_MARKS = frozenset(kind[1:].encode() + b',' for kind in TIME_SENTENCES)
 
 
 class _Column:
@@ -67,7 +76,8 @@ class NmeaDecoder:
     kind. On a line that has fallen silent, `feed(b'', now_ns)` makes that time pass.
 
     *Stamps of receipt.* On a live line, the time of receipt of the first byte of the sentence. In
-    a file, the stamp before the sentence; also on a live line if `stamp_format` names its form.
+    a file, the stamp of its line or of its burst (`LineStamps`); also on a live line if
+    `stamp_format` names its form.
 
     *Bursts.* Bytes of a TCP or serial line wait unstamped while the program does not read. Of
     several readings in one read, or in a read that may be more than two steps late, none has a
@@ -76,9 +86,10 @@ class NmeaDecoder:
 
     *Stamps of validity.* A heading takes the time of the ZDA before it if it is the first
     sentence of its kind and talker after that ZDA: one ZDA opens one burst. A heading before any
-    ZDA, a second one in a burst, and one after an unreadable ZDA have no time of validity. PASHR
-    with its own time takes that, on the day that puts it nearest to the last ZDA or, without one,
-    to the time of receipt.
+    ZDA, a second one in a burst, and one after an unreadable ZDA have no time of validity. Without
+    ZDA, RMC tells the time; without both, GGA, whose day comes from the time of receipt or from
+    `Days`. PASHR with its own time takes that, on the day that puts it nearest to the last ZDA or,
+    without one, to the time of receipt.
 
     *Order.* The headings keep the order of the bytes. The pairing deals with stamps that do not
     increase.
@@ -91,11 +102,13 @@ class NmeaDecoder:
 
     """
 
-    def __init__(self, settings: DriverSettings) -> None:
+    def __init__(self, settings: DriverSettings, files: LogFiles | None = None) -> None:
         self._settings = settings
         address = settings.address if settings.source is not None else None
         scheme = address.scheme if address else ''
-        self._framer = Framer(datagrams=scheme == 'udp')
+        if address is not None and scheme == 'file' and files is None:
+            files = open_log(address.path, settings)
+        self._framer = Framer(datagrams=scheme == 'udp', with_lines=files is not None)
         self._counts = self._framer.counts
         self._lenient = settings.checksum == 'if_present'
         self._validity = settings.time == 'validity'
@@ -109,16 +122,35 @@ class NmeaDecoder:
         #: By the time of a read, how long its bytes may have waited: of the last two reads.
         self._late_s: dict[int, float] = {}
         self._in_read: Counter[tuple[Name | None, int | None]] = Counter()
-        self._from_file = scheme == 'file'
-        self._chosen = find_sentence(address.path, settings) if self._from_file else None
+        self._from_file = files is not None
+        zone = None if settings.stamp_zone is None else read_offset(settings.stamp_zone)
+        self._chosen = None if files is None else find_sentence(files.bare_blocks(), settings)
+        self._instrument = choose_instrument(settings)
+        if files is None:
+            self._days = Days(settings.date, zone=zone)
+            self._stamps = LineStamps(settings, self._days)
+        else:
+            self._days = Days(settings.date, lambda: find_first_time(files.bare_blocks()), zone)
+            self._stamps = LineStamps(settings, self._days,
+                                      lambda: find_date_order(files.bare_blocks()), of_log=True)
+        self._times = StreamTimes(self._days, self._time_sentences(files))
+        self._words = WordCounts()
         self._chosen_column = _Column()
         self._held: dict[Name, _Column] = {}
         self._learning_since_ns: int | None = None
-        self._zda_ns: int | None = None
         self._burst_ns: int | None = None
         self._stamped: set[Name] = set()
         self._psxn_quality = b''
         self._n_headings = self._n_others = 0
+
+    def _time_sentences(self, files: LogFiles | None) -> tuple[str, ...]:
+        """Return the sentences whose time is used: in a log, the best of those that it has."""
+        if self._bursts is not None:
+            return TIME_SENTENCES[:1]
+        if not self._validity:
+            return TIME_SENTENCES[:2]
+        kind = None if files is None else find_kind(files.bare_blocks())
+        return TIME_SENTENCES if kind is None else (kind,)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -127,16 +159,31 @@ class NmeaDecoder:
 
         In addition to the reasons of `Framer`: `no_checksum`; `not_heading`: intact sentences of
         other kinds; `other_sentence.KIND`, `other_talker.XX`: headings that were not chosen;
-        `too_few_fields`, `empty_heading`, `bad_field`, `out_of_range`, `not_true`,
-        `invalid_mode.X` (THS), `no_variation` (HDG), `invalid_quality` (the PSXN,20 before a
-        PSXN,23 says so); `no_stamp`, `bad_stamp`, `burst` (readings of a stream without a stamp of
-        their own), `no_validity_time`, `bad_time` (a ZDA).
+        `other_instrument`; `too_few_fields`, `empty_heading`, `bad_field`, `out_of_range`,
+        `not_true`, `invalid_mode.X` (THS), `no_variation` (HDG), `invalid_quality` (the PSXN,20
+        before a PSXN,23 says so); `no_stamp`, `bad_stamp`, `no_date` (a time of day),
+        `ambiguous_date` (day or month first), `burst` (readings of a stream or of a log without a
+        stamp of their own), `no_validity_time`, `bad_time` (a ZDA, RMC or GGA).
         """
         return dict(sorted(self._counts.items()))
 
     def count(self, reason: str) -> int:
         """Return how many sentences or lines gave no heading for one reason."""
         return self._counts[reason]
+
+    @property
+    def stamps(self) -> LineStamps:
+        """The stamps of the lines."""
+        return self._stamps
+
+    @property
+    def days(self) -> Days:
+        """The days of times of day."""
+        return self._days
+
+    def find_instruments(self) -> list[tuple[str, int]]:
+        """Return the instruments of the headings taken, if the words of the lines name several."""
+        return [] if self._settings.instrument is not None else self._words.instruments()
 
     @property
     def lines(self) -> int:
@@ -149,7 +196,8 @@ class NmeaDecoder:
         """Kind and talker whose headings are returned; None while listening."""
         return self._chosen
 
-    def feed(self, data: bytes, received_ns: int | None, late_s: float = 0.0) -> Headings:
+    def feed(self, data: bytes, received_ns: int | None, late_s: float = 0.0,
+             file: str | None = None) -> Headings:
         """
         Take bytes and return the headings that they complete.
 
@@ -161,6 +209,8 @@ class NmeaDecoder:
             Time of receipt, nanoseconds UTC; not used if the lines carry stamps.
         late_s : float
             Longest time for which the bytes may have waited to be read, seconds.
+        file : str or None
+            The file of a log that begins with these bytes.
 
         Returns
         -------
@@ -168,10 +218,12 @@ class NmeaDecoder:
             In the order of the bytes; none while it still listens.
 
         """
+        if file is not None:
+            self._stamps.begin_file(file)
         frames = self._framer.feed(data, received_ns)
         if self._bursts is not None and received_ns is not None:
             self._late_s = {received_ns: late_s, **dict(list(self._late_s.items())[:1])}
-            self._in_read = Counter((identify(text), came_ns) for came_ns, _, text, _ in frames)
+            self._in_read = Counter((identify(text), came_ns) for came_ns, _, text, _, _ in frames)
         for frame in frames:
             self._take(frame)
         if self._held:
@@ -226,17 +278,29 @@ class NmeaDecoder:
 
     def _take(self, frame: Frame) -> None:
         """Turn one sentence into a reading or a count."""
-        received_ns, prefix, text, checked = frame
+        received_ns, prefix, text, checked, suffix = frame
+        if not text or (self._from_file and text[:6] == b'UNIXD,'):
+            self._open_burst(prefix, text)
+            return
+        if not checked and self._from_file and not prefix.strip():
+            text, suffix = self._stamps.cut(text)
         name = identify(text)
         if not (checked or self._lenient or may_lack_checksum(name)):
             self._counts['no_checksum'] += 1
             return
         if name is None:
-            self._counts[self._note(text)] += 1
+            if self._from_file and (prefix or suffix):
+                self._stamps.pass_by(prefix, suffix)
+            self._counts[self._note(text, prefix, suffix, received_ns)] += 1
             return
         counts, column = self._counts, self._chosen_column
+        if self._instrument is not None and not self._instrument.accepts(prefix, suffix):
+            self._stamps.pass_by(prefix, suffix)
+            counts['other_instrument'] += 1
+            return
         if name != self._chosen:
             if self._chosen is not None or not accepts(name, self._settings):
+                self._stamps.pass_by(prefix, suffix)
                 counts[self._other(name)] += 1
                 return
             column = self._held.setdefault(name, _Column())
@@ -244,50 +308,72 @@ class NmeaDecoder:
             counts = column.counts
         try:
             if self._validity:
-                stamp_ns, heading_deg = self._read_valid(name, text, prefix, received_ns)
+                stamp_ns, heading_deg = self._read_valid(name, text, prefix, suffix, received_ns)
             elif self._bursts is not None and received_ns is not None:
-                stamp_ns, heading_deg = self._read_stream(name, text, prefix, received_ns)
+                stamp_ns, heading_deg = self._read_stream(name, text, received_ns)
             else:
                 heading_deg = self._heading(name, text)
-                stamp_ns = self._receipt_ns(prefix, received_ns)
+                stamp_ns = self._receipt_ns(name, prefix, suffix, received_ns)
         except Rejected as rejected:
+            if rejected.reason not in STAMP_REASONS:
+                self._stamps.pass_by(prefix, suffix, name)
             counts[rejected.reason] += 1
             return
         column.stamp_ns.append(stamp_ns)
         column.heading_deg.append(heading_deg)
 
-    def _note(self, text: bytes) -> str:
+    def _open_burst(self, prefix: bytes, text: bytes) -> None:
+        """Take a line without a sentence, which may be a stamp, or the line UNIXD of UHDAS."""
+        if text:
+            self._counts['not_heading'] += 1
+            self._stamps.open_burst(text.split(b',')[1])
+        elif not prefix.lstrip().startswith(b'#'):
+            self._stamps.pass_by(prefix, b'')
+        if self._instrument is not None:
+            self._instrument.accepts(prefix, b'')
+
+    def _note(self, text: bytes, prefix: bytes, suffix: bytes, received_ns: int | None) -> str:
         """Keep what another sentence says about later headings; return the reason to count it."""
-        if text[2:6] == b'ZDA,' and (self._validity or self._bursts is not None):
+        if text[:8] == b'PSXN,20,':
+            self._psxn_quality = (text.split(b',') + [b''] * 3)[4].strip()
+        elif text[3:6] in _TIME_MARKS and (
+                self._validity or self._bursts is not None or self._stamps.by_clock
+        ) and self._times.tells(text):
             self._stamped.clear()
             try:
-                self._zda_ns = self._burst_ns = zda_ns(text.split(b','))
+                if self._from_file and self._validity:
+                    received_ns = self._near_ns(prefix, suffix)
+                self._burst_ns = self._times.read(text, received_ns)
             except ValueError:
                 self._burst_ns = None
                 return 'bad_time' if self._validity else 'not_heading'
-        elif text[:8] == b'PSXN,20,':
-            self._psxn_quality = (text.split(b',') + [b''] * 3)[4].strip()
         return 'not_heading'
+
+    def _near_ns(self, prefix: bytes, suffix: bytes) -> int | None:
+        """Return the stamp of a line's own, which says the day of a time in it."""
+        try:
+            return self._stamps.own_ns(prefix, suffix) if self._stamp_format != 'none' else None
+        except Rejected:
+            return None
 
     def _heading(self, name: Name, text: bytes) -> float:
         if name.kind == 'PSXN,23' and self._psxn_quality == b'2':
             raise Rejected('invalid_quality')
         return heading_of(text)
 
-    def _read_valid(self, name: Name, text: bytes, prefix: bytes, received_ns: int | None
-                    ) -> tuple[int, float]:
+    def _read_valid(self, name: Name, text: bytes, prefix: bytes, suffix: bytes,
+                    received_ns: int | None) -> tuple[int, float]:
         """Return time of validity and heading of a sentence; raises Rejected."""
         burst_ns = None if name in self._stamped else self._burst_ns
         self._stamped.add(name)
         heading_deg = self._heading(name, text)
         if name.kind == 'PASHR' and not text.startswith(b'PASHR,ATT'):
-            return self._own_time_ns(text, prefix, received_ns), heading_deg
+            return self._own_time_ns(text, prefix, suffix, received_ns), heading_deg
         if burst_ns is None:
             raise Rejected('no_validity_time')
         return burst_ns, heading_deg
 
-    def _read_stream(self, name: Name, text: bytes, prefix: bytes, received_ns: int
-                     ) -> tuple[int, float]:
+    def _read_stream(self, name: Name, text: bytes, received_ns: int) -> tuple[int, float]:
         """
         Return time of receipt and heading of a sentence from a stream; raises Rejected.
 
@@ -298,7 +384,7 @@ class NmeaDecoder:
                                   self._late_s.get(received_ns, 0.0))
         heading_deg = self._heading(name, text)
         try:
-            valid_ns, _ = self._read_valid(name, text, prefix, received_ns)
+            valid_ns, _ = self._read_valid(name, text, b'', b'', received_ns)
         except Rejected:
             valid_ns = None
         if not burst:
@@ -310,26 +396,27 @@ class NmeaDecoder:
             raise Rejected('burst')
         return stamp_ns, heading_deg
 
-    def _receipt_ns(self, prefix: bytes, received_ns: int | None) -> int:
-        """Return the stamp before a sentence, or its time of receipt; raises Rejected."""
+    def _receipt_ns(self, name: Name, prefix: bytes, suffix: bytes, received_ns: int | None
+                    ) -> int:
+        """Return the stamp of a line or its burst, or its time of receipt; raises Rejected."""
         if self._stamp_format != 'none':
-            try:
-                received_ns = log_stamp_ns(prefix[-KEPT_PREFIX:], self._stamp_format)
-            except ValueError:
-                raise Rejected('bad_stamp') from None
-        elif self._from_file:
-            received_ns = None
-        if received_ns is None:
+            stamp_ns = self._stamps.take(name, prefix, suffix)
+            if self._from_file and self._stamps.words:
+                self._words.add(self._stamps.words)
+            return stamp_ns
+        if self._from_file or received_ns is None:
             raise Rejected('no_stamp')
         return received_ns
 
-    def _own_time_ns(self, text: bytes, prefix: bytes, received_ns: int | None) -> int:
+    def _own_time_ns(self, text: bytes, prefix: bytes, suffix: bytes, received_ns: int | None
+                     ) -> int:
         """Return the time of a PASHR sentence on the right day; raises Rejected."""
         try:
             time_of_day_ns = day_time_ns(text.split(b',')[1])
-            near_ns = self._zda_ns
-            if near_ns is None:
-                near_ns = self._receipt_ns(prefix, received_ns)
-        except (ValueError, Rejected):
+            if self._stamp_format != 'none':
+                received_ns = self._near_ns(prefix, suffix)
+            elif self._from_file:
+                received_ns = None
+            return self._times.place(time_of_day_ns, received_ns)
+        except ValueError:
             raise Rejected('no_validity_time') from None
-        return nearest_day_ns(time_of_day_ns, near_ns)

@@ -8,8 +8,12 @@ import time
 from typing import Any, Callable
 
 from .csv_log import is_csv
-from .framing import KEPT_PREFIX, Received, split
-from .log_stamps import log_stamp_ns
+from .framing import Received, split
+from .log_lines.days import Days
+from .log_lines.line_stamps import find_date_order, LineStamps, read_offset
+from .log_lines.log_order import open_log
+from .log_lines.stream_times import find_first_time, find_kind, StreamTimes, TIME_SENTENCES
+from .sentences import Rejected
 from .settings import DriverError, DriverSettings
 
 __all__ = ['FileSource']
@@ -22,7 +26,8 @@ class FileSource:
     Plays a log line by line, at `speed` relative to log time.
 
     Each line keeps its log stamp as its time of receipt. A line without a stamp follows the line
-    before at once, with None. The clock starts with the first `read`.
+    before at once, with None. A log without stamps is paced by the sentences that tell the time if
+    `time` is 'validity'. The clock starts with the first `read`.
 
     Attributes
     ----------
@@ -46,19 +51,18 @@ class FileSource:
                  wait: Callable[[float], Any] = time.sleep) -> None:
         self._path = settings.address.path
         self._clock, self._wait = clock, wait
-        self._speed, self._stamp_format = settings.speed, settings.stamp_format
-        self._file = open(self._path, 'rb')
-        first = self._file.readline(4096)
-        if not first or is_csv(first):
-            self._file.close()
-            raise DriverError(f'{self._path}: no lines' if not first else
+        self._speed, self._settings = settings.speed, settings
+        self._files = open_log(self._path, settings)
+        head = next(self._files.bare_blocks(), b'')
+        if not head or is_csv(head.partition(b'\n')[0]):
+            raise DriverError(f'{self._path}: no lines' if not head else
                               f'{self._path}: a csv cannot be played, only imported; must be a '
                               'log of NMEA sentences')
-        self._file.seek(0)
+        self._rewind()
         self.first_ns = next((line.stamp_ns for line in iter(self._line, None)
                               if line.stamp_ns is not None), None)
         self.origin_ns = self.first_ns
-        self._file.seek(0)
+        self._rewind()
         self._next = self._line()
         self._started: float | None = None
         self.counts: dict[str, int] = {}
@@ -92,21 +96,42 @@ class FileSource:
     def close(self) -> None:
         """Close the log; `read` returns nothing more."""
         self._next = None
-        self._file.close()
+        self._lines.close()
 
     def _due(self, stamp_ns: int | None) -> float:
         if stamp_ns is None or self._speed == 0.0:
             return 0.0
         return self._started + (stamp_ns - self.origin_ns) / 1e9 / self._speed
 
+    def _rewind(self) -> None:
+        """Begin with the first line."""
+        settings, files = self._settings, self._files
+        zone = None if settings.stamp_zone is None else read_offset(settings.stamp_zone)
+        days = Days(settings.date, lambda: find_first_time(files.bare_blocks()), zone)
+        self._stamps = LineStamps(settings, days, lambda: find_date_order(files.bare_blocks()))
+        kind = find_kind(files.bare_blocks()) if settings.time == 'validity' else None
+        self._times = StreamTimes(days, TIME_SENTENCES if kind is None else (kind,))
+        self._lines = files.lines()
+
     def _line(self) -> Received | None:
-        line = self._file.readline(1 << 16)
+        begins, line = next(self._lines, (None, b''))
         if not line:
             return None
+        if begins is not None:
+            self._stamps.begin_file(begins)
+        return Received(line, self._stamp_ns(line), 0.0, begins)
+
+    def _stamp_ns(self, line: bytes) -> int | None:
+        """Return the stamp of a line, or the time that its sentence tells."""
         parts = split(line)
-        if parts is None or self._stamp_format == 'none':
-            return Received(line, None)
+        prefix, text, suffix = parts if parts else (line, b'', b'')
         try:
-            return Received(line, log_stamp_ns(parts[0][-KEPT_PREFIX:], self._stamp_format))
-        except ValueError:
-            return Received(line, None)
+            if self._settings.stamp_format != 'none':
+                stamp_ns = self._stamps.own_ns(prefix, suffix)
+                if stamp_ns is not None:
+                    return stamp_ns
+            if self._settings.time == 'validity' and self._times.tells(text):
+                return self._times.read(text, None)
+        except (Rejected, ValueError):
+            pass
+        return None

@@ -11,18 +11,19 @@ which has no way to say so.
 
 from __future__ import annotations
 
-import mmap
-from os import PathLike
+from itertools import chain
 from typing import Iterable, Iterator
 
-from .framing import Framer, MAX_SENTENCE
+from .framing import Framer
+from .log_lines.line_words import InstrumentChoice
 from .sentences import identify, may_lack_checksum, Name
 from .settings import DriverSettings, SENTENCES
 
-__all__ = ['accepts', 'choose_sentence', 'find_sentence']
+__all__ = ['accepts', 'choose_instrument', 'choose_sentence', 'find_sentence']
 
 _TOKENS = {'THS': b'THS,', 'HDT': b'HDT,', 'PASHR': b'PASHR,', 'PSXN,23': b'PSXN,23,',
            'PUHAW,UVH': b'PUHAW,UVH,', 'HDG': b'HDG,'}
+#: Bytes framed at once; of the first line that may hold a heading no more than that line.
 _BLOCK = 1 << 16
 
 
@@ -37,39 +38,68 @@ def choose_sentence(names: Iterable[Name]) -> Name:
     return min(names, key=lambda name: SENTENCES.index(name.kind))
 
 
-def find_sentence(path: str | PathLike, settings: DriverSettings) -> Name | None:
+def find_sentence(blocks: Iterable[bytes], settings: DriverSettings) -> Name | None:
     """
     Return the sentence to use from a log, or None if it has none.
 
-    It searches the log for each kind in turn, and reads only the lines where a kind may stand.
+    It reads the log once, and frames only the lines where a kind may stand that is better than
+    the best found so far.
 
-    Raises
-    ------
-    OSError
-        If the log cannot be read.
+    Parameters
+    ----------
+    blocks : iterable of bytes
+        The log, cut anywhere.
+    settings : DriverSettings
+        Sentence, talker, instrument, checksum.
 
     """
-    with open(path, 'rb') as file:
-        if file.seek(0, 2) == 0:
-            return None
-        with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as log:
-            for kind, token in _TOKENS.items():
-                if settings.sentence in ('auto', kind):
-                    for name in _names(log, token, settings.checksum == 'if_present'):
-                        if name.kind == kind and accepts(name, settings):
-                            return name
-    return None
+    lenient = settings.checksum == 'if_present'
+    kinds = [kind for kind in SENTENCES if settings.sentence in ('auto', kind)]
+    choice = choose_instrument(settings)
+    best, tail, span = None, b'', 0
+    for block in chain(blocks, (b'\n',)):
+        text = tail + block
+        end = text.rfind(b'\n') + 1
+        if not end and len(text) < _BLOCK:
+            tail = text
+            continue
+        text, tail = (text[:end], text[end:]) if end else (text, b'')
+        at = 0
+        places = dict.fromkeys(kinds, -1)
+        while at < len(text):
+            if choice is None:
+                for kind in kinds:
+                    if places[kind] < at:
+                        found = text.find(_TOKENS[kind], at)
+                        places[kind] = len(text) if found < 0 else found
+                at = min(places[kind] for kind in kinds)
+                if at == len(text):
+                    break
+            begin = text.rfind(b'\n', 0, at) + 1
+            at = text.find(b'\n', at + span) + 1 or len(text)
+            span = _BLOCK
+            for name in _names(text[begin:at], lenient, choice):
+                if name.kind in kinds and accepts(name, settings):
+                    best = name
+                    kinds = kinds[:kinds.index(name.kind)]
+            if not kinds:
+                return best
+    return best
 
 
-def _names(log: mmap.mmap, token: bytes, lenient: bool) -> Iterator[Name]:
-    """Yield the heading sentences of the log around each place of the token."""
-    at = log.find(token)
-    while at >= 0:
-        start = max(at - MAX_SENTENCE, log.rfind(b'\n', max(0, at - MAX_SENTENCE), at) + 1, 0)
-        end = log.find(b'\n', at + _BLOCK) + 1 or len(log)
-        framer = Framer()
-        for _, _, text, checked in framer.feed(log[start:end], None) + framer.flush():
-            name = identify(text)
-            if name is not None and (checked or lenient or may_lack_checksum(name)):
-                yield name
-        at = log.find(token, end)
+def choose_instrument(settings: DriverSettings) -> InstrumentChoice | None:
+    """Return what tells the lines of one instrument; None if all lines are taken."""
+    if settings.instrument in (None, 'any'):
+        return None
+    return InstrumentChoice(str(settings.instrument))
+
+
+def _names(text: bytes, lenient: bool, choice: InstrumentChoice | None) -> Iterator[Name]:
+    """Yield the heading sentences of whole lines, in the order of the log."""
+    framer = Framer(with_lines=choice is not None)
+    for _, prefix, sentence, checked, suffix in framer.feed(text, None) + framer.flush():
+        if choice is not None and not choice.accepts(prefix, suffix):
+            continue
+        name = identify(sentence)
+        if name is not None and (checked or lenient or may_lack_checksum(name)):
+            yield name

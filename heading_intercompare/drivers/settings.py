@@ -5,15 +5,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import date
 import ipaddress
+import re
 from urllib.parse import parse_qsl, urlsplit
+from zoneinfo import ZoneInfo
 
 from heading_intercompare.core.settings import Checked, setting, SettingsError
 
-__all__ = ['Address', 'DriverError', 'DriverSettings', 'parse_address']
+__all__ = ['Address', 'DriverError', 'DriverSettings', 'parse_address', 'SENTENCES',
+           'STAMP_FORMATS']
 
 #: Kinds of heading sentence; 'auto' uses the first of those present.
 SENTENCES = ('THS', 'HDT', 'PASHR', 'PSXN,23', 'PUHAW,UVH', 'HDG')
+
+#: Forms of stamp, by their names in the table of `log_lines/line_formats`.
+STAMP_FORMATS = ('auto', 'iso', 'doy', 'compact', 'named', 'mdy', 'dmy', 'epoch', 'clock',
+                 'hhmmss', 'tag', 'none')
 
 _FORMS = ('must be file:PATH, udp://HOST:PORT[?interface=IP&from=IP], tcp://HOST:PORT '
           'or serial:DEVICE[?baud=4800]')
@@ -151,6 +159,42 @@ def _parse_whole(source: str, name: str, text: str, lo: int, hi: int) -> int:
     return int(text)
 
 
+def _check_pattern(pattern: str) -> None:
+    """Raise SettingsError for a pattern that cannot be read as a stamp."""
+    start = f'stamp_pattern = {pattern!r}: '
+    try:
+        groups = set(re.compile(pattern.encode()).groupindex)
+    except re.error as error:
+        raise SettingsError(f'{start}{error}; must be a regular expression of Python') from None
+    clock, given = {'hour', 'minute', 'second'}, groups - {'fraction', 'zone'}
+    if given not in ({'epoch'}, clock, clock | {'year', 'month', 'day'}, clock | {'year', 'yday'}):
+        raise SettingsError(
+            f'{start}has the groups {", ".join(sorted(groups)) or "none"}; must have (?P<epoch>), '
+            'or hour, minute and second, with year, month and day or year and yday, or without a '
+            'date; fraction and zone may be added')
+
+
+def _check_zone(zone: str) -> None:
+    """Raise SettingsError for a zone that is unknown."""
+    if zone == 'UTC' or re.match(r'[+-](?:0\d|1[0-4]):?[0-5]\d\Z', zone):
+        return
+    try:
+        ZoneInfo(zone)
+    except (ValueError, OSError, KeyError):
+        raise SettingsError(f'stamp_zone = {zone!r}: must be an offset such as +02:00, or a name '
+                            'of the tz database such as Europe/Oslo') from None
+
+
+def _check_date(text: str) -> None:
+    """Raise SettingsError for what is no date."""
+    try:
+        year = date.fromisoformat(text).year
+    except ValueError:
+        year = 0
+    if not 1970 <= year <= 2261 or len(text) != 10:
+        raise SettingsError(f'date = {text!r}: must be a date from 1970 to 2261, YYYY-MM-DD')
+
+
 @dataclass(frozen=True, slots=True)
 class DriverSettings(Checked):
     """Where headings come from, which sentences are used and how they are stamped."""
@@ -167,21 +211,33 @@ class DriverSettings(Checked):
         'first heard')
     time: str = setting(
         'receipt', "stamps: time of 'receipt' (in a log: the stamp of the line), or of "
-        "'validity' (ZDA of the same stream, own time of PASHR)",
+        "'validity' (ZDA, RMC or GGA of the same stream, own time of PASHR)",
         choices=('receipt', 'validity'))
     stamp_format: str = setting(
-        'auto', "stamp written before a sentence; 'auto': any of them in a file, none of them "
-        "on a live line; 'iso', 'doy' (YY+DDD:HH:MM:SS), 'epoch', 'tag' (c: of a TAG block), "
-        "'none'", choices=('auto', 'iso', 'doy', 'epoch', 'tag', 'none'))
+        'auto', "form of the stamp of a line of a log; 'auto': any of them in a file, none on a "
+        "live line; 'mdy' and 'dmy': a numeric date with month or day first; 'tag': c: of a "
+        'TAG block', choices=STAMP_FORMATS)
+    stamp_pattern: str | None = setting(
+        None, 'regular expression for stamps of another form, with the named groups epoch; or '
+        'hour, minute, second, and year, month, day or year, yday; and fraction, zone')
+    stamp_zone: str | None = setting(
+        None, "zone of stamps that name none: an offset such as '+02:00' or a name such as "
+        "'Europe/Oslo'; none: UTC")
+    date: str | None = setting(
+        None, 'date of the first line, YYYY-MM-DD, for stamps and sentences with a time of day '
+        'only; none: by ZDA or RMC of the same stream, or by the name of the file')
+    instrument: str | None = setting(
+        None, 'word before or after the sentences of the instrument to read, if a log has several '
+        "of the same talker; 'any': all of them; none: refuse such a log")
     checksum: str = setting(
         'required', "'required' (except for PUHAW,UVH, which has none); 'if_present': sentences "
         'without a checksum are used too', choices=('required', 'if_present'))
     speed: float = setting(
         1.0, 'speed at which a file is played, relative to log time; 0: as fast as possible', 0.0)
     bursts: str = setting(
-        'reject', "readings of a TCP or serial line without a time of receipt of their own: "
-        "'reject', or 'accept' them with the time of the read, as from a converter that packs "
-        'sentences',
+        'reject', "readings of a TCP or serial line, or of a log with one stamp for many lines, "
+        "without a time of their own: 'reject', or 'accept' them with that of the read or of the "
+        'stamp, as from a converter that packs sentences',
         choices=('reject', 'accept'))
     learn_s: float = setting(
         2.0, "time to listen on a live line before sentence 'auto' chooses [s]", 0.0, 600.0)
@@ -194,6 +250,12 @@ class DriverSettings(Checked):
         Checked.__post_init__(self)
         if self.source is not None:
             parse_address(self.source)
+        if self.stamp_pattern is not None:
+            _check_pattern(self.stamp_pattern)
+        if self.stamp_zone is not None:
+            _check_zone(self.stamp_zone)
+        if self.date is not None:
+            _check_date(self.date)
 
     @property
     def address(self) -> Address:

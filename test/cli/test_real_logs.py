@@ -145,10 +145,11 @@ def test_a_csv_of_pairs_gives_the_verdict_of_its_bag(bags, capsys, tmp_path):
 def test_a_log_without_zda_has_no_time_of_validity(shared_data, tmp_path, capsys):
     assert main(['import-nmea', '--ts', str(shared_data / SETS['gyr1-s330'][1]), '--rs',
                  str(shared_data / SETS['gyr1-s330'][2]), '--time', 'validity', '-o',
-                 str(tmp_path / 'bag')]) == 0
-    text = capsys.readouterr().out
-    assert 'TS' in text and '0 headings' in text and '5000 no_validity_time' in text
-    assert '625 headings on rs/heading' in text
+                 str(tmp_path / 'bag')]) == 2
+    text = capsys.readouterr().err
+    assert 'no heading in it, read as the TS (not taken: 5000 no_validity_time)' in text
+    assert 'a stamp of the form iso' in text and 'set --time to receipt' in text
+    assert not (tmp_path / 'bag').exists()
 
 
 def test_a_replayed_log_goes_through_and_says_what_was_rejected(shared_data, tmp_path, capsys):

@@ -24,7 +24,7 @@ def sentence(text: bytes, lower: bool = False) -> bytes:
 
 
 def texts(frames) -> list[bytes]:
-    return [text for _, _, text, _ in frames]
+    return [text for _, _, text, *_ in frames]
 
 
 def cut(data: bytes, places) -> list[bytes]:
@@ -82,7 +82,7 @@ def test_no_sound_sentence_is_lost_in_garbage(pieces, end, places):
     bodies = [f'HEHDT,{heading:.1f},T'.encode() for _, heading, _ in pieces]
     data = b''.join(before + sentence(body, lower)
                     for body, (before, _, lower) in zip(bodies, pieces)) + end
-    found = [text for _, _, text, checked in frames_of(cut(data, places))[0]
+    found = [text for _, _, text, checked, _ in frames_of(cut(data, places))[0]
              if checked and text.startswith(b'HEHDT') and text.endswith(b',T')]
     assert found == bodies
 
@@ -91,14 +91,14 @@ def test_no_sound_sentence_is_lost_in_garbage(pieces, end, places):
 def test_a_damaged_byte_never_makes_another_heading(place, byte):
     good = b'$HEHDT,218.53,T*12\r\n'
     bad = good[:place] + bytes([byte]) + good[place + 1:]
-    found = [text for _, _, text, checked in frames_of([bad])[0] if checked]
+    found = [text for _, _, text, checked, _ in frames_of([bad])[0] if checked]
     assert found in ([], [b'HEHDT,218.53,T'])
 
 
 def test_every_line_is_a_frame_or_a_count():
     data = (b'# comment\r\n\r\n$A*41\r\n$A*42\r\n$A*4\r\n$A*\r\n$A\r\n$B$A*41\n!AIVDM*57\rrest')
     frames, counts = frames_of([data])
-    assert [(text, checked) for _, _, text, checked in frames] == [
+    assert [(text, checked) for _, _, text, checked, _ in frames] == [
         (b'A', True), (b'A', False), (b'A', True), (b'AIVDM', True)]
     assert counts == {'no_sentence': 2, 'bad_checksum': 3, 'cut': 1}
 
@@ -148,7 +148,8 @@ def test_the_stamp_of_a_line_holds_for_a_sentence_that_follows_a_cut_one():
 
 
 @pytest.mark.parametrize('line, parts', [
-    (b'stamp $A*41\r\n', (b'stamp ', b'A')), (b'$A', (b'', b'A')), (b'no sentence\n', None),
+    (b'stamp $A*41\r\n', (b'stamp ', b'A', b'')), (b'$A', (b'', b'A', b'')),
+    (b'$A*41,1406851200\r\n', (b'', b'A', b',1406851200')), (b'no sentence\n', None),
     (b'', None), (b'\n', None)])
 def test_the_first_sentence_of_a_line(line, parts):
     assert split(line) == parts

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.records import Headings
+from heading_intercompare.drivers.log_lines.log_files import LogFiles
 from heading_intercompare.drivers.logs import is_log, LogReader, read_log
 from heading_intercompare.drivers.sentence_choice import find_sentence
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
@@ -92,10 +93,11 @@ def test_a_damaged_sentence_does_not_decide_the_choice(tmp_path):
 def test_the_choice_finds_a_rare_talker_behind_many_lines_of_another(tmp_path):
     log = tmp_path / 'long.log'
     log.write_bytes(b'1772366400 $HEHDT,1.0,T*2E\n' * 200_000 + b'1772366401 $GPHDT,2.0,T*37\n')
-    name = find_sentence(log, DriverSettings(talker='GP'))
+    files = LogFiles(str(log))
+    name = find_sentence(files.bare_blocks(), DriverSettings(talker='GP'))
     assert name == ('HDT', 'GP')
-    assert find_sentence(log, DriverSettings(talker='IN')) is None
-    assert find_sentence(log, DriverSettings(sentence='THS')) is None
+    assert find_sentence(files.bare_blocks(), DriverSettings(talker='IN')) is None
+    assert find_sentence(files.bare_blocks(), DriverSettings(sentence='THS')) is None
 
 
 @pytest.mark.parametrize('end', [b'\n', b'\r\n', b'\r'])
@@ -121,10 +123,10 @@ def test_an_empty_log_is_an_error_that_names_it(tmp_path):
         read_log(log)
 
 
-def test_a_missing_log_and_a_folder_are_the_errors_of_the_system(tmp_path):
+def test_a_missing_log_is_the_error_of_the_system_and_an_empty_folder_says_so(tmp_path):
     with pytest.raises(FileNotFoundError):
         read_log(tmp_path / 'none.log')
-    with pytest.raises(IsADirectoryError):
+    with pytest.raises(DriverError, match='no file with anything in it'):
         read_log(tmp_path)
 
 

@@ -5,6 +5,9 @@
 from __future__ import annotations
 
 from contextlib import closing
+from functools import reduce
+import gzip
+from operator import xor
 from pathlib import Path
 
 import pytest
@@ -55,12 +58,12 @@ def test_lines_come_at_log_time_times_speed(log):
     clock = Clock()
     with closing(play(log, clock, 2.0)) as source:
         assert source.first_ns == source.origin_ns == NOON
-        assert source.read(0.1) == [(b'1772366400.0 $HEHDT,1.0,T*2E\n', NOON, 0.0),
-                                    (b'no stamp\n', None, 0.0)]
+        assert source.read(0.1) == [(b'1772366400.0 $HEHDT,1.0,T*2E\n', NOON, 0.0, str(log)),
+                                    (b'no stamp\n', None, 0.0, None)]
         assert source.read(0.1) == [] and clock.now == pytest.approx(1000.1)
-        assert [ns for _, ns, _ in source.read(10.0)] == [NOON + S]
+        assert [ns for _, ns, *_ in source.read(10.0)] == [NOON + S]
         assert clock.now == pytest.approx(1000.5) and not source.exhausted
-        assert [ns for _, ns, _ in source.read(10.0)] == [NOON + 2 * S]
+        assert [ns for _, ns, *_ in source.read(10.0)] == [NOON + 2 * S]
         assert clock.now == pytest.approx(1001.0) and source.exhausted
         assert source.read(10.0) == [] and clock.now == pytest.approx(1001.0)
         assert source.status.endswith('end')
@@ -80,7 +83,7 @@ def test_two_logs_with_the_same_origin_are_played_in_step(log):
     with closing(play(log, clock, 1.0)) as source:
         source.origin_ns = NOON - 5 * S
         assert source.read(4.0) == []
-        assert [ns for _, ns, _ in source.read(4.0)] == [NOON, None]
+        assert [ns for _, ns, *_ in source.read(4.0)] == [NOON, None]
         assert clock.now == pytest.approx(1005.0)
 
 
@@ -135,3 +138,51 @@ def test_a_log_that_cannot_be_played_says_why(tmp_path):
         open_source(DriverSettings(source=f'file:{csv}'))
     with pytest.raises(FileNotFoundError):
         open_source(DriverSettings(source=f'file:{tmp_path / "none.log"}'))
+
+
+FORMS = {
+    'burst': '1772366400\n$HEHDT,1.0,T*2E\n$HEHDT,2.0,T*2D\n1772366401 $HEHDT,3.0,T*2C\n',
+    'behind': '$HEHDT,1.0,T*2E,1772366400.5\n$HEHDT,2.0,T*2D,1772366401.5\n',
+    'words': 'NAV 2026/03/01 12:00:00.5 GYRO $HEHDT,1.0,T*2E\n',
+    'dates': '05/02/2024 12:00:00 $HEHDT,1.0,T*2E\n05/13/2024 12:00:00 $HEHDT,2.0,T*2D\n'}
+
+
+@pytest.mark.parametrize('form', FORMS)
+@pytest.mark.parametrize('encode', [bytes, gzip.compress, lambda text: text.decode().encode(
+    'utf-16')])
+def test_a_log_of_any_form_plays_as_it_is_imported(form, encode, tmp_path):
+    path = tmp_path / 'a.log'
+    path.write_bytes(encode(FORMS[form].encode()))
+    check_playing(path)
+
+
+def check_playing(path, **given):
+    """Compare a log as it is played with the log as it is imported."""
+    settings = DriverSettings(source=f'file:{path}', speed=0.0, **given)
+    decoder, chunks = NmeaDecoder(settings), []
+    with closing(open_source(settings)) as source:
+        while not source.exhausted:
+            chunks += [decoder.feed(*came) for came in source.read(1.0)]
+    chunks.append(decoder.flush())
+    found = Headings.concatenate(chunks)
+    assert len(found) and (found, decoder.counts) == read_log(path, settings)
+
+
+def test_a_folder_plays_as_it_is_imported(tmp_path):
+    for day in ('20260301', '20260303'):
+        (tmp_path / f'gyro_{day}.log').write_text('23:59:59 $HEHDT,1.0,T*2E\n'
+                                                  '00:00:01 $HEHDT,2.0,T*2D')
+    check_playing(tmp_path)
+
+
+def test_a_log_without_stamps_is_paced_by_the_times_that_it_tells(tmp_path):
+    path, clock = tmp_path / 'bare.log', Clock()
+    told = [f'GPZDA,12000{k}.00,01,03,2026,,' for k in range(3)]
+    path.write_text(''.join(f'${text}*{reduce(xor, text.encode()):02X}\n$HEHDT,1.0,T*2E\n'
+                            for text in told))
+    settings = DriverSettings(source=f'file:{path}', time='validity')
+    with closing(FileSource(settings, clock=clock, wait=clock.wait)) as source:
+        assert source.first_ns == NOON
+        assert [len(source.read(1.0)) for _ in range(3)] == [2, 2, 2]
+        assert clock.now == pytest.approx(1002.0)
+    check_playing(path, time='validity')

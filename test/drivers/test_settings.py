@@ -62,6 +62,9 @@ def test_a_multicast_group_is_known_by_its_address(host, multicast):
 
 
 @pytest.mark.parametrize('name, value', [
+    ('stamp_zone', 'CEST2'), ('stamp_zone', '+25:00'), ('stamp_zone', '../x'),
+    ('date', '28.05.2024'), ('date', '2024-02-30'), ('date', '1969-01-01'), ('stamp_pattern', '('),
+    ('stamp_pattern', '(?P<hour>.)'), ('stamp_pattern', '(?P<epoch>.)(?P<hour>.)'),
     ('sentence', 'HDM'), ('time', 'gps'), ('stamp_format', 'unix'), ('speed', -1.0),
     ('learn_s', -1.0), ('checksum', 'no'), ('speed', float('nan'))])
 def test_a_value_outside_its_range_is_refused(name, value):

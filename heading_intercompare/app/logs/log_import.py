@@ -5,14 +5,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Callable, Mapping
+import hashlib
+import re
+from typing import Any, Callable, Mapping, Sequence
 
-from heading_intercompare.app.inputs import sha256
 from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.logs import LogReader
-from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.drivers.refused_lines import explain_no_heading
+from heading_intercompare.drivers.settings import DriverError, DriverSettings
 
-__all__ = ['import_log', 'ImportedLog']
+__all__ = ['import_log', 'ImportedLog', 'ROLE_SETTINGS']
+
+ROLE_SETTINGS = ('sentence', 'talker', 'instrument')
+"""Settings that choose the lines of one sensor; each sensor has options of its own for them."""
+
+_READING = ('talker', 'instrument', 'stamp_pattern', 'stamp_zone', 'date', 'checksum', 'bursts')
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +34,7 @@ class ImportedLog:
     headings : Headings
         In the order of the log.
     sha256 : str
-        Hash of the log.
+        Hash of the log; of several files, of their bytes in order.
     size : int
         Its length, bytes.
     sentence : str or None
@@ -36,6 +43,10 @@ class ImportedLog:
         Lines that gave no heading, by reason.
     driver : DriverSettings
         How it was read.
+    files : int
+        The number of its files.
+    remarks : sequence of str
+        What a reader of the verdict should know of how it was read.
 
     """
 
@@ -46,13 +57,20 @@ class ImportedLog:
     sentence: str | None
     not_taken: Mapping[str, int]
     driver: DriverSettings
+    files: int = 1
+    remarks: Sequence[str] = ()
 
     @property
     def origin(self) -> dict[str, Any]:
         """The provenance as a bag keeps it."""
+        default = DriverSettings()
+        given = {name: getattr(self.driver, name) for name in _READING
+                 if getattr(self.driver, name) != getattr(default, name)}
+        if self.files > 1:
+            given['files'] = self.files
         return {'path': self.path, 'sha256': self.sha256, 'bytes': self.size,
                 'sentence': self.sentence, 'time': self.driver.time,
-                'stamp_format': self.driver.stamp_format, 'headings': len(self.headings),
+                'stamp_format': self.driver.stamp_format, 'headings': len(self.headings), **given,
                 **{f'not_taken.{reason}': n for reason, n in self.not_taken.items()}}
 
     @property
@@ -63,31 +81,69 @@ class ImportedLog:
 
 
 def import_log(path: str, driver: DriverSettings,
-               progress: Callable[[str], None] = lambda text: None) -> ImportedLog:
+               progress: Callable[[str], None] = lambda text: None, *,
+               role: str | None = None) -> ImportedLog:
     """
     Read the headings of a log.
 
     Parameters
     ----------
     path : str
-        A log of NMEA sentences, or a csv of headings.
+        A log of NMEA sentences: a file, a folder of files, or a pattern of names; or a csv of
+        headings.
     driver : DriverSettings
         Sentence, talker, time, form of the stamps; `source` and `speed` are ignored.
     progress : callable
         Called with the progress in words.
+    role : {'ts', 'rs'}, optional
+        The sensor that must have headings in it.
 
     Raises
     ------
     OSError
         If the log cannot be read.
     DriverError
-        If it is empty, or a csv without the required columns.
+        If it is empty, a csv without the required columns, or of several instruments; or if it
+        has no heading of the sensor that must have some. What to set is named by the options of
+        the command line.
 
     """
-    reader = LogReader(path, driver)
-    chunks = []
-    for chunk in reader:
-        chunks.append(chunk)
-        progress(f'{reader.position / reader.size:.0%}')
-    return ImportedLog(path, Headings.concatenate(chunks), sha256(path), reader.size,
-                       reader.sentence, reader.counts, driver)
+    try:
+        reader = LogReader(path, driver)
+        chunks = []
+        for chunk in reader:
+            chunks.append(chunk)
+            progress(f'{reader.position / reader.size:.0%}')
+    except DriverError as error:
+        raise DriverError(_name_options(str(error), role)) from None
+    log = ImportedLog(path, Headings.concatenate(chunks), _hash(reader.paths), reader.size,
+                      reader.sentence, reader.counts, driver, len(reader.paths), reader.remarks)
+    if role is not None and not len(log.headings):
+        raise DriverError(_no_heading(log, role))
+    return log
+
+
+def _no_heading(log: ImportedLog, role: str) -> str:
+    """Return why a log has no heading, in one line."""
+    why = '' if log.sentence is None and not log.not_taken else (
+        _name_options(explain_no_heading(log.path, log.driver, log.not_taken), role))
+    return (f'{log.path}: no heading in it, read as the {role.upper()} (not taken: '
+            f'{log.words_not_taken}); {why}')
+
+
+def _name_options(text: str, role: str | None) -> str:
+    """Replace names of settings between backticks by the options of the command line."""
+    def option(match: re.Match[str]) -> str:
+        own = f'{role or "ts"}-' if match[1] in ROLE_SETTINGS else ''
+        return f'--{own}{match[1].replace("_", "-")}'
+    return re.sub('`([a-z_]+)`', option, text)
+
+
+def _hash(paths: Sequence[str]) -> str:
+    """Return the SHA-256 of files, one after the other."""
+    digest = hashlib.sha256()
+    for path in paths:
+        with open(path, 'rb') as file:
+            while block := file.read(1 << 20):
+                digest.update(block)
+    return digest.hexdigest()

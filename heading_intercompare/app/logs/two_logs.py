@@ -20,6 +20,7 @@ from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input
 from heading_intercompare.drivers.logs import is_log
+from heading_intercompare.drivers.refused_lines import describe_start
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.report import SeriesSketch
 
@@ -31,41 +32,63 @@ ROLES = ('ts', 'rs')
 """The sensors, in the order of their logs."""
 
 _USE = 'give two logs, first that of the TS, then that of the RS, and nothing else'
+_OTHERS = ('.mcap', '.csv', '.json', '.journal')
+_APART = ('tell its sensors apart with --ts-sentence and --rs-sentence, --ts-talker and '
+          '--rs-talker, or --ts-instrument and --rs-instrument')
 
 
-def find_logs(inputs: Sequence[str]) -> tuple[str, str] | None:
+def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | None = None
+              ) -> tuple[str, str] | None:
     """
     Return the log of the TS and that of the RS, or None if no input is a log.
 
     Parameters
     ----------
     inputs : sequence of str
-        The inputs as given.
+        The inputs as given. One log may hold both sensors.
+    drivers : mapping of {'ts', 'rs'} to DriverSettings, optional
+        How to read each log; in a log of both sensors they must differ.
 
     Raises
     ------
     OSError
         If one is a log and another cannot be read.
     ValueError
-        If one is a log and they are not two different logs.
+        If one is a log and they are neither two different logs nor one log of both sensors.
 
     """
     logs = [path for path in inputs if is_log(path)]
     if not logs:
+        _check_texts(inputs)
         return None
     for path in inputs:
-        os.stat(path)
-    for path in inputs:
         if path not in logs:
+            os.stat(path)
+            start = describe_start(path)
             raise ValueError(f'{path}: is not a log of NMEA sentences or headings, but {logs[0]} '
-                             f'is: {_USE}')
+                             f'is: {start or _USE}')
+    apart = drivers is not None and drivers['ts'] != drivers['rs']
+    if len(inputs) == 1 and apart:
+        return inputs[0], inputs[0]
     if len(inputs) != 2:
         given = 'the log of one sensor' if len(inputs) == 1 else f'one of {len(inputs)} logs'
-        raise ValueError(f'{inputs[0]}: is {given}: {_USE}')
+        more = (f'; if it is of both, {_APART}' if len(inputs) == 1 else
+                '; give the files of one sensor as their folder, or as a pattern in quotes')
+        raise ValueError(f'{inputs[0]}: is {given}: {_USE}{more}')
     ts, rs = inputs
-    if os.path.samefile(ts, rs):
-        raise ValueError(f'{rs}: is given as TS and as RS: {_USE}')
+    if not apart and (ts == rs or (os.path.exists(ts) and os.path.exists(rs)
+                                   and os.path.samefile(ts, rs))):
+        raise ValueError(f'{rs}: is given as TS and as RS: {_USE}; if it is of both, {_APART}')
     return ts, rs
+
+
+def _check_texts(inputs: Sequence[str]) -> None:
+    """Raise ValueError for two texts that are neither logs nor anything else that is judged."""
+    if len(inputs) == 2 and not any(path.endswith(_OTHERS) for path in inputs):
+        for path in inputs:
+            start = describe_start(path)
+            if start.startswith('first'):
+                raise ValueError(f'{path}: is neither a bag nor a log of NMEA sentences: {start}')
 
 
 def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, DriverSettings], *,
@@ -111,10 +134,10 @@ def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, Drive
     if runs is not None:
         found, elsewhere = assign_runs(read_run_table(runs), [ts])
         table = [(start, stop) for start, stop, _ in found]
-    log = {role: import_log(path, drivers[role], progress)
+    log = {role: import_log(path, drivers[role], progress, role=role)
            for role, path in zip(ROLES, (ts, rs))}
-    for role in ROLES:
-        _check_headings(log[role], role)
+    if ts == rs and log['ts'].headings == log['rs'].headings:
+        raise ValueError(f'{ts}: gives the same headings as TS and as RS: {_APART}')
     sketch = SeriesSketch(ts) if sketched else None
     takers = list(takers)
     if sketch is not None:
@@ -129,7 +152,8 @@ def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, Drive
         results = judge_aligned(*readings, results, settings, source=ts)
     inputs = [_describe(log[role], role) for role in ROLES]
     notes = [f'{words}: {log[role].path}, {len(log[role].headings)} headings of '
-             f'{log[role].sentence or "a csv"}; not taken: {log[role].words_not_taken}'
+             f'{"; ".join((log[role].sentence or "a csv", *log[role].remarks))}; not taken: '
+             f'{log[role].words_not_taken}'
              for role, words in zip(ROLES, ('tested sensor (TS)', 'reference sensor (RS)'))]
     if not results:
         why = explain_no_run(comparison.ledger, settings, table)
@@ -146,14 +170,6 @@ def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, Drive
     return Judgement(verdict, tuple(notes), () if sketch is None else (sketch,),
                      tuple(each.verdict for each in earlier),
                      make_account(judged, settings, inputs[1]))
-
-
-def _check_headings(log: ImportedLog, role: str) -> None:
-    """Raise ValueError for a log without a heading."""
-    if not len(log.headings):
-        raise ValueError(f'{log.path}: no heading in it (not taken: {log.words_not_taken}); it is '
-                         f'read as the {role.upper()}, --{role}-sentence names its sentence, and '
-                         '--stamp-format its stamps')
 
 
 def _describe(log: ImportedLog, role: str) -> Input:

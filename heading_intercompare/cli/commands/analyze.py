@@ -26,7 +26,7 @@ from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import from_mapping
 from heading_intercompare.core.verdict.validity import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict
-from heading_intercompare.drivers.settings import DriverSettings, SENTENCES
+from heading_intercompare.drivers.settings import DriverSettings, SENTENCES, STAMP_FORMATS
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.report import check_form, json, SeriesSketch, write, WRITERS
@@ -39,7 +39,30 @@ __all__ = ['add_analysis_arguments', 'add_arguments', 'add_log_arguments',
 _CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4
 
-LOG_OPTIONS = ('ts_sentence', 'rs_sentence', 'time', 'stamp_format')
+_SHARED_OPTIONS = {
+    'time': ('stamp headings of logs with the time of receipt (of the line; default) or of '
+             'validity (ZDA, RMC, GGA, PASHR)', ('receipt', 'validity')),
+    'stamp_format': ('form of the stamps of the lines (default: recognised automatically): '
+                     + ', '.join(STAMP_FORMATS), None),
+    'stamp_pattern': ('regular expression for stamps of another form, with named groups: epoch; '
+                      'or year, month, day, hour, minute, second, fraction', None),
+    'stamp_zone': ('zone of stamps that name none, such as +02:00 or Europe/Oslo (default: UTC)',
+                   None),
+    'date': ('date of the first line, YYYY-MM-DD, for times of day without one', None),
+    'checksum': ('take sentences without a checksum too, or only those with one (default)',
+                 ('required', 'if_present')),
+    'bursts': ('take the stamp of a burst for all its lines, or for the first of a kind (default)',
+               ('reject', 'accept')),
+}
+_ROLE_OPTIONS = {
+    'sentence': 'kind of sentence in the log of the {}: ' + ', '.join(SENTENCES)
+                + ' (default: the first present)',
+    'talker': 'talker of the {}, such as HE (default: the first present)',
+    'instrument': 'word of the lines of the {}, if a log has several instruments',
+}
+
+LOG_OPTIONS = (*(f'{role}_{name}' for name in (*_ROLE_OPTIONS, *_SHARED_OPTIONS)
+                 for role in ROLES), *_SHARED_OPTIONS)
 """Options of `add_log_arguments`, by their names in the parser."""
 
 
@@ -52,24 +75,29 @@ def add_settings_arguments(parser: argparse.ArgumentParser) -> None:
 
 def add_log_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options that say how logs are read; see `drivers_for`."""
-    for role in ROLES:
-        parser.add_argument(f'--{role}-sentence', metavar='S',
-                            help=f'kind of sentence in the log of the {role.upper()}: '
-                            + ', '.join(SENTENCES) + ' (default: the first present)')
-    parser.add_argument('--time', choices=('receipt', 'validity'),
-                        help='stamp headings of logs with the time of receipt (of the line; '
-                        'default) or of validity (ZDA)')
-    parser.add_argument('--stamp-format', metavar='S',
-                        help='form of the stamps of the lines (default: recognised automatically)')
+    for name, words in _ROLE_OPTIONS.items():
+        for role in ROLES:
+            parser.add_argument(f'--{role}-{name}', metavar=name[0].upper(),
+                                help=words.format(role.upper()))
+    for name, (words, choices) in _SHARED_OPTIONS.items():
+        option = name.replace('_', '-')
+        parser.add_argument(f'--{option}', metavar=None if choices else name[0].upper(),
+                            choices=choices,
+                            help=f'{words}; --ts-{option}, --rs-{option}: of one log')
+        for role in ROLES:
+            parser.add_argument(f'--{role}-{option}', choices=choices, help=argparse.SUPPRESS)
 
 
 def drivers_for(arguments: argparse.Namespace) -> dict[str, DriverSettings]:
     """Return how to read the log of each sensor; SettingsError for a wrong option."""
-    given = {'time': arguments.time, 'stamp_format': arguments.stamp_format}
-    return {role: from_mapping(DriverSettings, {
-        name: value for name, value in
-        {**given, 'sentence': getattr(arguments, f'{role}_sentence')}.items()
-        if value is not None}) for role in ROLES}
+    found = {}
+    for role in ROLES:
+        given = {name: getattr(arguments, name) for name in _SHARED_OPTIONS}
+        given.update((name, value) for name in (*_ROLE_OPTIONS, *_SHARED_OPTIONS)
+                     if (value := getattr(arguments, f'{role}_{name}')) is not None)
+        found[role] = from_mapping(DriverSettings, {
+            name: value for name, value in given.items() if value is not None})
+    return found
 
 
 def add_verdict_arguments(parser: argparse.ArgumentParser) -> None:
@@ -85,7 +113,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('inputs', nargs='+', metavar='INPUT',
                         help='.mcap file, rosbag2 directory, .csv of pairs, or .journal of a live '
                         'run, which brings its settings; or two logs of NMEA sentences, first '
-                        'that of the tested, then that of the reference sensor')
+                        'that of the tested, then that of the reference sensor: files, folders, '
+                        'or patterns in quotes')
     add_analysis_arguments(parser)
     parser.add_argument('--report', metavar='F',
                         help='write the protocol, with plots: F.html or F.pdf')
@@ -128,7 +157,8 @@ def run(arguments: argparse.Namespace) -> int:
         config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs,
         exclusions=read_exclusion_table(arguments.exclude) if arguments.exclude else None)
     Limits.of(settings.norms, settings.model)
-    logs = find_logs(arguments.inputs)
+    drivers = drivers_for(arguments)
+    logs = find_logs(arguments.inputs, drivers)
     _check_options(arguments, logs is not None)
     outputs = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
                       arguments.ensemble_s, arguments.runs_csv)
@@ -139,7 +169,7 @@ def run(arguments: argparse.Namespace) -> int:
         tables = [files.enter_context(file) for file in open_tables(outputs, settings)]
         takers = [table.write for table in tables]
         if logs is not None:
-            judged = judge_logs(*logs, settings, drivers_for(arguments), takers=takers,
+            judged = judge_logs(*logs, settings, drivers, takers=takers,
                                 runs=arguments.runs or None, sketched=bool(arguments.report),
                                 progress=progress.show)
         else:

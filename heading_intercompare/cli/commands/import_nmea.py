@@ -29,7 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     for role, words in (('ts', 'tested'), ('rs', 'reference')):
         parser.add_argument(f'--{role}', metavar='FILE', required=True,
-                            help=f'log of the {words} sensor')
+                            help=f'log of the {words} sensor: a file, a folder, or a pattern in '
+                            'quotes')
     add_log_arguments(parser)
     parser.add_argument('-o', '--output', metavar='BAG', required=True,
                         help='the rosbag2 directory to write')
@@ -46,16 +47,14 @@ def run(arguments: argparse.Namespace) -> int:
     for role in topics:
         path = getattr(arguments, role)
         with Progress(path, arguments.quiet) as progress:
-            logs[role] = import_log(path, drivers[role], progress.show)
-    if not any(len(log.headings) for log in logs.values()):
-        raise ValueError(f'{arguments.ts}, {arguments.rs}: no heading in either log '
-                         f'({logs["ts"].words_not_taken}; {logs["rs"].words_not_taken})')
+            logs[role] = import_log(path, drivers[role], progress.show, role=role)
     origins = {role: log.origin for role, log in logs.items()}
     read = {role: log.headings for role, log in logs.items()}
     _write(arguments.output, read, topics, describe_origin(settings.to_mapping(), origins), notes)
     for role in topics:
         print(f'{role.upper()} {logs[role].path}: {len(read[role])} headings on '
-              f'{topics[role]}; not taken: {logs[role].words_not_taken}')
+              f'{"; ".join((topics[role], *logs[role].remarks))}; not taken: '
+              f'{logs[role].words_not_taken}')
     print(f'bag: {arguments.output}')
     return 0
 

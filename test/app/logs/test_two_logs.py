@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from functools import reduce
+import gzip
 import hashlib
 import json
 
@@ -116,9 +117,13 @@ def test_no_run_is_said_with_both_logs(logs, capsys):
 def test_wrong_inputs_are_refused_in_one_line(logs, tmp_path, capsys):
     use = ': give two logs, first that of the TS, then that of the RS, and nothing else'
     ts, rs = logs
-    assert refused(capsys, ts) == f'{ts}: is the log of one sensor{use}'
-    assert refused(capsys, ts, rs, rs) == f'{ts}: is one of 3 logs{use}'
-    assert refused(capsys, ts, ts) == f'{ts}: is given as TS and as RS{use}'
+    apart = ('; if it is of both, tell its sensors apart with --ts-sentence and --rs-sentence, '
+             '--ts-talker and --rs-talker, or --ts-instrument and --rs-instrument')
+    assert refused(capsys, ts) == f'{ts}: is the log of one sensor{use}{apart}'
+    assert refused(capsys, ts, rs, rs) == (
+        f'{ts}: is one of 3 logs{use}; give the files of one sensor as their folder, or as a '
+        'pattern in quotes')
+    assert refused(capsys, ts, ts) == f'{ts}: is given as TS and as RS{use}{apart}'
     (tmp_path / 'bag').mkdir()
     assert refused(capsys, tmp_path / 'bag', rs) == (
         f'{tmp_path / "bag"}: is not a log of NMEA sentences or headings, but {rs} is{use}')
@@ -129,8 +134,8 @@ def test_wrong_inputs_are_refused_in_one_line(logs, tmp_path, capsys):
 @pytest.mark.parametrize('option, value, words', [
     ('--ts', 'gyro', '--ts gyro: is for bags, and these INPUTs are logs'),
     ('--dask', 'tcp://h:1', '--dask tcp://h:1: is for bags, and these INPUTs are logs'),
-    ('--ts-sentence', 'THS', 'gyro.log: no heading in it (not taken: 1 no_sentence, '
-     '900 other_sentence.HDT); it is read as the TS'),
+    ('--ts-sentence', 'THS', 'gyro.log: no heading in it, read as the TS (not taken: '
+     '1 no_sentence, 900 other_sentence.HDT); first refused line: '),
     ('--rs-sentence', 'XXX', "sentence = 'XXX': must be 'auto' or 'THS'")])
 def test_options_that_do_not_fit_logs_are_refused(logs, capsys, option, value, words):
     assert words in refused(capsys, *logs, option, value)
@@ -158,3 +163,80 @@ def test_logs_whose_clocks_lie_apart_are_named_also_without_pairs(begin_s, tmp_p
                                                          'alignment.skew=off')[1])
     mended, notes = verdict_of(capsys, *paths, *wide, '--set', f'alignment.skew_s={begin_s}')
     assert mended['outcome'] == 'compliant' and not any('lags' in note for note in notes)
+
+
+@pytest.mark.parametrize('command', ['analyze', 'report', 'import-nmea'])
+@pytest.mark.parametrize('role', ['ts', 'rs'])
+def test_an_empty_side_ends_every_command_with_the_first_refused_line(
+        logs, tmp_path, capsys, command, role):
+    log = logs[role == 'rs']
+    log.write_text(log.read_text().replace('2014-08-01T', ''))
+    inputs = (['--ts', str(logs[0]), '--rs', str(logs[1])] if command == 'import-nmea' else
+              [*map(str, logs)])
+    output = [] if command == 'analyze' else ['-o', str(tmp_path / 'out.html')]
+    assert main([command, *inputs, *output, *NORMS]) == 2
+    out, err = capsys.readouterr()
+    assert out == '' and err.count('\n') == 1
+    assert f'{log}: no heading in it, read as the {role.upper()}' in err
+    assert "first refused line: '12:00:00.000000Z $" in err and 'set --date to' in err
+    assert main([command, *inputs, *output, *NORMS, f'--{role}-date', '2014-08-01']) == 0
+
+
+def test_one_log_of_both_sensors_is_told_apart_by_talker_or_word(logs, tmp_path, capsys):
+    both = tmp_path / 'both.log'
+    both.write_text(''.join(line for pair in zip(logs[0].open(), logs[1].open())
+                            for line in pair))
+    by_two, _ = verdict_of(capsys, *logs)
+    by_talker, _ = verdict_of(capsys, both, '--ts-talker', 'HE', '--rs-talker', 'IN')
+    words = tmp_path / 'words.log'
+    words.write_text(''.join(line.replace(' $', f' G{k} $') for pair in zip(
+        logs[0].open(), logs[1].open()) for k, line in enumerate(pair)))
+    by_word, _ = verdict_of(capsys, words, words, '--ts-instrument', 'G0', '--rs-instrument', 'G1')
+    for verdict in (by_talker, by_word):
+        assert verdict['runs'][0]['variance_deg2'] == by_two['runs'][0]['variance_deg2']
+    text = words.read_text().replace('$IN', '$HE')
+    words.write_text(''.join(f'{line.partition("*")[0]}\n' for line in text.splitlines()))
+    assert 'HEHDT comes from several instruments: G0 (900 headings), G1 (900 headings); choose ' \
+        'one with --ts-instrument' in refused(capsys, words, logs[1], '--checksum', 'if_present')
+
+
+def test_folders_of_hourly_files_and_patterns_are_judged_as_one_log(logs, tmp_path, capsys):
+    for path in logs:
+        lines = path.read_text().splitlines(keepends=True)
+        folder = tmp_path / path.stem
+        folder.mkdir()
+        for k in range(3):
+            (folder / f'{path.stem}_{k + 9}.log.gz').write_bytes(
+                gzip.compress(''.join(lines[300 * k:300 * (k + 1)]).encode()))
+        (folder / 'empty.log').touch()
+    by_two, _ = verdict_of(capsys, *logs)
+    by_folder, notes = verdict_of(capsys, tmp_path / 'gyro', tmp_path / 'seapath' / '*.gz')
+    assert by_folder['runs'][0]['variance_deg2'] == by_two['runs'][0]['variance_deg2']
+    assert notes[0].endswith('900 headings of HEHDT; 3 files; not taken: nothing')
+    assert len(by_folder['inputs'][1]['sha256']) == 64
+
+
+def test_an_option_of_one_log_goes_before_that_of_both(logs, capsys):
+    logs[1].write_text(logs[1].read_text().replace('2014-08-01T', '01/08/2014 '))
+    assert 'set --stamp-format to dmy or mdy' in refused(capsys, *logs)
+    verdict, _ = verdict_of(capsys, *logs, '--rs-stamp-format', 'dmy')
+    assert verdict['runs'][0]['n'] >= N - 1
+
+
+def test_a_text_that_is_no_log_shows_its_first_line(logs, tmp_path, capsys):
+    text, empty = tmp_path / 'notes.txt', tmp_path / 'empty.log'
+    text.write_text('\n2014-08-01 calm\n')
+    empty.touch()
+    start = ("first refused line: '2014-08-01 calm'; recognised in it: no stamp, no sentence; "
+             'a line needs a sentence that begins with $ or !; give another log')
+    assert refused(capsys, logs[0], text) == (
+        f'{text}: is not a log of NMEA sentences or headings, but {logs[0]} is: {start}')
+    assert refused(capsys, text, text) == (
+        f'{text}: is neither a bag nor a log of NMEA sentences: {start}')
+    assert refused(capsys, empty, logs[1]) == (
+        f'{empty}: is not a log of NMEA sentences or headings, but {logs[1]} is: it is empty')
+
+
+def test_options_that_choose_the_same_sensor_twice_are_refused(logs, capsys):
+    assert 'gives the same headings as TS and as RS' in refused(
+        capsys, logs[0], '--ts-sentence', 'HDT')

@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which files of a folder are logs, and their order in time."""
+
+from __future__ import annotations
+
+import os
+import re
+
+from heading_intercompare.drivers.framing import split
+from heading_intercompare.drivers.sentences import Rejected
+from heading_intercompare.drivers.settings import DriverError, DriverSettings
+
+from .days import Days
+from .line_stamps import find_date_order, LineStamps
+from .log_files import head_of, is_pattern, LogFiles
+
+__all__ = ['holds_sentences', 'open_log']
+
+_MCAP = b'\x89MCAP'
+_SENTENCE = re.compile(rb'[$!][A-Z]{2,}[A-Z0-9]*,')
+
+
+def holds_sentences(path: str) -> bool:
+    """Tell whether the beginning of a file has a sentence; an MCAP file has none."""
+    head = head_of(path)
+    return not head.startswith(_MCAP) and _SENTENCE.search(head) is not None
+
+
+def open_log(path: str, settings: DriverSettings) -> LogFiles:
+    """
+    Return the files of a log: of a folder or a pattern those with sentences, in order of time.
+
+    The first stamp of each file decides. If one has none, the names do.
+
+    Raises
+    ------
+    OSError
+        If a folder or a file in it cannot be read.
+    DriverError
+        If no file of a folder or a pattern has a sentence.
+
+    """
+    files = LogFiles(path)
+    if not os.path.isdir(path) and not is_pattern(path):
+        return files
+    days = Days(settings.date)
+    stamps = LineStamps(settings, days, lambda: find_date_order(files.bare_blocks()))
+
+    def first_ns(name: str) -> int | None:
+        stamps.begin_file(name)
+        for line in head_of(name).split(b'\n'):
+            prefix, _, suffix = split(line) or (line, b'', b'')
+            try:
+                ns = stamps.own_ns(prefix, suffix)
+            except Rejected:
+                continue
+            if ns is not None:
+                return ns if not stamps.by_clock or 'name' in days.origin else None
+        return None
+    files.keep(holds_sentences, first_ns)
+    if not files.paths:
+        raise DriverError(f'{path}: no file in it has an NMEA sentence')
+    return files

@@ -1,0 +1,115 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The times that sentences of a stream tell: ZDA, RMC, GGA."""
+
+from __future__ import annotations
+
+from typing import Callable, Iterable, Sequence
+
+from heading_intercompare.drivers.framing import Framer
+
+from .days import Days
+from .times import gga_ns, nearest_day_ns, rmc_ns, zda_ns
+
+__all__ = ['find_first_time', 'find_kind', 'StreamTimes', 'TIME_SENTENCES']
+
+#: Sentences that tell the time, the best first; only the best of those in a log is used.
+TIME_SENTENCES = ('ZDA', 'RMC', 'GGA')
+
+_RANKS = {f'{kind},'.encode(): rank for rank, kind in enumerate(TIME_SENTENCES)}
+_DATED: dict[int, Callable[[list[bytes]], int]] = {0: zda_ns, 1: rmc_ns}
+
+
+def find_kind(blocks: Iterable[bytes]) -> str | None:
+    """Return the best sentence that tells the time in a log, cut anywhere; None without one."""
+    best, tail = len(TIME_SENTENCES), b''
+    for block in blocks:
+        text = tail + block
+        best = min((rank for token, rank in _RANKS.items() if rank < best and token in text),
+                   default=best)
+        if best == 0:
+            break
+        tail = block[-3:]
+    return TIME_SENTENCES[best] if best < len(TIME_SENTENCES) else None
+
+
+def find_first_time(blocks: Iterable[bytes]) -> int | None:
+    """Return the first time with a date that a log tells, nanoseconds UTC; None without one."""
+    framer = Framer()
+    for block in blocks:
+        for frame in framer.feed(block, None):
+            rank = _RANKS.get(frame[2][2:6])
+            if rank in _DATED:
+                try:
+                    return _DATED[rank](frame[2].split(b','))
+                except ValueError:
+                    continue
+    return None
+
+
+class StreamTimes:
+    """
+    The time that a stream tells about its next sentences.
+
+    Parameters
+    ----------
+    days : Days
+        The day of a GGA.
+    kinds : sequence of str
+        The sentences to use, of `TIME_SENTENCES`: the best of them heard so far.
+
+    Attributes
+    ----------
+    newest_ns : int or None
+        The last time with its date, nanoseconds UTC.
+
+    """
+
+    def __init__(self, days: Days, kinds: Sequence[str] = TIME_SENTENCES) -> None:
+        self._days = days
+        self._ranks = {f'{kind},'.encode(): TIME_SENTENCES.index(kind) for kind in kinds}
+        self._rank = len(TIME_SENTENCES)
+        self.newest_ns: int | None = None
+
+    def tells(self, text: bytes) -> bool:
+        """Tell whether a sentence is one whose time is used."""
+        rank = self._ranks.get(text[2:6])
+        if rank is None or rank > self._rank:
+            return False
+        self._rank = rank
+        return True
+
+    def read(self, text: bytes, received_ns: int | None) -> int:
+        """
+        Return the time that a sentence tells, nanoseconds UTC.
+
+        Parameters
+        ----------
+        text : bytes
+            A sentence of which `tells` is true.
+        received_ns : int or None
+            Its time of receipt, which says the day of a GGA; None: `Days` says it.
+
+        Raises
+        ------
+        ValueError
+            If the time is missing or impossible, or nothing says the day.
+
+        """
+        fields = text.split(b',')
+        if self._rank in _DATED:
+            ns = _DATED[self._rank](fields)
+            self.newest_ns = ns
+            self._days.tell(ns)
+            return ns
+        return self.place(gga_ns(fields), received_ns)
+
+    def place(self, time_of_day_ns: int, received_ns: int | None) -> int:
+        """Return the instant of a time of day; ValueError if nothing says the day."""
+        near_ns = self.newest_ns if self.newest_ns is not None else received_ns
+        if near_ns is not None:
+            return nearest_day_ns(time_of_day_ns, near_ns)
+        ns = self._days.place(time_of_day_ns)
+        if ns is None:
+            raise ValueError('date')
+        return ns

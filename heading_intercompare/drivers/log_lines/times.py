@@ -1,0 +1,156 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Times in text: dates, times of day, ZDA and RMC. All exact integers.
+
+Text is always ASCII bytes. Decimals after the ninth are cut off.
+"""
+
+from __future__ import annotations
+
+from datetime import date
+from functools import lru_cache
+import re
+
+__all__ = ['clock_ns', 'date_ns', 'DAY_NS', 'day_time_ns', 'fraction_ns', 'gga_ns',
+           'nearest_day_ns', 'rmc_ns', 'SECOND_NS', 'short_year', 'year_day_ns', 'zda_ns']
+
+SECOND_NS = 1_000_000_000
+DAY_NS = 86_400 * SECOND_NS
+
+_CLOCK = re.compile(rb'(\d\d)(\d\d)(\d\d)(?:\.(\d*))?\Z')
+
+
+def fraction_ns(digits: bytes | None) -> int:
+    """Return the decimals of a second in nanoseconds."""
+    return int(digits[:9].ljust(9, b'0')) if digits else 0
+
+
+def clock_ns(hours: int, minutes: int, seconds: int) -> int:
+    """Return nanoseconds since midnight; ValueError if there is no such time."""
+    if hours > 23 or minutes > 59 or seconds > 60:
+        raise ValueError('time of day')
+    return (hours * 3600 + minutes * 60 + seconds) * SECOND_NS
+
+
+@lru_cache(maxsize=64)
+def date_ns(year: int, month: int, day: int) -> int:
+    """Return the start of a day, nanoseconds UTC; ValueError if there is no such day."""
+    if not 1970 <= year <= 2261:
+        raise ValueError('year')
+    return (date(year, month, day).toordinal() - date(1970, 1, 1).toordinal()) * DAY_NS
+
+
+def short_year(year: int) -> int:
+    """Return the year that two digits mean, as in POSIX: 69 is 1969, 68 is 2068."""
+    return year + (2000 if year < 69 else 1900)
+
+
+def year_day_ns(year: int, day: int) -> int:
+    """Return the start of a day of the year, 1 to 366; ValueError if there is no such day."""
+    first = date_ns(year, 1, 1)
+    if not 1 <= day <= (date_ns(year + 1, 1, 1) - first) // DAY_NS:
+        raise ValueError('day of the year')
+    return first + (day - 1) * DAY_NS
+
+
+def day_time_ns(field: bytes) -> int:
+    """Return nanoseconds since midnight of `hhmmss.sss`; ValueError if it is not a time."""
+    match = _CLOCK.match(field.strip())
+    if match is None:
+        raise ValueError('time of day')
+    return clock_ns(int(match[1]), int(match[2]), int(match[3])) + fraction_ns(match[4])
+
+
+def zda_ns(fields: list[bytes]) -> int:
+    """
+    Return the time of a ZDA sentence.
+
+    Parameters
+    ----------
+    fields : list of bytes
+        Its fields with the address: `xxZDA,hhmmss.ss,dd,mm,yyyy,...`. The time is UTC; the local
+        zone after the year is ignored.
+
+    Returns
+    -------
+    int
+        Nanoseconds UTC.
+
+    Raises
+    ------
+    ValueError
+        If time or date is missing or impossible.
+
+    Examples
+    --------
+    >>> zda_ns(b'INZDA,000000.17,01,08,2014,,'.split(b','))
+    1406851200170000000
+
+    """
+    if len(fields) < 5 or not all(f.isdigit() for f in fields[2:5]) or len(fields[4]) != 4:
+        raise ValueError('date')
+    return (date_ns(int(fields[4]), int(fields[3]), int(fields[2]))
+            + day_time_ns(fields[1]))
+
+
+def rmc_ns(fields: list[bytes]) -> int:
+    """
+    Return the time of an RMC sentence.
+
+    Parameters
+    ----------
+    fields : list of bytes
+        Its fields with the address: `xxRMC,hhmmss.ss,A,lat,N,lon,E,speed,course,ddmmyy,...`.
+
+    Returns
+    -------
+    int
+        Nanoseconds UTC; a year of two digits as in POSIX.
+
+    Raises
+    ------
+    ValueError
+        If the receiver warns (V), or time or date is missing or impossible.
+
+    Examples
+    --------
+    >>> rmc_ns(b'GPRMC,000000.17,A,1,S,1,W,9.5,218.5,010814,,'.split(b','))
+    1406851200170000000
+
+    """
+    if len(fields) < 10 or fields[2] != b'A' or len(fields[9]) != 6 or not fields[9].isdigit():
+        raise ValueError('date')
+    day, month, year = (int(fields[9][at:at + 2]) for at in (0, 2, 4))
+    return date_ns(short_year(year), month, day) + day_time_ns(fields[1])
+
+
+def gga_ns(fields: list[bytes]) -> int:
+    """
+    Return the time of day of a GGA sentence.
+
+    Parameters
+    ----------
+    fields : list of bytes
+        Its fields with the address: `xxGGA,hhmmss.ss,lat,N,lon,E,quality,...`.
+
+    Returns
+    -------
+    int
+        Nanoseconds since midnight UTC.
+
+    Raises
+    ------
+    ValueError
+        If the receiver has no fix (quality 0 or empty), or the time is missing.
+
+    """
+    if len(fields) < 7 or fields[6] in (b'', b'0'):
+        raise ValueError('no fix')
+    return day_time_ns(fields[1])
+
+
+def nearest_day_ns(time_of_day_ns: int, near_ns: int) -> int:
+    """Return the instant of this time of day that is nearest to `near_ns`, nanoseconds UTC."""
+    days = (near_ns - time_of_day_ns + DAY_NS // 2) // DAY_NS
+    return days * DAY_NS + time_of_day_ns

@@ -1,0 +1,150 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Why a log gave no heading: its first refused line, what was recognised in it, what to set."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from typing import Mapping
+
+from .csv_log import CsvDecoder, is_csv
+from .framing import split
+from .log_lines.days import Days
+from .log_lines.line_stamps import LineStamps
+from .log_lines.log_files import head_of
+from .log_lines.log_order import open_log
+from .nmea import NmeaDecoder
+from .sentences import identify, Rejected
+from .settings import DriverSettings, SENTENCES
+
+__all__ = ['describe_start', 'explain_no_heading']
+
+_LONGEST_SHOWN = 160
+_OTHERS = ('other_talker', 'other_sentence', 'other_instrument')
+_LEAST = ('not_heading', 'no_sentence')
+
+#: Reason -> what to set, with the names of settings between backticks.
+_ADVICE = {
+    'no_stamp': 'if the sentences tell the time (ZDA, RMC, GGA, PASHR), set `time` to validity; '
+                'if the stamp has another form, describe it with `stamp_pattern`',
+    'bad_stamp': 'if the zone of the stamps is named, state it with `stamp_zone`; if day or month '
+                 'come first, set `stamp_format` to dmy or mdy; otherwise describe the stamp with '
+                 '`stamp_pattern`',
+    'ambiguous_date': 'no date of the log says whether the day or the month comes first: set '
+                      '`stamp_format` to dmy or mdy',
+    'no_date': 'the stamps have no date: set `date` to that of the first line, YYYY-MM-DD',
+    'burst': 'one stamp stands for many lines: set `bursts` to accept to take it for all of them, '
+             'or `time` to validity if the sentences tell the time',
+    'no_checksum': 'set `checksum` to if_present to take sentences without one',
+    'bad_checksum': 'the lines are damaged; look at the line and the converter that wrote it',
+    'no_validity_time': 'no ZDA, RMC or GGA with a date tells the time before the sentence: set '
+                        '`time` to receipt if the lines have stamps, or `date` for times without '
+                        'one',
+    'bad_time': 'the time in ZDA, RMC or GGA is unreadable: set `time` to receipt if the lines '
+                'have stamps, or `date` for times without one',
+    'other_talker': 'choose another talker with `talker`',
+    'other_sentence': 'choose another kind of sentence with `sentence`',
+    'other_instrument': 'choose another word of the line with `instrument`',
+    'not_heading': f'a heading sentence is one of {", ".join(SENTENCES)}; give another log',
+    'no_sentence': 'a line needs a sentence that begins with $ or !; give another log',
+}
+_OTHER_ADVICE = 'the sensor sends no valid heading; choose another sentence with `sentence`'
+
+
+def explain_no_heading(path: str, settings: DriverSettings, counts: Mapping[str, int]) -> str:
+    """
+    Return why a log gave no heading, in one line.
+
+    Parameters
+    ----------
+    path : str
+        The log: a file, a folder, a pattern.
+    settings : DriverSettings
+        How it was read.
+    counts : mapping of str to int
+        Lines that gave no heading, by reason.
+
+    Returns
+    -------
+    str
+        The first line refused for the chief reason, what was recognised in it, and what to set;
+        names of settings stand between backticks.
+
+    """
+    reason = _chief_reason(counts)
+    if reason is None:
+        return 'it has no line'
+    line, of_csv = _first_line(path, settings, reason)
+    shown = _show(line)
+    advice = _ADVICE.get(reason.partition('.')[0], _OTHER_ADVICE)
+    if of_csv:
+        advice = 'correct the file, or choose another source with `talker`'
+    recognised = 'a row of a csv of headings' if of_csv else _recognise(line, settings)
+    return (f'first refused line: {shown!r}; recognised in it: {recognised}; '
+            f'refused as {reason}; {advice}')
+
+
+def describe_start(path: str) -> str:
+    """Return in words how a file that holds no sentence begins; empty for what is no text."""
+    if not os.path.isfile(path):
+        return ''
+    head = head_of(path)
+    if not head:
+        return 'it is empty'
+    if b'\0' in head:
+        return ''
+    line = head.lstrip().partition(b'\n')[0]
+    return (f'first refused line: {_show(line)!r}; recognised in it: '
+            f'{_recognise(line, DriverSettings())}; {_ADVICE["no_sentence"]}')
+
+
+def _show(line: bytes) -> str:
+    """Return a line as one can print it, shortened."""
+    shown = line.decode('ascii', 'replace').strip()
+    if len(shown) > _LONGEST_SHOWN:
+        shown = shown[:_LONGEST_SHOWN] + '...'
+    return ''.join(c if c.isprintable() else '?' for c in shown)
+
+
+def _chief_reason(counts: Mapping[str, int]) -> str | None:
+    """Return the commonest reason, first of those that concern the sentences to read."""
+    def rank(reason: str) -> tuple[bool, bool, int]:
+        first = reason.partition('.')[0]
+        return first in _LEAST, first in _OTHERS, -counts[reason]
+    found = sorted((reason for reason in counts if counts[reason]), key=rank)
+    return found[0] if found else None
+
+
+def _first_line(path: str, settings: DriverSettings, reason: str) -> tuple[bytes, bool]:
+    """Return the first line that was counted for a reason, and whether it is of a csv."""
+    files = open_log(path, settings)
+    first = next((line for _, line in files.lines()), b'')
+    of_csv = is_csv(first)
+    decoder = (CsvDecoder(path, first, settings) if of_csv else
+               NmeaDecoder(dataclasses.replace(settings, source=f'file:{path}'), files))
+    line = b''
+    for _, line in files.lines():
+        decoder.feed(line, None)
+        if decoder.counts.get(reason):
+            break
+    return line, of_csv
+
+
+def _recognise(line: bytes, settings: DriverSettings) -> str:
+    """Return the stamp and the sentence that a line holds, in words."""
+    prefix, text, suffix = split(line) or (line, b'', b'')
+    tried = dataclasses.replace(settings, stamp_format='auto', stamp_pattern=None)
+    stamps = LineStamps(tried, Days(settings.date))
+    try:
+        stamp = ('a stamp of the form ' + stamps.form
+                 if stamps.own_ns(prefix, suffix) is not None else 'no stamp')
+    except Rejected as rejected:
+        stamp = {'ambiguous_date': 'a date with day or month first',
+                 'no_date': 'a time of day without a date'}.get(
+                     rejected.reason, 'a stamp that no instant has, or whose zone is unknown')
+    if not text:
+        return f'{stamp}, no sentence'
+    name = identify(text)
+    kind = text.split(b',')[0].decode('ascii', 'replace')[:20]
+    return f'{stamp}, the sentence {kind}' + ('' if name else ', which gives no heading')
