@@ -5,12 +5,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+import os
 from typing import Any, Callable, Mapping
 
 from heading_intercompare.app.inputs import sha256
 from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.logs import LogReader
 from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.readers.registry import open_log_of_streams
 
 __all__ = ['import_log', 'ImportedLog']
 
@@ -84,6 +86,11 @@ def import_log(path: str, driver: DriverSettings,
         If it is empty, or a csv without the required columns.
 
     """
+    streams = open_log_of_streams(path)
+    if streams is not None:
+        name = streams.only(driver.talker)
+        return ImportedLog(path, streams.streams[name], sha256(path), os.path.getsize(path), name,
+                           streams.not_taken, driver)
     reader = LogReader(path, driver)
     chunks = []
     for chunk in reader:

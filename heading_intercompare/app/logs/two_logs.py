@@ -19,8 +19,8 @@ from heading_intercompare.core.pipeline import Intercomparison, join
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input
-from heading_intercompare.drivers.logs import is_log
 from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.readers.registry import has_one_sensor, has_streams
 from heading_intercompare.report import SeriesSketch
 
 from .log_import import import_log, ImportedLog
@@ -33,7 +33,7 @@ ROLES = ('ts', 'rs')
 _USE = 'give two logs, first that of the TS, then that of the RS, and nothing else'
 
 
-def find_logs(inputs: Sequence[str]) -> tuple[str, str] | None:
+def find_logs(inputs: Sequence[str], *, recordings: bool = False) -> tuple[str, str] | None:
     """
     Return the log of the TS and that of the RS, or None if no input is a log.
 
@@ -41,6 +41,8 @@ def find_logs(inputs: Sequence[str]) -> tuple[str, str] | None:
     ----------
     inputs : sequence of str
         The inputs as given.
+    recordings : bool
+        A file with several streams is a recording of both sensors, also if there are two.
 
     Raises
     ------
@@ -50,7 +52,9 @@ def find_logs(inputs: Sequence[str]) -> tuple[str, str] | None:
         If one is a log and they are not two different logs.
 
     """
-    logs = [path for path in inputs if is_log(path)]
+    streams = len(inputs) == 2 and not recordings
+    logs = [path for path in inputs
+            if has_one_sensor(path) or streams and has_streams(path)]
     if not logs:
         return None
     for path in inputs:

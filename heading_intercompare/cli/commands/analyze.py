@@ -39,7 +39,7 @@ __all__ = ['add_analysis_arguments', 'add_arguments', 'add_log_arguments',
 _CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4
 
-LOG_OPTIONS = ('ts_sentence', 'rs_sentence', 'time', 'stamp_format')
+LOG_OPTIONS = ('ts_sentence', 'rs_sentence', 'ts_talker', 'rs_talker', 'time', 'stamp_format')
 """Options of `add_log_arguments`, by their names in the parser."""
 
 
@@ -56,6 +56,9 @@ def add_log_arguments(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(f'--{role}-sentence', metavar='S',
                             help=f'kind of sentence in the log of the {role.upper()}: '
                             + ', '.join(SENTENCES) + ' (default: the first present)')
+        parser.add_argument(f'--{role}-talker', metavar='T',
+                            help=f'talker of the {role.upper()} in its log, or its stream in a '
+                            'file with several, such as a source of NMEA 2000')
     parser.add_argument('--time', choices=('receipt', 'validity'),
                         help='stamp headings of logs with the time of receipt (of the line; '
                         'default) or of validity (ZDA)')
@@ -68,7 +71,8 @@ def drivers_for(arguments: argparse.Namespace) -> dict[str, DriverSettings]:
     given = {'time': arguments.time, 'stamp_format': arguments.stamp_format}
     return {role: from_mapping(DriverSettings, {
         name: value for name, value in
-        {**given, 'sentence': getattr(arguments, f'{role}_sentence')}.items()
+        {**given, 'sentence': getattr(arguments, f'{role}_sentence'),
+         'talker': getattr(arguments, f'{role}_talker')}.items()
         if value is not None}) for role in ROLES}
 
 
@@ -128,7 +132,7 @@ def run(arguments: argparse.Namespace) -> int:
         config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs,
         exclusions=read_exclusion_table(arguments.exclude) if arguments.exclude else None)
     Limits.of(settings.norms, settings.model)
-    logs = find_logs(arguments.inputs)
+    logs = find_logs(arguments.inputs, recordings=bool(arguments.ts and arguments.rs))
     _check_options(arguments, logs is not None)
     outputs = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
                       arguments.ensemble_s, arguments.runs_csv)
