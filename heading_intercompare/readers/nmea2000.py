@@ -72,8 +72,10 @@ def decode_vessel_heading(data: bytes) -> tuple[float, float | None, int] | str:
 
     Examples
     --------
-    >>> decode_vessel_heading(bytes.fromhex('ff 10 27 ff 7f ff 7f fc'))
-    (57.29577951308232, None, 0)
+    >>> heading_deg, turn_deg, reference = decode_vessel_heading(
+    ...     bytes.fromhex('ff 10 27 ff 7f ff 7f fc'))
+    >>> round(heading_deg, 6), turn_deg, reference
+    (57.29578, None, 0)
     >>> decode_vessel_heading(bytes.fromhex('ff ff ff ff 7f ff 7f fc'))
     'empty_heading'
 
