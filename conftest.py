@@ -44,7 +44,7 @@ else:
         'release', hypothesis_settings.get_profile('quick'), max_examples=3000, derandomize=False)
     hypothesis_settings.load_profile(os.environ.get('HYPOTHESIS_PROFILE', 'quick'))
 
-OPTIONAL = ('rclpy', 'serial', 'hypothesis', 'rosbags', 'mcap_ros2', 'pybag',
+OPTIONAL = ('rclpy', 'serial', 'hypothesis', 'rosbags', 'pyarrow', 'mcap_ros2', 'pybag',
             'isal', 'distributed', 'threadpoolctl', 'jinja2', 'matplotlib',
             'rich', 'argcomplete')
 MISSING = [name for name in OPTIONAL if find_spec(name) is None]
@@ -58,6 +58,9 @@ if {'distributed', 'threadpoolctl'} & {*MISSING}:
 if {'jinja2', 'matplotlib'} & {*MISSING}:
     collect_ignore_glob += [f'heading_intercompare/report/{name}.py'
                             for name in ('html', 'pdf', 'figures/style')]
+for _library, _module in (('rosbags', 'rosbag_recording'), ('pyarrow', 'parquet')):
+    if _library in MISSING:
+        collect_ignore_glob.append(f'heading_intercompare/readers/{_module}.py')
 if find_spec('weasyprint') is None:
     collect_ignore_glob.append('heading_intercompare/report/pdf.py')
 if find_spec('nicegui') is None:

@@ -29,13 +29,13 @@ DOCS = Path(__file__).resolve().parent
 STOREYS = (
     (('cli', 1.0),),
     (('app', 0.4), ('nodes', 0.6)),
-    (('drivers', 0.11), ('ahrs', 0.2), ('report', 0.11), ('logbook', 0.09), ('web', 0.1),
-     ('bags', 0.39)),
+    (('ahrs', 0.2), ('report', 0.11), ('logbook', 0.09), ('web', 0.1), ('readers', 0.5)),
+    (('drivers', 0.3), ('bags', 0.7)),
     (('messages', 1.0),),
     (('core', 1.0),),
 )
 #: Heights of the storeys.
-HEIGHTS = (1.4, 1.4, 2.0, 0.85, 1.75)
+HEIGHTS = (1.4, 1.4, 2.0, 1.6, 0.85, 1.75)
 #: Rooms of core in the order in which they build on each other.
 CORE = ('time_rules', 'statistics', 'pairing', 'timing', 'decision', 'runs', 'conditions',
         'diagnostics', 'alarms', 'verdict')

@@ -29,8 +29,8 @@ from heading_intercompare.bags.recording.journal_reading import (
 )
 from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
 from heading_intercompare.bags.recording.recorder_losses import count_words
-from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
+from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.kept_state import KeptState
 from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
@@ -40,10 +40,12 @@ from heading_intercompare.core.settings import leave_out_added, Settings, Settin
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
+from heading_intercompare.readers.registry import open_recording, sources_of
+from heading_intercompare.readers.stream_recording import StreamRecording
 
 from .config import Config, load_config
 from .run_table import RunTable
-from .sources.csv_source import judge_csv
+from .sources.csv_source import has_pairs, judge_csv
 from .sources.found import Found, make_account
 
 __all__ = ['analyze_input', 'Analyzed', 'explain_no_run', 'load_config_or_journal', 'sha256']
@@ -124,7 +126,7 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
     Parameters
     ----------
     path : str
-        ``.mcap`` file, rosbag2 directory, ``.csv`` file of pairs or journal of a live run.
+        A recording that `open_recording` reads, a csv of pairs or a journal of a live run.
     settings : Settings
     table : sequence of (start_ns, stop_ns, source), optional
         Runs; those with a source apply only to the input of that name, see `assign_runs`.
@@ -164,10 +166,10 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
             digest.append(beside.submit(sha256, path))
         if is_journal(path):
             found = _analyze_journal(path, name, settings, runs, takers, progress)
-        elif Path(path).suffix == '.csv':
+        elif has_pairs(path):
             found = judge_csv(path, name, settings, runs, takers, progress)
         else:
-            readers = [BagReader(one) for one in (path, *parts)]
+            readers: list[Readable] = [open_recording(one) for one in (path, *parts)]
             found = _analyze_bag(readers, name, settings, runs, takers, progress, start_digest,
                                  helpers)
             found = replace(found, described=replace(
@@ -262,7 +264,7 @@ def _analyze_journal(path: str, name: str, settings: Settings,
     return Found(results, earlier, total, described, tuple(problems), tuple(sorted(kept.marks)))
 
 
-def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
+def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                  start_digest: Callable[[], None],
@@ -306,6 +308,8 @@ def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
         told.read_told()
         told.finish(comparison.pairer.ledger.newest_ns)
         problems += find_problems(reader)
+        if isinstance(reader, StreamRecording) and reader.not_taken:
+            problems.append(f'{reader.kind}: {reader.words_present}')
     hand_out(comparison.finish())
     results = comparison.results()
     if kept:
@@ -315,7 +319,7 @@ def _analyze_bag(readers: Sequence[BagReader], name: str, settings: Settings,
                  tuple(problems), tuple(marks))
 
 
-def _count_headings(readers: Sequence[BagReader], topics: Iterable[str]) -> int:
+def _count_headings(readers: Sequence[Readable], topics: Iterable[str]) -> int:
     """Return the number of headings in bags, by their indexes."""
     wanted = {f'/{topic.lstrip("/")}' for topic in topics}
     return sum(info.count for reader in readers for name, info in reader.topics.items()
@@ -338,7 +342,7 @@ def explain_no_run(ledger: Ledger, settings: Settings,
             f'{ledger.paired} paired, rejected: {", ".join(rejected) or "none"}')
 
 
-def _set_marks(comparison: Intercomparison, reader: BagReader) -> list[tuple[str, int]]:
+def _set_marks(comparison: Intercomparison, reader: Readable) -> list[tuple[str, int]]:
     """Start and stop runs at the marks in the bag; return the marks."""
     marks = list(read_marks(reader))
     for kind, stamp_ns in marks:
@@ -346,15 +350,15 @@ def _set_marks(comparison: Intercomparison, reader: BagReader) -> list[tuple[str
     return marks
 
 
-def _describe(bag: BagReader, name: str, settings: Settings, digest: str) -> Input:
+def _describe(bag: Readable, name: str, settings: Settings, digest: str) -> Input:
     notes = tuple(OperatorNote(note.stamp_ns, note.text) for note in read_notes(bag))
     return Input(name, digest, settings.ts_topic, settings.rs_topic, notes or None)
 
 
 def sha256(path: str) -> str:
-    """Return the SHA-256 of a file, or of the .mcap files of a folder in the order of names."""
+    """Return the SHA-256 of a file, or of the files of a bag in the order of their names."""
     digest = hashlib.sha256()
-    for part in sorted(mcap_files(Path(path))):
+    for part in sorted(sources_of(path) or mcap_files(Path(path))):
         with part.open('rb') as file:
             while block := file.read(1 << 20):
                 digest.update(block)

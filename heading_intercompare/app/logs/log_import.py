@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import hashlib
+import os
 import re
 from typing import Any, Callable, Mapping, Sequence
 
@@ -13,6 +14,7 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.logs import LogReader
 from heading_intercompare.drivers.refused_lines import explain_no_heading
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
+from heading_intercompare.readers.registry import open_log_of_streams
 
 __all__ = ['import_log', 'ImportedLog', 'ROLE_SETTINGS']
 
@@ -108,6 +110,11 @@ def import_log(path: str, driver: DriverSettings,
         the command line.
 
     """
+    streams = open_log_of_streams(path)
+    if streams is not None:
+        name = streams.only(driver.talker)
+        return ImportedLog(path, streams.streams[name], _hash([path]), os.path.getsize(path), name,
+                           streams.not_taken, driver)
     try:
         reader = LogReader(path, driver)
         chunks = []

@@ -19,9 +19,9 @@ from heading_intercompare.core.pipeline import Intercomparison, join
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input
-from heading_intercompare.drivers.logs import is_log
 from heading_intercompare.drivers.refused_lines import describe_start
 from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.readers.registry import has_one_sensor, has_streams
 from heading_intercompare.report import SeriesSketch
 
 from .log_import import import_log, ImportedLog
@@ -37,8 +37,8 @@ _APART = ('tell its sensors apart with --ts-sentence and --rs-sentence, --ts-tal
           '--rs-talker, or --ts-instrument and --rs-instrument')
 
 
-def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | None = None
-              ) -> tuple[str, str] | None:
+def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | None = None, *,
+              recordings: bool = False) -> tuple[str, str] | None:
     """
     Return the log of the TS and that of the RS, or None if no input is a log.
 
@@ -48,6 +48,8 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
         The inputs as given. One log may hold both sensors.
     drivers : mapping of {'ts', 'rs'} to DriverSettings, optional
         How to read each log; in a log of both sensors they must differ.
+    recordings : bool
+        A file with several streams is a recording of both sensors, also if there are two.
 
     Raises
     ------
@@ -57,7 +59,9 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
         If one is a log and they are neither two different logs nor one log of both sensors.
 
     """
-    logs = [path for path in inputs if is_log(path)]
+    streams = len(inputs) == 2 and not recordings
+    logs = [path for path in inputs
+            if has_one_sensor(path) or streams and has_streams(path)]
     if not logs:
         _check_texts(inputs)
         return None

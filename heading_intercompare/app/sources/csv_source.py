@@ -12,7 +12,8 @@ from __future__ import annotations
 from dataclasses import replace
 import hashlib
 import os
-from typing import Any, Callable, Mapping, Sequence
+import re
+from typing import Any, Callable, Iterator, Mapping, Protocol, Sequence
 
 from heading_intercompare.bags.csv.pairs_account import (
     account_path,
@@ -20,19 +21,63 @@ from heading_intercompare.bags.csv.pairs_account import (
     PairsDigest,
     read_account,
 )
-from heading_intercompare.bags.csv.pairs_csv import COLUMNS, PairsCsv, read_pairs_csv
+from heading_intercompare.bags.csv.pairs_csv import COLUMNS, PairsCsv
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pairing.stamp_jumps import Decided, JumpFilter
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input
+from heading_intercompare.readers.registry import (
+    find_format,
+    has_pairs as has_pairs_in_parquet,
+)
 
 from .found import Found
 
-__all__ = ['judge_csv']
+__all__ = ['has_pairs', 'judge_csv']
 
 _BLOCK = 1 << 20
+_HEAD_BYTES = 1 << 12
+_NAME = re.compile(rb'[a-z_]+')
+_NAMES = {b'ts_deg', b'rs_deg'}
+
+
+class _Pairs(Protocol):
+    """A table of pairs."""
+
+    names: tuple[str, ...]
+    ignored: tuple[str, ...]
+
+    def __iter__(self) -> Iterator[Pairs]:
+        """Yield the pairs."""
+
+
+def has_pairs(path: str) -> bool:
+    """
+    Tell whether a path is a table of pairs: csv, or Parquet with the headings of both sensors.
+
+    A csv of the headings of one or several sensors is none, a csv with any other header is.
+    """
+    if not os.path.isfile(path):
+        return path.lower().endswith('.csv')
+    with open(path, 'rb') as file:
+        head = file.read(_HEAD_BYTES)
+    if not head.startswith(b'PAR1') and _NAMES <= {*_NAME.findall(head.replace(b'\0', b''))}:
+        return True
+    form = find_format(path)
+    if form is None or form.extra != 'parquet':
+        return form is None and path.lower().endswith('.csv')
+    return has_pairs_in_parquet(path)
+
+
+def _find_reader(path: str) -> Callable[[str], _Pairs]:
+    """Return what reads a table of pairs."""
+    form = find_format(path)
+    if form is None or form.extra != 'parquet':
+        return PairsCsv
+    from heading_intercompare.readers.parquet import PairsParquet
+    return PairsParquet
 
 
 def judge_csv(path: str, name: str, settings: Settings,
@@ -66,7 +111,8 @@ def judge_csv(path: str, name: str, settings: Settings,
 
     """
     digest = _sha256(path)
-    account, problems = _find_account(path, digest, progress)
+    open_pairs = _find_reader(path)
+    account, problems = _find_account(path, digest, open_pairs, progress)
     table = runs
     if account is not None and runs is None:
         table = account.table
@@ -75,7 +121,7 @@ def judge_csv(path: str, name: str, settings: Settings,
     if account is not None and table is None:
         for kind, stamp_ns in account.marks:
             compliance.mark(kind, stamp_ns)
-    rows = PairsCsv(path)
+    rows = open_pairs(path)
     for pairs in rows:
         judging.take(pairs)
     judging.end()
@@ -114,7 +160,8 @@ def _sha256(path: str) -> str:
     return digest.hexdigest()
 
 
-def _find_account(path: str, digest: str, progress: Callable[[str], None],
+def _find_account(path: str, digest: str, open_pairs: Callable[[str], _Pairs],
+                  progress: Callable[[str], None],
                   ) -> tuple[PairsAccount | None, list[str]]:
     """Return the account of a csv of this hash, and why the one beside it does not count."""
     found = read_account(path)
@@ -124,7 +171,7 @@ def _find_account(path: str, digest: str, progress: Callable[[str], None],
     if digest != of.csv_sha256:
         progress('comparing the pairs with their account')
         pairs_digest = PairsDigest()
-        for pairs in read_pairs_csv(path):
+        for pairs in open_pairs(path):
             pairs_digest.update(pairs)
         if pairs_digest.hexdigest() != of.pairs_sha256:
             return None, [f'{account_path(path).name} belongs to other pairs, and does not count: '

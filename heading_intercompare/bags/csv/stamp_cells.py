@@ -11,7 +11,8 @@ from typing import Callable, Mapping, NamedTuple, Sequence
 
 from heading_intercompare.core.utc_text import utc
 
-__all__ = ['explain_stamp', 'looks_like_days', 'nanoseconds', 'STAMP_COLUMNS', 'StampColumn']
+__all__ = ['explain_stamp', 'looks_like_days', 'nanoseconds', 'STAMP_COLUMNS', 'StampColumn',
+           'utc_nanoseconds']
 
 _SECOND_NS = 1_000_000_000
 _DAY_NS = 86400 * _SECOND_NS
@@ -52,7 +53,7 @@ def _scale(text: str, unit_ns: int) -> int:
         return int(stamp_ns.to_integral_value())
 
 
-def _utc(text: str) -> int:
+def utc_nanoseconds(text: str) -> int:
     """Return an ISO time, or a day number of a spreadsheet, as nanoseconds."""
     found = _ISO.fullmatch(text)
     if found is None:
@@ -79,7 +80,7 @@ class StampColumn(NamedTuple):
 STAMP_COLUMNS: Mapping[str, StampColumn] = {
     'stamp_ns': StampColumn(int, 'a whole number of nanoseconds since 1970', False),
     'stamp_s': StampColumn(nanoseconds, 'a decimal number of seconds since 1970', True),
-    'stamp_utc': StampColumn(_utc, 'a time such as 2014-08-01T00:00:00.183Z', False),
+    'stamp_utc': StampColumn(utc_nanoseconds, 'a time such as 2014-08-01T00:00:00.183Z', False),
 }
 """The columns that give the stamps; a file with several is read by the first of them."""
 

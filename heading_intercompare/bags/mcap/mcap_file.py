@@ -27,7 +27,7 @@ from .attachments import find_records, parse_attachment
 from .message_blocks import Block, HEAD, Record, walk
 from .record_stream import MAGIC, parse_record, RecordStream
 
-__all__ = ['mcap_files', 'NeverBegun', 'Part', 'Stretch']
+__all__ = ['mcap_files', 'natural_key', 'NeverBegun', 'Part', 'Stretch']
 
 _FOOTER = HEAD.size + 20
 _DATA_END = HEAD.pack(Opcode.DATA_END, 4)
@@ -50,7 +50,8 @@ class Stretch(NamedTuple):
     size: int
 
 
-def _natural_key(path: Path) -> list:
+def natural_key(path: Path) -> list:
+    """Return the key that sorts part 2 before part 10."""
     return [int(piece) if piece.isdecimal() else piece for piece in re.split(r'(\d+)', path.name)]
 
 
@@ -71,7 +72,7 @@ def mcap_files(path: Path) -> list[Path]:
     """
     if not path.is_dir():
         return [path]
-    paths = sorted(filter(Path.is_file, path.glob('*.mcap')), key=_natural_key)
+    paths = sorted(filter(Path.is_file, path.glob('*.mcap')), key=natural_key)
     if not paths:
         raise BagError('holds no .mcap file (`ros2 bag convert` converts other storage formats)',
                        path)

@@ -9,7 +9,7 @@ from typing import Callable, Mapping
 
 from heading_intercompare.bags.checked_text import decimal
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.records import Losses
 from heading_intercompare.messages.ledger_messages import decode_losses, lost_topic
@@ -26,7 +26,7 @@ class BagLosses:
 
     Parameters
     ----------
-    reader : BagReader
+    reader : Readable
         The bag.
     streams : mapping of str to {'ts', 'rs'}
         The sensors, by topic as requested.
@@ -35,7 +35,7 @@ class BagLosses:
 
     """
 
-    def __init__(self, reader: BagReader, streams: Mapping[str, str],
+    def __init__(self, reader: Readable, streams: Mapping[str, str],
                  count: Callable[[LedgerKey, Losses], None]) -> None:
         self._reader, self._streams, self._count = reader, streams, count
         self._by_numbers: Counter[str] = Counter()

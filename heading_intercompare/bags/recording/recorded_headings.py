@@ -12,6 +12,7 @@ import warnings
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import Note, read_notes
+from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC, MARKS
@@ -85,7 +86,7 @@ def read_bag(path: str | os.PathLike[str], settings: Settings | None = None) -> 
     return RecordedHeadings(ts, rs, tuple(read_marks(reader)), tuple(read_notes(reader)), problems)
 
 
-def read_marks(reader: BagReader) -> Iterator[tuple[str, int]]:
+def read_marks(reader: Readable) -> Iterator[tuple[str, int]]:
     """Yield the marks of a bag: 'start' or 'stop', and the stamp; BagError for another message."""
     topics = [t for t in reader.topics if t.lstrip('/') == MARKER_TOPIC]
     for message in reader.messages(topics) if topics else ():
@@ -101,7 +102,7 @@ def read_marks(reader: BagReader) -> Iterator[tuple[str, int]]:
         yield from marks
 
 
-def find_problems(reader: BagReader) -> list[str]:
+def find_problems(reader: Readable) -> list[str]:
     """Return what is missing from a recording, in words; call it once all is read."""
     missing = tell_missing(reader.metadata().get(RECORDING, {}))
     return [why for why in (reader.incomplete, reader.recovered, missing) if why]

@@ -19,7 +19,7 @@ from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.texts import decode_text, TEXT_TYPE
 
 if TYPE_CHECKING:
-    from .bag_reader import BagReader
+    from .readable import Readable
 
 __all__ = ['CONTINUES', 'describe_origin', 'is_note', 'Note', 'note_lines', 'NOTE_TOPIC', 'Notes',
            'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC', 'TRUTH_TOPIC']
@@ -166,7 +166,7 @@ def is_note(name: str) -> bool:
     return name.startswith(_NOTE) and name[len(_NOTE):].isdigit()
 
 
-def read_texts(bag: BagReader, topic: str) -> list[tuple[int, str]]:
+def read_texts(bag: Readable, topic: str) -> list[tuple[int, str]]:
     """
     Return the texts of a topic, each with its time of receipt; [] if there is no such text topic.
 
@@ -185,7 +185,7 @@ def read_texts(bag: BagReader, topic: str) -> list[tuple[int, str]]:
         raise BagError(error.problem) from None
 
 
-def read_notes(bag: BagReader) -> list[Note]:
+def read_notes(bag: Readable) -> list[Note]:
     """
     Return the operator's notes in a bag, in the order of their times.
 

@@ -57,7 +57,8 @@ _SHARED_OPTIONS = {
 _ROLE_OPTIONS = {
     'sentence': 'kind of sentence in the log of the {}: ' + ', '.join(SENTENCES)
                 + ' (default: the first present)',
-    'talker': 'talker of the {}, such as HE (default: the first present)',
+    'talker': 'talker of the {}, such as HE (default: the first present), or its stream in a file '
+              'with several, such as a source of NMEA 2000',
     'instrument': 'word of the lines of the {}, if a log has several instruments',
 }
 
@@ -158,7 +159,7 @@ def run(arguments: argparse.Namespace) -> int:
         exclusions=read_exclusion_table(arguments.exclude) if arguments.exclude else None)
     Limits.of(settings.norms, settings.model)
     drivers = drivers_for(arguments)
-    logs = find_logs(arguments.inputs, drivers)
+    logs = find_logs(arguments.inputs, drivers, recordings=bool(arguments.ts and arguments.rs))
     _check_options(arguments, logs is not None)
     outputs = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
                       arguments.ensemble_s, arguments.runs_csv)

@@ -28,11 +28,14 @@ from heading_intercompare.bags.rosbag2.provenance import (
     RECORD,
     REPORT_TOPIC,
 )
+from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import VerdictError
+from heading_intercompare.readers.registry import find_format, Format, open_recording
+from heading_intercompare.readers.stream_recording import StreamRecording
 from heading_intercompare.report.json import parse
 
 __all__ = ['add_arguments', 'run']
@@ -44,7 +47,7 @@ _LOSSES = {'received': 'received', 'lost_on_the_way': 'lost on the way',
 _ABSENT = ('None', 'none', '')
 _REPORT, _RUNS = 'report.json', 'runs.csv'
 #: Highlights on a terminal.
-_MARKS = (*VERDICT_MARKS, (r'(?m)^(?:bag|journal|span|software|attachment): ', 'bold'),
+_MARKS = (*VERDICT_MARKS, (r'(?m)^(?:bag|format|journal|span|software|attachment): ', 'bold'),
           (r'(?m)^topic +type +messages\b.*$', 'bold'), (r'(?m)^complete: (yes)$', 'green'),
           (r'(?m)^complete: (no): ', 'yellow'), (r'(?m)^  every checksum is correct$', 'green'),
           (r'(?m)^  wrong: .*$', 'red'))
@@ -52,8 +55,8 @@ _MARKS = (*VERDICT_MARKS, (r'(?m)^(?:bag|journal|span|software|attachment): ', '
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    parser.add_argument('bag', metavar='BAG', help='.mcap file or rosbag2 directory, or '
-                        '.journal of a live run')
+    parser.add_argument('bag', metavar='BAG', help='a bag or another file that analyze '
+                        'reads, or .journal of a live run')
     parser.add_argument('--check', action='store_true', help='read the whole bag: verify '
                         'every checksum, and count the missing sequence numbers of the messages; '
                         'exit code 2 if something is wrong')
@@ -65,6 +68,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the contents of the bag, and with --check the result of reading it through."""
     if is_journal(arguments.bag):
         return _show_journal(arguments)
+    form = find_format(arguments.bag)
+    if form is not None:
+        return _show_recording(arguments, form)
     checked = None
     if arguments.check:
         with Progress(arguments.bag, arguments.quiet) as progress:
@@ -81,6 +87,23 @@ def run(arguments: argparse.Namespace) -> int:
     say('\n'.join(lines), _MARKS)
     if checked is not None and checked.faults:
         raise BagError('; '.join(checked.faults), arguments.bag)
+    return 0
+
+
+def _show_recording(arguments: argparse.Namespace, form: Format) -> int:
+    """Print the streams of a recording of another program."""
+    if arguments.extract is not None:
+        raise ValueError(f'--extract {arguments.extract}: {arguments.bag} is {form.name}, which '
+                         'has no attachments; leave it out')
+    reader = open_recording(arguments.bag)
+    lines = [f'format: {form.name}', *_whole(reader), *_topics(reader, None)]
+    if isinstance(reader, StreamRecording):
+        lines += ['', 'not taken: ' + (', '.join(
+            f'{n} {why}' for why, n in reader.not_taken.items()) or 'nothing')]
+    elif arguments.check:
+        n = sum(1 for _ in reader.messages())
+        lines += ['', f'check: all {n} messages can be read; this format has no checksums of them']
+    say('\n'.join(lines), _MARKS)
     return 0
 
 
@@ -109,7 +132,7 @@ def _show_journal(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _whole(reader: BagReader) -> Iterator[str]:
+def _whole(reader: Readable) -> Iterator[str]:
     yield f'bag: {reader.path}'
     why = '; '.join(filter(None, (reader.incomplete, reader.recovered,
                                   tell_missing(reader.metadata().get(RECORDING, {})))))
@@ -122,11 +145,11 @@ def _whole(reader: BagReader) -> Iterator[str]:
                f'{span_s:.1f} s')
 
 
-def _span_s(reader: BagReader) -> float | None:
+def _span_s(reader: Readable) -> float | None:
     return None if reader.start_ns is None else (reader.end_ns - reader.start_ns) / 1e9
 
 
-def _topics(reader: BagReader, checked: BagCheck | None) -> Iterator[str]:
+def _topics(reader: Readable, checked: BagCheck | None) -> Iterator[str]:
     span_s = _span_s(reader)
     rows = [('topic', 'type', 'messages', 'rate [1/s]')]
     for name, info in sorted(reader.topics.items()):

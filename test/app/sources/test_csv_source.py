@@ -58,6 +58,8 @@ def write_bag(path, *, rs_step=1, rs_late_ns=0, silent=(), lost=0.0, faults=(), 
                     stamps[N // 2:] -= 20 * S
                 elif fault == 'nan' and step == 1:
                     heading[900:950] = np.nan
+                elif fault == 'RS mostly nan' and topic == 'rs/heading':
+                    heading[rng.random(len(at)) < 0.6] = np.nan
                 elif fault == 'no stamp':
                     stamps[300] = 0
             readings = Headings(stamps, heading % 360.0)[kept]
@@ -128,11 +130,12 @@ def test_a_csv_gives_the_verdict_of_its_bag_to_the_bit(tmp_path, capsys, kind):
     assert again.read_bytes() == pairs.read_bytes()
 
 
-def test_lost_readings_still_make_the_verdict_void_after_a_csv(tmp_path, capsys):
-    bag = write_bag(tmp_path / 'bag', lost=0.6)
+def test_readings_that_are_not_in_the_pairs_still_make_the_verdict_void(tmp_path, capsys):
+    """All pairs are there, because the RS is interpolated; before, the csv was compliant."""
+    bag = write_bag(tmp_path / 'bag', faults=['RS mostly nan'], rs_late_ns=37_000_000)
     found = []
     for path, more in ((bag, ['--csv', tmp_path / 'p.csv']), (tmp_path / 'p.csv', [])):
-        verdict, _ = verdict_of(capsys, path, *more)
+        verdict, _ = verdict_of(capsys, path, '--set', 'pairing.method=interpolate', *more)
         run, = verdict['runs']
         found.append((verdict['outcome'], run['reason'], run['pairing']['rs_received']))
     assert found[0] == found[1] and found[0][:2] == ('indeterminate', 'void.losses')

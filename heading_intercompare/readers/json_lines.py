@@ -1,0 +1,165 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Logs with one JSON object per line: deltas of Signal K, and records of OpenRVDAS."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from typing import Any, Iterator, Mapping
+
+from heading_intercompare.bags.csv.stamp_cells import nanoseconds, utc_nanoseconds
+
+from .stream_recording import Collected
+
+__all__ = ['is_heading_name', 'is_openrvdas', 'is_signalk', 'read_openrvdas', 'read_signalk']
+
+_DELTA = re.compile(rb'^[^{\n]*\{.*"updates"\s*:', re.MULTILINE)
+_RECORD = re.compile(rb'^\s*\{(?=.*"fields"\s*:)(?=.*"timestamp"\s*:)', re.MULTILINE)
+_HEADING = re.compile(r'heading|hdg|hdt', re.IGNORECASE)
+#: Names with these are of something else: rates, errors, qualities, or magnetic headings.
+_OTHER = re.compile(r'rate|std|sd\b|sigma|err|acc|qual|flag|stat|mag|hdm|dev|var|valid',
+                    re.IGNORECASE)
+_TRUE, _MAGNETIC, _VARIATION = ('navigation.headingTrue', 'navigation.headingMagnetic',
+                                'navigation.magneticVariation')
+_SELF = ('', 'vessels.self')
+
+
+def is_signalk(head: bytes) -> bool:
+    """Tell whether a file that begins so has deltas of Signal K."""
+    return _DELTA.search(head) is not None
+
+
+def is_openrvdas(head: bytes) -> bool:
+    """Tell whether a file that begins so has records of OpenRVDAS."""
+    return _RECORD.search(head) is not None and b'"pgn"' not in head.partition(b'\n')[0]
+
+
+def is_heading_name(name: str) -> bool:
+    """
+    Tell from its name whether a column or field is a true heading.
+
+    Examples
+    --------
+    >>> [is_heading_name(name) for name in ('S330HeadingTrue', 'hdg', 'HeadingRate', 'lat')]
+    [True, True, False, False]
+
+    """
+    return bool(_HEADING.search(name)) and not _OTHER.search(name)
+
+
+def _objects(path: str, needed: bytes, found: Collected) -> Iterator[dict[str, Any]]:
+    """Yield the objects of the lines that contain some bytes; a logger may write before them."""
+    with open(path, 'rb') as file:
+        for line in file:
+            at = line.find(b'{')
+            if at < 0 or needed not in line:
+                continue
+            try:
+                read = json.loads(line[at:])
+            except (ValueError, RecursionError):
+                found.not_taken['bad_field'] += 1
+                continue
+            if isinstance(read, dict):
+                yield read
+
+
+def _utc_stamp(text: object) -> int | None:
+    try:
+        return utc_nanoseconds(str(text))
+    except ValueError:
+        return None
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and (
+        math.isfinite(value))
+
+
+def read_signalk(path: str) -> Collected:
+    """
+    Read deltas of Signal K, one per line, also after the time that a server writes.
+
+    A stream is a source with the path, such as ``n2k.35/headingTrue``; one of another vessel
+    begins with its context. Angles are radians. A magnetic heading gets the newest
+    `navigation.magneticVariation` of its vessel; without one it is not taken.
+    """
+    found = Collected()
+    own = set(_SELF)
+    variations: dict[str, float] = {}
+    for delta in _objects(path, b'', found):
+        if isinstance(delta.get('self'), str):
+            own.add(delta['self'])
+            own.add(f'vessels.{delta["self"].removeprefix("vessels.")}')
+        context = str(delta.get('context') or '')
+        vessel = '' if context in own else f'{context}/'
+        for update in delta.get('updates') or ():
+            if isinstance(update, dict):
+                _take_update(found, update, vessel, variations)
+    return found
+
+
+def _take_update(found: Collected, update: Mapping[str, Any], vessel: str,
+                 variations: dict[str, float]) -> None:
+    given = update.get('values') or ()
+    values: dict[Any, Any] = {one.get('path'): one.get('value') for one in given
+                              if isinstance(one, dict)}
+    if _is_number(values.get(_VARIATION)):
+        variations[vessel] = values[_VARIATION]
+    for path in (_TRUE, _MAGNETIC):
+        if path not in values:
+            continue
+        value, stamp_ns = values[path], _utc_stamp(update.get('timestamp'))
+        if not _is_number(value):
+            found.not_taken['empty_heading'] += 1
+        elif not 0.0 <= value <= 6.2832:
+            found.not_taken['out_of_range'] += 1
+        elif path == _MAGNETIC and vessel not in variations:
+            found.not_taken['no_variation'] += 1
+        elif stamp_ns is None:
+            found.not_taken['no_stamp'] += 1
+        else:
+            turn = variations[vessel] if path == _MAGNETIC else 0.0
+            name = f'{vessel}{_source(update)}/{path.rpartition(".")[2]}'
+            found.add(name, 'Signal K', stamp_ns, math.degrees(value + turn))
+
+
+def _source(update: Mapping[str, Any]) -> str:
+    """Return the name of the source of an update."""
+    if update.get('$source'):
+        return str(update['$source'])
+    source = update.get('source')
+    if not isinstance(source, dict):
+        return 'unknown'
+    return '.'.join(str(source[key]) for key in ('label', 'src', 'talker') if source.get(key))
+
+
+def read_openrvdas(path: str) -> Collected:
+    """
+    Read records of OpenRVDAS, one JSON object per line.
+
+    A stream is a field whose name says that it is a heading, such as ``s330/S330HeadingTrue``;
+    see `is_heading_name`. Headings are degrees, `timestamp` is in seconds.
+    """
+    found = Collected()
+    for record in _objects(path, b'"fields"', found):
+        fields = record.get('fields')
+        if not isinstance(fields, dict):
+            continue
+        label = f'{record["data_id"]}/' if record.get('data_id') else ''
+        for name, value in fields.items():
+            if not is_heading_name(name):
+                continue
+            try:
+                # The digits of the text, not those of a float, make the stamp.
+                stamp_ns = nanoseconds(repr(record.get('timestamp')))
+                heading_deg = float(value)
+            except (TypeError, ValueError, ArithmeticError):
+                found.not_taken['bad_field'] += 1
+                continue
+            if not 0.0 <= heading_deg <= 360.0:
+                found.not_taken['out_of_range'] += 1
+            else:
+                found.add(f'{label}{name}', 'OpenRVDAS', stamp_ns, heading_deg)
+    return found

@@ -1,0 +1,222 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Vessel heading (PGN 127250) from logs of NMEA 2000: candump, canboat's plain form and its JSON.
+
+A stream is a source address of the bus.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from typing import Any, Callable, Mapping
+
+from heading_intercompare.bags.csv.stamp_cells import utc_nanoseconds
+
+from .stream_recording import Collected
+
+__all__ = ['decode_vessel_heading', 'is_candump', 'is_canboat_json', 'is_canboat_plain',
+           'PGN', 'read_canboat_json', 'read_canboat_plain', 'read_candump']
+
+PGN = 127250
+"""Vessel heading."""
+
+_KIND = f'PGN {PGN}'
+_RAD_DEG = 1e-4 * 180.0 / math.pi
+#: From here on a field says: not available, out of range, reserved.
+_NO_HEADING, _NO_ANGLE = 65533, 32765
+_FULL_TURN = 62832
+_TRUE, _MAGNETIC = 0, 1
+_SECOND_NS = 1_000_000_000
+
+_CAN = re.compile(rb'^\s*\((?:(\d{1,10})\.(\d{1,9})|(\d{4}-\d\d-\d\d \d\d:\d\d:\d\d\.\d+))\)\s+\S+'
+                  rb'\s+([0-9A-Fa-f]{8})(?:#|\s+\[\d+\]\s+)([0-9A-Fa-f]{2}(?:\s?[0-9A-Fa-f]{2})*)',
+                  re.MULTILINE)
+_PLAIN = re.compile(rb'^(\d{4}-\d\d-\d\d[TZ -]\d\d:\d\d:\d\d(?:\.\d+)?Z?),(\d),(\d+),(\d+),(\d+),'
+                    rb'(\d+),([0-9A-Fa-f]{2}(?:,[0-9A-Fa-f]{2})*)\s*$', re.MULTILINE)
+_DAY = re.compile(r'(\d{4}-\d\d-\d\d)[TZ -](\d\d:\d\d:\d\d(?:\.\d+)?)Z?')
+_HEAD = re.compile(rb'^\s*\{.*"pgn"\s*:', re.MULTILINE)
+
+
+def is_candump(head: bytes) -> bool:
+    """Tell whether a file that begins so is a log of candump with frames of 29 bits."""
+    return _CAN.search(head) is not None
+
+
+def is_canboat_plain(head: bytes) -> bool:
+    """Tell whether a file that begins so is in canboat's plain form."""
+    return _PLAIN.search(head) is not None
+
+
+def is_canboat_json(head: bytes) -> bool:
+    """Tell whether a file that begins so is JSON of canboat's analyzer."""
+    return _HEAD.search(head) is not None
+
+
+def decode_vessel_heading(data: bytes) -> tuple[float, float | None, int] | str:
+    """
+    Decode the bytes of a vessel heading.
+
+    Parameters
+    ----------
+    data : bytes
+        The eight bytes of PGN 127250.
+
+    Returns
+    -------
+    heading_deg, turn_deg, reference : (float, float or None, int)
+        Heading; deviation (0 if not available) plus variation, None without a variation; 0 if the
+        heading is true, 1 if it is magnetic. If there is no heading, a str with the reason.
+
+    Examples
+    --------
+    >>> heading_deg, turn_deg, reference = decode_vessel_heading(
+    ...     bytes.fromhex('ff 10 27 ff 7f ff 7f fc'))
+    >>> round(heading_deg, 6), turn_deg, reference
+    (57.29578, None, 0)
+    >>> decode_vessel_heading(bytes.fromhex('ff ff ff ff 7f ff 7f fc'))
+    'empty_heading'
+
+    """
+    if len(data) < 8:
+        return 'too_few_fields'
+    heading = int.from_bytes(data[1:3], 'little')
+    deviation, variation = (int.from_bytes(data[at:at + 2], 'little', signed=True)
+                            for at in (3, 5))
+    if heading >= _NO_HEADING:
+        return 'empty_heading'
+    if heading > _FULL_TURN:
+        return 'out_of_range'
+    turn_deg = None
+    if variation < _NO_ANGLE:
+        turn_deg = (variation + (deviation if deviation < _NO_ANGLE else 0)) * _RAD_DEG
+    return heading * _RAD_DEG, turn_deg, data[7] & 3
+
+
+def _take(found: Collected, source: int | str, stamp_ns: int | None,
+          decoded: tuple[float, float | None, int] | str) -> None:
+    """Add a decoded heading, or the reason why there is none."""
+    if isinstance(decoded, str):
+        found.not_taken[decoded] += 1
+        return
+    heading_deg, turn_deg, reference = decoded
+    if reference not in (_TRUE, _MAGNETIC):
+        found.not_taken['no_reference'] += 1
+    elif reference == _MAGNETIC and turn_deg is None:
+        found.not_taken['no_variation'] += 1
+    elif stamp_ns is None:
+        found.not_taken['no_stamp'] += 1
+    else:
+        found.add(str(source), _KIND, stamp_ns,
+                  heading_deg + (turn_deg or 0.0) * (reference == _MAGNETIC))
+
+
+def _stamp(text: str) -> int | None:
+    found = _DAY.fullmatch(text)
+    try:
+        return utc_nanoseconds(f'{found[1]}T{found[2]}Z') if found else None
+    except ValueError:
+        return None
+
+
+def _read_blocks(path: str, take: Callable[[bytes], None]) -> None:
+    """Hand over a file in blocks of whole lines."""
+    rest = b''
+    with open(path, 'rb') as file:
+        while block := file.read(1 << 22):
+            whole, newline, rest_now = (rest + block).rpartition(b'\n')
+            take(whole + newline)
+            rest = rest_now
+    take(rest)
+
+
+def read_candump(path: str) -> Collected:
+    """
+    Read a log of candump, of the form of ``-l`` or of the screen with ``-ta`` or ``-tA``.
+
+    The bits of a frame's identifier give the PGN and the source.
+    """
+    found = Collected()
+
+    def take(block: bytes) -> None:
+        for line in _CAN.finditer(block):
+            seconds, decimals, day, identifier, data = line.groups()
+            number = int(identifier, 16)
+            if number >> 8 & 0x1FFFF != PGN:
+                continue
+            stamp_ns = _stamp(day.decode()) if day else (
+                int(seconds) * _SECOND_NS + int(decimals.ljust(9, b'0')))
+            _take(found, number & 0xFF, stamp_ns, decode_vessel_heading(
+                bytes.fromhex(data.decode())))
+
+    _read_blocks(path, take)
+    return found
+
+
+def read_canboat_plain(path: str) -> Collected:
+    """Read canboat's plain form: time, priority, PGN, source, destination, length, bytes."""
+    found = Collected()
+
+    def take(block: bytes) -> None:
+        for line in _PLAIN.finditer(block):
+            stamp, _, pgn, source, _, _, data = line.groups()
+            if int(pgn) == PGN:
+                _take(found, source.decode(), _stamp(stamp.decode()), decode_vessel_heading(
+                    bytes.fromhex(data.decode().replace(',', ''))))
+
+    _read_blocks(path, take)
+    return found
+
+
+def _value(field: Any) -> Any:
+    """Return the value of a field; with ``-nv`` it also has a name."""
+    return field.get('value', field.get('name')) if isinstance(field, Mapping) else field
+
+
+def _decode_json(fields: Mapping[str, Any], factor: float,
+                 ) -> tuple[float, float | None, int] | str:
+    """Decode the fields of a vessel heading; `factor` makes degrees of their angles."""
+    heading, deviation, variation = (_value(fields.get(name)) for name in (
+        'Heading', 'Deviation', 'Variation'))
+    if heading is None:
+        return 'empty_heading'
+    if not all(isinstance(one, (int, float)) for one in (heading, deviation or 0, variation or 0)):
+        return 'bad_field'
+    if not 0.0 <= heading * factor <= 360.0:
+        return 'out_of_range'
+    turn_deg = None if variation is None else (variation + (deviation or 0.0)) * factor
+    reference = {'True': _TRUE, 'Magnetic': _MAGNETIC}.get(
+        _value(fields.get('Reference')), _value(fields.get('Reference')))
+    return heading * factor, turn_deg, reference if reference in (_TRUE, _MAGNETIC) else 2
+
+
+def read_canboat_json(path: str) -> Collected:
+    """
+    Read the JSON of canboat's analyzer.
+
+    Angles are degrees, unless the first line says ``"units":"si"``; then they are radians.
+    """
+    found, factor = Collected(), 1.0
+
+    def take(block: bytes) -> None:
+        nonlocal factor
+        for line in block.splitlines():
+            if b'127250' not in line and b'"units"' not in line:
+                continue
+            try:
+                read = json.loads(line)
+            except ValueError:
+                found.not_taken['bad_field'] += 1
+                continue
+            if not isinstance(read, dict):
+                continue
+            if 'units' in read:
+                factor = 180.0 / math.pi if read['units'] == 'si' else 1.0
+            if read.get('pgn') == PGN and isinstance(read.get('fields'), Mapping):
+                _take(found, read.get('src', 0), _stamp(str(read.get('timestamp', ''))),
+                      _decode_json(read['fields'], factor))
+
+    _read_blocks(path, take)
+    return found

@@ -1,0 +1,180 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Parquet tables of headings or of pairs."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import Any, Iterator
+
+import numpy as np
+import pyarrow
+import pyarrow.parquet
+
+from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.records import Headings, Integers, Pairs, Reals
+
+from .errors import ReaderError
+from .json_lines import is_heading_name
+from .stream_recording import Collected
+from .tables import find_time_column, TIMES
+
+__all__ = ['has_pairs', 'PairsParquet', 'read_parquet']
+
+_ROWS = 65536
+_SECOND_NS = 1_000_000_000
+_REALS = {'rs_variance_factor': 1.0, 'ts_variance_factor': 1.0}
+_KNOWN = ('ts_deg', 'rs_deg', 'lag_ns', 'lag_s', 'difference_deg', *_REALS)
+
+
+@contextmanager
+def _open(path: str) -> Iterator[Any]:
+    try:
+        with pyarrow.parquet.ParquetFile(path) as file:
+            yield file
+    except (pyarrow.ArrowException, OSError) as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise
+        raise ReaderError(path, f'is damaged, or no Parquet: {error}') from error
+
+
+def has_pairs(path: str) -> bool:
+    """Tell whether a Parquet table has the headings of both sensors in each row."""
+    with _open(path) as file:
+        return {'ts_deg', 'rs_deg'} <= {*file.schema_arrow.names}
+
+
+def _time_column(path: str, file: Any) -> str:
+    names = list(file.schema_arrow.names)
+    name = find_time_column(names)
+    if name is None or name.lower().endswith('dday'):
+        raise ReaderError(path, f'has the columns {", ".join(names)[:200]}: one must be the time, '
+                          f'{", ".join(TIMES[:4])} or a column of type timestamp so named')
+    return name
+
+
+def _stamps(path: str, name: str, column: Any) -> Integers:
+    """Return a column of times as nanoseconds; 0 where it is null."""
+    kind = column.type
+    if pyarrow.types.is_timestamp(kind):
+        column = column.cast(pyarrow.timestamp('ns', kind.tz)).cast(pyarrow.int64())
+    elif pyarrow.types.is_floating(kind):
+        seconds: Reals = column.to_numpy(zero_copy_only=False)
+        if name.lower().endswith('_ns'):
+            raise ReaderError(path, f'column {name} is {kind}: nanoseconds must be integers')
+        whole = np.floor(np.nan_to_num(seconds))
+        rest = np.round((np.nan_to_num(seconds) - whole) * _SECOND_NS)
+        stamps: Integers = whole.astype(np.int64) * _SECOND_NS + rest.astype(np.int64)
+        return stamps
+    elif not pyarrow.types.is_integer(kind):
+        raise ReaderError(path, f'column {name} is {kind}: must be integers, floats or timestamps')
+    filled: Integers = column.fill_null(0).to_numpy(zero_copy_only=False).astype(np.int64)
+    unit_ns = 1 if name.lower().endswith('_ns') or pyarrow.types.is_timestamp(kind) else _SECOND_NS
+    return np.multiply(filled, unit_ns)
+
+
+def _reals(path: str, name: str, column: Any) -> Reals:
+    try:
+        found: Reals = column.cast(pyarrow.float64()).to_numpy(zero_copy_only=False)
+        return found
+    except pyarrow.ArrowException:
+        raise ReaderError(path, f'column {name} is {column.type}: must be numbers') from None
+
+
+def read_parquet(path: str) -> Collected:
+    """
+    Read the headings of a Parquet table.
+
+    A stream is a column whose name says that it is a heading, in degrees. If there is one such
+    column and a column `src`, each source is a stream.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ReaderError
+        If it is damaged, or a column is missing or of a wrong type.
+
+    """
+    found = Collected()
+    with _open(path) as file:
+        names = file.schema_arrow.names
+        time = _time_column(path, file)
+        headings = [name for name in names if name == 'heading_deg' or is_heading_name(name)]
+        if not headings:
+            raise ReaderError(path, f'has the columns {", ".join(names)[:200]}: one must be '
+                              'heading_deg')
+        by_source = 'src' in names and len(headings) == 1
+        columns = [time, *headings, *(['src'] if by_source else [])]
+        for batch in file.iter_batches(_ROWS, columns=columns):
+            stamps = _stamps(path, time, batch.column(time))
+            for name in headings:
+                heading_deg = _reals(path, name, batch.column(name))
+                labels = (batch.column('src').cast(pyarrow.string()).to_numpy(
+                    zero_copy_only=False).astype(str) if by_source else None)
+                good = (heading_deg >= 0.0) & (heading_deg <= 360.0)
+                missing = np.isnan(heading_deg)
+                for reason, wrong in (('empty_heading', missing), ('out_of_range',
+                                                                   ~good & ~missing)):
+                    if wrong.any():
+                        found.not_taken[reason] += int(wrong.sum())
+                for label in [name] if labels is None else np.unique(labels).tolist():
+                    mine = good if labels is None else good & (labels == label)
+                    found.add_chunk(label, 'Parquet', Headings(stamps[mine],
+                                                               wrap360(heading_deg[mine])))
+    return found
+
+
+class PairsParquet:
+    """
+    A Parquet table of pairs, with the columns of `PairsCsv`; used like it.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The columns.
+    ignored : tuple of str
+        Those that are not read.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ReaderError
+        If it is damaged, or a column is missing or of a wrong type.
+
+    """
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+        with _open(path) as file:
+            self.names = tuple(file.schema_arrow.names)
+            self._time = _time_column(path, file)
+        self.ignored = tuple(name for name in self.names if name not in (self._time, *_KNOWN))
+
+    def __iter__(self) -> Iterator[Pairs]:
+        """Yield the pairs in file order, at most 65536 rows each."""
+        with _open(self._path) as file:
+            for batch in file.iter_batches(_ROWS):
+                yield self._pairs(batch)
+
+    def _pairs(self, batch: Any) -> Pairs:
+        path = self._path
+        stamps = _stamps(path, self._time, batch.column(self._time))
+        ts_deg, rs_deg = (_reals(path, name, batch.column(name)) for name in ('ts_deg', 'rs_deg'))
+        factors = []
+        for name, absent in _REALS.items():
+            column = (_reals(path, name, batch.column(name)) if name in self.names
+                      else np.full(len(stamps), absent))
+            column = np.where(np.isnan(column), absent, column)
+            if not ((column > 0.0) & (column <= 1.0)).all():
+                raise ReaderError(path, f'column {name}: must be above 0 and at most 1, or null')
+            factors.append(column)
+        lag_ns = None
+        for name, unit_ns in (('lag_ns', 1), ('lag_s', _SECOND_NS)):
+            if name in self.names:
+                lag = _reals(path, name, batch.column(name))
+                lag_ns = np.round(np.nan_to_num(lag) * unit_ns).astype(np.int64)
+                break
+        return Pairs.of(stamps, np.where(np.isfinite(ts_deg), ts_deg, np.nan),
+                        np.where(np.isfinite(rs_deg), rs_deg, np.nan), lag_ns, *factors)

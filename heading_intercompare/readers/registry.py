@@ -1,0 +1,275 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The registry of readers: what a file is, by its content first and its name second.
+
+A recording has the headings of one or several sensors, by stream. A library of an extra is loaded
+only when a file needs it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import os
+from pathlib import Path
+import re
+import sqlite3
+from typing import Callable, TYPE_CHECKING
+
+from heading_intercompare.bags.mcap.mcap_file import natural_key
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.drivers.logs import is_log, LogReader
+
+from . import json_lines, nmea2000, tables
+from .errors import ReaderError
+from .stream_recording import Collected, StreamRecording
+
+if TYPE_CHECKING:
+    from .rosbag_recording import RosbagRecording
+
+    Recording = BagReader | StreamRecording | RosbagRecording
+
+__all__ = ['find_format', 'Format', 'FORMATS', 'has_one_sensor', 'has_pairs', 'has_streams',
+           'open_log_of_streams', 'open_recording', 'refuse_unreadable', 'sources_of']
+
+_HEAD_BYTES = 1 << 16
+_ROS1, _SQLITE, _PARQUET = b'#ROSBAG V2.0\n', b'SQLite format 3\0', b'PAR1'
+_TABLES = {'messages', 'topics'}
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """
+    A kind of file that can be read.
+
+    Attributes
+    ----------
+    name : str
+        What it is, in words.
+    recognise : callable
+        Tells from the path and the first 64 KiB of the file whether it is one; a directory has
+        none.
+    read : callable, or None
+        Reads the headings of the file at a path, by stream; None for a bag.
+    extra : str or None
+        The extra that it needs.
+
+    """
+
+    name: str
+    recognise: Callable[[Path, bytes], bool]
+    read: Callable[[str], Collected] | None
+    extra: str | None = None
+
+
+def _is_sqlite_bag(path: Path, head: bytes) -> bool:
+    """Tell whether a path is a rosbag2 in SQLite, or one that is compressed by file."""
+    if path.is_dir():
+        return not any(path.glob('*.mcap')) and any(
+            one for form in ('*.db3', '*.db3.zstd', '*.mcap.zstd') for one in path.glob(form))
+    return head.startswith(_SQLITE) and _TABLES <= _tables_of(path)
+
+
+def _tables_of(path: Path) -> set[str]:
+    try:
+        connection = sqlite3.connect(f'{path.absolute().as_uri()}?immutable=1', uri=True)
+    except sqlite3.Error:
+        return set()
+    try:
+        return {name for name, in connection.execute('SELECT name FROM sqlite_master')}
+    except sqlite3.Error:
+        # Damaged: what it was can only be told by its name.
+        return _TABLES if path.suffix == '.db3' else set()
+    finally:
+        connection.close()
+
+
+def _read_parquet(path: str) -> Collected:
+    from .parquet import read_parquet
+    return read_parquet(path)
+
+
+def _read_log(path: str) -> Collected:
+    """Read a log of the drivers; its stream is the sentence that it gives by default."""
+    found, reader = Collected(), LogReader(path)
+    chunks = list(reader)
+    for chunk in chunks:
+        found.add_chunk(reader.sentence or 'csv', 'log', chunk)
+    found.not_taken.update(reader.counts)
+    return found
+
+
+def _of_head(tell: Callable[[bytes], bool]) -> Callable[[Path, bytes], bool]:
+    return lambda path, head: tell(head)
+
+
+_LOG = Format('log of one sensor', lambda path, head: is_log(path), _read_log)
+
+FORMATS = (
+    Format('rosbag2, SQLite or compressed', _is_sqlite_bag, None, 'bags'),
+    Format('ROS 1 bag', lambda path, head: head.startswith(_ROS1), None, 'bags'),
+    Format('Parquet', lambda path, head: head.startswith(_PARQUET), _read_parquet, 'parquet'),
+    Format('NMEA 2000, canboat JSON', _of_head(nmea2000.is_canboat_json),
+           nmea2000.read_canboat_json),
+    Format('NMEA 2000, candump', _of_head(nmea2000.is_candump), nmea2000.read_candump),
+    Format('NMEA 2000, canboat', _of_head(nmea2000.is_canboat_plain),
+           nmea2000.read_canboat_plain),
+    Format('Signal K deltas', _of_head(json_lines.is_signalk), json_lines.read_signalk),
+    Format('OpenRVDAS records', _of_head(json_lines.is_openrvdas), json_lines.read_openrvdas),
+    Format('csv of headings', _of_head(tables.is_table), tables.read_table),
+    _LOG,
+)
+"""The formats beside MCAP bags; the first that recognises a file reads it."""
+
+_UNPACK = 'is compressed: unpack it and give the file that was in it'
+#: First bytes, end of the name, and what to do; either may be given.
+_UNREADABLE = (
+    (b'', '.rbin', 'is a binary file of UHDAS: write it as csv with the columns t_ns and '
+     'heading_deg'),
+    (b'#ROSBAG V1', '', 'is a ROS 1 bag of version 1: convert it with `rosbag migrate`'),
+    (b'', '.db3.zstd', 'is one file of a compressed bag: give the folder with its metadata.yaml, '
+     'or unpack it with `zstd -d`'),
+    (b'', '.xlsx', 'is a spreadsheet: save it as csv'),
+    (b'', '.xls', 'is a spreadsheet: save it as csv'),
+    (b'', '.ods', 'is a spreadsheet: save it as csv'),
+    (b'\x1f\x8b', '', _UNPACK), (b'BZh', '', _UNPACK), (b'\xfd7zXZ', '', _UNPACK),
+    (b'PK\x03\x04', '', _UNPACK), (b'\x28\xb5\x2f\xfd', '', _UNPACK),
+    (b'7z\xbc\xaf', '', _UNPACK),
+    (b'\x89HDF', '', 'is HDF5 or netCDF: write it as csv with the columns t_ns and heading_deg'),
+    (b'CDF', '', 'is netCDF: write it as csv with the columns t_ns and heading_deg'),
+    (b'MATLAB', '', 'is a file of MATLAB: write it as csv with the columns t_ns and heading_deg'),
+    (b'\xd4\xc3\xb2\xa1', '', 'is a capture of network packets: write their payloads as a log, '
+     'with a stamp before each sentence'),
+    (b'\x0a\x0d\x0d\x0a', '', 'is a capture of network packets: write their payloads as a log, '
+     'with a stamp before each sentence'),
+    (b'LOGG', '', 'is a CAN log of Vector: convert it to the form of `candump -l`'),
+    (b'', '.ebl', 'is a log of Actisense: convert it with canboat (`analyzer -json`)'),
+    (_SQLITE, '', 'is an SQLite file without the tables of a rosbag2 (messages, topics)'),
+)
+
+
+def _head(path: Path) -> bytes:
+    if not path.is_file():
+        return b''
+    with path.open('rb') as file:
+        return file.read(_HEAD_BYTES)
+
+
+def find_format(path: str | os.PathLike[str]) -> Format | None:
+    """
+    Return the format that a path has; None for a bag of MCAP and for any other.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+
+    """
+    place = Path(path)
+    head = _head(place)
+    return next((one for one in FORMATS if one.recognise(place, head)), None)
+
+
+def refuse_unreadable(path: str | os.PathLike[str]) -> None:
+    """Raise ReaderError, with what to do, for a file in a known form that cannot be read."""
+    place = Path(path)
+    head, name = _head(place), place.name.lower()
+    for begin, end, problem in _UNREADABLE if head else ():
+        if head.startswith(begin) and name.endswith(end):
+            raise ReaderError(path, problem)
+
+
+def _library(error: ModuleNotFoundError) -> str:
+    return (error.name or '').partition('.')[0]
+
+
+def _need(path: str | os.PathLike[str], form: Format, error: ModuleNotFoundError) -> ReaderError:
+    return ReaderError(path, f'is {form.name}, and reading it needs {_library(error)}: install '
+                       f'heading_intercompare[{form.extra}]')
+
+
+def has_pairs(path: str | os.PathLike[str]) -> bool:
+    """Tell whether a file is a Parquet table of pairs."""
+    form = find_format(path)
+    if form is None or form.extra != 'parquet':
+        return False
+    try:
+        from .parquet import has_pairs as of_parquet
+    except ModuleNotFoundError as error:
+        raise _need(path, form, error) from None
+    return of_parquet(os.fspath(path))
+
+
+def open_recording(path: str | os.PathLike[str]) -> Recording:
+    """
+    Open a recording of any kind.
+
+    Parameters
+    ----------
+    path : str or path
+        A bag of MCAP, or a file of one of `FORMATS`.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    ValueError
+        If it is damaged, of an unknown form, or needs a library that is not installed.
+
+    """
+    form = find_format(path)
+    if form is None:
+        refuse_unreadable(path)
+        return BagReader(path)
+    try:
+        if form.read is not None:
+            return StreamRecording(path, form.name, form.read)
+        from .rosbag_recording import RosbagRecording
+    except ModuleNotFoundError as error:
+        raise _need(path, form, error) from None
+    return RosbagRecording(path)
+
+
+def open_log_of_streams(path: str | os.PathLike[str]) -> StreamRecording | None:
+    """
+    Open a file of streams of another program; None for a log of one sensor.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    ReaderError
+        If it is damaged, a bag, or in a known form that cannot be read.
+
+    """
+    form = find_format(path)
+    if form is None:
+        refuse_unreadable(path)
+    elif form.read is None:
+        raise ReaderError(path, f'is a bag ({form.name}), no log: give it to analyze, with --ts '
+                          'and --rs')
+    if not has_streams(path):
+        return None
+    found = open_recording(path)
+    return found if isinstance(found, StreamRecording) else None
+
+
+def has_streams(path: str | os.PathLike[str]) -> bool:
+    """Tell whether a path is a file of streams of another program."""
+    form = find_format(path)
+    return form is not None and form.read is not None and form is not _LOG
+
+
+def has_one_sensor(path: str | os.PathLike[str]) -> bool:
+    """Tell whether a path is a log of one sensor."""
+    return find_format(path) is _LOG
+
+
+def sources_of(path: str | os.PathLike[str]) -> list[Path]:
+    """Return the files of a recording that is no MCAP bag, in natural order; [] for others."""
+    place = Path(path)
+    if not place.is_dir() or not _is_sqlite_bag(place, b''):
+        return []
+    return sorted((one for one in place.iterdir()
+                   if re.search(r'\.(db3|mcap)(\.zstd)?$', one.name)),
+                  key=natural_key)

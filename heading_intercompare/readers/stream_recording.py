@@ -1,0 +1,154 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A file with the headings of one or several sensors, read whole, and used like a bag."""
+
+from __future__ import annotations
+
+from array import array
+from collections import Counter
+from dataclasses import dataclass, field
+import os
+from pathlib import Path
+from typing import Callable, Iterator, Mapping
+
+import numpy as np
+
+from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, TopicInfo
+from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.records import Headings, Losses
+
+from .errors import ReaderError
+
+__all__ = ['Collected', 'StreamRecording']
+
+
+@dataclass(slots=True)
+class Collected:
+    """
+    The readings of a file by stream, as a reader collects them.
+
+    Attributes
+    ----------
+    kinds : dict of str to str
+        What each stream is, in words, by its name.
+    not_taken : Counter of str
+        What gave no heading, by reason.
+
+    """
+
+    kinds: dict[str, str] = field(default_factory=dict)
+    not_taken: Counter[str] = field(default_factory=Counter)
+    _columns: dict[str, tuple['array[int]', 'array[float]']] = field(default_factory=dict)
+    _chunks: dict[str, list[Headings]] = field(default_factory=dict)
+
+    def add(self, stream: str, kind: str, stamp_ns: int, heading_deg: float) -> None:
+        """Take a reading: nanoseconds UTC and degrees, in any turn."""
+        columns = self._columns.get(stream)
+        if columns is None:
+            self.kinds.setdefault(stream, kind)
+            columns = self._columns[stream] = (array('q'), array('d'))
+        columns[0].append(stamp_ns)
+        columns[1].append(heading_deg)
+
+    def add_chunk(self, stream: str, kind: str, headings: Headings) -> None:
+        """Take many readings of a stream."""
+        self.kinds.setdefault(stream, kind)
+        self._chunks.setdefault(stream, []).append(headings)
+
+    def streams(self) -> dict[str, Headings]:
+        """Return the headings by stream, in the order of the file."""
+        found = {name: Headings(np.array(stamps, np.int64), wrap360(np.array(headings, float)))
+                 for name, (stamps, headings) in self._columns.items()}
+        return found | {name: Headings.concatenate(chunks)
+                        for name, chunks in self._chunks.items()}
+
+
+class StreamRecording:
+    """
+    The headings of a file by stream; offers what `BagReader` offers.
+
+    Parameters
+    ----------
+    path : str or path
+        The file.
+    kind : str
+        What it is, in words.
+    read : callable
+        Reads the file at a path.
+
+    Attributes
+    ----------
+    streams : dict of str to Headings
+        All readings, by stream, in the order of the file.
+    not_taken : mapping of str to int
+        What gave no heading, by reason.
+    topics, incomplete, recovered, start_ns, end_ns
+        As of `BagReader`; times are those of the stamps.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ReaderError
+        If it is damaged.
+
+    """
+
+    incomplete: str | None = None
+    recovered: str | None = None
+
+    def __init__(self, path: str | os.PathLike[str], kind: str,
+                 read: Callable[[str], Collected]) -> None:
+        self.path, self.kind = Path(path), kind
+        collected = read(os.fspath(path))
+        self.streams = collected.streams()
+        self.not_taken: Mapping[str, int] = dict(sorted(collected.not_taken.items()))
+        self.topics = {name: TopicInfo(collected.kinds[name], len(headings))
+                       for name, headings in self.streams.items()}
+        stamps = [headings.stamp_ns for headings in self.streams.values() if len(headings)]
+        self.start_ns = min((int(one.min()) for one in stamps), default=None)
+        self.end_ns = max((int(one.max()) for one in stamps), default=None)
+
+    @property
+    def words_present(self) -> str:
+        """The streams with their counts, and what was not taken."""
+        found = ', '.join(f'{name} ({info.type_name}, {info.count})'
+                          for name, info in sorted(self.topics.items())) or 'no heading'
+        lacking = ', '.join(f'{n} {why}' for why, n in self.not_taken.items())
+        return f'{found}; not taken: {lacking}' if lacking else found
+
+    def resolve(self, topic: str) -> str:
+        """Return the name of a stream given with or without a leading slash."""
+        for name in (topic, f'/{topic}', topic.removeprefix('/')):
+            if name in self.topics:
+                return name
+        raise ReaderError(self.path, f'has no stream {topic!r}; it has {self.words_present}; '
+                          'choose with --ts and --rs')
+
+    def only(self, name: str | None = None) -> str:
+        """Return a stream, or the only one if no name is given; ReaderError if there are more."""
+        if name is not None:
+            return self.resolve(name)
+        if len(self.topics) == 1:
+            return next(iter(self.topics))
+        raise ReaderError(self.path, f'has {len(self.topics)} streams: {self.words_present}; '
+                          'choose one with --ts-talker or --rs-talker')
+
+    def headings(self, conventions: Mapping[str, str], helpers: int = 0,
+                 lost: Callable[[str, Losses], None] | None = None,
+                 ) -> Iterator[dict[str, Headings]]:
+        """Return an iterator over the headings of some streams; conventions do not matter."""
+        chosen = {asked: self.streams[self.resolve(asked)] for asked in conventions}
+        return iter([chosen])
+
+    def keeps_numbers(self) -> bool:
+        """Tell that there are no numbers of publishers."""
+        return False
+
+    def messages(self, topics: object = None) -> Iterator[BagMessage]:
+        """Return an iterator over no messages."""
+        return iter(())
+
+    def metadata(self) -> dict[str, dict[str, str]]:
+        """Return no metadata records."""
+        return {}

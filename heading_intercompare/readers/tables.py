@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Csv tables of other programs, such as OpenRVDAS and UHDAS: a column of times, and headings."""
+
+from __future__ import annotations
+
+import re
+
+from heading_intercompare.bags.csv.csv_rows import CsvRows
+from heading_intercompare.bags.csv.stamp_cells import nanoseconds, utc_nanoseconds
+from heading_intercompare.bags.errors import BagError
+
+from .errors import ReaderError
+from .json_lines import is_heading_name
+from .stream_recording import Collected
+
+__all__ = ['find_time_column', 'is_table', 'read_table', 'TIMES']
+
+TIMES = ('t_ns', 'stamp_ns', 'stamp_s', 'stamp_utc', 'timestamp', 'utc', 'datetime', 'date_time',
+         'time', 't', 'epoch', 'unixtime', 'u_dday', 'dday')
+"""Names of columns of times, in the order in which one is chosen."""
+
+_WANTED = f'of times ({", ".join(TIMES)}) and of headings'
+_SPLIT = re.compile(r'[,;\t]')
+#: Numbers of seconds, milli-, micro- and nanoseconds from 1990 to 2100.
+_LEAST, _MOST = 631_152_000, 4_102_444_800
+
+
+def find_time_column(names: list[str]) -> str | None:
+    """Return the column of times among the names of a header; None if there is none."""
+    by_name = {name.lower(): name for name in reversed(names)}
+    return next((by_name[name] for name in TIMES if name in by_name), None)
+
+
+def is_table(head: bytes) -> bool:
+    """Tell whether a file that begins so is a csv with a column of times and one of headings."""
+    lines = (line for line in head.decode('utf-8-sig', 'replace').splitlines()
+             if line.strip() and not line.startswith('#'))
+    names = [name.strip(' "') for name in _SPLIT.split(next(lines, ''))]
+    # A csv with this column is a log of the drivers.
+    return ('heading_deg' not in names and find_time_column(names) is not None
+            and any(map(is_heading_name, names)))
+
+
+def _stamp(text: str) -> int:
+    """Return a time: ISO, or a number of seconds to nanoseconds since 1970."""
+    if not text.replace('.', '', 1).isdecimal():
+        return utc_nanoseconds(text)
+    whole = int(text.partition('.')[0])
+    for unit_ns in (1_000_000_000, 1_000_000, 1000, 1):
+        if _LEAST <= whole * unit_ns // 1_000_000_000 < _MOST:
+            return nanoseconds(text) if unit_ns == 1_000_000_000 else whole * unit_ns
+    raise ValueError(text)
+
+
+def read_table(path: str) -> Collected:
+    """
+    Read a csv with a column of times and columns of headings in degrees.
+
+    A stream is a column whose name says that it is a heading; see `is_heading_name`. Times are
+    ISO, or seconds, milli-, micro- or nanoseconds since 1970.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ReaderError
+        If the form of the csv is wrong, or its times have no year.
+
+    """
+    found = Collected()
+    try:
+        with CsvRows(path, _WANTED) as rows:
+            time = find_time_column(rows.names)
+            if time is None:
+                raise ReaderError(path, f'has no column {_WANTED}')
+            if time.lower().endswith('dday'):
+                raise ReaderError(path, f'column {time}: a decimal day has no year; add a column '
+                                  'stamp_utc or t_ns')
+            at, headings = rows.names.index(time), [
+                (place, name) for place, name in enumerate(rows.names) if is_heading_name(name)]
+            for row in rows:
+                _take_row(found, rows, row, at, headings)
+    except BagError as error:
+        raise ReaderError(path, error.problem) from error
+    return found
+
+
+def _take_row(found: Collected, rows: CsvRows, row: list[str], at: int,
+              headings: list[tuple[int, str]]) -> None:
+    try:
+        stamp_ns = _stamp(row[at].strip() if ':' in row[at] else rows.plain(row[at]))
+    except (ValueError, ArithmeticError, IndexError):
+        found.not_taken['bad_stamp'] += 1
+        return
+    for place, name in headings:
+        cell = row[place] if place < len(row) else ''
+        try:
+            heading_deg = float(rows.plain(cell)) if cell.strip() else None
+        except ValueError:
+            found.not_taken['bad_field'] += 1
+            continue
+        if heading_deg is None or heading_deg != heading_deg:
+            found.not_taken['empty_heading'] += 1
+        elif not 0.0 <= heading_deg <= 360.0:
+            found.not_taken['out_of_range'] += 1
+        else:
+            found.add(name, 'csv', stamp_ns, heading_deg)

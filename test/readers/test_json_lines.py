@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Deltas of Signal K and records of OpenRVDAS, written by hand after their descriptions."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+from heading_intercompare.readers.json_lines import (
+    is_openrvdas,
+    is_signalk,
+    read_openrvdas,
+    read_signalk,
+)
+
+T_NS = 1408118400081000000
+TIME = '2014-08-15T16:00:00.081Z'
+OWN = 'urn:mrn:signalk:uuid:c0d79334-4e25-4245-8892-54e8ccc8021d'
+
+
+def delta(source, context='vessels.self', time=TIME, **values):
+    """Return a delta; the names of the values are those after `navigation.`."""
+    named = {'$source': source} if isinstance(source, str) else {'source': source}
+    return {'context': context, 'updates': [{**named, 'timestamp': time, 'values': [
+        {'path': f'navigation.{name}', 'value': value} for name, value in values.items()]}]}
+
+
+def read(tmp_path, reader, text):
+    """Return the readings by stream as lists, and what was not taken."""
+    path = tmp_path / 'a.log'
+    path.write_text(text)
+    found = reader(str(path))
+    return ({name: list(zip(h.stamp_ns.tolist(), h.heading_deg.tolist()))
+             for name, h in found.streams().items()}, dict(found.not_taken))
+
+
+@pytest.mark.parametrize('prefix', ['', '1408118400081;I;'])
+def test_deltas_of_signal_k(tmp_path, prefix):
+    rows = [
+        {'self': f'vessels.{OWN}', 'version': '1.0.0'},
+        delta('n2k.35', headingTrue=1.0),
+        delta({'label': 'actisense', 'src': '115', 'pgn': 127250}, f'vessels.{OWN}',
+              headingTrue=2.0),
+        delta('n2k.36', headingMagnetic=3.0),
+        delta('gps.1', magneticVariation=0.25),
+        delta('n2k.36', headingMagnetic=3.0),
+        delta('n2k.36', headingMagnetic=6.2, magneticVariation=-0.2),
+        delta('ais', 'vessels.urn:mrn:imo:mmsi:230099999', headingTrue=0.5),
+        delta('ais', 'vessels.urn:mrn:imo:mmsi:230099999', headingMagnetic=0.5),
+        delta('n2k.35', headingTrue=None), delta('n2k.35', headingTrue=7.0),
+        delta('n2k.35', time='soon', headingTrue=1.0), delta('n2k.35', speedOverGround=5.0),
+    ]
+    text = ''.join(f'{prefix}{json.dumps(row)}\n' for row in rows) + f'{prefix}{{"updates": [\n'
+    assert is_signalk(text.encode()) and not is_openrvdas(text.encode())
+    streams, not_taken = read(tmp_path, read_signalk, text)
+    deg = math.degrees
+    assert streams == {
+        'n2k.35/headingTrue': [(T_NS, pytest.approx(deg(1.0)))],
+        'actisense.115/headingTrue': [(T_NS, pytest.approx(deg(2.0)))],
+        'n2k.36/headingMagnetic': [(T_NS, pytest.approx(deg(3.25))),
+                                   (T_NS, pytest.approx(deg(6.0)))],
+        'vessels.urn:mrn:imo:mmsi:230099999/ais/headingTrue': [(T_NS, pytest.approx(deg(0.5)))]}
+    assert not_taken == {'no_variation': 2, 'empty_heading': 1, 'out_of_range': 1, 'no_stamp': 1,
+                         'bad_field': 1}
+
+
+def test_records_of_openrvdas(tmp_path):
+    rows = [
+        {'data_id': 's330', 'timestamp': 1406851200.183, 'fields': {
+            'S330HeadingTrue': 235.15, 'S330HeadingRate': 0.1, 'S330CourseTrue': 12.0},
+         'metadata': {}},
+        {'data_id': 'gyr1', 'timestamp': 1406851200, 'fields': {'Gyr1HeadingTrue': '234.5'}},
+        {'timestamp': 1406851201.25, 'fields': {'Hdg': 359.99}},
+        {'data_id': 'gyr1', 'timestamp': 1406851202, 'fields': {'Gyr1HeadingTrue': 'x'}},
+        {'data_id': 'gyr1', 'timestamp': None, 'fields': {'Gyr1HeadingTrue': 1.0}},
+        {'data_id': 'gyr1', 'timestamp': 1406851203, 'fields': {'Gyr1HeadingTrue': -1.0}},
+        {'data_id': 'gyr1', 'timestamp': 1406851203, 'fields': None},
+    ]
+    text = ''.join(json.dumps(row) + '\n' for row in rows)
+    assert is_openrvdas(text.encode()) and not is_signalk(text.encode())
+    assert read(tmp_path, read_openrvdas, text) == (
+        {'s330/S330HeadingTrue': [(1406851200183000000, 235.15)],
+         'gyr1/Gyr1HeadingTrue': [(1406851200000000000, 234.5)],
+         'Hdg': [(1406851201250000000, 359.99)]},
+        {'bad_field': 2, 'out_of_range': 1})

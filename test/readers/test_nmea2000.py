@@ -1,0 +1,150 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+NMEA 2000 logs, written by hand after the public descriptions.
+
+The fields of PGN 127250 are those of canboat's database: SID, heading (0.0001 rad), deviation,
+variation, reference (2 bits). candump writes the identifier of a frame in hexadecimal: three bits
+of priority, 18 bits of PGN, eight of source.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+
+import pytest
+
+from heading_intercompare.readers.nmea2000 import (
+    decode_vessel_heading,
+    is_canboat_json,
+    is_canboat_plain,
+    is_candump,
+    read_canboat_json,
+    read_canboat_plain,
+    read_candump,
+)
+
+T_NS = 1436509052249713000
+DEG = math.degrees(1e-4)
+
+
+def payload(heading, deviation=0x7FFF, variation=0x7FFF, reference=0):
+    """Return the bytes of a vessel heading; reserved bits are set."""
+    return (b'\x01' + heading.to_bytes(2, 'little')
+            + b''.join(one.to_bytes(2, 'little', signed=True) for one in (deviation, variation))
+            + bytes([0xFC | reference]))
+
+
+def identifier(source, pgn=127250, priority=2):
+    """Return the identifier of a frame."""
+    return f'{priority << 26 | pgn << 8 | source:08X}'
+
+
+def read(tmp_path, reader, text):
+    """Return the readings by stream as lists, and what was not taken."""
+    path = tmp_path / 'n2k.log'
+    path.write_text(text)
+    found = reader(str(path))
+    return ({name: list(zip(h.stamp_ns.tolist(), h.heading_deg.tolist()))
+             for name, h in found.streams().items()}, dict(found.not_taken))
+
+
+def test_the_identifier_of_the_public_example_is_a_vessel_heading():
+    assert identifier(0x17) == '09F11217'
+
+
+@pytest.mark.parametrize('data, expected', [
+    (payload(0), (0.0, None, 0)), (payload(31416), (31416 * DEG, None, 0)),
+    (payload(62831), (62831 * DEG, None, 0)),
+    (payload(10000, 100, -300, 1), (10000 * DEG, -200 * DEG, 1)),
+    (payload(10000, variation=300, reference=1), (10000 * DEG, 300 * DEG, 1)),
+    (payload(10000, 100, reference=1), (10000 * DEG, None, 1)),
+    (payload(10000, reference=3), (10000 * DEG, None, 3)),
+    (payload(65535), 'empty_heading'), (payload(65534), 'empty_heading'),
+    (payload(65533), 'empty_heading'), (payload(65532), 'out_of_range'),
+    (payload(62833), 'out_of_range'), (payload(5)[:7], 'too_few_fields'), (b'', 'too_few_fields')])
+def test_a_vessel_heading_is_decoded_by_hand(data, expected):
+    found = decode_vessel_heading(data)
+    if isinstance(expected, str):
+        assert found == expected
+    else:
+        assert found[2] == expected[2]
+        assert found[:2] == pytest.approx(expected[:2], abs=1e-12)
+
+
+FRAMES = [(0x17, payload(10000)), (0x23, payload(20000, reference=1)),
+          (0x23, payload(20000, -100, 600, 1)), (0x17, payload(65535)),
+          (0x17, payload(10000, reference=2))]
+EXPECTED = {'23': [(T_NS, pytest.approx(10000 * DEG))],
+            '35': [(T_NS + 2_000_000, pytest.approx(20500 * DEG))]}
+NOT_TAKEN = {'no_variation': 1, 'empty_heading': 1, 'no_reference': 1}
+
+
+@pytest.mark.parametrize('form', ['-l', '-ta', '-tA', 'lower'])
+def test_candump_in_each_of_its_forms(tmp_path, form):
+    lines = []
+    for n, (source, data) in enumerate(FRAMES):
+        text, frame = f'1436509052.{249713 + n * 1000:06d}', identifier(source)
+        if form == 'lower':
+            lines.append(f'({text}) can0 {frame.lower()}#{data.hex()}')
+        elif form == '-l':
+            lines.append(f'({text}) can0 {frame}#{data.hex().upper()}')
+        elif form == '-ta':
+            lines.append(f' ({text})  can0  {frame}   [8]  {data.hex(" ").upper()}')
+        else:
+            lines.append(f' (2015-07-10 06:17:32.{249713 + n * 1000:06d})  vcan1  {frame}   [8]  '
+                         f'{data.hex(" ").upper()}')
+    other = re.sub(identifier(0x17), identifier(0x17, 127251), lines[0], flags=re.IGNORECASE)
+    assert other != lines[0]
+    lines.insert(1, other)
+    lines.insert(1, '(1436509052.000000) can0 123#0102')
+    text = '\n'.join(lines) + '\n'
+    assert is_candump(text.encode()) and not is_canboat_plain(text.encode())
+    assert read(tmp_path, read_candump, text) == (EXPECTED, NOT_TAKEN)
+
+
+def test_canboat_in_its_plain_form(tmp_path):
+    text = ''.join(
+        f'{day}06:17:32.{249713 + n * 1000:06d}{end},2,127250,{source},255,8,'
+        f'{data.hex(",")}\n' for n, ((source, data), (day, end)) in enumerate(zip(FRAMES, (
+            ('2015-07-10T', 'Z'), ('2015-07-10Z', ''), ('2015-07-10-', ''), ('2015-07-10 ', ''),
+            ('2015-07-10T', 'Z')))))
+    text += '2015-07-10T06:17:33.000Z,2,127251,23,255,8,ff,ff,ff,ff,ff,ff,ff,ff\n'
+    assert is_canboat_plain(text.encode()) and not is_candump(text.encode())
+    assert read(tmp_path, read_canboat_plain, text) == (EXPECTED, NOT_TAKEN)
+
+
+@pytest.mark.parametrize('units', ['std', 'si', None])
+@pytest.mark.parametrize('values', ['plain', 'names and values'])
+def test_the_json_of_canboat(tmp_path, units, values):
+    factor = math.radians(1.0) if units == 'si' else 1.0
+    shown = {'True': 0, 'Magnetic': 1}
+    lines = [] if units is None else [{'version': '6.1.0', 'units': units,
+                                       'showLookupValues': values != 'plain'}]
+    fields = [{'Heading': 57.3, 'Reference': 'True'},
+              {'Heading': 114.6, 'Reference': 'Magnetic'},
+              {'Heading': 114.6, 'Deviation': -0.5, 'Variation': 3.5, 'Reference': 'Magnetic'},
+              {'Reference': 'True'}, {'Heading': 1.0}, {'Heading': 'north', 'Reference': 'True'},
+              {'Heading': 361.0, 'Reference': 'True'}]
+    for n, one in enumerate(fields):
+        one = {name: value if isinstance(value, str) else value * factor
+               for name, value in one.items()}
+        if values != 'plain' and 'Reference' in one:
+            one['Reference'] = {'value': shown[one['Reference']], 'name': one['Reference']}
+        lines.append({'timestamp': f'2015-07-10T06:17:32.{249 + n}Z', 'prio': 2,
+                      'src': 35 if 0 < n < 3 else 23, 'dst': 255, 'pgn': 127250,
+                      'description': 'Vessel Heading', 'fields': one})
+    text = ''.join(json.dumps(one) + '\n' for one in lines) + '{"pgn":127250, broken\n'
+    assert is_canboat_json(text.encode())
+    assert read(tmp_path, read_canboat_json, text) == (
+        {'23': [(1436509052249000000, pytest.approx(57.3))],
+         '35': [(1436509052251000000, pytest.approx(117.6))]},
+        {'no_variation': 1, 'empty_heading': 1, 'no_reference': 1, 'bad_field': 2,
+         'out_of_range': 1})
+
+
+def test_a_stamp_that_is_none_is_counted(tmp_path):
+    line = '{"timestamp":"soon","src":1,"pgn":127250,"fields":{"Heading":1,"Reference":"True"}}\n'
+    assert read(tmp_path, read_canboat_json, line) == ({}, {'no_stamp': 1})

@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Parquet tables of headings and of pairs, written by pyarrow."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from heading_intercompare.bags.csv.pairs_csv import write_pairs_csv
+from heading_intercompare.cli import main
+from heading_intercompare.core.records import Pairs
+from heading_intercompare.readers.errors import ReaderError
+
+pa = pytest.importorskip('pyarrow', reason='pyarrow is not installed')
+pq = pytest.importorskip('pyarrow.parquet')
+
+# After the check that pyarrow is here.
+from heading_intercompare.readers.parquet import (  # noqa: E402
+    has_pairs,
+    PairsParquet,
+    read_parquet,
+)
+
+S = 1_000_000_000
+T0 = 1_406_851_200 * S + 183_000_001
+NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1', '--quiet']
+
+
+def written(tmp_path, **columns):
+    """Return the path of a table with these columns."""
+    path = str(tmp_path / 'a.parquet')
+    pq.write_table(pa.table(columns), path)
+    return path
+
+
+def lists(found):
+    """Return the readings by stream as lists."""
+    return {name: list(zip(h.stamp_ns.tolist(), h.heading_deg.tolist()))
+            for name, h in found.streams().items()}
+
+
+@pytest.mark.parametrize('name, stamps', [
+    ('t_ns', pa.array([T0, T0 + S], pa.int64())),
+    ('stamp_ns', pa.array([T0, T0 + S], pa.uint64())),
+    ('time', pa.array([T0, T0 + S], pa.timestamp('ns'))),
+    ('timestamp', pa.array([T0, T0 + S], pa.timestamp('ns', 'UTC')))])
+def test_times_are_exact(tmp_path, name, stamps):
+    path = written(tmp_path, **{name: stamps, 'heading_deg': [1.5, 360.0]})
+    assert lists(read_parquet(path)) == {'heading_deg': [(T0, 1.5), (T0 + S, 0.0)]}
+
+
+def test_times_in_seconds_are_those_of_their_float(tmp_path):
+    path = written(tmp_path, stamp_s=[1406851200.25, 1406851201.5], heading_deg=[1.0, 2.0])
+    assert lists(read_parquet(path))['heading_deg'] == [
+        (1406851200250000000, 1.0), (1406851201500000000, 2.0)]
+    path = written(tmp_path, timestamp=[1406851200, 1406851201], heading_deg=[1.0, 2.0])
+    assert lists(read_parquet(path))['heading_deg'][0] == (1406851200000000000, 1.0)
+
+
+def test_each_source_is_a_stream_and_what_is_no_heading_is_counted(tmp_path):
+    path = written(tmp_path, t_ns=[1, 2, 3, 4, 5], src=[35, 36, 35, 36, 35],
+                   heading_deg=[1.0, 2.0, None, 361.0, float('nan')])
+    found = read_parquet(path)
+    assert lists(found) == {'35': [(1, 1.0)], '36': [(2, 2.0)]}
+    assert dict(found.not_taken) == {'empty_heading': 2, 'out_of_range': 1}
+
+
+def test_pairs_in_parquet_give_the_verdict_of_their_csv(tmp_path, capsys):
+    rng = np.random.default_rng(2)
+    n = 900
+    pairs = Pairs.of(T0 + np.arange(n) * S, 90.0 + 0.1 * rng.standard_normal(n), np.full(n, 90.0),
+                     rng.integers(-10**6, 10**6, n), rng.uniform(0.5, 1.0, n))
+    write_pairs_csv(tmp_path / 'a.csv', [pairs])
+    path = written(tmp_path, stamp_ns=pairs.stamp_ns, ts_deg=pairs.ts_deg, rs_deg=pairs.rs_deg,
+                   lag_ns=pairs.lag_ns, rs_variance_factor=pairs.rs_variance_factor,
+                   remark=['x'] * n)
+    assert has_pairs(path) and Pairs.concatenate(list(PairsParquet(path))) == pairs
+    runs = []
+    for one in (path, tmp_path / 'a.csv'):
+        assert main(['analyze', str(one), *NORMS, '--json', '-']) == 0
+        out, err = capsys.readouterr()
+        run, = json.loads(out)['runs']
+        runs.append({**run, 'source': ''})
+        if one == path:
+            assert err == f'note: {path}: columns that are not read: remark\n'
+    assert runs[0] == runs[1]
+
+
+def test_nulls_in_pairs_are_nan_and_absent_factors_1(tmp_path):
+    path = written(tmp_path, t_ns=[1, 2], ts_deg=[1.0, None], rs_deg=[float('inf'), 2.0],
+                   ts_variance_factor=[None, 0.5], lag_s=[0.003, None])
+    found, = PairsParquet(path)
+    assert found == Pairs.of([1, 2], [1.0, np.nan], [np.nan, 2.0], [3_000_000, 0], [1.0, 1.0],
+                             [1.0, 0.5])
+
+
+@pytest.mark.parametrize('columns, problem', [
+    ({'heading_deg': [1.0]}, 'has the columns heading_deg: one must be the time'),
+    ({'dday': [1.0], 'heading_deg': [1.0]}, 'one must be the time'),
+    ({'t_ns': [1]}, 'has the columns t_ns: one must be heading_deg'),
+    ({'t_ns': [1.5], 'heading_deg': [1.0]}, 'column t_ns is double: nanoseconds must be integers'),
+    ({'t_ns': ['x'], 'heading_deg': [1.0]}, 'column t_ns is .*string: must be integers'),
+    ({'t_ns': [1], 'heading_deg': ['north']}, 'column heading_deg is .*string: must be numbers')])
+def test_a_wrong_column_is_one_line(tmp_path, columns, problem):
+    path = written(tmp_path, **columns)
+    with pytest.raises(ReaderError, match=problem):
+        read_parquet(path)
+
+
+def test_wrong_pairs_and_damage_are_one_line(tmp_path):
+    path = written(tmp_path, t_ns=[1], ts_deg=[1.0], rs_deg=[1.0], rs_variance_factor=[1.5])
+    with pytest.raises(ReaderError, match='column rs_variance_factor: must be above 0'):
+        list(PairsParquet(path))
+    damaged = tmp_path / 'b.parquet'
+    damaged.write_bytes(b'PAR1' + b'\0' * 100)
+    with pytest.raises(ReaderError, match='is damaged, or no Parquet'):
+        has_pairs(str(damaged))
+    with pytest.raises(FileNotFoundError):
+        read_parquet(str(tmp_path / 'absent'))

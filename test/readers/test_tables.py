@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Csv tables with a column of times and columns of headings."""
+
+from __future__ import annotations
+
+import pytest
+
+from heading_intercompare.readers.errors import ReaderError
+from heading_intercompare.readers.tables import is_table, read_table
+
+T_NS = 1406851200183000000
+
+
+def read(tmp_path, text):
+    """Return the readings by stream as lists, and what was not taken."""
+    path = tmp_path / 'a.csv'
+    path.write_text(text)
+    found = read_table(str(path))
+    return ({name: list(zip(h.stamp_ns.tolist(), h.heading_deg.tolist()))
+             for name, h in found.streams().items()}, dict(found.not_taken))
+
+
+@pytest.mark.parametrize('name, time', [
+    ('timestamp', '1406851200.183'), ('Time', '2014-08-01T00:00:00.183Z'),
+    ('UTC', '2014-08-01 02:00:00.183+02:00'), ('t_ns', str(T_NS)), ('epoch', '1406851200183'),
+    ('time', '1406851200183000')])
+@pytest.mark.parametrize('separator', [',', ';', '\t'])
+def test_each_column_of_headings_is_a_stream(tmp_path, name, time, separator):
+    text = ('# a cruise\n{0},Gyr1HeadingTrue,hdg,heading_std,lat\n{1},235.15,0.5,0.1,-60\n'
+            '{1},,nan,,\n{1},361,x,,\nsoon,1,2,3,4\n').format(name, time).replace(',', separator)
+    assert is_table(text.encode())
+    assert read(tmp_path, text) == (
+        {'Gyr1HeadingTrue': [(T_NS, 235.15)], 'hdg': [(T_NS, 0.5)]},
+        {'empty_heading': 2, 'out_of_range': 1, 'bad_field': 1, 'bad_stamp': 1})
+
+
+@pytest.mark.parametrize('text', [
+    'stamp_ns,ts_deg,rs_deg\n', '$HEHDT,123.4,T*10\n', 'start,stop\n', 'time,lat,lon\n', '',
+    'Gyr1HeadingTrue,lat\n', 't_ns,heading_deg,src\n'])
+def test_other_texts_are_no_tables(text):
+    assert not is_table(text.encode())
+
+
+@pytest.mark.parametrize('text, problem', [
+    ('dday,hdg\n212.5,1\n', 'column dday: a decimal day has no year; add a column stamp_utc'),
+    ('time,hdg,hdg\n1,2,3\n', "column 'hdg' stands twice"),
+    ('time,hdg\n1406851200,2,3,4\n', 'has 4 columns, more than the header')])
+def test_a_mistake_is_one_line(tmp_path, text, problem):
+    with pytest.raises(ReaderError, match=problem) as caught:
+        read(tmp_path, text)
+    assert str(caught.value).startswith(f'{tmp_path / "a.csv"}: ')
