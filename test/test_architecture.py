@@ -63,7 +63,7 @@ ALLOWED = {
 # imports only what stands before it.
 ORDER = {
     'core': ('utc_text', 'given_stamps', 'records', 'angles', 'time_rules', 'declared_settings',
-             'settings', 'outcome', 'version', 'statistics', 'pairing', 'timing',
+             'settings', 'json_keys', 'outcome', 'version', 'statistics', 'pairing', 'timing',
              'decision', 'runs', 'conditions', 'diagnostics', 'alarms', 'verdict', 'kept_state',
              'pipeline', 'offline'),
     'drivers': ('settings', 'framing', 'sentences', 'log_lines', 'sentence_choice', 'bursts',

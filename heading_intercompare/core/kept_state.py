@@ -10,10 +10,11 @@ import json
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.gk import Printed
 from heading_intercompare.core.decision.guarded import Evidence
+from heading_intercompare.core.json_keys import leave_out_none
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.runs.run_cutter import CutterState
 from heading_intercompare.core.verdict.judge import RunResult
-from heading_intercompare.core.verdict.typed_reader import leave_out_none, make_plain, read_plain
+from heading_intercompare.core.verdict.typed_reader import make_plain, read_plain
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
 from .outcome import Outcome

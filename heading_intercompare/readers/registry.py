@@ -116,8 +116,9 @@ FORMATS = (
            nmea2000.read_canboat_plain),
     Format('Signal K deltas', _of_head(json_lines.is_signalk), json_lines.read_signalk),
     Format('OpenRVDAS records', _of_head(json_lines.is_openrvdas), json_lines.read_openrvdas),
-    Format('csv of headings', _of_head(tables.is_table), tables.read_table),
+    # A line of a log may look like the header of a table.
     _LOG,
+    Format('csv of headings', _of_head(tables.is_table), tables.read_table),
 )
 """The formats beside MCAP bags; the first that recognises a file reads it."""
 

@@ -10,13 +10,13 @@ from enum import Enum, EnumMeta
 from types import NoneType, UnionType
 from typing import Any, cast, get_args, get_origin, get_type_hints, Literal, Union
 
+from heading_intercompare.core.json_keys import is_left_out, list_keys
 from heading_intercompare.core.settings import (
     leave_out_added,
     list_settings,
     Setting,
     Settings,
 )
-from heading_intercompare.core.verdict.typed_reader import is_left_out, list_keys
 from heading_intercompare.core.verdict.verdict_document import SCHEMA, SCHEMA_VERSION, Verdict
 
 __all__ = ['make_schema']

@@ -88,7 +88,8 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
 
 def _check_texts(inputs: Sequence[str]) -> None:
     """Raise ValueError for two texts that are neither logs nor anything else that is judged."""
-    if len(inputs) == 2 and not any(path.endswith(_OTHERS) for path in inputs):
+    if len(inputs) == 2 and not any(path.endswith(_OTHERS) or has_streams(path)
+                                    for path in inputs):
         for path in inputs:
             start = describe_start(path)
             if start.startswith('first'):

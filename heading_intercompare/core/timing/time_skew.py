@@ -16,6 +16,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.json_keys import leave_out_none
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.statistics.blocking import student_95
 
@@ -184,8 +185,8 @@ class Skew:
     std_aligned_deg: float | None = None
     mean_aligned_deg: float | None = None
     beyond_s: float | None = None
-    also_s: float | None = None
-    searched_s: float | None = None
+    also_s: float | None = leave_out_none()
+    searched_s: float | None = leave_out_none()
 
     @property
     def about_s(self) -> float:

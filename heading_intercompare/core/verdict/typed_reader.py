@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field, fields, is_dataclass
+from dataclasses import is_dataclass
 from enum import Enum, EnumMeta
 from functools import cache
 import math
@@ -13,15 +13,13 @@ import re
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints, Literal, TypeGuard, Union
 
+from heading_intercompare.core.json_keys import is_left_out, list_keys
 from heading_intercompare.core.outcome import Outcome
 
-__all__ = ['check_schema', 'is_left_out', 'leave_out_none', 'list_keys', 'make_plain', 'no_key',
-           'read_plain', 'VerdictError']
+__all__ = ['check_schema', 'make_plain', 'read_plain', 'VerdictError']
 
 _WORDS = {bool: 'true or false', float: 'a number', int: 'an integer', str: 'text',
           NoneType: 'null'}
-_LEFT_OUT = 'left_out'
-_NO_KEY = 'no_key'
 _LONGEST = 60
 _VERSION = re.compile(r'([1-9][0-9]{0,8})\.([0-9]{1,9})', re.ASCII)
 #: Integers from here on do not fit into a float.
@@ -33,26 +31,6 @@ _hints_of = cache(get_type_hints)
 
 class VerdictError(ValueError):
     """A mapping is not a verdict; the message gives place, value and what is allowed."""
-
-
-def leave_out_none() -> Any:
-    """Declare a field of a dataclass whose key is left out if its value is None."""
-    return field(default=None, metadata={_LEFT_OUT: True})
-
-
-def no_key() -> Any:
-    """Declare a field of a dataclass that is no key of the JSON, and None when read."""
-    return field(default=None, compare=False, repr=False, metadata={_NO_KEY: True})
-
-
-def list_keys(kind: Any) -> list[Any]:
-    """Return the fields of a dataclass, or of an instance, that are keys of the JSON."""
-    return [f for f in fields(kind) if not f.metadata.get(_NO_KEY, False)]
-
-
-def is_left_out(declared: Any, value: Any) -> bool:
-    """Tell whether the key of a field, from `dataclasses.fields`, is left out."""
-    return value is None and declared.metadata.get(_LEFT_OUT, False)
 
 
 def make_plain(value: Any, *, exact: bool = False) -> Any:

@@ -21,6 +21,7 @@ from heading_intercompare.core.decision.taken_out import TakenOut
 from heading_intercompare.core.diagnostics.assumptions import Assumption
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
+from heading_intercompare.core.json_keys import leave_out_none, no_key
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
 from heading_intercompare.core.settings import (
@@ -38,9 +39,7 @@ from .conclusion import campaign_words
 from .headline import compose_headline
 from .typed_reader import (
     check_schema,
-    leave_out_none,
     make_plain,
-    no_key,
     read_plain,
     VerdictError,
 )
@@ -54,7 +53,7 @@ __all__ = ['Campaign', 'Input', 'LostReadings', 'OperatorNote', 'PairingFigures'
            'VerdictError']
 
 _SCHEMA = 'heading_intercompare/verdict/'
-SCHEMA_VERSION = '2.3'
+SCHEMA_VERSION = '2.4'
 """
 Major and minor version of the mapping.
 
