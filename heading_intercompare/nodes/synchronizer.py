@@ -26,6 +26,7 @@ from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.runtime.awake_clock import AwakeClock
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.publishing import await_acknowledgement, Backlog
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
@@ -44,11 +45,7 @@ _PATIENCE_S, _LAST_S = 10.0, 0.3
 
 
 class Synchronizer(Node):
-    """
-    Publish `pairs` and `pairs/ledger`.
-
-    The node takes headings only once the pairs have subscribers, so that no pair is lost.
-    """
+    """Publish pairs and ledger; take headings once pairs have subscribers: none gets lost."""
 
     done = ended = _flushed = False
 
@@ -79,15 +76,15 @@ class Synchronizer(Node):
                       decode_losses, partial(self._lose, stream))
             intake.open = False
         self._predecessor = Predecessor(self, self.health, self._intakes, self._started_ns)
+        self._awake, self._end_s, self._seen_s = AwakeClock(), None, 0.0
         self._open_at_s = time.monotonic() + self._own.startup_wait_s
         self._waiting = Backlog(self._pairs, self.health, patience_s=_PATIENCE_S)
-        self._end_s, self._seen_s = None, 0.0
         every(self, 1.0, self._beat)
 
     def _drain(self) -> None:
         self._open_when_wanted()
         if not self._flushed:
-            self._send(self._pairer.update(*self._take(), now_s=time.monotonic()))
+            self._send(self._pairer.update(*self._take(), now_s=self._awake.now_s()))
         self._waiting.publish()
         if self._end_s is not None and not self.ended:
             self._finish_if_quiet()
