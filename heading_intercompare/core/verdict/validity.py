@@ -23,6 +23,7 @@ from heading_intercompare.core.records import Reals
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.timing.clock_drift import ClockDrift
 from heading_intercompare.core.timing.realignment import realign
+from heading_intercompare.core.utc_text import utc
 
 from .prepare import PreparedRun
 
@@ -242,7 +243,8 @@ def _judge_frozen(e: Examined) -> Finding:
             return Finding(
                 'frozen', VOID, f'the {name} froze', f'the {name} repeated its value '
                 f'{sign.stretches} times while the other sensor turned, for '
-                f'{sign.duration_s:.1f} s by {sign.other_moved_deg:.2f} deg at {sign.start_ns}')
+                f'{sign.duration_s:.1f} s by {sign.other_moved_deg:.2f} deg '
+                f'at {utc(sign.start_ns)} UTC')
         if sign.kind == 'dead':
             return Finding('frozen', VOID, f'the {name} sent one value for an hour',
                            f'the {name} sent one value for {sign.longest_s:.0f} s, although it '
@@ -279,7 +281,8 @@ def _judge_outliers(e: Examined) -> Finding:
         return Finding('outliers', NOT_TESTABLE, '', 'there are too few differences')
     if found.kind == 'none':
         return Finding('outliers', HOLDS, '', 'no isolated difference stands out')
-    largest = ', '.join(f'{o.size_deg:+.3g} deg at {o.stamp_ns}' for o in found.largest[:3])
+    largest = ', '.join(f'{o.size_deg:+.3g} deg at {utc(o.stamp_ns)} UTC'
+                        for o in found.largest[:3])
     count = f'{found.count} isolated outlier{"s" if found.count != 1 else ""}'
     evidence = f'{count}, {100.0 * found.share:.3g} % of the variance: {largest}'
     without = e.decide(np.delete(e.data.stamp_ns, found.index),
@@ -353,8 +356,8 @@ def _describe_unsteady(clock: ClockDrift, data: PreparedRun) -> tuple[str, str]:
     sizes = [(step.after_s - step.before_s, int(data.stamp_ns[0]) + round(step.time_s * 1e9))
              for step in clock.steps]
     size, at_ns = max(sizes, key=lambda one: abs(one[0]))
-    each = ', '.join(f'by {size:.2f} s at {at}' for size, at in sizes)
-    return (f'the skew changes by {size:.2g} s at {at_ns}',
+    each = ', '.join(f'by {size:.2f} s at {utc(at)} UTC' for size, at in sizes)
+    return (f'the skew changes by {size:.2g} s at {utc(at_ns)} UTC',
             f'the skew steps {each}; before that it is {clock.steps[0].before_s:.2f} s')
 
 

@@ -247,7 +247,8 @@ def test_one_bad_reading_is_named_and_not_called_a_slow_error(pair):
     run = verdict.runs[0]
     assert run.reason == 'outliers_decide'
     evidence = next(f.evidence for f in run.validity if f.condition == 'outliers')
-    assert str(STAMPS[5000]) in evidence and '+40 deg' in evidence
+    assert STAMPS[5000] == 500_100_000_000
+    assert '+40 deg at 1970-01-01 00:08:20.100 UTC' in evidence
     assert 'without them the outcome is compliant' in evidence
 
 
@@ -543,7 +544,7 @@ def test_a_clock_that_steps_is_named_and_void(step_s, rng):
     ts, rs = late_pair(rng, np.where(T_S > 700.0, step_s, 0.0))
     verdict = judged(ts, rs)
     assert verdict.runs[0].reason == 'void.clocks'
-    assert f'the skew changes by {step_s:.2g} s at 70' in verdict.headline
+    assert f'the skew changes by {step_s:.2g} s at 1970-01-01 00:11:40' in verdict.headline
 
 
 def sea(rng, n=40):
@@ -630,7 +631,7 @@ def test_clocks_that_lie_apart_and_are_unsteady_are_named_in_full(slope_s_per_h,
     assert verdict.runs[0].reason == 'void.clocks'
     assert 'the clock of the RS lags by about 12' in verdict.headline
     assert ('the clocks drift apart by 5' if slope_s_per_h
-            else 'the skew changes by 2 s at 70') in verdict.headline
+            else 'the skew changes by 2 s at 1970-01-01 00:11:40') in verdict.headline
 
 
 @pytest.mark.parametrize('sigma_deg, late_s', [(0.5, 0.0), (0.5, 3.0), (2.0, 0.5)])
