@@ -234,7 +234,8 @@ def test_what_a_killed_worker_had_is_judged_by_another(
         with held(gate):
             pid = reader(cluster, gate)
             gate.unlink()
-            shutil.copy(folder / 'p.csv', gate)
+            for end in ('', '.account.json'):
+                shutil.copy(folder / f'p.csv{end}', f'{gate}{end}')
             os.kill(pid, signal.SIGKILL)
 
     killed = beside.submit(kill)

@@ -154,6 +154,9 @@ def judge_csv(path: str, name: str, settings: Settings,
 
 def _sha256(path: str) -> str:
     digest = hashlib.sha256()
+    if not os.path.isfile(path):
+        # A pipe can be read only once.
+        return digest.hexdigest()
     with open(path, 'rb') as file:
         while block := file.read(_BLOCK):
             digest.update(block)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import codecs
 import csv
+import io
 import os
 import re
 from typing import Iterator, TextIO
@@ -27,10 +28,11 @@ _GROUPING = re.compile(r"\d[\s'\u2019]\d|,.*[.,]|\..*,")
 
 def _open(path: str) -> TextIO:
     """Open a text in UTF-8, or in UTF-16 if its byte order mark says so."""
-    with open(path, 'rb') as file:
-        head = file.read(2)
-    return open(path, newline='', errors='replace',
-                encoding='utf-16' if head in _UTF16 else 'utf-8-sig')
+    # Opened once: a pipe has no beginning to come back to.
+    file = open(path, 'rb')
+    head = file.peek(2)[:2]
+    return io.TextIOWrapper(file, newline='', errors='replace',
+                            encoding='utf-16' if head in _UTF16 else 'utf-8-sig')
 
 
 class CsvRows:

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 import hashlib
+import os
 
 import numpy as np
 import pytest
@@ -201,3 +203,15 @@ def test_a_file_that_is_not_there_is_an_os_error(tmp_path):
         next(read_pairs_csv(tmp_path / 'pairs.csv'))
     with pytest.raises(FileNotFoundError):
         PairsCsvWriter(tmp_path / 'absent' / 'pairs.csv')
+
+
+def test_a_pipe_is_opened_once(tmp_path):
+    """It has no beginning to come back to: a second opening waited for ever."""
+    pipe = tmp_path / 'p.csv'
+    os.mkfifo(pipe)
+    rows = 'stamp_ns,ts_deg,rs_deg\n1000000000000000000,1.0,2.0\n'
+    with ThreadPoolExecutor(1) as beside:
+        written = beside.submit(pipe.write_text, rows)
+        pairs, = read_pairs_csv(pipe)
+        assert written.result(30.0) == len(rows)
+    assert pairs.ts_deg.tolist() == [1.0]
