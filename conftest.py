@@ -63,6 +63,11 @@ for _library, _module in (('rosbags', 'rosbag_recording'), ('pyarrow', 'parquet'
         collect_ignore_glob.append(f'heading_intercompare/readers/{_module}.py')
 if find_spec('weasyprint') is None:
     collect_ignore_glob.append('heading_intercompare/report/pdf.py')
+try:
+    # Its newest version refuses the numpy of Ubuntu 24.04.
+    import pyarrow  # noqa: F401
+except ImportError:
+    collect_ignore_glob.append('heading_intercompare/readers/parquet.py')
 if find_spec('nicegui') is None:
     collect_ignore_glob += [f'heading_intercompare/web/{name}.py' for name in ('page', 'server')]
 

@@ -180,11 +180,14 @@ def refuse_unreadable(path: str | os.PathLike[str]) -> None:
             raise ReaderError(path, problem)
 
 
-def _library(error: ModuleNotFoundError) -> str:
-    return (error.name or '').partition('.')[0]
+def _library(error: ImportError) -> str:
+    """Return the library that is not installed, or that does not fit the others."""
+    if isinstance(error, ModuleNotFoundError) and error.name:
+        return error.name.partition('.')[0]
+    return f'another version of a library ({error})'
 
 
-def _need(path: str | os.PathLike[str], form: Format, error: ModuleNotFoundError) -> ReaderError:
+def _need(path: str | os.PathLike[str], form: Format, error: ImportError) -> ReaderError:
     return ReaderError(path, f'is {form.name}, and reading it needs {_library(error)}: install '
                        f'heading_intercompare[{form.extra}]')
 
@@ -196,7 +199,7 @@ def has_pairs(path: str | os.PathLike[str]) -> bool:
         return False
     try:
         from .parquet import has_pairs as of_parquet
-    except ModuleNotFoundError as error:
+    except ImportError as error:
         raise _need(path, form, error) from None
     return of_parquet(os.fspath(path))
 
@@ -226,7 +229,7 @@ def open_recording(path: str | os.PathLike[str]) -> Recording:
         if form.read is not None:
             return StreamRecording(path, form.name, form.read)
         from .rosbag_recording import RosbagRecording
-    except ModuleNotFoundError as error:
+    except ImportError as error:
         raise _need(path, form, error) from None
     return RosbagRecording(path)
 
