@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
-import hashlib
 from pathlib import Path
 from typing import Any, Callable, Iterable, Mapping, NamedTuple, Sequence
 
@@ -46,6 +45,7 @@ from heading_intercompare.readers.stream_recording import StreamRecording
 from .config import Config, load_config
 from .run_table import RunTable
 from .sources.csv_source import has_pairs, judge_csv
+from .sources.file_hash import hash_files
 from .sources.found import Found, make_account
 
 __all__ = ['analyze_input', 'Analyzed', 'explain_no_run', 'load_config_or_journal', 'sha256']
@@ -357,9 +357,4 @@ def _describe(bag: Readable, name: str, settings: Settings, digest: str) -> Inpu
 
 def sha256(path: str) -> str:
     """Return the SHA-256 of a file, or of the files of a bag in the order of their names."""
-    digest = hashlib.sha256()
-    for part in sorted(sources_of(path) or mcap_files(Path(path))):
-        with part.open('rb') as file:
-            while block := file.read(1 << 20):
-                digest.update(block)
-    return digest.hexdigest()
+    return hash_files(sorted(sources_of(path) or mcap_files(Path(path))))

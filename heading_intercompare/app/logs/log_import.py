@@ -5,11 +5,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-import hashlib
 import os
 import re
 from typing import Any, Callable, Mapping, Sequence
 
+from heading_intercompare.app.sources.file_hash import hash_files
 from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.logs import LogReader
 from heading_intercompare.drivers.refused_lines import explain_no_heading
@@ -113,8 +113,8 @@ def import_log(path: str, driver: DriverSettings,
     streams = open_log_of_streams(path)
     if streams is not None:
         name = streams.only(driver.talker)
-        return ImportedLog(path, streams.streams[name], _hash([path]), os.path.getsize(path), name,
-                           streams.not_taken, driver)
+        return ImportedLog(path, streams.streams[name], hash_files([path]),
+                           os.path.getsize(path), name, streams.not_taken, driver)
     try:
         reader = LogReader(path, driver)
         chunks = []
@@ -123,8 +123,9 @@ def import_log(path: str, driver: DriverSettings,
             progress(f'{reader.position / reader.size:.0%}')
     except DriverError as error:
         raise DriverError(_name_options(str(error), role)) from None
-    log = ImportedLog(path, Headings.concatenate(chunks), _hash(reader.paths), reader.size,
-                      reader.sentence, reader.counts, driver, len(reader.paths), reader.remarks)
+    log = ImportedLog(path, Headings.concatenate(chunks), hash_files(reader.paths),
+                      reader.size, reader.sentence, reader.counts, driver, len(reader.paths),
+                      reader.remarks)
     if role is not None and not len(log.headings):
         raise DriverError(_no_heading(log, role))
     return log
@@ -144,13 +145,3 @@ def _name_options(text: str, role: str | None) -> str:
         own = f'{role or "ts"}-' if match[1] in ROLE_SETTINGS else ''
         return f'--{own}{match[1].replace("_", "-")}'
     return re.sub('`([a-z_]+)`', option, text)
-
-
-def _hash(paths: Sequence[str]) -> str:
-    """Return the SHA-256 of files, one after the other."""
-    digest = hashlib.sha256()
-    for path in paths:
-        with open(path, 'rb') as file:
-            while block := file.read(1 << 20):
-                digest.update(block)
-    return digest.hexdigest()

@@ -10,7 +10,6 @@ the pairs came from. Without one, the rows are all that is known.
 from __future__ import annotations
 
 from dataclasses import replace
-import hashlib
 import os
 import re
 from typing import Any, Callable, Iterator, Mapping, Protocol, Sequence
@@ -33,11 +32,11 @@ from heading_intercompare.readers.registry import (
     has_pairs as has_pairs_in_parquet,
 )
 
+from .file_hash import hash_files
 from .found import Found
 
 __all__ = ['has_pairs', 'judge_csv']
 
-_BLOCK = 1 << 20
 _HEAD_BYTES = 1 << 12
 _NAME = re.compile(rb'[a-z_]+')
 _NAMES = {b'ts_deg', b'rs_deg'}
@@ -110,7 +109,8 @@ def judge_csv(path: str, name: str, settings: Settings,
         If it, or its account, is wrong.
 
     """
-    digest = _sha256(path)
+    # A pipe can be read only once.
+    digest = hash_files([path] if os.path.isfile(path) else [])
     open_pairs = _find_reader(path)
     account, problems = _find_account(path, digest, open_pairs, progress)
     table = runs
@@ -150,17 +150,6 @@ def judge_csv(path: str, name: str, settings: Settings,
     described = replace(described, ledger_problems=(*known, *problems) or None)
     return Found(compliance.results(ledger), compliance.take_earlier(), ledger, described,
                  noted, account=kept)
-
-
-def _sha256(path: str) -> str:
-    digest = hashlib.sha256()
-    if not os.path.isfile(path):
-        # A pipe can be read only once.
-        return digest.hexdigest()
-    with open(path, 'rb') as file:
-        while block := file.read(_BLOCK):
-            digest.update(block)
-    return digest.hexdigest()
 
 
 def _find_account(path: str, digest: str, open_pairs: Callable[[str], _Pairs],
