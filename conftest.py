@@ -58,13 +58,12 @@ if {'distributed', 'threadpoolctl'} & {*MISSING}:
 if {'jinja2', 'matplotlib'} & {*MISSING}:
     collect_ignore_glob += [f'heading_intercompare/report/{name}.py'
                             for name in ('html', 'pdf', 'figures/style')]
-for _library, _module in (('rosbags', 'rosbag_recording'), ('pyarrow', 'parquet')):
-    if _library in MISSING:
-        collect_ignore_glob.append(f'heading_intercompare/readers/{_module}.py')
+if 'rosbags' in MISSING:
+    collect_ignore_glob.append('heading_intercompare/readers/rosbag_recording.py')
 if find_spec('weasyprint') is None:
     collect_ignore_glob.append('heading_intercompare/report/pdf.py')
 try:
-    # Its newest version refuses the numpy of Ubuntu 24.04.
+    # It may be there, and refuse the numpy of Ubuntu 24.04.
     import pyarrow  # noqa: F401
 except ImportError:
     collect_ignore_glob.append('heading_intercompare/readers/parquet.py')
