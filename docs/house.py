@@ -37,7 +37,8 @@ STOREYS = (
 #: Heights of the storeys.
 HEIGHTS = (1.4, 1.4, 2.0, 1.6, 0.85, 1.75)
 #: Rooms of core in the order in which they build on each other.
-CORE = ('time_rules', 'statistics', 'pairing', 'timing', 'decision', 'runs', 'conditions',
+CORE = ('time_rules', 'statistics', 'pairing', 'timing', 'decision', 'observations', 'runs',
+        'conditions',
         'diagnostics', 'alarms', 'verdict')
 
 WIDTH, GAP, PAD = 15.0, 0.18, 0.12

@@ -52,7 +52,7 @@ ALLOWED = {
                      {'numpy', 'rclpy'} | MESSAGES),
     'app': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'readers', 'report', 'logbook',
                     'yaml_file'},
-                   {'numpy', 'distributed', 'threadpoolctl'}),
+                   {'numpy', 'distributed', 'threadpoolctl', 'ephem'}),
     'cli': Allowed({'app', 'core', 'drivers', 'ahrs', 'messages', 'bags', 'readers', 'report',
                     'logbook', 'nodes', 'web'},
                    {'numpy', 'yaml', 'rich', 'argcomplete'}),
@@ -64,8 +64,8 @@ ALLOWED = {
 ORDER = {
     'core': ('utc_text', 'given_stamps', 'records', 'angles', 'time_rules', 'declared_settings',
              'settings', 'json_keys', 'outcome', 'version', 'statistics', 'pairing', 'timing',
-             'decision', 'runs', 'conditions', 'diagnostics', 'alarms', 'verdict', 'kept_state',
-             'pipeline', 'offline'),
+             'decision', 'observations', 'runs', 'conditions', 'diagnostics', 'alarms', 'verdict',
+             'kept_state', 'pipeline', 'offline'),
     'drivers': ('settings', 'framing', 'sentences', 'log_lines', 'sentence_choice', 'bursts',
                 'csv_log', 'nmea', 'refused_lines', 'logs', 'datagrams', 'playback', 'sources'),
     'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'gimballed',
@@ -90,6 +90,7 @@ LOADED_BY = {
     'matplotlib': {'report/figures/style'},
     'rosbags': {'readers/rosbag_recording'}, 'apsw': {'readers/rosbag_recording'},
     'pyarrow': {'readers/parquet'},
+    'ephem': {'app/observations/sun'},
     'distributed': {'app/cluster'}, 'argcomplete': {'cli/completion'},
     'rich': {'cli/terminal/console', 'cli/terminal/progress', 'cli/terminal/screen'},
     'nicegui': {'web/page', 'web/server'}, 'fastapi': {'web/server'}, 'uvicorn': {'web/server'},
@@ -118,7 +119,7 @@ TESTS_OF_SEVERAL = {
     'web/test_in_browser',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_documented_commands',
     'test_equations', 'test_examples', 'test_packaging', 'test_plain_english', 'test_settings',
-    'test_site',
+    'test_procedures', 'test_site',
 }
 
 # Core is a function of its input: it reads no clock, file or network, and says nothing.

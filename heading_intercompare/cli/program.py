@@ -27,6 +27,9 @@ COMMANDS = {
              'live --config heading_intercompare.yaml'),
     'analyze': ('analyze', 'judge recorded runs', 'analyze trial_bag '
                 '--set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1'),
+    'observe': ('observe', 'judge the systematic error of a sensor by observations: a quay, a '
+                'survey, a leading line, the sun', 'observe gyro.log quay.csv --bearing 73.42 '
+                '--common-u-deg 0.05 --set norms.systematic_max_deg=0.75'),
     'rejudge': ('rejudge', 'judge old recordings again, and list the outcomes that changed',
                 'rejudge trial_*'),
     'history': ('history', 'list the runs of a logbook, and since when a sensor differs',

@@ -58,6 +58,9 @@ class Norms(Checked):
         choices=('ts', 'composition'))
     total_error_max_deg: float | None = setting(
         None, 'norm of the total TS error at P [deg]', 0.0)
+    systematic_max_deg: float | None = setting(
+        None, 'norm of the systematic TS error, for observations (the command observe) [deg]; a '
+        'preset with a norm of its own replaces it', 0.0)
     preset: str | None = setting(
         None, 'a named norm (see the command norms); replaces sigma_max_deg')
     latitude_deg: float | None = setting(

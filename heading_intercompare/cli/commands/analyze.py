@@ -33,10 +33,11 @@ from heading_intercompare.report import check_form, json, SeriesSketch, write, W
 from heading_intercompare.report.runs_csv import write_runs
 
 __all__ = ['add_analysis_arguments', 'add_arguments', 'add_log_arguments',
-           'add_settings_arguments', 'add_verdict_arguments', 'check_report', 'conclude',
-           'deliver', 'drivers_for', 'LOG_OPTIONS', 'run']
+           'add_settings_arguments', 'add_verdict_arguments', 'CHECK_CODES', 'check_report',
+           'conclude', 'deliver', 'drivers_for', 'LOG_OPTIONS', 'run']
 
-_CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
+CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
+"""Exit codes of `--check`."""
 _DOUBTFUL_CODE = 4
 
 _SHARED_OPTIONS = {
@@ -74,25 +75,28 @@ def add_settings_arguments(parser: argparse.ArgumentParser) -> None:
                         help='one setting, e.g. norms.sigma_max_deg=0.2; may be repeated')
 
 
-def add_log_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say how logs are read; see `drivers_for`."""
+def add_log_arguments(parser: argparse.ArgumentParser,
+                      roles: Sequence[str] = ROLES) -> None:
+    """Add the options that say how the logs of some sensors are read; see `drivers_for`."""
     for name, words in _ROLE_OPTIONS.items():
-        for role in ROLES:
+        for role in roles:
             parser.add_argument(f'--{role}-{name}', metavar=name[0].upper(),
                                 help=words.format(role.upper()))
     for name, (words, choices) in _SHARED_OPTIONS.items():
         option = name.replace('_', '-')
         parser.add_argument(f'--{option}', metavar=None if choices else name[0].upper(),
                             choices=choices,
-                            help=f'{words}; --ts-{option}, --rs-{option}: of one log')
-        for role in ROLES:
+                            help=words if len(roles) == 1 else
+                            f'{words}; --ts-{option}, --rs-{option}: of one log')
+        for role in roles:
             parser.add_argument(f'--{role}-{option}', choices=choices, help=argparse.SUPPRESS)
 
 
-def drivers_for(arguments: argparse.Namespace) -> dict[str, DriverSettings]:
+def drivers_for(arguments: argparse.Namespace,
+                roles: Sequence[str] = ROLES) -> dict[str, DriverSettings]:
     """Return how to read the log of each sensor; SettingsError for a wrong option."""
     found = {}
-    for role in ROLES:
+    for role in roles:
         given = {name: getattr(arguments, name) for name in _SHARED_OPTIONS}
         given.update((name, value) for name in (*_ROLE_OPTIONS, *_SHARED_OPTIONS)
                      if (value := getattr(arguments, f'{role}_{name}')) is not None)
@@ -297,7 +301,7 @@ def conclude(verdict: Verdict, arguments: argparse.Namespace) -> int:
         return 0
     if is_doubtful(verdict.outcome, verdict.validity_effect):
         return _DOUBTFUL_CODE
-    return _CHECK_CODES[verdict.outcome]
+    return CHECK_CODES[verdict.outcome]
 
 
 def _show(verdict: Verdict) -> None:
