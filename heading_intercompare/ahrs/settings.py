@@ -17,7 +17,16 @@ from heading_intercompare.core.settings import (
 )
 
 from .faults import FAULTS
-from .plans import EVENTS, FIXED, parse_events, parse_faults, parse_fixed, parse_legs, parse_utc
+from .plans import (
+    EVENTS,
+    FIXED,
+    parse_deviation,
+    parse_events,
+    parse_faults,
+    parse_fixed,
+    parse_legs,
+    parse_utc,
+)
 
 __all__ = ['Ahrs', 'AHRS_MODELS', 'Errors', 'Scenario', 'Sensor', 'SettingsError']
 
@@ -131,6 +140,8 @@ class Sensor(Checked):
     rate_hz: float = setting(10.0, 'readings per second [Hz]', 0.001, 1000.0)
     phase_s: float = setting(0.0, 'time of the first reading [s]', 0.0, 3600.0)
     offset_deg: float = setting(0.0, 'constant error, or mounting angle [deg]', -360.0, 360.0)
+    deviation: str = setting('', "dependence on the true heading, 'B C D E': B sin + C cos + "
+                             'D sin of twice + E cos of twice the heading [deg]')
     drift_deg_h: float = setting(0.0, 'steady drift [deg/h]', -3600.0, 3600.0)
     settling_deg: float = setting(0.0, 'decaying error at the start [deg]', -360.0, 360.0)
     settling_tau_s: float = setting(1800.0, 'its time constant [s]', 1.0)
@@ -162,6 +173,7 @@ class Sensor(Checked):
         """Check ranges and faults, and that jitter cannot swap two stamps."""
         Checked.__post_init__(self)
         parse_faults(self.faults)
+        parse_deviation(self.deviation)
         if self.stamp_jitter_s * self.rate_hz >= 0.5:
             raise SettingsError(
                 f'stamp_jitter_s = {self.stamp_jitter_s!r}: must be less than half the interval '

@@ -51,6 +51,19 @@ def test_verdict_of_the_scenario(name, outcome):
     assert verdict.to_dict()['outcome'] == outcome
 
 
+@pytest.mark.slow
+def test_the_swing_finds_the_deviation_of_its_ts():
+    """A = 0.1, B = 0.4, C = -0.3, D = 0.2, E = 0, each within four standard uncertainties."""
+    chunks = list(Simulation(read(FOLDER / 'swing.yaml')).chunks())
+    ts, rs = (Headings.concatenate(getattr(chunk, role) for chunk in chunks)
+              for role in ('ts', 'rs'))
+    verdict = analyze(ts, rs, Settings.from_mapping(
+        {'norms.sigma_max_deg': 0.6, 'norms.sigma_ref_max_deg': 0.1}))
+    fit = verdict.runs[0].heading_dependence
+    for found, u, given in zip(fit.coefficients_deg, fit.u_deg, (0.1, 0.4, -0.3, 0.2, 0.0)):
+        assert abs(found - given) < 4.0 * u < 0.1
+
+
 def test_demo_is_short_and_turns():
     scenario = read(FOLDER / 'demo.yaml')
     truth = Headings.concatenate(chunk.truth for chunk in Simulation(scenario).chunks())
