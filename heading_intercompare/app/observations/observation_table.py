@@ -130,14 +130,13 @@ def read_observation_table(path: str, target: Target | None = None, *, u_deg: fl
     seen = target.find_bearings(stamps, *places)
     own = np.where(np.isfinite(given['true_bearing_deg']), given['true_bearing_deg'],
                    given['reciprocal_bearing_deg'] + 180.0)
-    computed = ~np.isfinite(own)
-    bearing = np.where(computed, seen.bearing_deg, own)
-    true, ts, fixed = np.empty((3, len(rows)))
+    bearing = np.where(np.isfinite(own), own, seen.bearing_deg)
+    true, ts = np.empty((2, len(rows)))
+    by_target = ~np.isfinite(given['true_heading_deg']) & ~np.isfinite(own)
     for i, row in enumerate(rows):
         try:
             true[i], ts[i] = _combine(row, float(bearing[i]))
-            fixed[i] = 'true_heading_deg' in row.numbers
-            if seen.below_horizon[i] and computed[i] and not fixed[i]:
+            if seen.below_horizon[i] and by_target[i]:
                 raise ValueError('the sun is below the horizon: check the time, which is UTC, '
                                  'and the position')
             if math.isnan(true[i]):
@@ -145,7 +144,6 @@ def read_observation_table(path: str, target: Target | None = None, *, u_deg: fl
         except ValueError as error:
             raise ReaderError(path, f'line {row.line}: {error}') from None
     common = given['common_u_deg'][np.isfinite(given['common_u_deg'])]
-    by_target = computed & (fixed == 0.0)
     observations = Observations(
         stamp_ns=stamps, true_deg=wrap360(true), ts_deg=ts,
         turn_deg_s=np.where(by_target, seen.turn_deg_s, 0.0),

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Mapping
 
 import numpy as np
@@ -27,8 +27,8 @@ class _Columns:
 
     def __post_init__(self) -> None:
         """Raise ValueError if the columns differ in length."""
-        lengths = {f.name: column.shape for f in fields(self)  # type: ignore[arg-type]
-                   if isinstance(column := getattr(self, f.name), np.ndarray)}
+        lengths = {name: column.shape for name in self.__slots__
+                   if isinstance(column := getattr(self, name), np.ndarray)}
         if len(set(lengths.values())) > 1:
             raise ValueError(f'{type(self).__name__}: columns differ in shape: {lengths}')
 

@@ -182,7 +182,7 @@ def test_a_folder_of_the_name_of_a_scenario_does_not_hide_it(tmp_path, monkeypat
 
 def test_absent_scenario_and_present_bag_are_named(scenario, bag, tmp_path, capsys):
     for given, output, words in (
-            ('no_such', tmp_path / 'a', 'neither a file nor one of the scenarios degraded_rs, '),
+            ('no_such', tmp_path / 'a', 'neither a file nor one of the scenarios after_service, '),
             ('no_such.yaml', tmp_path / 'a', 'no_such.yaml: No such file'),
             (scenario, bag, 'already exists')):
         assert main(['simulate', '--scenario', str(given), '-o', str(output)]) == 2
