@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Mapping
 
 from heading_intercompare.ahrs.ship.seaway import SEAWAYS
+from heading_intercompare.core.rows.settings_rows import read_rows
 from heading_intercompare.core.settings import (
     Checked,
     from_mapping,
@@ -15,7 +16,6 @@ from heading_intercompare.core.settings import (
     SettingsError,
     to_mapping,
 )
-from heading_intercompare.core.settings_rows import read_rows
 
 from .faults import FAULTS
 from .plans import EVENTS, FIXED, parse_events, parse_faults, parse_fixed, parse_legs, parse_utc

@@ -27,7 +27,7 @@ from .declared_settings import (
     SettingsError,
     to_mapping,
 )
-from .sensor_table import read_sensors, SENSOR_CLASS_NAMES
+from .rows.sensor_table import read_sensors, SENSOR_CLASS_NAMES
 from .time_rules.clock_cuts import ClockCuts
 from .time_rules.exclusions import read_exclusions
 

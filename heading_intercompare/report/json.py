@@ -47,7 +47,8 @@ def parse(text: str | bytes) -> Verdict:
 def _parse_any(text: str | bytes) -> Verdict | SensorsVerdict:
     try:
         given = json.loads(text)
-        return SensorsVerdict.from_dict(given) if is_of_sensors(given) else Verdict.from_dict(given)
+        kind = SensorsVerdict if is_of_sensors(given) else Verdict
+        return kind.from_dict(given)
     except VerdictError:
         raise
     except UnicodeDecodeError:

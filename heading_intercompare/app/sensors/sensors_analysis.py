@@ -14,7 +14,7 @@ from heading_intercompare.app.run_table import assign_runs, read_run_table, RunT
 from heading_intercompare.bags.rosbag2.trial_parts import find_parts
 from heading_intercompare.core.pipeline import join
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.sensor_table import find_reference
+from heading_intercompare.core.rows.sensor_table import find_reference
 from heading_intercompare.core.sensors.judge_sensors import judge_sensors
 from heading_intercompare.core.sensors.pair_settings import check_sensors, settings_of_pair
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
@@ -89,7 +89,8 @@ def judge_sensor_bags(paths: Sequence[str], settings: Settings, *,
 
     """
     check_sensors(settings)
-    table, elsewhere = None, []
+    table: RunTable | None = None
+    elsewhere: list[str] = []
     if runs is not None:
         table, elsewhere = assign_runs(read_run_table(runs) if isinstance(runs, str) else runs,
                                        paths)
@@ -103,9 +104,9 @@ def judge_sensor_bags(paths: Sequence[str], settings: Settings, *,
         spans = None if table is None else [
             (start, stop) for start, stop, source in table if source in ('', path)]
         try:
-            compared.append(compare_bag(
-                path, settings, spans, parts=[os.path.abspath(one) for one in trials.get(path, ())],
-                helpers=helpers, sketched=sketched, progress=progress))
+            parts = [os.path.abspath(one) for one in trials.get(path, ())]
+            compared.append(compare_bag(path, settings, spans, parts=parts, helpers=helpers,
+                                        sketched=sketched, progress=progress))
         except UNREADABLE as error:
             if len(paths) == 1:
                 raise

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Callable, Mapping, Sequence
 
 from heading_intercompare.app.inputs import explain_no_run, sha256
@@ -12,11 +13,12 @@ from heading_intercompare.app.logs.log_import import import_log
 from heading_intercompare.bags.recording.bag_losses import BagLosses
 from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
 from heading_intercompare.bags.rosbag2.provenance import read_notes
+from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Pairs
-from heading_intercompare.core.sensor_table import find_reference, read_sensors, Sensor
+from heading_intercompare.core.rows.sensor_table import find_reference, read_sensors, Sensor
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
@@ -116,9 +118,9 @@ class _Feed:
 
     def explain(self, table: Spans | None) -> list[str]:
         """Return why pairs have no run."""
-        return [f'{first} and {second}: no run: '
+        return [f'{" and ".join(names)}: no run: '
                 f'{explain_no_run(one.ledger, one.compliance.settings, table)}'
-                for (first, second), one in self._all().items() if not one.compliance.finished_runs]
+                for names, one in self._all().items() if not one.compliance.finished_runs]
 
 
 def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, name: str = '',
@@ -169,16 +171,12 @@ def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, na
         if table is None:
             for kind, stamp_ns in read_marks(reader):
                 feed.comparison.mark(kind, stamp_ns)
-        told = {one.heading_topic: BagLosses(
-            reader, {one.heading_topic: 'ts'}, _loser(feed, one)) for one in sensors}
-        for chunk in reader.headings(conventions, helpers,
-                                     lambda topic, losses: told[topic].take(topic, losses)):
+        told = _Told(reader, sensors, feed)
+        for chunk in reader.headings(conventions, helpers, told.take):
             n += sum(map(len, chunk.values()))
             feed.update({one.name: chunk[one.heading_topic] for one in sensors})
             progress(f'{n:,} headings')
-        for one in told.values():
-            one.read_told()
-            one.finish(feed.comparison.newest_ns)
+        told.finish()
         notes += find_problems(reader)
     found = feed.finish()
     given = tuple(OperatorNote(note.stamp_ns, note.text) for note in read_notes(readers[0]))
@@ -190,8 +188,21 @@ def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, na
     return replace(found, described=(described,), notes=[f'{name}: {note}' for note in notes])
 
 
-def _loser(feed: _Feed, sensor: Sensor) -> Callable[[LedgerKey, Losses], None]:
-    return lambda key, losses: feed.lose(sensor.name, key, losses)
+class _Told:
+    """What is missing of each sensor in a recording, as numbers, drivers and recorder tell it."""
+
+    def __init__(self, reader: Readable, sensors: Sequence[Sensor], feed: _Feed) -> None:
+        self._feed = feed
+        self._of = {one.heading_topic: BagLosses(reader, {one.heading_topic: 'ts'},
+                                                 partial(feed.lose, one.name)) for one in sensors}
+
+    def take(self, topic: str, losses: Losses) -> None:
+        self._of[topic].take(topic, losses)
+
+    def finish(self) -> None:
+        for one in self._of.values():
+            one.read_told()
+            one.finish(self._feed.comparison.newest_ns)
 
 
 def name_logs(inputs: Sequence[str], settings: Settings) -> dict[str, str] | None:

@@ -128,8 +128,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options for judging inputs and for the tables of their pairs."""
-    parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor, or its name in the '
-                        'setting sensors')
+    parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor, or its name '
+                        'in the setting sensors')
     parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor, or its name')
     add_log_arguments(parser)
     add_settings_arguments(parser)

@@ -11,15 +11,15 @@ import sys
 from typing import Mapping, Sequence
 
 from heading_intercompare.app.outputs import check_outputs, name_file, Outputs
-from heading_intercompare.app.sensors import (
+from heading_intercompare.app.sensors.sensors_analysis import (
     judge_sensor_bags,
     judge_sensor_logs,
-    name_logs,
     SensorsJudgement,
 )
+from heading_intercompare.app.sensors.sensors_reading import name_logs
 from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
-from heading_intercompare.core.sensor_table import read_sensors
+from heading_intercompare.core.rows.sensor_table import read_sensors
 from heading_intercompare.core.sensors.pair_settings import check_sensors, settings_of_pair
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings

@@ -11,7 +11,7 @@ from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Pairs
-from heading_intercompare.core.sensor_table import find_reference
+from heading_intercompare.core.rows.sensor_table import find_reference
 from heading_intercompare.core.settings import Settings
 
 from .pair_settings import check_sensors, settings_of_pair

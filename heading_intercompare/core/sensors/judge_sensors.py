@@ -10,7 +10,7 @@ from typing import Mapping, Sequence
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import decide_variance, variance_risk
 from heading_intercompare.core.outcome import Outcome, worst
-from heading_intercompare.core.sensor_table import find_reference, Sensor
+from heading_intercompare.core.rows.sensor_table import find_reference, Sensor
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 from heading_intercompare.core.verdict.judge import RunResult

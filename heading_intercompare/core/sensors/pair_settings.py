@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.sensor_table import read_sensors, Sensor
+from heading_intercompare.core.rows.sensor_table import read_sensors, Sensor
 from heading_intercompare.core.settings import Risk, Settings, SettingsError
 
 __all__ = ['check_sensors', 'risk_of', 'settings_of_pair']

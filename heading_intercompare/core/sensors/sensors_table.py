@@ -44,7 +44,7 @@ def matrix_of(verdict: SensorsVerdict,
 
 
 def split_words(sensor: SensorResult) -> str:
-    """Return the standard deviation of a sensor from the split of all variances, with its range."""
+    """Return the standard deviation of a sensor from the split, with its range."""
     found = sensor.variance
     if found is None:
         return '-'
@@ -74,8 +74,8 @@ def _lines(verdict: SensorsVerdict) -> Iterator[str]:
         yield '  !: more than both norms explain'
     if any(one.variance for one in verdict.sensors):
         yield ''
-        yield ('standard deviation of each sensor [deg] (at least 95 % range), if their errors are '
-               'uncorrelated')
+        yield ('standard deviation of each sensor [deg] (at least 95 % range), if their errors '
+               'are uncorrelated')
         for one in verdict.sensors:
             yield f'  {one.name:{width}}  {split_words(one)}'
     yield ''

@@ -8,7 +8,12 @@ from dataclasses import dataclass, field
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.settings import leave_out_added, Settings, settings_sha256
+from heading_intercompare.core.settings import (
+    leave_out_added,
+    Settings,
+    settings_sha256,
+    SettingsError,
+)
 from heading_intercompare.core.verdict.typed_reader import (
     check_schema,
     make_plain,
@@ -159,19 +164,22 @@ class SensorsVerdict:
         if not isinstance(mapping, Mapping):
             raise VerdictError(f'a verdict must be an object, not {type(mapping).__name__}')
         check_schema(mapping, _SCHEMA, _MAJOR, 'judge the recordings again, with `analyze`')
-        given = dict(mapping)
-        if not isinstance(given.get('settings'), Mapping):
-            raise VerdictError('settings is missing')
-        settings = Settings.from_mapping(given['settings'])
-        verdicts = given.get('verdicts')
-        if not isinstance(verdicts, Mapping):
-            raise VerdictError('verdicts is missing')
-        read = {name: Verdict.from_dict(one) for name, one in verdicts.items()}
-        plain = {name: given[name] for name in (
-            'outcome', 'headline', 'validity_effect', 'inputs', 'sensors', 'pairs', 'vote', 'risk',
-            'software', 'rule_version') if name in given}
-        return cls(settings=settings, verdicts=read, **{
-            name: read_plain(kind, plain.get(name), name) for name, kind in _KINDS.items()})
+        for name in ('settings', 'verdicts', *_KINDS):
+            if name not in mapping:
+                raise VerdictError(f'{name} is missing')
+        try:
+            settings = Settings.from_mapping(read_plain(Mapping[str, Any], mapping['settings'],
+                                                        'settings'))
+        except SettingsError as error:
+            raise VerdictError(f'settings: {error}') from error
+        given = read_plain(Mapping[str, Any], mapping['verdicts'], 'verdicts')
+        read = {name: Verdict.from_dict(one) for name, one in given.items()}
+        verdict = cls(settings=settings, verdicts=read, **{
+            name: read_plain(kind, mapping[name], name) for name, kind in _KINDS.items()})
+        if (told := mapping.get('settings_sha256')) != verdict.settings_sha256:
+            raise VerdictError(f'settings_sha256 = {told!r:.70}: the settings have '
+                               f'{verdict.settings_sha256!r}, so they were changed afterwards')
+        return verdict
 
 
 def is_of_sensors(mapping: object) -> bool:

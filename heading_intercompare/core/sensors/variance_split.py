@@ -87,11 +87,11 @@ def split_variances(n: int, pairs: Sequence[PairVariance]) -> tuple[SensorVarian
 
     Notes
     -----
-    Least squares of D_ij = f_i s_i^2 + f_j s_j^2, weighted by the uncertainties. Interpolation reduces white noise by the factor
-    f and leaves slow errors as they are. So the split is made twice, with the factors and with 1;
-    the result lies between, and the interval covers both. The uncertainties of the pairs add up
-    linearly, because pairs that share a sensor are correlated: the interval is wide rather than
-    wrong.
+    Least squares of D_ij = f_i s_i^2 + f_j s_j^2, weighted by the uncertainties. Interpolation
+    reduces white noise by the factor f and leaves slow errors as they are. So the split is made
+    twice, with the factors and with 1; the result lies between, and the interval covers both. The
+    uncertainties of the pairs add up linearly, because pairs that share a sensor are correlated:
+    the interval is wide rather than wrong.
 
     It holds only if the errors of the sensors are uncorrelated. Two gyrocompasses have the same
     error of speed and latitude, which no split sees.

@@ -100,8 +100,8 @@ def find_wrong(names: Sequence[str], differs: Mapping[tuple[str, str], bool | No
             name for pair in differing for at in sorted(pair) for name in groups[at]))
         why = ('no majority of the sensors agrees' if not sets else
                'more than one sensor could explain that')
-        return Vote((), (), joined, f'{len(differing)} of {len(between)} pairs differ, of {among}; '
-                    f'{why}{_say_joined(joined)}')
+        return Vote((), (), joined, f'{len(differing)} of {len(between)} pairs differ, of '
+                    f'{among}; {why}{_say_joined(joined)}')
     found = sets[0]
     names_found = tuple(name for at in sorted(found) for name in groups[at])
     rest = [at for at in range(len(groups)) if at not in found]

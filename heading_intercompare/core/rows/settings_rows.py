@@ -8,7 +8,12 @@ import re
 import shlex
 from typing import Any, Iterator, Mapping
 
-from .declared_settings import explain_unknown, from_mapping, list_settings, Setting
+from heading_intercompare.core.declared_settings import (
+    explain_unknown,
+    from_mapping,
+    list_settings,
+    Setting,
+)
 
 __all__ = ['read_rows']
 

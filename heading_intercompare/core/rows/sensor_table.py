@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from .declared_settings import Checked, setting, SettingsError
+from heading_intercompare.core.declared_settings import Checked, setting, SettingsError
+
 from .settings_rows import read_rows
 
 __all__ = ['find_reference', 'read_sensors', 'Sensor', 'SENSOR_CLASS_NAMES']
