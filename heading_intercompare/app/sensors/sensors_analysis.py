@@ -15,7 +15,7 @@ from heading_intercompare.bags.rosbag2.trial_parts import find_parts
 from heading_intercompare.core.pipeline import join
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.rows.sensor_table import find_reference
-from heading_intercompare.core.sensors.judge_sensors import judge_sensors
+from heading_intercompare.core.sensors.judging import judge_sensors
 from heading_intercompare.core.sensors.pair_settings import check_sensors, settings_of_pair
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings

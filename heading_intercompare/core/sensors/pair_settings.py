@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.norm_presets import sigma_max_deg
 from heading_intercompare.core.rows.sensor_table import read_sensors, Sensor
 from heading_intercompare.core.settings import Risk, Settings, SettingsError
 
@@ -43,10 +44,9 @@ def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
         if rs.sigma_max_deg is not None:
             norms = replace(norms, sigma_ref_max_deg=rs.sigma_max_deg)
     else:
-        partner = rs.sigma_max_deg if rs.sigma_max_deg is not None else norms.sigma_max_deg
-        if rs.sigma_max_deg is None and settings.norms.preset is not None:
-            partner = Limits.of(replace(settings.norms, sigma_ref_max_deg=1.0, sigma_ref_deg=None),
-                                settings.model).sigma_max_deg
+        partner = rs.sigma_max_deg
+        if partner is None:
+            partner = sigma_max_deg(settings.norms, settings.model)
         norms = replace(norms, sigma_ref_max_deg=partner, sigma_ref_deg=None, m_low=0.0, m_up=1.0)
     found = replace(
         settings, sensors=None, norms=norms, risk=risk_of(ts, settings.risk),

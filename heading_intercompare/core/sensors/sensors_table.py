@@ -19,8 +19,9 @@ SHOWN: tuple[tuple[str, Callable[[PairFigures, float], str]], ...] = (
      f'{math.sqrt(pair.variance_deg2 / pair.limit_deg2):.2f}{" !" if pair.differs else ""}'),
     ('mean difference, row - column [deg]',
      lambda pair, sign: '-' if pair.mean_deg is None else f'{sign * pair.mean_deg:+.4f}'),
-    ('age, row - column [s]',
-     lambda pair, sign: '-' if pair.skew_s is None else f'{sign * pair.skew_s:+.3f}'),
+    ('age, row - column, and its standard uncertainty [s]',
+     lambda pair, sign: '-' if pair.skew_s is None or pair.skew_u_s is None else
+     f'{sign * pair.skew_s:+.3f} ({pair.skew_u_s:.3f})'),
 )
 """The matrices that people see: title, and the text of a pair with the sign of row - column."""
 

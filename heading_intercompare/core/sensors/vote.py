@@ -33,7 +33,7 @@ class Vote:
         Empty if there is none, or if these pairs cannot tell.
     suspected : tuple of str
         The sensors whose fault would explain every pair that differs, though not all their pairs
-        differ. Empty if some are `wrong`, or if several explanations need equally few sensors.
+        differ. Empty if some are `wrong`, or if several explanations are equally likely.
     one_source : tuple of tuple of str
         Groups of sensors that show one source. A group has one voice.
     words : str
@@ -48,7 +48,7 @@ class Vote:
 
 
 def find_wrong(names: Sequence[str], differs: Mapping[tuple[str, str], bool | None],
-               one_source: Iterable[tuple[str, str]] = ()) -> Vote:
+               one_source: Iterable[tuple[str, str]] = (), beyond: Iterable[str] = ()) -> Vote:
     """
     Find the sensors whose fault explains the pairs that differ.
 
@@ -60,6 +60,10 @@ def find_wrong(names: Sequence[str], differs: Mapping[tuple[str, str], bool | No
         For each pair whether it differs; None if it was not testable.
     one_source : iterable of (str, str)
         Pairs that show one source.
+    beyond : iterable of str
+        Sensors whose share of the variances of all pairs is beyond their norm. That rests on
+        uncorrelated errors, so it may make a sensor suspected where several sets of sensors would
+        explain the pairs that differ, but never wrong.
 
     Returns
     -------
@@ -95,6 +99,15 @@ def find_wrong(names: Sequence[str], differs: Mapping[tuple[str, str], bool | No
         return Vote((), (), joined, f'{told} differ; two sensors cannot tell which of them is '
                     f'wrong{_say_joined(joined)}')
     sets = _explain(len(groups), differing)
+    if len(sets) > 1:
+        large = {*beyond}
+        likely = [some for some in sets if all(large & {*groups[at]} for at in some)]
+        if len(likely) == 1:
+            members = tuple(name for at in sorted(likely[0]) for name in groups[at])
+            return Vote((), members, joined, f'{_list(members)} would explain all '
+                        f'{len(differing)} pairs that differ; so would other sensors, but its '
+                        'share of the variances of all pairs is beyond its norm'
+                        f'{_say_joined(joined)}')
     if len(sets) != 1:
         among = ', '.join(dict.fromkeys(
             name for pair in differing for at in sorted(pair) for name in groups[at]))

@@ -68,10 +68,13 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
     runs |= {names: [one.verdict for one in found] for names, found in others.items()}
     pairs = [_describe(names, some, settings, sensors, risk / len(runs))
              for names, some in runs.items()]
+    split = _split(sensors, pairs)
+    norms = [_norm_of(one, sensors, settings) for one in sensors]
     vote = find_wrong([one.name for one in sensors],
                       {pair.names: pair.differs for pair in pairs},
-                      [pair.names for pair in pairs if pair.one_source])
-    split = _split(sensors, pairs)
+                      [pair.names for pair in pairs if pair.one_source],
+                      [one.name for one, norm, share in zip(sensors, norms, split or ())
+                       if share.interval_deg2[0] > norm ** 2])
     found = []
     for at, sensor in enumerate(sensors):
         outcome: Outcome | None
@@ -83,7 +86,7 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
             outcome, effect, line = _judge_alone(sensor, sensors, others, pairs, settings, vote)
         found.append(SensorResult(
             name=sensor.name, role=sensor.role, topic=sensor.heading_topic,
-            sigma_max_deg=_norm_of(sensor, sensors, settings), outcome=outcome, headline=line,
+            sigma_max_deg=norms[at], outcome=outcome, headline=line,
             validity_effect=effect, variance=None if split is None else split[at]))
     tested = [one for one in found if one.outcome is not None]
     lines = [f'{one.name} {OUTCOME_WORDS[one.outcome.value]}'
