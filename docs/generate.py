@@ -85,7 +85,9 @@ SECTIONS = (
                  'sequential.plan_s': 3600.0, 'risk.slowest_error_s': 300.0,
                  'risk.sensor_class': 'gyrocompass', 'risk.min_duration_s': 1200.0,
                  'trial.latitude_min_deg': 53.5, 'trial.latitude_max_deg': 54.5,
-                 'exclusions': '2026-05-01T10:00Z, 2026-05-01T10:20Z, RS in dock mode'}),
+                 'exclusions': '2026-05-01T10:00Z, 2026-05-01T10:20Z, RS in dock mode',
+                 'sensors': 'gyro1 sigma_max_deg=0.3; gyro2 sigma_max_deg=0.3; '
+                 'gnss sigma_max_deg=0.1 rs'}),
     Section('ts_driver', DRIVER, 'The driver of the tested sensor.',
             {'source': 'udp://:10110', 'topic': 'ts/heading'},
             {'talker': 'HE', 'stamp_zone': 'Europe/Oslo', 'date': '2026-05-01',

@@ -63,9 +63,9 @@ ALLOWED = {
 # imports only what stands before it.
 ORDER = {
     'core': ('utc_text', 'given_stamps', 'records', 'angles', 'time_rules', 'declared_settings',
-             'settings', 'json_keys', 'outcome', 'version', 'statistics', 'pairing', 'timing',
-             'decision', 'observations', 'runs', 'conditions', 'diagnostics', 'alarms', 'verdict',
-             'kept_state', 'pipeline', 'offline'),
+             'rows', 'settings', 'json_keys', 'outcome', 'version', 'statistics', 'pairing',
+             'timing', 'decision', 'observations', 'runs', 'conditions', 'diagnostics', 'alarms',
+             'verdict', 'kept_state', 'pipeline', 'offline', 'sensors'),
     'drivers': ('settings', 'framing', 'sentences', 'log_lines', 'sentence_choice', 'bursts',
                 'csv_log', 'nmea', 'refused_lines', 'logs', 'datagrams', 'playback', 'sources'),
     'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'gimballed',
@@ -73,7 +73,7 @@ ORDER = {
     'bags': ('errors', 'checked_text', 'settings', 'mcap', 'parallel', 'rosbag2',
              'recording', 'recovery', 'csv'),
     'report': ('sketching', 'series_sketch', 'formatting', 'figures', 'contents', 'json',
-               'json_schema', 'runs_csv', 'html', 'pdf'),
+               'json_schema', 'runs_csv', 'html', 'pdf', 'sensors_report'),
     'readers': ('errors', 'stream_recording', 'nmea2000', 'json_lines', 'tables', 'parquet',
                 'rosbag_recording', 'registry'),
     'web': ('figures', 'bridge', 'controls', 'guard', 'palettes', 'trend_picture', 'page',

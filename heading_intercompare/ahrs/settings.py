@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Mapping
 
 from heading_intercompare.ahrs.ship.seaway import SEAWAYS
+from heading_intercompare.core.rows.settings_rows import read_rows
 from heading_intercompare.core.settings import (
     Checked,
     from_mapping,
@@ -31,6 +32,7 @@ from .plans import (
 __all__ = ['Ahrs', 'AHRS_MODELS', 'Errors', 'Scenario', 'Sensor', 'SettingsError']
 
 AHRS_MODELS = ('dtg_precision', 'marine_0p1', 'imo')
+_STREAMS = ('ts', 'rs', 'truth')
 MODELS = ('ideal', 'gnss_compass', *AHRS_MODELS)
 
 
@@ -194,12 +196,26 @@ class Scenario(Checked):
     legs: str = setting('0 0 0', "course plan 't_s course_deg speed_kn; ...'")
     ts: Sensor = field(default_factory=Sensor)
     rs: Sensor = field(default_factory=Sensor)
+    others: str = setting(
+        '', "further sensors of the ship, 'name setting=value ...; ...' with the settings of a "
+        'sensor; topic name/heading')
 
     def __post_init__(self) -> None:
-        """Check ranges, the course plan and the start."""
+        """Check ranges, the course plan, the start and the further sensors."""
         Checked.__post_init__(self)
         parse_legs(self.legs)
         parse_utc(self.start_utc)
+        try:
+            names = [name for name, _ in read_rows(self.others, Sensor)]
+        except ValueError as error:
+            raise SettingsError(f'others, {error}') from error
+        if taken := [name for name in names if name.lower() in _STREAMS]:
+            raise SettingsError(f'others: {taken[0]} is the name of another stream')
+
+    @property
+    def sensors(self) -> dict[str, Sensor]:
+        """All simulated sensors: 'ts', 'rs', and the others by name."""
+        return {'ts': self.ts, 'rs': self.rs, **dict(read_rows(self.others, Sensor))}
 
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, Any]) -> 'Scenario':

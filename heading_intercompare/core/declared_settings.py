@@ -40,7 +40,7 @@ _GONE = {
 
 _ADDED: dict[str, Any] = {'pairing.jump_s': 10.0, 'runs.every_h': None, 'runs.cut_at_utc': None,
                           'runs.keep': 31, 'alignment.clock_range_s': 600.0,
-                          'exclusions': None, 'norms.systematic_max_deg': None,
+                          'exclusions': None, 'sensors': None, 'norms.systematic_max_deg': None,
                           'trial.latitude_min_deg': None,
                           'trial.latitude_max_deg': None, **{f'trial.{name}': '' for name in (
                               'protocol_number', 'customer', 'purpose', 'ship', 'place',

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare import analyze, analyze_sensors, Headings, Settings
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
 
@@ -62,6 +62,21 @@ def test_the_swing_finds_the_deviation_of_its_ts():
     fit = verdict.runs[0].heading_dependence
     for found, u, given in zip(fit.coefficients_deg, fit.u_deg, (0.1, 0.4, -0.3, 0.2, 0.0)):
         assert abs(found - given) < 4.0 * u < 0.1
+
+
+@pytest.mark.slow
+def test_the_wrong_one_of_four_sensors_is_named():
+    chunks = list(Simulation(read(FOLDER / 'four_sensors.yaml')).chunks())
+    headings = {'gyro1': Headings.concatenate(chunk.ts for chunk in chunks),
+                'gnss': Headings.concatenate(chunk.rs for chunk in chunks)}
+    for name in ('gyro2', 'ins'):
+        headings[name] = Headings.concatenate(chunk.others[name][0].headings for chunk in chunks)
+    for reference in (' rs', ''):
+        verdict = analyze_sensors(headings, Settings.of(
+            slowest_error_s=60.0, sensors='gyro1 sigma_max_deg=0.3; gyro2 sigma_max_deg=0.3; '
+            f'ins sigma_max_deg=0.1; gnss sigma_max_deg=0.1{reference}'))
+        assert verdict.vote.wrong == ('gyro2',)
+        assert verdict.outcome.value == 'non_compliant'
 
 
 def test_demo_is_short_and_turns():

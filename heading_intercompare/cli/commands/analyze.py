@@ -32,12 +32,13 @@ from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.report import check_form, json, SeriesSketch, write, WRITERS
 from heading_intercompare.report.runs_csv import write_runs
 
+from .several_sensors import choose_pair, run_sensors
+
 __all__ = ['add_analysis_arguments', 'add_arguments', 'add_log_arguments',
-           'add_settings_arguments', 'add_verdict_arguments', 'CHECK_CODES', 'check_report',
+           'add_settings_arguments', 'add_verdict_arguments', 'check_report', 'code_of',
            'conclude', 'deliver', 'drivers_for', 'LOG_OPTIONS', 'run']
 
-CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
-"""Exit codes of `--check`."""
+_CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4
 
 _SHARED_OPTIONS = {
@@ -119,7 +120,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='.mcap file, rosbag2 directory, .csv of pairs, or .journal of a live '
                         'run, which brings its settings; or two logs of NMEA sentences, first '
                         'that of the tested, then that of the reference sensor: files, folders, '
-                        'or patterns in quotes')
+                        'or patterns in quotes; with the setting sensors recordings, or NAME=LOG '
+                        'for each sensor')
     add_analysis_arguments(parser)
     parser.add_argument('--report', metavar='F',
                         help='write the protocol, with plots: F.html or F.pdf')
@@ -128,8 +130,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options for judging inputs and for the tables of their pairs."""
-    parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor')
-    parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor')
+    parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor, or its name '
+                        'in the setting sensors')
+    parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor, or its name')
     add_log_arguments(parser)
     add_settings_arguments(parser)
     parser.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
@@ -161,8 +164,12 @@ def run(arguments: argparse.Namespace) -> int:
     settings = settings_for(
         config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs,
         exclusions=read_exclusion_table(arguments.exclude) if arguments.exclude else None)
-    Limits.of(settings.norms, settings.model)
+    settings = choose_pair(settings, arguments.ts, arguments.rs)
     drivers = drivers_for(arguments)
+    if settings.sensors is not None:
+        return run_sensors(arguments, settings, _find_ship(arguments.ship, config), drivers,
+                           _open_logbook(arguments.logbook))
+    Limits.of(settings.norms, settings.model)
     logs = find_logs(arguments.inputs, drivers, recordings=bool(arguments.ts and arguments.rs))
     _check_options(arguments, logs is not None)
     outputs = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
@@ -297,11 +304,14 @@ def conclude(verdict: Verdict, arguments: argparse.Namespace) -> int:
         if arguments.json:
             with name_file(arguments.json):
                 json.write(verdict, arguments.json)
-    if not arguments.check:
-        return 0
-    if is_doubtful(verdict.outcome, verdict.validity_effect):
+    return code_of(verdict.outcome, verdict.validity_effect) if arguments.check else 0
+
+
+def code_of(outcome: Outcome, validity_effect: str) -> int:
+    """Return the exit code of ``--check``."""
+    if is_doubtful(outcome, validity_effect):
         return _DOUBTFUL_CODE
-    return CHECK_CODES[verdict.outcome]
+    return _CHECK_CODES[outcome]
 
 
 def _show(verdict: Verdict) -> None:

@@ -22,7 +22,7 @@ from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.typed_reader import make_plain
 from heading_intercompare.core.verdict.verdict_document import Software
 
-from .analyze import add_log_arguments, add_settings_arguments, CHECK_CODES, drivers_for
+from .analyze import add_log_arguments, add_settings_arguments, code_of, drivers_for
 
 __all__ = ['add_arguments', 'run']
 
@@ -109,7 +109,7 @@ def run(arguments: argparse.Namespace) -> int:
                 Path(arguments.json).write_text(_render(found, settings), 'utf-8')
     for name in found.table.ignored:
         print(f'note: {arguments.table}: column {name} is not read', file=sys.stderr)
-    return CHECK_CODES[found.error.outcome] if arguments.check else 0
+    return code_of(found.error.outcome, 'holds') if arguments.check else 0
 
 
 def _read_target(arguments: argparse.Namespace) -> Target:
