@@ -5,16 +5,19 @@
 Make a keystore of SROS 2 with an enclave for each node, from the policy beside this file.
 
     ./make_keystore.py KEYSTORE [--namespace /ship1] [--ts TOPIC] [--rs TOPIC]
+    ./make_keystore.py KEYSTORE [--namespace /ship1] --config four_sensors.yaml
 
 It runs `ros2 security`, which apt installs with ros-jazzy-sros2. The middleware of the Python
 wheels has no security.
 """
 
 import argparse
+from copy import deepcopy
 from pathlib import Path
 import shutil
 import subprocess
 import sys
+from xml.etree import ElementTree
 
 POLICY = Path(__file__).resolve().parent / 'heading_intercompare.policy.xml'
 
@@ -26,6 +29,118 @@ def fill_in(policy: str, namespace: str, topics: dict) -> str:
         for end in ('', '/lost'):
             policy = policy.replace(f'<topic>{usual}{end}<', f'<topic>{topic}{end}<')
     return policy
+
+
+#: What the nodes of a sensor find in the namespace of the graph; what each of them has itself.
+SHARED = ('compliance/marker', 'compliance/alarms', 'compliance/acknowledge')
+OWN = ('pairs', 'pairs/ledger', 'compliance/verdict', 'compliance/report', 'compliance/rolling',
+       'compliance/run')
+HEADINGS = tuple(f'{role}/heading{end}' for role in ('ts', 'rs') for end in ('', '/lost'))
+#: What further topics a node hears with several sensors; those of each tested one have no place.
+HEARD = {'recorder': ('sensors/report', 'sensors/verdict'),
+         'dashboard': ('sensors/figures', 'sensors/verdict', 'sensors/vote'),
+         'watcher': ('sensors/figures', 'sensors/verdict', 'sensors/vote')}
+
+
+def add_sensors(policy: str, namespace: str, topics: dict, reference: str | None) -> str:
+    """
+    Return the policy of a graph of several sensors.
+
+    Parameters
+    ----------
+    policy : str
+        That of two sensors, with the namespace filled in.
+    namespace : str
+    topics : dict of str to str
+        Topic of each sensor, by name.
+    reference : str or None
+        Name of the reference.
+
+    """
+    root, above = ElementTree.fromstring(policy), namespace.rstrip('/')
+    topics = {name: topic if topic[0] == '/' else f'{above}/{topic}'
+              for name, topic in topics.items()}
+    tested = [name for name in topics if reference is not None and name != reference]
+
+    def renew(profile, **rules):
+        for group in profile.iter('topics'):
+            # Every node logs there, in whatever namespace it is.
+            names = ['/rosout' if new == 'rosout' else new
+                     for one in group for new in rules['rename'](one.text)]
+            if 'subscribe' in group.attrib:
+                names += rules.get('more', ())
+            for one in [*group]:
+                group.remove(one)
+            for name in sorted(dict.fromkeys(names)):
+                ElementTree.SubElement(group, 'topic').text = name
+        return profile
+
+    def of_sensor(profile, name, node):
+        def rename(topic):
+            base, end = topic.removesuffix('/lost'), '/lost' * topic.endswith('/lost')
+            if base == 'ts/heading':
+                return [topics[name] + end]
+            if base == 'rs/heading':
+                return [topics[reference] + end]
+            return [f'{above}/{topic}' if topic in SHARED else topic]
+        made = renew(deepcopy(profile), rename=rename)
+        made.set('node', node)
+        return made
+
+    def expand(profile):
+        node = profile.get('node')
+        if node in ('ts_driver', 'rs_driver'):
+            return [of_sensor(profile, name, f'{name}_driver')
+                    for name in topics if node == 'ts_driver']
+        if node in ('synchronizer', 'compliance'):
+            made = {name: of_sensor(profile, name, node) for name in tested}
+            for name, one in made.items():
+                one.set('ns', f'{above}/{name}')
+            return [*made.values()]
+        shown = node in ('dashboard', 'watcher')
+
+        def rename(topic):
+            if topic in HEADINGS:
+                end = '/lost' * topic.endswith('/lost')
+                return [] if shown else [one + end for one in topics.values()]
+            if topic in OWN and node not in ('sensors_watch', 'operator_note'):
+                return [] if shown else [f'{name}/{topic}' for name in tested]
+            return [topic]
+        more = [*HEARD.get(node, ())] + [
+            f'{name}/compliance/{topic}' for name in tested for topic in ('report', 'rolling')
+            if node == 'sensors_watch']
+        return [renew(deepcopy(profile), rename=rename, more=more)]
+
+    enclaves = root.find('enclaves')
+    for enclave in [*enclaves]:
+        profiles = enclave.find('profiles')
+        made = [one for profile in profiles for one in expand(profile)]
+        name = enclave.get('path').rpartition('/')[2]
+        if name in ('ts_driver', 'rs_driver'):
+            enclaves.remove(enclave)
+            for one in made:
+                parent = ElementTree.SubElement(enclaves, 'enclave', path=enclave.get(
+                    'path').replace(name, one.get('node')))
+                ElementTree.SubElement(parent, 'profiles').append(one)
+            continue
+        for one in [*profiles]:
+            profiles.remove(one)
+        profiles.extend(made)
+        if not made:
+            enclaves.remove(enclave)
+    return ElementTree.tostring(root, 'unicode')
+
+
+def read_topics(config: str) -> tuple:
+    """Return the topics of the sensors of a parameter file by name, and the reference."""
+    from heading_intercompare.app.config import load_config
+    from heading_intercompare.core.rows.sensor_table import find_reference, read_sensors
+    sensors = read_sensors(load_config(config).shared.get('sensors'))
+    if not sensors:
+        raise ValueError(f'{config}: has no setting sensors')
+    reference = find_reference(sensors)
+    return ({one.name: one.heading_topic for one in sensors},
+            None if reference is None else reference.name)
 
 
 def run(*words: str) -> None:
@@ -43,7 +158,13 @@ def main() -> int:
     parser.add_argument('--namespace', default='/', help='namespace of the graph')
     parser.add_argument('--ts', default='ts/heading', help='topic of the tested sensor')
     parser.add_argument('--rs', default='rs/heading', help='topic of the reference sensor')
+    parser.add_argument('--config', help='parameter file with the setting sensors, for several')
     given = parser.parse_args()
+    try:
+        several = None if given.config is None else read_topics(given.config)
+    except (OSError, ValueError) as error:
+        sys.stderr.write(f'make_keystore: error: {error}\n')
+        return 2
     if shutil.which('ros2') is None:
         sys.stderr.write('make_keystore: error: the command ros2 is missing: install '
                          'ros-jazzy-sros2, and source /opt/ros/jazzy/setup.bash\n')
@@ -52,8 +173,11 @@ def main() -> int:
     if not (keystore / 'enclaves').is_dir():
         run('ros2', 'security', 'create_keystore', str(keystore))
     filled = keystore / 'heading_intercompare.policy.xml'
-    filled.write_text(fill_in(POLICY.read_text('utf-8'), given.namespace,
-                              {'ts/heading': given.ts, 'rs/heading': given.rs}), 'utf-8')
+    policy = fill_in(POLICY.read_text('utf-8'), given.namespace,
+                     {} if several else {'ts/heading': given.ts, 'rs/heading': given.rs})
+    if several:
+        policy = add_sensors(policy, given.namespace, *several)
+    filled.write_text(policy, 'utf-8')
     run('ros2', 'security', 'generate_artifacts', '-k', str(keystore), '-p', str(filled))
     return 0
 

@@ -78,9 +78,9 @@ ORDER = {
                 'rosbag_recording', 'registry'),
     'web': ('figures', 'bridge', 'controls', 'guard', 'palettes', 'trend_picture', 'page',
             'server'),
-    'nodes': ('settings', 'ros', 'runtime', 'taking', 'alarms', 'judging', 'synchronizer',
-              'compliance', 'recorder', 'replayer', 'nmea_driver', 'sensor_simulator', 'dashboard',
-              'watcher', 'graph'),
+    'nodes': ('settings', 'ros', 'runtime', 'taking', 'alarms', 'judging', 'sensors',
+              'synchronizer', 'compliance', 'sensors_watch', 'recorder', 'replayer', 'nmea_driver',
+              'sensor_simulator', 'dashboard', 'watcher', 'graph'),
     'cli': ('terminal', 'completion', 'node_command', 'commands', 'program'),
 }
 

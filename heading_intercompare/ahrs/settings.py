@@ -213,6 +213,11 @@ class Scenario(Checked):
             raise SettingsError(f'others: {taken[0]} is the name of another stream')
 
     @property
+    def topics(self) -> dict[str, str]:
+        """The usual topic of each simulated sensor."""
+        return {name: f'{name}/heading' for name in self.sensors}
+
+    @property
     def sensors(self) -> dict[str, Sensor]:
         """All simulated sensors: 'ts', 'rs', and the others by name."""
         return {'ts': self.ts, 'rs': self.rs, **dict(read_rows(self.others, Sensor))}

@@ -55,6 +55,12 @@ class SimulatedChunk:
     others: Mapping[str, tuple[Readings, tuple[AhrsStatus, ...]]]
 
     @property
+    def sent(self) -> dict[str, tuple[Readings, tuple[AhrsStatus, ...]]]:
+        """Readings and statuses of all sensors: 'ts', 'rs', and the others by name."""
+        return {'ts': (self.ts_readings, self.ts_statuses),
+                'rs': (self.rs_readings, self.rs_statuses), **self.others}
+
+    @property
     def ts(self) -> Headings:
         """Readings of the TS."""
         return self.ts_readings.headings

@@ -440,9 +440,10 @@ class Intercomparison:
         whole.take(self.pairer.ledger, True, len(self._before))
         return whole.total or self.pairer.ledger
 
-    def update(self, ts: Headings | None = None, rs: Headings | None = None) -> Pairs:
-        """Take readings; return the pairs that they complete."""
-        pairs = self.pairer.update(ts, rs)
+    def update(self, ts: Headings | None = None, rs: Headings | None = None,
+               now_s: float | None = None) -> Pairs:
+        """Take readings; return the pairs that they complete. `now_s` as for `Pairer.update`."""
+        pairs = self.pairer.update(ts, rs, now_s)
         self._judge(pairs)
         return pairs
 

@@ -14,6 +14,7 @@ from std_srvs.srv import Trigger
 from heading_intercompare.bags.recording.spool import Spool
 from heading_intercompare.core.decision.coverage import least_duration_words
 from heading_intercompare.core.pipeline import Compliance as PureCompliance
+from heading_intercompare.core.sensors.pair_settings import settings_of_tested
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.messages.ledger_messages import decode_ledger
@@ -31,6 +32,7 @@ from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.figures import Figures
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
+from heading_intercompare.nodes.sensors.places import called, place_files
 from heading_intercompare.nodes.taking.mark_intake import MarkIntake
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
@@ -52,8 +54,9 @@ class Compliance(Node):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('compliance', **OVERRIDES, **kwargs)
-        self._settings, taking, self._own = declare(self, Settings, Taking, ComplianceNode)
-        self.health = Health(self)
+        settings, taking, own = declare(self, Settings, Taking, ComplianceNode)
+        self._settings, self._own = settings_of_tested(settings, own.sensor), place_files(own)
+        self.health = Health(self, called(self, own.sensor))
         self._compliance = PureCompliance(self._settings, source='live',
                                           keeper=lambda: Spool(self._warn_of_memory).keep)
         self.get_logger().info(least_duration_words(self._settings.risk))

@@ -39,8 +39,9 @@ class Dashboard(Node):
         settings, taking, own = declare(self, Settings, Taking, DashboardNode)
         self.ended = False
         self.health = Health(self)
-        limits = Limits.of(settings.norms, settings.model)
-        self._graph = BridgeIntake(self, self.health, settings, taking, limits.count_limit_deg)
+        limit_deg = (Limits.of(settings.norms, settings.model).count_limit_deg
+                     if settings.sensors is None else None)
+        self._graph = BridgeIntake(self, self.health, settings, taking, limit_deg)
         self._actions = OperatorActions(self)
         self._seen: tuple[BridgeView, float] = BridgeView(), time.monotonic()
         self.page = PageServer(Controls(self._look, self._actions.ask), host=own.host,

@@ -25,17 +25,25 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.validate_namespace import validate_namespace
 
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.rows.sensor_table import list_tested, read_sensors
+from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
+from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.ros.process import end, settle_memory, spin_nodes, Stop
 from heading_intercompare.nodes.ros.security import check_security, say_security_errors
 from heading_intercompare.nodes.ros.transports import prefer_udp, set_variable
+from heading_intercompare.nodes.sensors.places import (
+    count_subscribers,
+    further_subscribers,
+    remap_rules,
+)
 from heading_intercompare.web.bridge.bridge_view import BridgeView
 
 from .compliance import Compliance
 from .dashboard import Dashboard
 from .recorder import Recorder
+from .sensors_watch import SensorsWatch
 from .synchronizer import Synchronizer
 from .watcher import Watcher
 
@@ -43,6 +51,8 @@ __all__ = ['intercompare', 'Source']
 
 _RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
 _SHOW_S = 0.3
+
+_JUDGES = (Compliance, SensorsWatch)
 
 
 class Source(NamedTuple):
@@ -65,8 +75,36 @@ class Source(NamedTuple):
     settings: Mapping[str, Any]
 
 
-#: The class of a node, its name, and its own parameters.
-_Planned = tuple[type, str, Mapping[str, Any]]
+class _Planned(NamedTuple):
+    """A node to make: its class, name, own parameters, and its sensor if it has one."""
+
+    make: type
+    name: str
+    parameters: Mapping[str, Any]
+    sensor: str = ''
+
+    def arguments(self, namespace: str, remaps: Mapping[str, str]) -> list[str]:
+        """Return its arguments, given the namespace of the graph and what sensors share."""
+        place = f'{namespace.rstrip("/")}/{self.sensor}' if self.sensor else namespace
+        rules = {'__node': self.name, '__ns': place, **(remaps if self.sensor else {})}
+        return ['--ros-args', *(word for old, new in rules.items()
+                                for word in ('-r', f'{old}:={new}'))]
+
+
+def _plan_judging(settings: Settings, own: Mapping[str, Mapping[str, Any]],
+                  judging_own: Mapping[str, Any], recorded: bool) -> list[_Planned]:
+    """Return the nodes that judge: two for each tested sensor, and one for several."""
+    pairing_own = {**own.get('synchronizer', {}), 'subscribers': 1 + recorded}
+    sensors = read_sensors(settings.sensors)
+    planned = []
+    for sensor in [one.name for one in list_tested(sensors)] if sensors else ['']:
+        named = {'sensor': sensor} if sensor else {}
+        planned += [_Planned(Compliance, 'compliance', {**judging_own, **named}, sensor),
+                    _Planned(Synchronizer, 'synchronizer', {**pairing_own, **named}, sensor)]
+    if sensors:
+        planned.append(_Planned(SensorsWatch, 'sensors_watch', {
+            **own.get('sensors_watch', {}), 'report_dir': judging_own.get('report_dir')}))
+    return planned
 
 
 def _check_namespace(namespace: str) -> None:
@@ -138,9 +176,12 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                  progress: Callable[[int], None] = lambda n_pairs: None,
                  show: Callable[[BridgeView, str], None] | None = None,
                  tell: Callable[[str], None] | None = None,
-                 served: Callable[[str], None] = lambda url: None) -> Verdict:
+                 served: Callable[[str], None] = lambda url: None) -> Verdict | SensorsVerdict:
     """
     Run sources, synchronizer and compliance until all sources have finished, or a signal comes.
+
+    With the setting `sensors` each tested sensor has these two nodes in a namespace of its own,
+    and a node joins them.
 
     Without sources the graph listens to topics that others publish, until a signal comes.
 
@@ -155,7 +196,7 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     report_dir : str, optional
         Folder for the reports.
     own : mapping of str to mapping, optional
-        Further parameters of synchronizer, compliance and recorder, by node name.
+        Further parameters of synchronizer, compliance, sensors_watch and recorder, by node name.
     private : bool
         Hide the graph from other processes.
     namespace : str
@@ -174,8 +215,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
 
     Returns
     -------
-    Verdict
-        The verdict of the last report.
+    Verdict or SensorsVerdict
+        The verdict of the last report; on several sensors with the setting `sensors`.
 
     Raises
     ------
@@ -183,45 +224,52 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         If something the user gave is wrong; the message is one line.
 
     """
-    heard = {'subscribers': 1 if output is None else 2}
+    whole = Settings.from_mapping({k: v for k, v in settings.items() if v is not None})
+    sensors = read_sensors(whole.sensors)
+    heard, further = count_subscribers(sensors, output is not None), further_subscribers(whole)
+    remaps = remap_rules(sensors, namespace)
     own = own or {}
     judging_own = {**own.get('compliance', {}), 'report_dir': report_dir}
     if output is not None:
         judging_own['bag'] = os.path.abspath(output)
     _check_namespace(namespace)
-    first: list[_Planned] = [
-        (Compliance, 'compliance', judging_own),
-        (Synchronizer, 'synchronizer', {**own.get('synchronizer', {}), **heard})]
+    first = _plan_judging(whole, own, judging_own, output is not None)
+    n_judging = len(first)
     if page is not None:
-        first.append((Dashboard, 'dashboard', page))
+        first.append(_Planned(Dashboard, 'dashboard', page))
     if show is not None:
-        first.append((Watcher, 'watcher', {}))
-    then: list[_Planned] = [(s.make, s.name, {**heard, **s.settings}) for s in sources]
+        first.append(_Planned(Watcher, 'watcher', {}))
+    then = [_Planned(s.make, s.name, {
+        'subscribers': heard + further.get(s.settings.get('topic', ''), 0), **s.settings})
+        for s in sources]
     if output is not None:
-        then.insert(0, (Recorder, 'recorder', {**own.get('recorder', {}), 'output': output}))
+        then.insert(0, _Planned(Recorder, 'recorder',
+                                {**own.get('recorder', {}), 'output': output}))
     with (_context(private) as context, Stop() as stop,
           spin_nodes(context) as (judging, _), spin_nodes(context) as (executor, nodes)):
         def start(plan: Sequence[_Planned]) -> None:
-            for make, name, parameters in plan:
+            for one in plan:
                 with say_security_errors():
-                    nodes.append(make(
-                        context=context, cli_args=['--ros-args', '-r', f'__node:={name}', '-r',
-                                                   f'__ns:={namespace}'],
-                        parameter_overrides=make_overrides({**settings, **parameters})))
-                (judging if make is Compliance else executor).add_node(nodes[-1])
+                    nodes.append(one.make(
+                        context=context, cli_args=one.arguments(namespace, remaps),
+                        parameter_overrides=make_overrides({**settings, **one.parameters})))
+                (judging if one.make in _JUDGES else executor).add_node(nodes[-1])
         start(first)
-        compliance, synchronizer, *pages = nodes
+        deciding, pages = nodes[:n_judging], nodes[n_judging:]
+        judges = [node for node in deciding if isinstance(node, _JUDGES)]
+        pairing = [node for node in deciding if node not in judges]
+        compliances = [node for node in judges if isinstance(node, Compliance)]
         for one in pages:
             if isinstance(one, Dashboard):
                 served(one.page.url)
         look = _Look(nodes[-1], show)
         # Beside another graph no bag is begun.
-        while not (stop.requested or compliance.sole.clear and synchronizer.sole.clear):
+        while not (stop.requested or all(node.sole.clear for node in deciding)):
             judging.spin_once(0.01)
             executor.spin_once(0.01)
             look.pass_on('starting: looking for other graphs')
         start(then)
-        recorders = nodes[2 + len(pages):len(nodes) - len(sources)]
+        recorders = nodes[len(first):len(nodes) - len(sources)]
         running = nodes[len(nodes) - len(sources):]
         for recorder in recorders:
             recorder.state_sources({source.name: source.settings for source in sources})
@@ -235,17 +283,18 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
             while not (stop.requested or judged.done()
                        or (running and all(s.done for s in running))):
                 executor.spin_once(0.2)
-                progress(compliance.n_pairs)
+                progress(sum(node.n_pairs for node in compliances))
                 look.pass_on()
                 # The judge has its own thread; only this one writes.
                 while tell is not None and not told.empty():
                     tell(told.get())
         look.pass_on('ending: taking the last pairs, closing the bag', at_once=True)
-        judging.remove_node(compliance)
-        executor.add_node(compliance)
-        # End the sources first, then the synchronizer, then compliance, then those that show and
-        # record what it says last.
-        end(executor, [*running, synchronizer, compliance, *recorders, *pages])
+        for node in judges:
+            judging.remove_node(node)
+            executor.add_node(node)
+        # End the sources first, then the synchronizers, then those that judge, then those that
+        # show and record what these say last.
+        end(executor, [*running, *pairing, *judges, *recorders, *pages])
         # The last pairs come while the nodes end.
-        progress(compliance.n_pairs)
-        return compliance.verdict
+        progress(sum(node.n_pairs for node in compliances))
+        return judges[-1].verdict

@@ -26,6 +26,7 @@ from heading_intercompare.bags.rosbag2.provenance import (
     Notes,
     RECORD,
     REPORT_TOPIC,
+    SENSORS_REPORT_TOPIC,
 )
 from heading_intercompare.bags.rosbag2.trial_parts import find_place, name_first
 from heading_intercompare.bags.settings import BagSettings
@@ -93,7 +94,7 @@ class Recorder(Node):
             taken = intake.take()
             if taken:
                 self._bag.add_topic(intake.full_name, intake.type_name, offered)
-                if topic == REPORT_TOPIC:
+                if topic in (REPORT_TOPIC, SENSORS_REPORT_TOPIC):
                     self._report = text_of(taken[-1][0])
             for data, info in taken if topic == NOTE_TOPIC else ():
                 for note in self._notes.add(text_of(data), info['received_timestamp']):

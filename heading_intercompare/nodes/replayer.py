@@ -33,14 +33,14 @@ from heading_intercompare.nodes.runtime.publishing import (
     await_acknowledgement,
     FlowControl,
 )
+from heading_intercompare.nodes.sensors import places
 
 from .settings import ReplayerNode, Sending
 
 __all__ = ['main', 'Replayer']
 
 _TICK_S = 0.02
-# Synchronizer and compliance; without them the replay starts after this time, seconds.
-_MARK_READERS, _MARK_WAIT_S = 2, 5.0
+_MARK_WAIT_S = 5.0  # For those who judge; then the replay starts without them.
 _PAUSED_BY = {'pause': True, 'resume': False, 'toggle_paused': None}
 
 
@@ -56,12 +56,12 @@ class Replayer(Node):
         self.done = self.ended = self._begun = False
         self.health = Health(self)
         self._reader = BagReader(own.bag)
-        topics = [settings.ts_topic, settings.rs_topic, MARKER_TOPIC]
+        topics = [*(heard := places.heading_topics(settings)), MARKER_TOPIC]
         names = published_names(self, topics + ['/clock'] * own.clock, remapped)
         # This reads nothing yet, but rejects a topic that is not a heading.
-        self._reader.headings(dict.fromkeys(topics[:2], 'enu'))
-        self._headings = {}
-        for topic, name in zip(topics[:2], names):
+        self._reader.headings(dict.fromkeys(heard, 'enu'))
+        self._headings, self._mark_readers = {}, places.count_judges(settings)
+        for topic, name in zip(heard, names):
             in_bag = self._reader.resolve(topic)
             self._headings[in_bag] = self.create_publisher(
                 HEADING_TYPES[self._reader.topics[in_bag].type_name], topic, qos.HEADINGS_OUT,
@@ -73,10 +73,10 @@ class Replayer(Node):
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
         self._time = self.create_publisher(Clock, '/clock', qos.CLOCK) if own.clock else None
         self._audience = Audience(self, [*self._headings.values()], sending.subscribers,
-                                  self.health)
+                                  self.health, places.further_subscribers(settings))
         self._allowance = Allowance(sending.max_rate_hz)
         self._flow = FlowControl(self._headings.values(), self.health)
-        self.published = self._marks = 0
+        self.published, self._marks = 0, 0
         self._heard_s: float | None = None
         self._publish_marks()
         for name, wanted in _PAUSED_BY.items():
@@ -118,7 +118,7 @@ class Replayer(Node):
         if not self._audience.is_there():
             return False
         self._heard_s = self._heard_s or time.monotonic()
-        return (not self._marks or self._marker.get_subscription_count() >= _MARK_READERS
+        return (not self._marks or self._marker.get_subscription_count() >= self._mark_readers
                 or time.monotonic() > self._heard_s + _MARK_WAIT_S)
 
     def _tick(self) -> None:

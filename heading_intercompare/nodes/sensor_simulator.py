@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The node `sensor_simulator`: headings of a simulated TS and RS, and the true heading."""
+"""The node `sensor_simulator`: headings of simulated sensors, and the true heading."""
 
 from __future__ import annotations
 
@@ -34,39 +34,42 @@ from heading_intercompare.nodes.runtime.publishing import (
     await_acknowledgement,
     FlowControl,
 )
+from heading_intercompare.nodes.sensors import places
 
 from .settings import Sending, SimulatorNode
 
 __all__ = ['main', 'SensorSimulator']
 
-_TICK_S = 0.05
-# Simulated time per step when running as fast as possible.
-_STEP_S = 0.5
+# The latter is the simulated time per step when running as fast as possible.
+_TICK_S, _STEP_S = 0.05, 0.5
 
 
 class SensorSimulator(Node):
-    """Publish a trial, truth first, once both sensors have subscribers; its end ends the node."""
+    """Publish a trial, truth first, once all sensors have subscribers; its end ends the node."""
+
+    done, ended, _began_s = False, False, 0.0
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('sensor_simulator', **OVERRIDES, **kwargs)
         settings, self._scenario, sending, self._own = declare(
             self, Settings, Scenario, Sending, SimulatorNode)
-        self.done = self.ended = False
         self.health = Health(self)
-        topics = {'truth': TRUTH_TOPIC, 'ts': settings.ts_topic, 'rs': settings.rs_topic}
-        for topic in topics.values():
-            resolve_topic(self, topic)
-        self._frames = {role: topic.strip('/').replace('/', '_') for role, topic in topics.items()}
+        topics = {'truth': TRUTH_TOPIC, **self._scenario.topics, 'ts': settings.ts_topic,
+                  'rs': settings.rs_topic}
+        self._frames = {role: topic.strip('/').replace('/', '_') for role, topic in topics.items()
+                        if resolve_topic(self, topic)}
         self._publishers_of = {
             role: self.create_publisher(Imu, topic, qos.HEADINGS_OUT,
                                         event_callbacks=self.health.of_publisher(topic))
             for role, topic in topics.items()}
-        self._audience = Audience(self, [*self._publishers_of.values()][1:], sending.subscribers,
-                                  self.health)
+        # Nobody may want to hear a sensor that the settings do not name.
+        self._audience = Audience(
+            self, [self._publishers_of[role] for role, topic in topics.items()
+                   if topic in places.heading_topics(settings)],
+            sending.subscribers, self.health, places.further_subscribers(settings))
         self._allowance = Allowance(sending.max_rate_hz)
         self._flow = FlowControl(self._publishers_of.values(), self.health)
         self._trial: Trial | None = None
-        self._began_s = 0.0
         for kind in EVENTS:
             self.create_service(Trigger, f'~/{kind}', partial(self._command, kind))
         for kind in FAULTS:
@@ -79,7 +82,7 @@ class SensorSimulator(Node):
         self.health.note('simulation', OK, self._scenario.title or 'simulating',
                           simulated_s=now_s, duration_s=self._scenario.duration_s, **{
                               f'{role}_faults': ' '.join(self._trial.faults(role)) or 'none'
-                              for role in ('ts', 'rs') if self._trial is not None})
+                              for role in self._scenario.sensors if self._trial is not None})
 
     def _begin(self) -> Trial:
         start_ns = time.time_ns() if self._own.stamps == 'now' else None
@@ -102,11 +105,10 @@ class SensorSimulator(Node):
             self.done = True
 
     def _publish(self, chunk: SimulatedChunk) -> None:
-        """Publish the truth, the readings of both sensors in order, and their state."""
+        """Publish the truth, the readings of each sensor in order, and their state."""
         for message in imu_messages(chunk.truth, self._frames['truth']):
             self._publishers_of['truth'].publish(message)
-        for role, readings, statuses in (('ts', chunk.ts_readings, chunk.ts_statuses),
-                                         ('rs', chunk.rs_readings, chunk.rs_statuses)):
+        for role, (readings, statuses) in chunk.sent.items():
             messages = imu_messages(readings.headings, self._frames[role],
                                     sigma_deg=readings.sigma_deg,
                                     turn_rate_deg_s=readings.rate_deg_s)

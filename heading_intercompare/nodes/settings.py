@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from heading_intercompare.core.settings import Checked, setting
 
 __all__ = ['ComplianceNode', 'DashboardNode', 'DriverNode', 'RecorderNode', 'ReplayerNode',
-           'Sending', 'SimulatorNode', 'SynchronizerNode', 'Taking']
+           'Sending', 'SensorsNode', 'SimulatorNode', 'SynchronizerNode', 'Taking']
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +66,8 @@ class SimulatorNode(Checked):
 class SynchronizerNode(Checked):
     """Settings of the node synchronizer in addition to those of the analysis."""
 
+    sensor: str | None = setting(
+        None, 'with the setting sensors: the one that this node compares with the reference')
     subscribers: int = setting(
         1, 'subscriptions that the pairs must have before headings are taken', 0, 100)
     startup_wait_s: float = setting(
@@ -78,6 +80,9 @@ class SynchronizerNode(Checked):
 class ComplianceNode(Checked):
     """Settings of the node compliance in addition to those of the analysis."""
 
+    sensor: str | None = setting(
+        None, 'with the setting sensors: the one that this node compares with the reference; its '
+        'name then also is part of the names of its files')
     report_dir: str | None = setting(
         None, 'folder in which each report is also written as verdict_<UTC>.json')
     logbook: str | None = setting(
@@ -103,6 +108,18 @@ class ComplianceNode(Checked):
     end_wait_s: float = setting(
         5.0, 'at the end: how long to wait for the last pairs and the final ledger [s]', 0.0,
         5.0)
+
+
+@dataclass(frozen=True, slots=True)
+class SensorsNode(Checked):
+    """Settings of the node sensors_watch in addition to those of the analysis."""
+
+    report_dir: str | None = setting(
+        None, 'folder in which each report is also written as sensors_<UTC>.json and .txt')
+    settle_s: float = setting(
+        2.0, 'how long to wait for the reports of other sensors after one has come [s]', 0.0, 60.0)
+    end_wait_s: float = setting(
+        6.0, 'at the end: how long to wait for the last headings and reports [s]', 0.0, 7.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,6 +30,7 @@ from heading_intercompare.nodes.runtime.awake_clock import AwakeClock
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.publishing import await_acknowledgement, Backlog
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
+from heading_intercompare.nodes.sensors.places import called, choose_streams
 from heading_intercompare.nodes.taking.intake import Intake
 from heading_intercompare.nodes.taking.mark_intake import MarkIntake
 from heading_intercompare.nodes.taking.predecessor import Predecessor
@@ -52,9 +53,10 @@ class Synchronizer(Node):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('synchronizer', **OVERRIDES, **kwargs)
         settings, taking, self._own = declare(self, Settings, Taking, SynchronizerNode)
+        settings = choose_streams(settings, self._own.sensor)
         self._started_ns = time.time_ns()
         self._pairer = Pairer(settings)
-        self.health = Health(self)
+        self.health = Health(self, called(self, self._own.sensor))
         self.alarms = StreamAlarms(self, self.health, settings.pairing, taking)
         self._marks = MarkIntake(self.health)
         self._pairs = self.create_publisher(TwistStamped, 'pairs', qos.PAIRS,

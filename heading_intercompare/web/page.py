@@ -10,7 +10,14 @@ from typing import Any
 
 from nicegui import ui
 
-from heading_intercompare.web.bridge.view_texts import alarm_words, node_words, Said, tell
+from heading_intercompare.web.bridge.view_texts import (
+    alarm_words,
+    node_words,
+    Said,
+    sensor_words,
+    tell,
+    vote_words,
+)
 
 from .controls import Controls
 from .guard import check_token
@@ -62,6 +69,8 @@ class _Page:
         self._shown: dict[str, Said] = {}
         self._alarms: list[tuple[str, Said]] | None = None
         self._nodes: list[Said] | None = None
+        self._sensors: tuple[list[tuple[str, Said]], Said] | None = None
+        self._trend: Any = None
         self._ticks = 0
 
     def build(self) -> None:
@@ -69,7 +78,10 @@ class _Page:
         ui.add_head_html(f'<style>{style()}</style>{_HEAD}')
         ui.add_body_html(_BODY)
         with self._box('bridge'):
-            for name, title in (('ts', 'TS, tested sensor'), ('', 'TS - RS'),
+            several = self._controls.look()[0].sensors is not None
+            if several:
+                self._build_sensors()
+            for name, title in () if several else (('ts', 'TS, tested sensor'), ('', 'TS - RS'),
                                 ('rs', 'RS, reference sensor')):
                 with self._box('panel heading'):
                     self._title(title)
@@ -81,20 +93,12 @@ class _Page:
                 for key, size in (('lamp', 'lamp'), ('lamp_given', 'row'),
                                   ('lamp_headline', 'small'), ('validity', 'row')):
                     self._label(key, size)
-            with self._box('panel narrow'):
-                self._title('Still missing')
-                for key, size in (('lacking', 'mid'), ('run', 'row'), ('turn', 'row'),
-                                  ('mode', 'row')):
-                    self._label(key, size)
-            with self._box('panel wide'):
-                self._title('TS - RS of the last 30 min; dashed: limit of a single difference')
-                self._label('trend', 'small')
-                self._trend = ui.html('', sanitize=False).style('width: 100%')
-            with self._box('panel narrow'):
-                self._title('Window')
-                for key, size in (('window', 'mid'), ('norm', 'row'), ('paired', 'row'),
-                                  ('ledger', 'small'), ('bag', 'row'), ('graph', 'small')):
-                    self._label(key, size)
+            if several:
+                with self._box('panel narrow'):
+                    for key in ('mode', 'bag', 'graph'):
+                        self._label(key, 'row')
+            else:
+                self._build_pair()
             self._build_controls()
             with self._box('panel wide'):
                 self._title('Alarms')
@@ -105,6 +109,28 @@ class _Page:
         self._beat = ui.label('').classes('k-beat').style('display: none')
         self.update()
         ui.timer(_PERIOD_S, self.update)
+
+    def _build_sensors(self) -> None:
+        with self._box('panel all'):
+            self._title('Sensors; figures of the window, and the last outcome')
+            self._sensor_rows = self._box('k-sensors')
+            self._vote = ui.label('').classes('mid k-vote')
+
+    def _build_pair(self) -> None:
+        with self._box('panel narrow'):
+            self._title('Still missing')
+            for key, size in (('lacking', 'mid'), ('run', 'row'), ('turn', 'row'),
+                              ('mode', 'row')):
+                self._label(key, size)
+        with self._box('panel wide'):
+            self._title('TS - RS of the last 30 min; dashed: limit of a single difference')
+            self._label('trend', 'small')
+            self._trend = ui.html('', sanitize=False).style('width: 100%')
+        with self._box('panel narrow'):
+            self._title('Window')
+            for key, size in (('window', 'mid'), ('norm', 'row'), ('paired', 'row'),
+                              ('ledger', 'small'), ('bag', 'row'), ('graph', 'small')):
+                self._label(key, size)
 
     def _build_controls(self) -> None:
         with self._box('panel all'), self._box('bar'):
@@ -145,13 +171,14 @@ class _Page:
         if age_s < _OLD_S:
             self._beat.set_text(str(self._ticks))
         for key, said in tell(view).items():
-            if self._shown.get(key) != said:
+            if key in self._labels and self._shown.get(key) != said:
                 self._tone(self._labels[key], said)
                 self._shown[key] = said
         self._lamp.classes(remove='box-none box-good box-doubt box-bad',
                            add=f'box-{view.lamp.tone}')
-        if self._ticks % 5 == 1:
+        if self._trend is not None and self._ticks % 5 == 1:
             self._trend.set_content(draw_trend(view.trend))
+        self._show_sensors(sensor_words(view), vote_words(view))
         self._show_alarms(alarm_words(view))
         self._show_nodes(node_words(view))
 
@@ -159,6 +186,18 @@ class _Page:
     def _tone(label: Any, said: Said) -> None:
         label.set_text(said.text)
         label.classes(remove='none good doubt bad', add=said.tone.value)
+
+    def _show_sensors(self, sensors: list[tuple[str, Said]], vote: Said) -> None:
+        if not sensors or (sensors, vote) == self._sensors:
+            return
+        self._tone(self._vote, vote)
+        self._sensors = sensors, vote
+        self._sensor_rows.clear()
+        with self._sensor_rows:
+            for name, said in sensors:
+                with self._box('bar'):
+                    ui.label(name).classes('mid k-sensor')
+                    self._tone(ui.label().classes('row'), said)
 
     def _show_alarms(self, alarms: list[tuple[str, Said]]) -> None:
         if alarms == self._alarms:

@@ -15,6 +15,9 @@ from unittest import mock
 
 import yaml
 
+# What the launch files import stays loaded when their stand-ins are taken away again.
+import heading_intercompare.nodes.sensors.places  # noqa: F401
+
 FOLDER = Path(__file__).resolve().parents[2] / 'launch'
 LOOPBACK = Path(__file__).with_name('loopback.xml')
 
@@ -44,6 +47,7 @@ class Node:
     on_exit: Any = None
     respawn: bool = False
     respawn_delay: float = 0.0
+    remappings: list[tuple[str, str]] = field(default_factory=list)
     #: The transports that the launch file chooses.
     transports: str = ''
     #: Name of its files, if it is not that of the node.
@@ -59,7 +63,8 @@ class Node:
                 full = f'{self.namespace.rstrip("/")}/{self.name}'
                 path.write_text(yaml.dump({full: {'ros__parameters': given}}))
             files += ['--params-file', str(path)]
-        return ['--ros-args', '-r', f'__node:={self.name}', '-r', f'__ns:={self.namespace}',
+        rules = [('__node', self.name), ('__ns', self.namespace), *self.remappings]
+        return ['--ros-args', *(word for old, new in rules for word in ('-r', f'{old}:={new}')),
                 *files]
 
 

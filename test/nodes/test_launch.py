@@ -147,6 +147,55 @@ def test_every_argument_is_described(name):
     assert declared and all(a.description for a in declared)
 
 
+FOUR = str(TEMPLATE.with_name('four_sensors.yaml'))
+
+
+@pytest.mark.parametrize('name', FILES)
+def test_each_tested_sensor_has_two_nodes_in_its_namespace_and_one_node_joins_them(name):
+    bag = {'bag': 'b'} if name == FILES[1] else {}
+    made = nodes(name, config=FOUR, namespace='/ship1', **bag)
+    found = {(node.namespace, node.name) for node in made}
+    judging = {(f'/ship1/{sensor}', each) for sensor in ('gyro1', 'gyro2', 'ins')
+               for each in ('synchronizer', 'compliance')}
+    assert judging | {('/ship1', 'sensors_watch')} <= found
+    for node in made:
+        if node.namespace != '/ship1':
+            assert own(node)['sensor'] == node.namespace.rpartition('/')[2]
+            assert ('rostopic://gnss/heading', '/ship1/gnss/heading') in node.remappings
+
+
+def test_each_of_several_sensors_has_a_driver_that_waits_for_all_that_hear_it():
+    made = by_name(FILES[0], config=FOUR)
+    drivers = {name: own(node) for name, node in made.items() if name.endswith('_driver')}
+    assert {name: (given['topic'], given['subscribers'], given.get('talker'))
+            for name, given in drivers.items()} == {
+        'gyro1_driver': ('gyro1/heading', 3, 'HE'), 'gyro2_driver': ('gyro2/heading', 3, 'HE'),
+        'ins_driver': ('ins/heading', 3, None), 'gnss_driver': ('gnss/heading', 5, None)}
+    assert own(made['sensors_watch'])['report_dir'] == 'reports'
+
+
+def test_without_a_reference_one_node_judges_all_pairs(tmp_path):
+    path = tmp_path / 'free.yaml'
+    path.write_text(Path(FOUR).read_text().replace('gnss_compass  rs', 'gnss_compass'))
+    assert {node.executable for node in nodes(FILES[0], config=str(path))} == {
+        'nmea_driver', 'sensors_watch', 'recorder'}
+
+
+def test_the_nodes_of_several_sensors_take_their_parameters(ros, tmp_path):
+    made = nodes(FILES[0], config=FOUR, record='false', report_dir=str(tmp_path / 'reports'))
+    running = []
+    for node in made:
+        if node.executable != 'nmea_driver':
+            module = import_module(f'heading_intercompare.nodes.{node.executable}')
+            make = getattr(module, node.executable.title().replace('_', ''))
+            running.append(ros.add(make, cli_args=node.arguments(tmp_path)))
+    heard = {topic for topic, _ in ros.plain.get_topic_names_and_types()}
+    assert {'/gyro1/compliance/verdict', '/ins/pairs', '/sensors/vote'} <= heard
+    assert '/gyro1/compliance/marker' not in heard
+    assert ros.plain.count_subscribers('/compliance/marker') == 7
+    assert (tmp_path / 'reports' / 'gyro2').is_dir()
+
+
 def test_every_node_takes_its_parameters_from_the_template_too(ros, config, tmp_path):
     """The template sets `subscribers: 1`; what the launch file sets must win."""
     text = TEMPLATE.read_text().replace('# sigma_max_deg:', 'sigma_max_deg:').replace(

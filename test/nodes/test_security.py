@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 from pathlib import Path
 import subprocess
@@ -18,6 +19,7 @@ from std_msgs.msg import String
 
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
+from heading_intercompare.core.rows.sensor_table import read_sensors
 from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.dashboard import Dashboard
@@ -25,7 +27,10 @@ from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.replayer import Replayer
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
+from heading_intercompare.nodes.sensors.places import remap_rules
+from heading_intercompare.nodes.sensors_watch import SensorsWatch
 from heading_intercompare.nodes.synchronizer import Synchronizer
 from heading_intercompare.nodes.watcher import Watcher
 
@@ -34,8 +39,8 @@ from .lines import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 POLICY = ElementTree.parse(ROOT / 'security' / 'heading_intercompare.policy.xml').getroot()
-NODES = ('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder', 'dashboard',
-         'watcher')
+NODES = ('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'sensors_watch', 'recorder',
+         'dashboard', 'watcher')
 #: Made by rclpy only with `use_sim_time`; while a node looks for another of its name.
 EXEMPT = {'/clock', '/diagnostics'}
 
@@ -99,6 +104,63 @@ def test_the_simulator_does_what_its_policy_allows_and_nothing_else(ros):
     check(ros, ros.ours(SensorSimulator, subscribers=50))
 
 
+ROWS = 'a topic=ts/heading sigma_max_deg=1; b sigma_max_deg=1; c sigma_max_deg=1 {}'
+TOPICS = {'a': 'ts/heading', 'b': 'b/heading', 'c': 'c/heading'}
+
+
+def test_the_node_of_several_sensors_does_what_its_policy_allows_and_nothing_else(ros):
+    rows = 'a topic=ts/heading sigma_max_deg=1; b topic=rs/heading sigma_max_deg=1'
+    for topic in ('ts/heading', 'rs/heading'):
+        ros.plain.create_publisher(Imu, topic, qos.HEADINGS_OUT)
+    check(ros, ros.add(SensorsWatch, parameter_overrides=make_overrides({'sensors': rows})))
+
+
+@pytest.mark.parametrize('reference', ['c', None])
+def test_the_nodes_of_each_sensor_do_what_the_filled_policy_allows_and_nothing_else(
+        ros, tmp_path, reference):
+    spec = importlib.util.spec_from_file_location(
+        'make_keystore', ROOT / 'security' / 'make_keystore.py')
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    text = script.add_sensors(script.POLICY.read_text(), '/', TOPICS, reference)
+    found = {(one.get('ns'), one.get('node')): one
+             for one in ElementTree.fromstring(text).iter('profile')}
+    rows = ROWS.format('rs' if reference else '')
+    for topic in ('truth/heading', *TOPICS.values()):
+        ros.plain.create_publisher(Imu, topic, qos.HEADINGS_OUT)
+        if topic != 'truth/heading':
+            ros.plain.create_publisher(DiagnosticArray, f'{topic}/lost', qos.LOST)
+    ros.plain.create_publisher(String, 'operator/note', qos.NOTE)
+    rules = ['--ros-args', *(word for old, new in remap_rules(read_sensors(rows), '/').items()
+                             for word in ('-r', f'{old}:={new}'))]
+    nodes = [ros.add(make, parameter_overrides=make_overrides(
+        {'sensors': rows, 'sensor': name, **own}), cli_args=[*rules, '-r', f'__ns:=/{name}'])
+        for name in ('a', 'b') if reference
+        for make, own in ((Compliance, {}), (Synchronizer, {'subscribers': 0}))]
+    nodes += [ros.add(SensorsWatch, parameter_overrides=make_overrides({'sensors': rows})),
+              ros.add(Recorder, parameter_overrides=make_overrides(
+                  {'sensors': rows, 'output': str(tmp_path / 'bag')})),
+              ros.add(Watcher, parameter_overrides=make_overrides({'sensors': rows}))]
+
+    def place(topic, ns):
+        return topic if topic[0] == '/' else f'{ns.rstrip("/")}/{topic}'
+    for node in nodes:
+        ns = node.get_namespace()
+        policy = {what: {place(one.text.replace('~', node.get_name()), ns)
+                         for group in found[ns, node.get_name()] if what in group.attrib
+                         for one in group} for what in ('publish', 'subscribe', 'reply')}
+
+        def there(node=node):
+            return {what: {topic for topic, _ in ask(node.get_name(), node.get_namespace())}
+                    for what, ask in (('publish', node.get_publisher_names_and_types_by_node),
+                                      ('subscribe', node.get_subscriber_names_and_types_by_node),
+                                      ('reply', node.get_service_names_and_types_by_node))}
+        ros.spin_until(lambda policy=policy, there=there: all(
+            policy[what] - EXEMPT <= there()[what] for what in policy))
+        for what, names in there().items():
+            assert names - policy[what] == set(), (ns, node.get_name(), what)
+
+
 def test_the_dashboard_does_what_its_policy_allows_and_nothing_else(ros, monkeypatch):
     monkeypatch.setattr('heading_intercompare.nodes.dashboard.PageServer', NoPage)
     for role in ('ts', 'rs'):
@@ -157,8 +219,8 @@ def test_the_policy_has_the_form_of_sros2():
 
 def test_no_node_but_the_drivers_may_publish_headings():
     """A compromised recorder cannot invent readings."""
-    for name in ('synchronizer', 'compliance', 'recorder', 'operator_note', 'dashboard',
-                 'watcher'):
+    for name in ('synchronizer', 'compliance', 'sensors_watch', 'recorder', 'operator_note',
+                 'dashboard', 'watcher'):
         may = allowed(profiles(name)[name])
         assert not may['publish'] & {'/ts/heading', '/rs/heading', '/clock'}
     for name in set(NODES) - {'synchronizer'}:

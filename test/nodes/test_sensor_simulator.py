@@ -160,3 +160,32 @@ def test_every_fault_and_event_has_its_service(ros):
     offered = {name.rpartition('/')[2] for name, _ in node.get_service_names_and_types_by_node(
         'sensor_simulator', '/')}
     assert {*EVENTS, *(f'inject_{kind}' for kind in FAULTS)} <= offered
+
+
+def test_further_sensors_are_published_on_their_topics_and_nobody_need_hear_them(ros):
+    others = 'gyro2 rate_hz=5 white_deg=0.1; ins rate_hz=10'
+    heard = ros.listen(Imu, 'gyro2/heading', qos.PAIRS_TAKEN)
+    run(ros, speed=0.0, stamps='scenario', others=others)
+    ros.spin_until(lambda: len(heard) == 100)
+    chunk, = Simulation(Scenario.from_mapping({**TRIAL, 'others': others})).chunks(20.0)
+    readings, _ = chunk.others['gyro2']
+    assert headings_from(heard, 'enu') == headings_from(
+        heading_messages(readings.headings, ''), 'enu')
+    assert heard[0].header.frame_id == 'gyro2_heading'
+
+
+def test_the_reference_of_several_sensors_waits_for_all_synchronizers(ros):
+    rows = 'a topic=ts/heading; b sigma_max_deg=1; c topic=rs/heading rs'
+    node = ros.ours(SensorSimulator, sensors=rows, others='b rate_hz=1', subscribers=1,
+                    duration_s=5.0, speed=0.0)
+    for topic in ('ts/heading', 'b/heading', 'rs/heading'):
+        ros.listen(Imu, topic, qos.PAIRS_TAKEN)
+    states = []
+    ros.plain.create_subscription(DiagnosticArray, '/diagnostics', states.append, qos.STATUS)
+
+    def says(words):
+        return any(words in one.message for state in states for one in state.status)
+    ros.spin_until(lambda: says('waiting for 2 subscribers of /rs/heading (1 there)'))
+    assert not node.done
+    ros.listen(Imu, 'rs/heading', qos.PAIRS_TAKEN)
+    ros.spin_until(lambda: node.done)

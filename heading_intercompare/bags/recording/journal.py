@@ -28,7 +28,7 @@ from heading_intercompare.core.records import Pairs
 from .disk_sync import Syncing
 
 __all__ = ['decode_columns', 'encode_columns', 'is_journal', 'Journal', 'JournalContents',
-           'read_journal', 'Record']
+           'name_journal', 'read_journal', 'Record']
 
 _MAGIC = b'heading_intercompare journal 1\n'
 _KIND = _MAGIC[:-3]
@@ -332,3 +332,17 @@ class Journal:
             with suppress(OSError):
                 self.path.unlink()
         os.close(self._file)
+
+
+def name_journal(journal: str, sensor: str) -> str:
+    """
+    Return the journal of a sensor, given that of the graph.
+
+    Examples
+    --------
+    >>> name_journal('trial.journal', 'gyro1')
+    'trial.gyro1.journal'
+
+    """
+    path = Path(journal)
+    return os.fspath(path.with_name(f'{path.stem}.{sensor}{path.suffix}'))

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from .readable import Readable
 
 __all__ = ['CONTINUES', 'describe_origin', 'is_note', 'Note', 'note_lines', 'NOTE_TOPIC', 'Notes',
-           'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC', 'TRUTH_TOPIC']
+           'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC',
+           'SENSORS_REPORT_TOPIC', 'TRUTH_TOPIC']
 
 CONTINUES = 'continues'
 """The key in that record that names the bag before this one."""
@@ -32,6 +33,7 @@ RECORD = 'heading_intercompare'
 
 NOTE_TOPIC = 'operator/note'
 REPORT_TOPIC = 'compliance/report'
+SENSORS_REPORT_TOPIC = 'sensors/report'
 TRUTH_TOPIC = 'truth/heading'
 """Topic of the true heading, which only a simulator knows."""
 

@@ -23,6 +23,7 @@ from heading_intercompare.cli.terminal.console import find_width, say, VERDICT_M
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import from_mapping
 from heading_intercompare.core.verdict.validity import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict
@@ -286,13 +287,13 @@ def check_report(arguments: argparse.Namespace) -> None:
     check_form(arguments.report)
 
 
-def conclude(verdict: Verdict, arguments: argparse.Namespace) -> int:
+def conclude(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace) -> int:
     """
     Print the verdict, write it as JSON if asked for, and return the exit code.
 
     Parameters
     ----------
-    verdict : Verdict
+    verdict : Verdict or SensorsVerdict
     arguments : argparse.Namespace
         With `json` and `check`.
 
@@ -314,9 +315,9 @@ def code_of(outcome: Outcome, validity_effect: str) -> int:
     return _CHECK_CODES[outcome]
 
 
-def _show(verdict: Verdict) -> None:
+def _show(verdict: Verdict | SensorsVerdict) -> None:
     """Print a verdict: the figures of each run, or of a campaign a line per recording."""
-    if is_campaign(verdict):
+    if isinstance(verdict, Verdict) and is_campaign(verdict):
         say('\n'.join(campaign_lines(verdict, find_width(sys.stdout))), VERDICT_MARKS)
     else:
         say(str(verdict), VERDICT_MARKS)

@@ -92,4 +92,7 @@ def _state_of(view: BridgeView, phase: str) -> tuple[object, ...]:
     return (phase, view.lamp.word, view.lamp.given_ns, _NUMBER.sub('#', view.validity.words),
             tuple((one.name, one.state) for one in view.alarms),
             tuple((one.name, one.level, one.stale) for one in view.nodes),
-            view.ts.stale, view.rs.stale, view.run.number)
+            view.ts.stale, view.rs.stale, view.run.number,
+            None if view.sensors is None else (
+                _NUMBER.sub('#', view.sensors.vote),
+                tuple((one.now.stale, one.lamp.word) for one in view.sensors.rows)))

@@ -10,7 +10,14 @@ from typing import Iterable, NamedTuple, Sequence
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.web.bridge.bridge_records import NodeView, Tone, TrendView
 from heading_intercompare.web.bridge.bridge_view import BridgeView
-from heading_intercompare.web.bridge.view_texts import alarm_words, node_words, Said, tell
+from heading_intercompare.web.bridge.view_texts import (
+    alarm_words,
+    node_words,
+    Said,
+    sensor_words,
+    tell,
+    vote_words,
+)
 from heading_intercompare.web.bridge.wording import span_words
 
 __all__ = ['draw_sparkline', 'lay_out', 'Line', 'one_line']
@@ -63,16 +70,19 @@ def lay_out(view: BridgeView, columns: int, rows: int, *, title: str = '', phase
     def line(label: str, *places: str, bold: bool = False) -> Line:
         found = [said[place] for place in places if said[place].text]
         return Line(label, '; '.join(one.text for one in found), _gravest(found), bold)
-    fixed = [
-        *([Line('', title, bold=True)] if title else []),
+    heading = [Line('', title, bold=True)] if title else []
+    verdict = [Line('verdict', said['lamp'].text, said['lamp'].tone, bold=True),
+               *(Line('', one.text) for one in (said['lamp_given'], said['lamp_headline'])
+                 if one.text),
+               line('now', 'validity')]
+    fixed = [*heading, *_list_sensors(view), *verdict, line('bag', 'bag')] if view.sensors else [
+        *heading,
         _numeral('TS', said['ts_heading'], said['ts_state']),
         _numeral('RS', said['rs_heading'], said['rs_state']),
         _numeral('TS - RS', said['difference'], said['difference_state']),
         line('turn', 'turn'),
         *([line('AHRS', 'mode')] if view.mode else []),
-        Line('verdict', said['lamp'].text, said['lamp'].tone, bold=True),
-        *(Line('', one.text) for one in (said['lamp_given'], said['lamp_headline']) if one.text),
-        line('now', 'validity'),
+        *verdict,
         Line('run', ' '.join(filter(None, [said['run'].text, _bar(view)]))),
         line('missing', 'lacking'),
         line('window', 'window', 'norm'),
@@ -96,6 +106,13 @@ def _numeral(label: str, figure: Said, state: Said) -> Line:
 def _gravest(said: Iterable[Said]) -> Tone:
     order = (Tone.NONE, Tone.GOOD, Tone.DOUBT, Tone.BAD)
     return max((one.tone for one in said), key=order.index, default=Tone.NONE)
+
+
+def _list_sensors(view: BridgeView) -> list[Line]:
+    """Return a line for each of several sensors, and the vote."""
+    vote = vote_words(view)
+    return [*(Line(name, said.text, said.tone, bold=True) for name, said in sensor_words(view)),
+            Line('vote', vote.text, vote.tone)]
 
 
 def _list_alarms(view: BridgeView) -> list[Line]:
@@ -175,6 +192,13 @@ def draw_sparkline(points: Sequence[tuple[float, float]], width: int) -> str:
                    for cell in cells)
 
 
+def _tell_sensors(view: BridgeView) -> list[str]:
+    """Return the headings of several sensors, and the vote."""
+    heard = ', '.join(f'{name} {" ".join(said.text[:7].split())}'
+                      for name, said in sensor_words(view))
+    return [heard, vote_words(view).text]
+
+
 def one_line(view: BridgeView, now_ns: int, phase: str = '') -> str:
     """Return a view as one line of plain text, with the time of day."""
     said = tell(view)
@@ -182,8 +206,9 @@ def one_line(view: BridgeView, now_ns: int, phase: str = '') -> str:
     given = f' ({said["lamp_given"].text})' if said['lamp_given'].text else ''
     parts = [
         phase,
-        f'TS {said["ts_heading"].text}, RS {said["rs_heading"].text}, TS - RS '
-        f'{said["difference"].text}' if heard else 'neither TS nor RS heard yet',
+        *(_tell_sensors(view) if view.sensors else [
+            f'TS {said["ts_heading"].text}, RS {said["rs_heading"].text}, TS - RS '
+            f'{said["difference"].text}' if heard else 'neither TS nor RS heard yet']),
         f'verdict {view.lamp.word}{given}' if view.judged else '',
         view.validity.words,
         f'{said["run"].text}, {said["lacking"].text}' if view.run.number else '',

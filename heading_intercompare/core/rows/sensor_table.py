@@ -10,7 +10,8 @@ from heading_intercompare.core.declared_settings import Checked, setting, Settin
 
 from .settings_rows import read_rows
 
-__all__ = ['find_reference', 'read_sensors', 'Sensor', 'SENSOR_CLASS_NAMES']
+__all__ = ['describe_driver', 'find_reference', 'find_tested', 'list_tested', 'read_sensors',
+           'Sensor', 'SENSOR_CLASS_NAMES']
 
 SENSOR_CLASS_NAMES = ('gyrocompass', 'ins', 'ins_aided', 'gnss_compass')
 """The classes of sensors; each has a slowest error, see `core/decision/coverage`."""
@@ -117,3 +118,27 @@ def _check_new(sensor: Sensor, before: list[Sensor]) -> None:
 def find_reference(sensors: tuple[Sensor, ...]) -> Sensor | None:
     """Return the reference of all others; None if there is none."""
     return next((one for one in sensors if one.is_reference), None)
+
+
+def list_tested(sensors: tuple[Sensor, ...]) -> tuple[Sensor, ...]:
+    """Return the sensors that are compared with a reference; empty without one."""
+    reference = find_reference(sensors)
+    return () if reference is None else tuple(one for one in sensors if one is not reference)
+
+
+def find_tested(sensors: tuple[Sensor, ...], name: str) -> tuple[Sensor, Sensor]:
+    """Return a tested sensor by its name, and the reference; SettingsError if it is not tested."""
+    reference, tested = find_reference(sensors), list_tested(sensors)
+    if reference is None:
+        raise SettingsError(f'sensor = {name!r}: no row of sensors has the word rs')
+    for one in tested:
+        if one.name == name:
+            return one, reference
+    raise SettingsError(f'sensor = {name!r}: must be one of '
+                        f'{", ".join(one.name for one in tested)}')
+
+
+def describe_driver(sensor: Sensor) -> dict[str, str]:
+    """Return the settings of a driver that the row of a sensor gives."""
+    return {name: value for name in ('sentence', 'talker', 'instrument')
+            if (value := getattr(sensor, name))}

@@ -29,6 +29,8 @@ class SensorsComparison:
         With `sensors`.
     source, table, progress
         As for `Intercomparison`.
+    only_others : bool
+        Leave out the pairs with the reference, which other nodes judge: `tested` is empty.
 
     Attributes
     ----------
@@ -49,14 +51,15 @@ class SensorsComparison:
 
     def __init__(self, settings: Settings, *, source: str = '',
                  table: Sequence[tuple[int, int]] | None = None,
-                 progress: Callable[[str], None] = lambda text: None) -> None:
+                 progress: Callable[[str], None] = lambda text: None,
+                 only_others: bool = False) -> None:
         self.sensors = check_sensors(settings)
         reference = find_reference(self.sensors)
         self.tested: dict[str, Intercomparison] = {}
         self.others: dict[tuple[str, str], Intercomparison] = {}
         self._reference = '' if reference is None else reference.name
         free = [sensor for sensor in self.sensors if sensor is not reference]
-        if reference is not None:
+        if reference is not None and not only_others:
             for sensor in free:
                 self.tested[sensor.name] = Intercomparison(
                     settings_of_pair(settings, sensor, reference), source=source, table=table,
@@ -66,9 +69,10 @@ class SensorsComparison:
                 settings_of_pair(settings, first, second), source=source, table=table,
                 sampler=PairSampler())
 
-    def update(self, headings: Mapping[str, Headings]) -> dict[str, Pairs]:
+    def update(self, headings: Mapping[str, Headings],
+               now_s: float | None = None) -> dict[str, Pairs]:
         """
-        Take readings by the names of their sensors.
+        Take readings by the names of their sensors; `now_s` as for `Pairer.update`.
 
         Returns
         -------
@@ -77,10 +81,10 @@ class SensorsComparison:
 
         """
         reference = headings.get(self._reference)
-        found = {name: one.update(headings.get(name), reference)
+        found = {name: one.update(headings.get(name), reference, now_s)
                  for name, one in self.tested.items()}
         for (first, second), other in self.others.items():
-            other.update(headings.get(first), headings.get(second))
+            other.update(headings.get(first), headings.get(second), now_s)
         return found
 
     def lose(self, name: str, key: LedgerKey, losses: Losses) -> None:
@@ -103,6 +107,11 @@ class SensorsComparison:
         for other in self.others.values():
             other.begin_again()
         return {name: one.begin_again() for name, one in self.tested.items()}
+
+    def forget_earlier(self) -> None:
+        """Join the segments of all ledgers that are too old for a verdict."""
+        for one in self._all:
+            one.pairer.forget_earlier()
 
     def finish(self) -> dict[str, Pairs]:
         """End all streams; return the last pairs of each tested sensor."""

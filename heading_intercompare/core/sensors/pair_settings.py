@@ -8,10 +8,10 @@ from dataclasses import replace
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.norm_presets import sigma_max_deg
-from heading_intercompare.core.rows.sensor_table import read_sensors, Sensor
+from heading_intercompare.core.rows.sensor_table import find_tested, read_sensors, Sensor
 from heading_intercompare.core.settings import Risk, Settings, SettingsError
 
-__all__ = ['check_sensors', 'risk_of', 'settings_of_pair']
+__all__ = ['check_sensors', 'risk_of', 'settings_of_pair', 'settings_of_tested']
 
 
 def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
@@ -85,3 +85,19 @@ def check_sensors(settings: Settings) -> tuple[Sensor, ...]:
     for sensor in sensors[1:]:
         settings_of_pair(settings, sensors[0], sensor)
     return sensors
+
+
+def settings_of_tested(settings: Settings, name: str | None) -> Settings:
+    """
+    Return the settings of one sensor and the reference; as given for None.
+
+    Raises
+    ------
+    SettingsError
+        If it is not among the tested ones, or a sensor has no norm.
+
+    """
+    if name is None:
+        return settings
+    sensors = check_sensors(settings)
+    return settings_of_pair(settings, *find_tested(sensors, name))

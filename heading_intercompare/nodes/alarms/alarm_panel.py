@@ -102,7 +102,7 @@ class AlarmPanel:
     def _hear(self, text: str) -> None:
         """Acknowledge the alarm that a message names: `jump`, `compliance: jump`, or `all`."""
         node, colon, name = text.strip().rpartition(':')
-        if not colon or node.strip() == self._node.get_name():
+        if not colon or node.strip() == self._health.name:
             self.acknowledge(None if name.strip() == ALL else name.strip())
 
     def _note(self, changed: Iterable[Alarm]) -> None:
@@ -114,7 +114,7 @@ class AlarmPanel:
     def _say(self, alarm: Alarm) -> None:
         line = f'{_SAID[alarm.state]}: {alarm.rule.name}: {alarm.words}'
         if self.tell is not None:
-            self.tell(f'{self._node.get_name()}: {line}')
+            self.tell(f'{self._health.name}: {line}')
             return
         logger = self._node.get_logger()
         level = alarm_level(alarm)
@@ -143,7 +143,7 @@ class AlarmPanel:
                   'raised_ns': alarm.raised_ns, 'acknowledged_ns': alarm.acknowledged_ns,
                   'cleared_ns': alarm.cleared_ns}
         words = 'no alarm' if alarm.state is AlarmState.NORMAL else alarm.words
-        return Status(f'{self._node.get_name()}: {alarm.rule.name}', alarm_level(alarm), words,
+        return Status(f'{self._health.name}: {alarm.rule.name}', alarm_level(alarm), words,
                       {**values, **alarm.values})
 
 

@@ -47,9 +47,11 @@ class Audience:
     publishers : sequence of Publisher
         Publishers of the topics.
     wanted : int
-        Subscriptions that each must have.
+        Subscriptions that each must have; 0: do not wait.
     health : Health
         Shows that the node waits.
+    further : mapping of str to int, optional
+        How many more a topic must have, by its name before remapping.
 
     Attributes
     ----------
@@ -59,8 +61,10 @@ class Audience:
     """
 
     def __init__(self, node: Node, publishers: Sequence[Publisher], wanted: int,
-                 health: Health) -> None:
+                 health: Health, further: Mapping[str, int] | None = None) -> None:
         self._node, self._publishers, self._wanted = node, publishers, wanted
+        self._further = {node.resolve_topic_name(topic): n
+                         for topic, n in (further or {}).items() if wanted}
         self._health, self._there = health, False
         self.sole = SoleNode(node, [p.topic_name for p in publishers], health)
         self._began_s = time.monotonic()
@@ -80,7 +84,8 @@ class Audience:
                 self._words = f'looking for other publishers of {self._publishers[0].topic_name}'
                 return False
             counts = {p.topic_name: p.get_subscription_count() for p in self._publishers}
-            missing = {topic: n for topic, n in counts.items() if n < self._wanted}
+            missing = {topic: n for topic, n in counts.items()
+                       if n < self._wanted + self._further.get(topic, 0)}
             self._there, self._words = not missing, self._describe(missing)
             late = missing and time.monotonic() > self._began_s + _PATIENCE_S
             self._health.note('audience', WARN if late else OK,
@@ -92,10 +97,15 @@ class Audience:
         if not missing:
             return ''
         topics = ' and '.join(missing)
-        if self._wanted == 1:
+        wanted = {topic: self._wanted + self._further.get(topic, 0) for topic in missing}
+        if len({*wanted.values()}) > 1:
+            return 'waiting for subscribers of ' + ', '.join(
+                f'{topic} ({n} of {wanted[topic]})' for topic, n in missing.items())
+        most = max(wanted.values())
+        if most == 1:
             return f'waiting for a subscriber of {topics}'
         there = ' and '.join(map(str, missing.values()))
-        return f'waiting for {self._wanted} subscribers of {topics} ({there} there)'
+        return f'waiting for {most} subscribers of {topics} ({there} there)'
 
 
 class Allowance:

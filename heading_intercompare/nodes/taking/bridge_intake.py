@@ -27,6 +27,9 @@ from .recorded_topics import ALARMS_TOPIC
 
 __all__ = ['BridgeIntake']
 
+# With several sensors one node hears the headings, and says what to show of them.
+_OF_SENSORS = (('figures', qos.STATUS), ('vote', qos.STATUS), ('verdict', qos.VERDICT))
+
 
 class BridgeIntake:
     """
@@ -53,6 +56,15 @@ class BridgeIntake:
                  trend_limit_deg: float | None = None) -> None:
         self._bridge = Bridge(settings, trend_limit_deg=trend_limit_deg,
                               stale_s=taking.stale_s, namespace=node.get_namespace())
+        several = settings.sensors is not None
+        self._listen(node, health, several)
+        self._intakes: dict[str, Intake] = {}
+        self._pairs: Intake | None = None
+        if not several:
+            self._hear_pair(node, health, settings, taking)
+
+    def _hear_pair(self, node: Node, health: Health, settings: Settings, taking: Taking) -> None:
+        """Make what hears the headings of two sensors, and their pairs."""
         arrivals = Arrivals(node, self._drain, taking.drain_period_s)
         self._intakes = {stream: Intake(
             node, topic, HEADING_TYPES, qos.HEADINGS_IN, health,
@@ -63,12 +75,14 @@ class BridgeIntake:
                              needed=False, counted=False, arrivals=arrivals)
         for intake in (*self._intakes.values(), self._pairs):
             intake.open = False
-        self._listen(node, health)
 
-    def _listen(self, node: Node, health: Health) -> None:
+    def _listen(self, node: Node, health: Health, several: bool) -> None:
         """Subscribe to the statuses of the graph."""
         bridge = self._bridge
-        for topic, profile, act in (
+        for name, profile in _OF_SENSORS if several else ():
+            subscribe(node, DiagnosticArray, f'sensors/{name}', profile, health, decode_statuses,
+                      lambda told, name=name: bridge.take_sensors(name, *told, time.monotonic()))
+        for topic, profile, act in () if several else (
                 ('compliance/rolling', qos.STATUS, bridge.take_rolling),
                 ('compliance/run', qos.STATUS, bridge.take_run),
                 ('compliance/verdict', qos.VERDICT, bridge.take_verdict)):
@@ -79,8 +93,9 @@ class BridgeIntake:
                 (DIAGNOSTICS_TOPIC, qos.HEADINGS_UNRELIABLE, bridge.take_health)):
             subscribe(node, DiagnosticArray, topic, profile, health, decode_statuses,
                       lambda told, take=act: take(told[1], time.monotonic()))
-        subscribe(node, DiagnosticArray, 'pairs/ledger', qos.LEDGER, health, decode_ledger,
-                  self._book)
+        if not several:
+            subscribe(node, DiagnosticArray, 'pairs/ledger', qos.LEDGER, health, decode_ledger,
+                      self._book)
 
     def _book(self, told: LedgerMessage) -> None:
         self._bridge.take_ledger(told, time.monotonic())
@@ -89,7 +104,7 @@ class BridgeIntake:
 
     def open(self) -> None:
         """Hear headings and pairs from now on."""
-        for intake in (*self._intakes.values(), self._pairs):
+        for intake in (*self._intakes.values(), *([self._pairs] if self._pairs else [])):
             intake.open = True
 
     def _drain(self) -> None:
@@ -102,6 +117,8 @@ class BridgeIntake:
             if taken:
                 self._bridge.take_headings(stream, headings, taken[-1][1]['received_timestamp'],
                                            now_s)
+        if self._pairs is None:
+            return
         pairs, refused = read_pairs([message for message, _ in self._pairs.take()])
         self._pairs.refuse(refused)
         self._bridge.take_pairs(pairs, now_s)

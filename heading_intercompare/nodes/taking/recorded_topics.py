@@ -17,8 +17,10 @@ from heading_intercompare.bags.rosbag2.part_states import DIAGNOSTICS_TOPIC, Par
 from heading_intercompare.bags.rosbag2.provenance import (
     NOTE_TOPIC,
     REPORT_TOPIC,
+    SENSORS_REPORT_TOPIC,
     TRUTH_TOPIC,
 )
+from heading_intercompare.core.rows.sensor_table import find_reference, list_tested, read_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.ledger_messages import lost_topic
@@ -116,8 +118,8 @@ class _Diagnostics(Intake):
 class _Ledgers(Intake):
     """The ledgers of the synchronizer, which count the headings that were published."""
 
-    def __init__(self, node: Node, health: Health, first_wait_s: float) -> None:
-        super().__init__(node, 'pairs/ledger', STATUS_TYPES, qos.LEDGER, health,
+    def __init__(self, node: Node, health: Health, first_wait_s: float, topic: str) -> None:
+        super().__init__(node, topic, STATUS_TYPES, qos.LEDGER, health,
                          first_wait_s=first_wait_s, sole=False)
         self.headings = PublishedHeadings()
 
@@ -136,15 +138,22 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, health: Health,
 
     Those of the graph, the true heading if there is one, notes, and the diagnostics if wanted.
     """
+    sensors = read_sensors(settings.sensors)
+    headings = [one.heading_topic for one in sensors] or [settings.ts_topic, settings.rs_topic]
+    # Those of two sensors, or of each tested one.
+    places = [f'{one.name}/' for one in list_tested(sensors)] if sensors else ['']
     rows = [
-        (settings.ts_topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True),
-        (settings.rs_topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True),
-        ('pairs', PAIRS_TYPES, qos.PAIRS_TAKEN, qos.PAIRS_TAKEN, True),
+        *((topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True) for topic in headings),
         (MARKER_TOPIC, STATUS_TYPES, qos.MARKER, qos.MARKER, True),
-        ('compliance/verdict', STATUS_TYPES, qos.VERDICT, qos.VERDICT, True),
-        (REPORT_TOPIC, TEXT_TYPES, qos.REPORT, qos.REPORT, True),
         (NOTE_TOPIC, TEXT_TYPES, qos.NOTE, qos.NOTE, False)]
-    headings = (settings.ts_topic, settings.rs_topic)
+    for place in places:
+        rows += [
+            (f'{place}pairs', PAIRS_TYPES, qos.PAIRS_TAKEN, qos.PAIRS_TAKEN, True),
+            (f'{place}compliance/verdict', STATUS_TYPES, qos.VERDICT, qos.VERDICT, True),
+            (f'{place}{REPORT_TOPIC}', TEXT_TYPES, qos.REPORT, qos.REPORT, True)]
+    if sensors:
+        rows += [('sensors/verdict', STATUS_TYPES, qos.VERDICT, qos.VERDICT, True),
+                 (SENSORS_REPORT_TOPIC, TEXT_TYPES, qos.REPORT, qos.REPORT, True)]
     if resolve_topic(node, TRUTH_TOPIC) not in [resolve_topic(node, topic) for topic in headings]:
         # First: nobody waits for it, but its subscription must be there when the headings start.
         rows.insert(0, (TRUTH_TOPIC, TRUTH_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, False))
@@ -154,11 +163,15 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, health: Health,
         node, topic, types, heard, health, first_wait_s=taking.first_wait_s, sole=False,
         needed=expected, **_keep(heard)), expected)
         for topic, types, heard, offered, expected in rows}
-    ledgers = _Ledgers(node, health, taking.first_wait_s)
-    found['pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True)
-    for stream, topic in zip(('ts', 'rs'), headings):
-        found[topic] = found[topic]._replace(
-            count_published=partial(ledgers.headings.count, stream))
+    reference = find_reference(sensors)
+    tested = [one.heading_topic for one in list_tested(sensors)]
+    for at, place in enumerate(places):
+        ledgers = _Ledgers(node, health, taking.first_wait_s, f'{place}pairs/ledger')
+        found[f'{place}pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True)
+        counted = [tested[at], reference.heading_topic] if reference is not None else headings
+        for stream, topic in zip(('ts', 'rs'), counted):
+            found[topic] = found[topic]._replace(
+                count_published=partial(ledgers.headings.count, stream))
     found[ALARMS_TOPIC] = Recorded(_offer(qos.ALARMS), _Alarms(node, health), False)
     if states.kept:
         found[DIAGNOSTICS_TOPIC] = Recorded(_offer(qos.STATUS), _Diagnostics(node, health, states),

@@ -10,6 +10,7 @@ from typing import Mapping, Sequence
 
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.rows.sensor_table import read_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.status_messages import ERROR, OK, Status, WARN
@@ -27,6 +28,7 @@ from .bridge_records import (
     ValidityView,
     WindowView,
 )
+from .sensors_panel import SensorsPanel, SensorsView
 from .verdict_lamp import light_lamp
 from .wording import integer, lacking_words, real, shorten
 
@@ -76,6 +78,8 @@ class BridgeView:
         Time since anything came from the graph, seconds; None before the first message.
     judged : bool
         The node that judges is heard.
+    sensors : SensorsView or None
+        With several sensors: all of them; then there are neither TS and RS nor their difference.
 
     """
 
@@ -100,6 +104,7 @@ class BridgeView:
     bag: BagView = BagView()
     graph_age_s: float | None = None
     judged: bool = False
+    sensors: SensorsView | None = None
 
 
 @dataclass(slots=True)
@@ -160,6 +165,21 @@ class Bridge:
         self._alarms: dict[str, Status] = {}
         self._nodes: dict[str, _Node] = {}
         self._heard_s: float | None = None
+        sensors = read_sensors(settings.sensors)
+        self._panel = SensorsPanel(sensors, stale_s) if sensors else None
+
+    def take_sensors(self, topic: str, stamp_ns: int, statuses: Sequence[Status],
+                     now_s: float) -> None:
+        """Take `sensors/figures`, `sensors/vote` or `sensors/verdict`, without the first word."""
+        self._heard_s = now_s
+        if self._panel is None:
+            return
+        if topic == 'figures':
+            self._panel.take_figures(statuses, now_s)
+        elif topic == 'vote':
+            self._panel.take_vote(statuses)
+        else:
+            self._panel.take_verdict(stamp_ns, statuses)
 
     def take_headings(self, stream: str, headings: Headings, received_ns: int,
                       now_s: float) -> None:
@@ -227,6 +247,8 @@ class Bridge:
     def view(self, now_s: float) -> BridgeView:
         """Return what to show at a time of the steady clock, seconds."""
         self._forget(now_s)
+        if self._panel is not None:
+            return self._view_several(self._panel, now_s)
         ts, rs = (self._streams[name].view(now_s) for name in ('ts', 'rs'))
         pair_age_s = None if self._pair_s is None else now_s - self._pair_s
         # A pair waits for the readings on both sides of it.
@@ -252,6 +274,27 @@ class Bridge:
             nodes=tuple(self._view_node(name, now_s) for name in sorted(self._nodes)),
             mode=self._view_mode(now_s), bag=self._view_bag(now_s),
             graph_age_s=None if self._heard_s is None else now_s - self._heard_s, judged=judged)
+
+    def _view_several(self, panel: SensorsPanel, now_s: float) -> BridgeView:
+        """Return what to show of a graph of several sensors."""
+        sensors, alarms = panel.view(now_s), self._view_alarms()
+        judged = not self._is_silent('sensors_watch', now_s)
+        grave = [one.name for one in alarms if one.active and one.priority == 'warning']
+        if grave:
+            validity = ValidityView(f'not all sensors are sound now: {", ".join(grave)}', Tone.BAD)
+        elif not judged:
+            validity = ValidityView('not known: the node sensors_watch is not heard', Tone.DOUBT)
+        else:
+            validity = ValidityView('nothing speaks against a sensor now', Tone.NONE)
+        lamp = panel.lamp
+        if lamp.tone is Tone.GOOD and (validity.tone is not Tone.NONE or not judged):
+            lamp = replace(lamp, tone=Tone.DOUBT)
+        return BridgeView(
+            lamp=lamp, validity=validity, alarms=alarms,
+            nodes=tuple(self._view_node(name, now_s) for name in sorted(self._nodes)),
+            mode=self._view_mode(now_s), bag=self._view_bag(now_s),
+            graph_age_s=None if self._heard_s is None else now_s - self._heard_s, judged=judged,
+            sensors=sensors)
 
     def _forget(self, now_s: float) -> None:
         """Drop the nodes that ended long ago, with their alarms: nobody is left to clear them."""

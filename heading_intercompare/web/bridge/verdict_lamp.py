@@ -13,7 +13,7 @@ from heading_intercompare.messages.status_messages import Status
 from .bridge_records import LampView, Tone
 from .wording import clock, integer, shorten
 
-__all__ = ['coming_words', 'light_lamp']
+__all__ = ['coming_words', 'light_lamp', 'make_lamp']
 
 _TONES = {Outcome.COMPLIANT: Tone.GOOD, Outcome.INDETERMINATE: Tone.DOUBT,
           Outcome.NON_COMPLIANT: Tone.BAD}
@@ -60,7 +60,7 @@ def _judge_look(look: Status | None, stamp_ns: int) -> LampView | None:
     if look is None:
         return None
     values = look.values
-    return _make(values.get('outcome', ''), values.get('validity_effect', ''), stamp_ns,
+    return make_lamp(values.get('outcome', ''), values.get('validity_effect', ''), stamp_ns,
                  f"look {values.get('look', '?')} of {values.get('looks', '?')}",
                  values.get('headline') or look.message)
 
@@ -72,12 +72,14 @@ def _judge_runs(named: dict[str, Status], stamp_ns: int) -> LampView | None:
         return None
     last = named.get(f'run {n}')
     end_ns = None if last is None else integer(last.values.get('end_ns'))
-    return _make(whole.values.get('outcome', ''), whole.values.get('validity', ''),
+    return make_lamp(whole.values.get('outcome', ''), whole.values.get('validity', ''),
                  stamp_ns if end_ns is None else end_ns,
                  'end of run 1' if n == 1 else f'end of run {n}, all {n} together', whole.message)
 
 
-def _make(outcome: str, validity: str, given_ns: int, what: str, headline: str) -> LampView:
+def make_lamp(outcome: str, validity: str, given_ns: int, what: str,
+              headline: str) -> LampView:
+    """Return the lamp for an outcome and its validity, as words of a message."""
     try:
         tone = _TONES[Outcome(outcome)]
     except ValueError:

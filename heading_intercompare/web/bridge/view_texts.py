@@ -11,10 +11,11 @@ from heading_intercompare.web.figures.stream_watch import SensorView
 
 from .bridge_records import NodeView, Tone
 from .bridge_view import BridgeView
+from .sensors_panel import SensorRow
 from .verdict_lamp import coming_words
 from .wording import age_words, clock, size_words, span_words
 
-__all__ = ['alarm_words', 'node_words', 'Said', 'tell']
+__all__ = ['alarm_words', 'node_words', 'Said', 'sensor_words', 'tell', 'vote_words']
 
 _SIGNS = {Tone.NONE: '…', Tone.GOOD: '✔', Tone.DOUBT: '!', Tone.BAD: '✖'}
 _LEVELS = ('OK', 'WARNING', 'ERROR')
@@ -83,6 +84,39 @@ def alarm_words(view: BridgeView) -> list[tuple[str, Said]]:
         f'{"acknowledged" if one.acknowledged else "not acknowledged"}, {clock(one.raised_ns)})',
         Tone.BAD if one.active and one.priority == 'warning' else Tone.DOUBT))
         for one in view.alarms]
+
+
+def sensor_words(view: BridgeView) -> list[tuple[str, Said]]:
+    """Return the name and the words of each of several sensors."""
+    rows = view.sensors.rows if view.sensors else ()
+    return [(one.name, _describe_sensor(one)) for one in rows]
+
+
+def _describe_sensor(one: SensorRow) -> Said:
+    state = _sensor(one.now)
+    if one.reference:
+        figures = 'the reference'
+    elif one.std_deg is None:
+        figures = 'too few differences yet'
+    else:
+        share = '' if one.share is None else f' = {one.share:.2f} of what both norms explain'
+        figures = (f'from {one.against}: mean {_deg(one.mean_deg, "+")}, '
+                   f'sd {_deg(one.std_deg)}{share}')
+    verdict = '' if one.reference else f'{_SIGNS[one.lamp.tone]} {one.lamp.word}'
+    words = [f'{_heading(one.now).text:<7} {state.text}', figures, verdict,
+             'the vote names it now' if one.named else '']
+    tones = [state.tone, one.lamp.tone, Tone.BAD if one.named else Tone.NONE]
+    order = (Tone.NONE, Tone.GOOD, Tone.DOUBT, Tone.BAD)
+    return Said('; '.join(filter(None, words)), max(tones, key=order.index))
+
+
+def vote_words(view: BridgeView) -> Said:
+    """Return the vote on the rolling window; '' for two sensors."""
+    sensors = view.sensors
+    if sensors is None:
+        return Said('')
+    return _aged(f'now: {sensors.vote}' if sensors.vote else 'no vote yet', sensors.age_s,
+                 sensors.stale)._replace(tone=sensors.vote_tone)
 
 
 def node_words(view: BridgeView) -> list[Said]:

@@ -9,8 +9,10 @@ import os
 from pathlib import Path
 import sys
 import time
+from typing import Any
 
 from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.bags.recording.journal import name_journal
 from heading_intercompare.bags.recording.run_journal import find_bag
 from heading_intercompare.bags.rosbag2.trial_parts import name_first, name_next
 from heading_intercompare.cli.commands.analyze import (
@@ -19,18 +21,18 @@ from heading_intercompare.cli.commands.analyze import (
     conclude,
 )
 from heading_intercompare.cli.commands.note import add_note_argument, read_notes
+from heading_intercompare.cli.commands.several_sensors import choose_pair
 from heading_intercompare.cli.terminal.live_view import LiveView
 from heading_intercompare.core.decision.coverage import least_duration_words
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.settings import from_mapping, SettingsError
+from heading_intercompare.core.rows.sensor_table import describe_driver, list_tested, read_sensors
+from heading_intercompare.core.sensors.pair_settings import check_sensors, settings_of_tested
+from heading_intercompare.core.settings import from_mapping, Settings, SettingsError
 from heading_intercompare.nodes.settings import ComplianceNode
 
 from .web_option import add_web_argument, read_web
 
 __all__ = ['add_arguments', 'run']
-
-_DRIVERS = ('ts_driver', 'rs_driver')
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
@@ -49,16 +51,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run until the sources end or the user presses Ctrl-C; print the verdict."""
     config = load_config(arguments.config)
-    settings = settings_for(config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs)
-    Limits.of(settings.norms, settings.model)
-    topics = dict(zip(_DRIVERS, (settings.ts_topic, settings.rs_topic)))
-    drivers = {name: {'topic': topics[name], **config.sections[name]}
-               for name in _DRIVERS if name in config.sections}
+    settings = choose_pair(settings_for(config, arguments.set, ts_topic=arguments.ts,
+                                        rs_topic=arguments.rs), arguments.ts, arguments.rs)
+    sensors = read_sensors(settings.sensors)
+    if sensors:
+        check_sensors(settings)
+    else:
+        Limits.of(settings.norms, settings.model)
+    usual = _describe_drivers(settings)
+    drivers = {name: {**given, **config.sections[name]}
+               for name, given in usual.items() if name in config.sections}
     for name, driver in drivers.items():
         if driver.get('source') is None:
             raise SettingsError(f'{arguments.config}: section {name!r}: source is missing, e.g. '
                                 'source: udp://239.192.0.3:60003; without the section '
-                                f'{topics[name]} is heard as a topic')
+                                f'{driver["topic"]} is heard as a topic')
     recorder = {**config.sections.get('recorder', {}), **(
         {'parameter_file': arguments.config} if arguments.config else {})}
     if notes := read_notes(arguments):
@@ -69,8 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     own.setdefault('journal', f'{output or "heading"}.journal')
     rule = from_mapping(ComplianceNode, {
         name: value for name, value in own.items() if name == 'resume_within_s'})
-    before = find_bag(Path(own['journal']), settings, within_s=rule.resume_within_s,
-                      now_ns=time.time_ns())
+    before = _find_former(own['journal'], settings, rule.resume_within_s)
     if before is not None:
         recorder['continues'] = os.path.basename(before)
     if output is None:
@@ -84,8 +90,9 @@ def run(arguments: argparse.Namespace) -> int:
     if before is not None:
         print(f'note: goes on with the trial of {before}; records {output}', file=sys.stderr)
     if not arguments.quiet:
-        print(f'note: {least_duration_words(settings.risk)}', file=sys.stderr)
-        if heard := [topic for name, topic in topics.items() if name not in drivers]:
+        if not sensors:
+            print(f'note: {least_duration_words(settings.risk)}', file=sys.stderr)
+        if heard := [given['topic'] for name, given in usual.items() if name not in drivers]:
             print(f'note: listening to {" and ".join(heard)}; Ctrl-C ends the trial',
                   file=sys.stderr)
     with LiveView(f'heading-intercompare live: {output}', 'Ctrl-C ends the trial',
@@ -99,3 +106,23 @@ def run(arguments: argparse.Namespace) -> int:
             show=None if arguments.quiet else shown.show,
             tell=None if arguments.quiet else shown.tell)
     return conclude(verdict, arguments)
+
+
+def _describe_drivers(settings: Settings) -> dict[str, dict[str, Any]]:
+    """Return what each driver would be given, by its name: the topic, and words of its row."""
+    sensors = read_sensors(settings.sensors)
+    if not sensors:
+        return {'ts_driver': {'topic': settings.ts_topic},
+                'rs_driver': {'topic': settings.rs_topic}}
+    return {f'{one.name}_driver': {'topic': one.heading_topic, **describe_driver(one)}
+            for one in sensors}
+
+
+def _find_former(journal: str, settings: Settings, within_s: float) -> str | None:
+    """Return the newest recording of the trial that the journals go on with, if there is one."""
+    sensors = read_sensors(settings.sensors)
+    trials = [(name_journal(journal, one.name), settings_of_tested(settings, one.name))
+              for one in list_tested(sensors)] if sensors else [(journal, settings)]
+    found = (find_bag(Path(path), own, within_s=within_s, now_ns=time.time_ns())
+             for path, own in trials)
+    return next((bag for bag in found if bag is not None), None)

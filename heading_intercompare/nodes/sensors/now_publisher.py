@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Publishing of all pairs in the rolling window, of the vote on them, and its alarms."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Mapping
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+
+from heading_intercompare.core.rows.sensor_table import find_reference
+from heading_intercompare.core.sensors.comparison import SensorsComparison
+from heading_intercompare.core.sensors.sensors_now import (
+    describe_now,
+    PairNow,
+    vote_now,
+    vote_rules,
+    vote_signs,
+)
+from heading_intercompare.core.sensors.vote import Vote
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.status_messages import decode_statuses
+from heading_intercompare.nodes.alarms.alarm_panel import AlarmPanel
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.message_types import STATUS_TYPES
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.taking.intake import Intake
+from heading_intercompare.web.figures.stream_watch import SensorView
+
+from .sensors_messages import (
+    encode_sensors_figures,
+    encode_vote,
+    FIGURES_TOPIC,
+    VOTE_TOPIC,
+)
+
+__all__ = ['NowPublisher']
+
+
+class NowPublisher:
+    """
+    Publishes what the rolling window says of all pairs, and raises the alarm of the vote.
+
+    Parameters
+    ----------
+    node, health
+        The node, and its state.
+    settings : Settings
+        With `sensors`.
+    comparison : SensorsComparison
+        Has the pairs without the reference.
+    stale_s : float
+        Age after which the figures of a compliance node count no more, seconds.
+
+    Attributes
+    ----------
+    panel : AlarmPanel
+        An alarm for each sensor.
+
+    """
+
+    def __init__(self, node: Node, health: Health, settings: Settings,
+                 comparison: SensorsComparison, stale_s: float) -> None:
+        self._comparison, self._stale_s = comparison, stale_s
+        self._mean_max_deg = settings.detectors.mean_max_deg
+        self._names = [one.name for one in comparison.sensors]
+        reference = find_reference(comparison.sensors)
+        self._reference = '' if reference is None else reference.name
+        # They come with every batch of pairs, and only the newest is wanted.
+        self._rolling: dict[str, Intake] = {}
+        self._told: dict[str, tuple[Mapping[str, Any], float]] = {}
+        self._figures = node.create_publisher(DiagnosticArray, FIGURES_TOPIC, qos.STATUS)
+        self._vote = node.create_publisher(DiagnosticArray, VOTE_TOPIC, qos.STATUS)
+        self.panel = AlarmPanel(node, health, vote_rules(self._names))
+        for name in self._names if self._reference else ():
+            if name != self._reference:
+                self._rolling[name] = Intake(node, f'{name}/compliance/rolling', STATUS_TYPES,
+                                             qos.STATUS, health, needed=False, counted=False)
+
+    def look(self, views: Mapping[str, SensorView], newest_ns: int | None,
+             judged: Vote | None) -> Vote:
+        """
+        Publish figures and vote, and update the alarms; call it once a second.
+
+        Parameters
+        ----------
+        views : mapping of str to SensorView
+            Each sensor as it reports.
+        newest_ns : int or None
+            The newest stamp.
+        judged : Vote or None
+            The vote on the judged runs, if there is one.
+
+        """
+        pairs = [*self._list_tested(), *self._list_others()]
+        vote, ns = vote_now(self._names, pairs), newest_ns or 0
+        self._figures.publish(encode_sensors_figures(
+            {name: _describe(view) for name, view in views.items()}, pairs, ns))
+        self._vote.publish(encode_vote(vote, judged, ns))
+        if newest_ns is not None:
+            self.panel.update(vote_signs(self._names, vote, pairs), newest_ns)
+        return vote
+
+    def _list_tested(self) -> list[PairNow]:
+        now_s, found = time.monotonic(), []
+        for name, intake in self._rolling.items():
+            for data, _ in intake.take()[-1:]:
+                self._told[name] = _read(data), now_s
+            values, came_s = self._told.get(name, ({}, now_s))
+            found.append(describe_now((name, self._reference),
+                                      values if now_s - came_s <= self._stale_s else {},
+                                      self._mean_max_deg))
+        return found
+
+    def _list_others(self) -> list[PairNow]:
+        return [describe_now(names, one.compliance.rolling_figures(), self._mean_max_deg)
+                for names, one in self._comparison.others.items()]
+
+
+def _read(data: bytes) -> Mapping[str, Any]:
+    """Return the figures in a message; none if it is damaged."""
+    try:
+        return {key: value for one in decode_statuses(data)[1]
+                for key, value in one.values.items()}
+    except MessageError:
+        return {}
+
+
+def _describe(view: SensorView) -> dict[str, Any]:
+    return {'heading_deg': view.heading_deg, 'last_deg': view.last_deg, 'age_s': view.age_s,
+            'rate_hz': view.rate_hz, 'offset_s': view.offset_s, 'stale': view.stale,
+            'flagged': view.flagged}

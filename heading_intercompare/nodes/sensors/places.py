@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Where the nodes of each sensor are: their namespaces, topics, names and files.
+
+Each tested sensor has a synchronizer and a compliance node of its own, in a namespace with its
+name. They are those of two sensors. The topics that all of them share are in the namespace above.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+import os
+
+from rclpy.node import Node
+
+from heading_intercompare.bags.recording.journal import name_journal
+from heading_intercompare.core.rows.sensor_table import (
+    find_reference,
+    find_tested,
+    list_tested,
+    read_sensors,
+    Sensor,
+)
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.marks import MARKER_TOPIC
+from heading_intercompare.nodes.settings import ComplianceNode
+
+__all__ = ['called', 'choose_streams', 'count_judges', 'count_subscribers', 'further_subscribers',
+           'heading_topics', 'place_files', 'remap_rules', 'SHARED_TOPICS']
+
+SHARED_TOPICS = (MARKER_TOPIC, 'compliance/alarms', 'compliance/acknowledge')
+"""Topics that the nodes of all sensors have in common, beside the headings."""
+
+
+def choose_streams(settings: Settings, sensor: str | None) -> Settings:
+    """Return settings with the streams of a sensor and the reference; as given for None."""
+    if sensor is None:
+        return settings
+    ts, rs = find_tested(read_sensors(settings.sensors), sensor)
+    return replace(settings, ts_topic=ts.heading_topic, rs_topic=rs.heading_topic,
+                   ts_convention=ts.convention, rs_convention=rs.convention)
+
+
+def called(node: Node, sensor: str | None) -> str:
+    """Return what to call a node on /diagnostics: its name, after that of its sensor."""
+    name: str = node.get_name()
+    return name if sensor is None else f'{sensor}/{name}'
+
+
+def place_files(own: ComplianceNode) -> ComplianceNode:
+    """Return the settings of a node with the files of its sensor, if it has one."""
+    sensor = own.sensor
+    if sensor is None:
+        return own
+    return replace(
+        own, ship=f'{own.ship}/{sensor}' if own.ship else sensor,
+        report_dir=None if own.report_dir is None else os.path.join(own.report_dir, sensor),
+        journal=own.journal if own.journal in (None, '-') else name_journal(own.journal, sensor))
+
+
+def remap_rules(sensors: tuple[Sensor, ...], namespace: str) -> dict[str, str]:
+    """
+    Return the topics that the nodes of a sensor find in the namespace of the graph.
+
+    Parameters
+    ----------
+    sensors : tuple of Sensor
+    namespace : str
+        Of the graph.
+
+    Returns
+    -------
+    dict of str to str
+        Rules for topics only: a service of the same name stays where it is.
+
+    """
+    topics = [one.heading_topic for one in sensors]
+    return {f'rostopic://{topic}': f'{namespace.rstrip("/")}/{topic}'
+            for topic in (*topics, *SHARED_TOPICS) if topic[0] not in '/~'}
+
+
+def count_subscribers(sensors: tuple[Sensor, ...], recorded: bool) -> int:
+    """Return how many subscriptions the headings of a tested sensor have in a graph."""
+    # Synchronizer or sensors_watch, and the recorder; with a reference, both of the first.
+    return 1 + recorded + bool(list_tested(sensors))
+
+
+def heading_topics(settings: Settings) -> list[str]:
+    """Return the topics of the headings of all sensors, or of TS and RS."""
+    return ([one.heading_topic for one in read_sensors(settings.sensors)]
+            or [settings.ts_topic, settings.rs_topic])
+
+
+def count_judges(settings: Settings) -> int:
+    """Return how many nodes of a graph take the marks of runs."""
+    sensors = read_sensors(settings.sensors)
+    # A synchronizer and a compliance node for each tested sensor, and sensors_watch.
+    return 2 * len(list_tested(sensors)) + 1 if sensors else 2
+
+
+def further_subscribers(settings: Settings) -> dict[str, int]:
+    """Return how many subscriptions more than others the topic of the reference has."""
+    sensors = read_sensors(settings.sensors)
+    reference = find_reference(sensors)
+    return {} if reference is None else {reference.heading_topic: len(list_tested(sensors)) - 1}

@@ -1,0 +1,230 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The graph of several sensors: live, replayed and offline verdicts are the same."""
+
+from __future__ import annotations
+
+import json
+
+from diagnostic_msgs.msg import DiagnosticArray
+import pytest
+from sensor_msgs.msg import Imu
+from std_srvs.srv import Trigger
+
+from heading_intercompare.app.sensors import judge_sensor_bags
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.sensors.compare_sensors import find_sensor_differences
+from heading_intercompare.core.sensors.pair_settings import settings_of_tested
+from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
+from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.verdict.compare_verdicts import find_differences
+from heading_intercompare.messages.status_messages import decode_statuses
+from heading_intercompare.nodes.compliance import Compliance
+from heading_intercompare.nodes.graph import intercompare, Source
+from heading_intercompare.nodes.replayer import Replayer
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.parameters import make_overrides
+from heading_intercompare.nodes.sensor_simulator import SensorSimulator
+from heading_intercompare.nodes.sensors.places import remap_rules
+from heading_intercompare.nodes.sensors_watch import SensorsWatch
+from heading_intercompare.nodes.synchronizer import Synchronizer
+
+from .rclpy_objects import heading_messages
+
+ROWS = """
+    gyro1  topic=ts/heading  sigma_max_deg=0.3
+    gyro2  sigma_max_deg=0.3
+    ins    sigma_max_deg=0.2
+    gnss   topic=rs/heading  sigma_max_deg=0.2  """
+
+# Two pairs a second are judged of those without the reference, and 128 differences are needed.
+COMMON = {'pairing.method': 'interpolate', 'risk.min_duration_s': 60.0}
+SETTINGS = {'sensors': ROWS + 'rs', **COMMON}
+FREE = {'sensors': ROWS, **COMMON}
+
+TRIAL = {'duration_s': 150.0, 'seed': 5, 'legs': '0 350 12; 40 20 12', 'stamps': 'scenario',
+         'speed': 0.0, 'ts.rate_hz': 5.0, 'ts.white_deg': 0.05, 'rs.rate_hz': 4.0,
+         'rs.phase_s': 0.03, 'rs.white_deg': 0.05, 'others':
+         'gyro2 rate_hz=5 phase_s=0.05 white_deg=2; ins rate_hz=10 white_deg=0.05'}
+
+
+def simulate(settings, **more):
+    """Return the verdict of a graph on the simulated trial."""
+    return intercompare([Source(SensorSimulator, 'sensor_simulator', TRIAL)], settings,
+                        private=True, **more)
+
+
+def offline(bag, settings):
+    """Return the verdict on a bag."""
+    return judge_sensor_bags([bag], Settings.from_mapping(settings)).verdict
+
+
+@pytest.fixture(scope='module')
+def trial(tmp_path_factory):
+    """Return the live verdict of a trial with a reference, its folder, and what was told."""
+    folder, told = tmp_path_factory.mktemp('several'), []
+    live = simulate(SETTINGS, output=str(folder / 'bag'), report_dir=str(folder / 'reports'),
+                    tell=told.append)
+    return live, folder, told
+
+
+def test_the_live_verdict_on_several_sensors_is_that_of_the_recording(trial):
+    live, folder, _ = trial
+    assert live.vote.wrong == ('gyro2',)
+    assert live.verdicts['gyro2'].outcome is Outcome.NON_COMPLIANT
+    assert sorted(live.verdicts) == ['gyro1', 'gyro2', 'ins'] and len(live.pairs) == 6
+    assert [*find_sensor_differences(live, offline(str(folder / 'bag'), SETTINGS))] == []
+
+
+def test_each_tested_sensor_has_the_verdict_of_a_graph_of_two(trial):
+    """The same path, once per pair: gyro1 and the reference alone give the same figures."""
+    live, _, _ = trial
+    own = settings_of_tested(Settings.from_mapping(SETTINGS), 'gyro1').to_mapping()
+    alone = intercompare(
+        [Source(SensorSimulator, 'sensor_simulator', TRIAL)],
+        {name: value for name, value in own.items() if value is not None}, private=True)
+    assert [*find_differences(live.verdicts['gyro1'], alone)] == []
+
+
+def test_the_bag_holds_all_sensors_and_what_was_said_of_them(trial):
+    live, folder, _ = trial
+    reader = BagReader(str(folder / 'bag'))
+    counts = {name: info.count for name, info in reader.topics.items()}
+    run = live.verdicts['ins'].runs[0].pairing
+    assert counts['/ins/heading'] == run.ts_received == 1500
+    assert counts['/rs/heading'] == run.rs_received == 600
+    assert counts['/gyro2/heading'] == counts['/ts/heading'] == 750
+    for name in ('gyro1', 'gyro2', 'ins'):
+        assert counts[f'/{name}/pairs'] == live.verdicts[name].runs[0].pairing.paired > 500
+        assert counts[f'/{name}/compliance/report'] == 1
+    attached = {a.name: a.data for a in reader.attachments()}
+    assert SensorsVerdict.from_dict(json.loads(attached['report.json'])) == live
+    said = [decode_statuses(message.data)[1]
+            for message in reader.messages(['/sensors/verdict'])][-1]
+    assert [one.name for one in said] == ['verdict', 'gyro1', 'gyro2', 'ins', 'gnss', 'vote']
+    assert said[-1].values['wrong'] == 'gyro2'
+
+
+def test_reports_are_in_a_folder_per_sensor_with_the_verdict_on_all_beside(trial):
+    live, folder, _ = trial
+    reports = folder / 'reports'
+    assert {path.name for path in reports.iterdir() if path.is_dir()} == {'gyro1', 'gyro2', 'ins'}
+    for name in ('gyro1', 'gyro2', 'ins'):
+        assert [path.name[:8] for path in (reports / name).iterdir()] == ['verdict_']
+    written = sorted(path.suffix for path in reports.glob('sensors_*'))
+    assert written == ['.json', '.txt']
+    text, = reports.glob('sensors_*.txt')
+    assert text.read_text() == f'{live}\n'
+
+
+def test_without_a_reference_all_pairs_are_compared_and_the_wrong_one_is_named(tmp_path):
+    bag = str(tmp_path / 'bag')
+    live = simulate(FREE, output=bag)
+    assert live.vote.wrong == ('gyro2',) and not live.verdicts and len(live.pairs) == 6
+    assert [*find_sensor_differences(live, offline(bag, FREE))] == []
+    assert not [name for name in BagReader(bag).topics if name.endswith('/pairs')]
+
+
+@pytest.mark.parametrize('settings', [SETTINGS, FREE], ids=['reference', 'free'])
+def test_a_replay_of_several_sensors_gives_the_live_verdict(trial, settings):
+    _, folder, _ = trial
+    replayed = intercompare(
+        [Source(Replayer, 'replayer', {'bag': str(folder / 'bag'), 'rate': 0.0})], settings,
+        private=True)
+    assert [*find_sensor_differences(replayed, offline(str(folder / 'bag'), settings))] == []
+
+
+def test_the_alarm_names_the_wrong_sensor_while_it_happens():
+    """At twenty times the pace the window is looked at every 20 s."""
+    told = []
+    intercompare([Source(SensorSimulator, 'sensor_simulator', {**TRIAL, 'speed': 20.0})], SETTINGS,
+                 private=True, tell=told.append)
+    raised = [line for line in told if line.startswith('sensors_watch: alarm raised')]
+    assert len(raised) == 1
+    assert raised[0].startswith('sensors_watch: alarm raised: gyro2_wrong: gyro2 differs from '
+                                'gyro1, ins and gnss')
+
+
+def several(ros, make, sensor='', **values):
+    """Make a node of the graph of several sensors; with a sensor, in its namespace."""
+    remaps = remap_rules(read_sensors(SETTINGS['sensors']), '/') if sensor else {}
+    rules = {'__ns': f'/{sensor}', **remaps}
+    named = {'sensor': sensor} if sensor else {}
+    return ros.add(make, cli_args=['--ros-args', *(
+        word for old, new in rules.items() for word in ('-r', f'{old}:={new}'))],
+        parameter_overrides=make_overrides({**SETTINGS, **named, **values}))
+
+
+def test_a_compliance_node_that_starts_again_goes_on_and_the_others_do_not_notice(ros, tmp_path):
+    """That of gyro1 is destroyed as by a crash; its journal and its synchronizer keep all."""
+    reports = str(tmp_path)
+    watch = several(ros, SensorsWatch, report_dir=reports)
+    names = 'gyro1', 'gyro2', 'ins'
+    judges = {name: several(ros, Compliance, name, report_dir=reports) for name in names}
+    pairing = [several(ros, Synchronizer, name, subscribers=1) for name in names]
+    simulator = several(ros, SensorSimulator, **{**TRIAL, 'subscribers': 2, 'speed': 15.0})
+    ros.spin_until(lambda: judges['gyro1'].n_pairs > 200, 60.0)
+    # What waits longest for the disk: a quarter of a second.
+    killed = judges.pop('gyro1')
+    ros.executor.remove_node(killed)
+    ros.nodes.remove(killed)
+    killed.destroy_node()
+    judges['gyro1'] = several(ros, Compliance, 'gyro1', report_dir=reports)
+    ros.spin_until(lambda: simulator.done, 60.0)
+    ros.end(simulator, *pairing, *judges.values(), watch)
+    found = watch.verdict
+    assert found.vote.wrong == ('gyro2',)
+    whole = intercompare([Source(SensorSimulator, 'sensor_simulator', TRIAL)], SETTINGS,
+                         private=True)
+    differences = [one for one in find_sensor_differences(found, whole)
+                   if 'ledger_problems' not in one]
+    assert differences == []
+
+
+def sensors_of(ros, names):
+    """Return publishers of the headings of sensors, by topic."""
+    return {name: ros.plain.create_publisher(Imu, name, qos.HEADINGS_OUT) for name in names}
+
+
+def test_a_mark_acts_on_the_runs_of_all_pairs_a_second_after_the_newest_reading(ros):
+    rows = 'a sigma_max_deg=0.3; b sigma_max_deg=0.3; c sigma_max_deg=0.3'
+    watch = ros.add(SensorsWatch, parameter_overrides=make_overrides({'sensors': rows, **COMMON}))
+    marks = ros.listen(DiagnosticArray, 'compliance/marker', qos.MARKER)
+    figures = ros.listen(DiagnosticArray, 'sensors/figures', qos.STATUS)
+    publishers = sensors_of(ros, ['a/heading', 'b/heading', 'c/heading'])
+    caller = ros.plain.create_client(Trigger, 'compliance/start_run')
+    ros.spin_until(lambda: all(p.get_subscription_count() for p in publishers.values())
+                   and caller.service_is_ready())
+
+    def publish(first_s, last_s):
+        stamps = [(1_700_000_000 + at) * 10 ** 9 for at in range(first_s, last_s)]
+        for message in heading_messages(Headings.of(stamps, [90.0] * len(stamps)), 'x'):
+            for publisher in publishers.values():
+                publisher.publish(message)
+    publish(0, 10)
+
+    def newest():
+        return max((message.header.stamp.sec for message in figures), default=0)
+    ros.spin_until(lambda: newest() == 1_700_000_009)
+    answer = caller.call_async(Trigger.Request())
+    ros.spin_until(answer.done)
+    ros.spin_until(lambda: marks)
+    assert answer.result().success
+    assert marks[0].header.stamp.sec == 1_700_000_010
+    publish(10, 40)
+    ros.spin_until(lambda: newest() == 1_700_000_039)
+    ros.end(watch)
+    runs = [pair.runs for pair in watch.verdict.pairs]
+    assert runs == [1, 1, 1]
+    # The pair at 10 s is of before the run, by its stamp.
+    assert {pair.n for pair in watch.verdict.pairs} == {29}
+
+
+def test_a_sensor_that_is_not_tested_has_no_node(ros):
+    with pytest.raises(SettingsError, match="sensor = 'gnss': must be one of gyro1, gyro2, ins"):
+        several(ros, Compliance, 'gnss')
+    with pytest.raises(SettingsError, match="sensor = 'x': no row of sensors has the word rs"):
+        ros.add(Synchronizer, parameter_overrides=make_overrides({**FREE, 'sensor': 'x'}))

@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What people see of several sensors."""
+
+from __future__ import annotations
+
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.status_messages import ERROR, OK, Status
+from heading_intercompare.web.bridge.bridge_records import Tone
+from heading_intercompare.web.bridge.bridge_view import Bridge
+from heading_intercompare.web.bridge.view_texts import sensor_words, vote_words
+
+ROWS = 'gyro sigma_max_deg=0.3; ins sigma_max_deg=0.1; gnss sigma_max_deg=0.1'
+FIGURES = [
+    Status('gyro', OK, '', {'heading_deg': '45.04', 'last_deg': '45.04', 'age_s': '0.1',
+                            'rate_hz': '10.0', 'stale': 'false'}),
+    Status('ins', OK, '', {'last_deg': '46.0', 'age_s': '60.0', 'stale': 'true'}),
+    Status('gyro - ins', OK, '', {'std_deg': '0.5', 'share': '1.6', 'mean_deg': '0.2'}),
+    Status('gyro - gnss', OK, '', {'std_deg': '0.4', 'share': '1.3', 'mean_deg': '0.1'}),
+    Status('ins - gnss', OK, '', {'std_deg': '0.05', 'share': '0.4', 'mean_deg': '-0.03'})]
+VOTE = [Status('now', ERROR, 'gyro differs from ins and gnss', {'wrong': 'gyro'})]
+VERDICT = [Status('verdict', ERROR, 'gyro NON-COMPLIANT', {'outcome': 'non_compliant',
+                                                           'validity': 'holds'}),
+           Status('gyro', ERROR, 'NON-COMPLIANT', {'outcome': 'non_compliant',
+                                                   'validity': 'holds'})]
+
+
+def bridge(rows):
+    """Return a bridge that has heard all topics at 100 s."""
+    made = Bridge(Settings(sensors=rows))
+    for topic, statuses in (('figures', FIGURES), ('vote', VOTE), ('verdict', VERDICT)):
+        made.take_sensors(topic, 5, statuses, 100.0)
+    return made
+
+
+def test_each_sensor_has_its_heading_its_figures_against_the_reference_and_its_outcome():
+    view = bridge(ROWS + ' rs').view(100.5)
+    gyro, ins, gnss = view.sensors.rows
+    assert (gyro.now.heading_deg, gyro.now.age_s, gyro.against) == (45.04, 0.6, 'gnss')
+    assert (gyro.mean_deg, gyro.std_deg, gyro.share, gyro.named) == (0.1, 0.4, 1.3, True)
+    assert gyro.lamp.word == 'NON-COMPLIANT' and gyro.lamp.tone is Tone.BAD
+    assert ins.now.stale and ins.now.heading_deg is None and ins.lamp.word == 'NONE YET'
+    assert gnss.reference and gnss.now.age_s is None
+    assert view.lamp.word == 'NON-COMPLIANT'
+
+
+def test_without_a_reference_the_figures_are_those_against_the_nearest_sensor():
+    _, ins, gnss = bridge(ROWS).view(100.5).sensors.rows
+    assert (ins.against, ins.mean_deg) == ('gnss', -0.03)
+    assert (gnss.against, gnss.mean_deg) == ('ins', 0.03), 'of gnss - ins'
+
+
+def test_the_words_say_all_of_it():
+    view = bridge(ROWS + ' rs').view(100.5)
+    words = dict(sensor_words(view))
+    assert words['gyro'].text == (
+        '045.0°  age 0.6 s, 10.0 Hz; from gnss: mean +0.100°, sd 0.400° = 1.30 of what both norms '
+        'explain; ✖ NON-COMPLIANT; the vote names it now')
+    assert words['gyro'].tone is Tone.BAD
+    assert words['ins'].text.startswith('– –     STALE: last 046.0°, 60 s ago')
+    assert 'the reference' in words['gnss'].text
+    assert vote_words(view) == ('now: gyro differs from ins and gnss', Tone.BAD)
+
+
+def test_figures_that_are_old_are_no_longer_values():
+    view = bridge(ROWS).view(120.0)
+    assert view.sensors.stale and not view.sensors.rows[0].named
+    assert view.sensors.rows[0].now.heading_deg is None
+    assert 'STALE' in vote_words(view).text
+
+
+def test_two_sensors_have_no_panel():
+    view = Bridge(Settings()).view(1.0)
+    assert view.sensors is None and sensor_words(view) == [] and vote_words(view).text == ''

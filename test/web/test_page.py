@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The page as it is first sent to a browser."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+import subprocess
+import sys
+
+import pytest
+
+CODE = """
+import html, urllib.request
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.status_messages import ERROR, OK, Status
+from heading_intercompare.web.bridge.bridge_view import Bridge
+from heading_intercompare.web.controls import Controls
+from heading_intercompare.web.server import PageServer
+bridge = Bridge(Settings(sensors={rows!r}))
+bridge.take_sensors('figures', 5, [Status('gyro1', OK, '', {{
+    'heading_deg': '45.0', 'age_s': '0.1', 'stale': 'false'}})], 1.0)
+bridge.take_sensors('vote', 5, [Status('now', ERROR, 'gyro1 differs', {{'wrong': 'gyro1'}})], 1.0)
+server = PageServer(Controls(lambda: (bridge.view(1.5), 0.0), None), port=0)
+print(html.unescape(urllib.request.urlopen(server.url, timeout=30).read().decode()))
+server.close()
+"""
+
+
+def fetch(rows):
+    """Return the page of a graph; in a process of its own, as NiceGUI is global."""
+    if find_spec('nicegui') is None:
+        pytest.skip('NiceGUI is not installed')
+    done = subprocess.run([sys.executable, '-c', CODE.format(rows=rows)], capture_output=True,
+                          text=True, timeout=100, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.process
+def test_the_page_of_several_sensors_has_a_row_for_each_and_the_vote():
+    page = fetch('gyro1; gyro2; gnss rs')
+    for words in ('gyro2', 'the vote names it now', 'now: gyro1 differs', 'the reference',
+                  'Start run'):
+        assert words in page
+    assert 'TS, tested sensor' not in page
+
+
+@pytest.mark.process
+def test_the_page_of_two_sensors_has_their_panels():
+    page = fetch(None)
+    assert 'TS, tested sensor' in page and 'Still missing' in page
+    assert 'the last outcome' not in page
