@@ -28,13 +28,14 @@ from heading_intercompare.bags.recording.journal_reading import (
 )
 from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
 from heading_intercompare.bags.recording.recorder_losses import count_words
+from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.kept_state import KeptState
 from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pipeline import Compliance, Intercomparison
-from heading_intercompare.core.records import Headings, Losses, Pairs
+from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
 from heading_intercompare.core.settings import leave_out_added, Settings, SettingsError
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.judge import RunResult
@@ -285,6 +286,8 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
             lost.append((key, losses))
     problems: list[str] = []
     marks: list[tuple[str, int]] = []
+    motion = Motion.concatenate([_read_motion(reader, settings, problems) for reader in readers])
+    comparison.take_motion(motion)
 
     def hand_out(pairs: Pairs) -> None:
         for take in takers:
@@ -314,9 +317,19 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
     results = comparison.results()
     if kept:
         results = judge_aligned(Headings.concatenate(kept[ts]), Headings.concatenate(kept[rs]),
-                                results, settings, source=name, lost=lost)
+                                results, settings, source=name, lost=lost, motion=motion)
     return Found(results, comparison.compliance.take_earlier(), comparison.ledger, Input(name),
-                 tuple(problems), tuple(marks))
+                 tuple(problems), tuple(marks), motion=motion)
+
+
+def _read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Motion:
+    """Return the motion of the ship in a bag, and add what could not be read to the problems."""
+    if not settings.motion.compare:
+        return Motion.empty()
+    found = read_bag_motion(reader, settings.motion)
+    if found.unreadable:
+        problems.append(f'{found.unreadable} messages of the motion of the ship cannot be read')
+    return found.rows
 
 
 def _count_headings(readers: Sequence[Readable], topics: Iterable[str]) -> int:

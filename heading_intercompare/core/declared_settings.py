@@ -40,7 +40,11 @@ _GONE = {
 
 _ADDED: dict[str, Any] = {'pairing.jump_s': 10.0, 'runs.every_h': None, 'runs.cut_at_utc': None,
                           'runs.keep': 31, 'alignment.clock_range_s': 600.0,
-                          'exclusions': None, 'trial.latitude_min_deg': None,
+                          'exclusions': None, 'motion.compare': True,
+                          'motion.least_speed_kn': 3.0, 'motion.current_max_kn': 3.0,
+                          'motion.leeway_max_deg': 10.0, 'motion.fix_topic': 'ship/fix',
+                          'motion.velocity_topic': 'ship/velocity',
+                          'motion.rate_topic': 'ship/rate_of_turn', 'trial.latitude_min_deg': None,
                           'trial.latitude_max_deg': None, **{f'trial.{name}': '' for name in (
                               'protocol_number', 'customer', 'purpose', 'ship', 'place',
                               'conditions', 'laboratory', 'operator', 'ts_maker', 'ts_type',

@@ -32,8 +32,8 @@ from .time_rules.exclusions import read_exclusions
 
 __all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown', 'flatten',
            'from_mapping', 'LARGEST_SKEW_S', 'leave_out_added', 'leave_out_gone', 'list_settings',
-           'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential', 'Setting', 'setting',
-           'Settings', 'settings_sha256', 'SettingsError', 'to_mapping', 'Trial']
+           'MotionRule', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential', 'Setting',
+           'setting', 'Settings', 'settings_sha256', 'SettingsError', 'to_mapping', 'Trial']
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,6 +238,27 @@ class Detectors(Checked):
 
 
 @dataclass(frozen=True, slots=True)
+class MotionRule(Checked):
+    """The motion of the ship, against which both headings are checked."""
+
+    compare: bool = setting(
+        True, 'compare the headings with the motion: one that contradicts it makes a run '
+        'doubtful or void')
+    least_speed_kn: float = setting(
+        3.0, 'slowest speed over ground at which the course says anything [kn]', 0.5, 60.0)
+    current_max_kn: float = setting(
+        3.0, 'strongest current across the course [kn]', 0.0, 20.0)
+    leeway_max_deg: float = setting(
+        10.0, 'largest leeway and mounting angle between heading and course through the water '
+        '[deg]', 0.0, 90.0)
+    fix_topic: str = setting('ship/fix', 'topic of the positions (NavSatFix)')
+    velocity_topic: str = setting(
+        'ship/velocity', 'topic of the velocity over ground, east and north (TwistStamped)')
+    rate_topic: str = setting(
+        'ship/rate_of_turn', 'topic of the rate of turn, about the vertical (TwistStamped or Imu)')
+
+
+@dataclass(frozen=True, slots=True)
 class Trial(Checked):
     """Whose trial it is: names for the protocol, empty if unknown; they change no figure."""
 
@@ -305,6 +326,7 @@ class Settings(Checked):
     exclusions: str | None = setting(
         None, 'stretches taken out by hand, each with its reason: rows start, end, reason in UTC, '
         'separated by line ends or a semicolon')
+    motion: MotionRule = field(default_factory=MotionRule)
     trial: Trial = field(default_factory=Trial)
 
     def __post_init__(self) -> None:

@@ -14,6 +14,7 @@ import os
 import re
 from typing import Any, Callable, Iterator, Mapping, Protocol, Sequence
 
+from heading_intercompare.bags.csv.motion_text import motion_of_text
 from heading_intercompare.bags.csv.pairs_account import (
     account_path,
     PairsAccount,
@@ -121,6 +122,8 @@ def judge_csv(path: str, name: str, settings: Settings,
     if account is not None and table is None:
         for kind, stamp_ns in account.marks:
             compliance.mark(kind, stamp_ns)
+    if account is not None:
+        compliance.take_motion(motion_of_text(account.motion))
     rows = open_pairs(path)
     for pairs in rows:
         judging.take(pairs)

@@ -63,7 +63,7 @@ _ROLE_OPTIONS = {
 }
 
 LOG_OPTIONS = (*(f'{role}_{name}' for name in (*_ROLE_OPTIONS, *_SHARED_OPTIONS)
-                 for role in ROLES), *_SHARED_OPTIONS)
+                 for role in ROLES), *_SHARED_OPTIONS, 'motion')
 """Options of `add_log_arguments`, by their names in the parser."""
 
 
@@ -87,15 +87,18 @@ def add_log_arguments(parser: argparse.ArgumentParser) -> None:
                             help=f'{words}; --ts-{option}, --rs-{option}: of one log')
         for role in ROLES:
             parser.add_argument(f'--{role}-{option}', choices=choices, help=argparse.SUPPRESS)
+    parser.add_argument('--motion', metavar='LOG', help='log with the motion of the ship (VTG, '
+                        'RMC, GNS, GGA, GLL, ROT), to check the headings against (default: that '
+                        'of the reference sensor, or of the tested one, if it has any)')
 
 
 def drivers_for(arguments: argparse.Namespace) -> dict[str, DriverSettings]:
-    """Return how to read the log of each sensor; SettingsError for a wrong option."""
+    """Return how to read the log of each sensor and that of the motion; SettingsError if wrong."""
     found = {}
-    for role in ROLES:
+    for role in (*ROLES, 'motion'):
         given = {name: getattr(arguments, name) for name in _SHARED_OPTIONS}
         given.update((name, value) for name in (*_ROLE_OPTIONS, *_SHARED_OPTIONS)
-                     if (value := getattr(arguments, f'{role}_{name}')) is not None)
+                     if (value := getattr(arguments, f'{role}_{name}', None)) is not None)
         found[role] = from_mapping(DriverSettings, {
             name: value for name, value in given.items() if value is not None})
     return found
@@ -171,8 +174,8 @@ def run(arguments: argparse.Namespace) -> int:
         takers = [table.write for table in tables]
         if logs is not None:
             judged = judge_logs(*logs, settings, drivers, takers=takers,
-                                runs=arguments.runs or None, sketched=bool(arguments.report),
-                                progress=progress.show)
+                                runs=arguments.runs or None, motion=arguments.motion,
+                                sketched=bool(arguments.report), progress=progress.show)
         else:
             judged = judge_bags(arguments.inputs, settings, runs=arguments.runs or None,
                                 takers=takers, sketched=bool(arguments.report),
