@@ -28,10 +28,11 @@ from heading_intercompare.bags.recording.journal_reading import (
 )
 from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
 from heading_intercompare.bags.recording.recorder_losses import count_words
-from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
+from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion, read_fixes
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.kept_state import KeptState
+from heading_intercompare.core.motion.antennas import find_baseline_headings
 from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pipeline import Compliance, Intercomparison
@@ -44,6 +45,7 @@ from heading_intercompare.readers.registry import open_recording, sources_of
 from heading_intercompare.readers.stream_recording import StreamRecording
 
 from .config import Config, load_config
+from .logs.antenna_logs import describe_baseline
 from .run_table import RunTable
 from .sources.csv_source import has_pairs, judge_csv
 from .sources.file_hash import hash_files
@@ -177,7 +179,7 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
                 _describe(readers[0], name, settings, digest[0].result()),
                 ledger_problems=found.notes or None))
     described = found.described
-    notes = [f'{name}: {problem}' for problem in found.notes]
+    notes = [f'{name}: {problem}' for problem in (*found.remarks, *found.notes)]
     if not found.results:
         described = replace(described, no_run=explain_no_run(found.ledger, settings, runs))
         notes.append(f'{name}: no run: {described.no_run}')
@@ -273,6 +275,8 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
     comparison = Intercomparison(settings, source=name, table=runs, progress=progress)
     ts, rs = settings.ts_topic, settings.rs_topic
     conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
+    if of_antennas := settings.antennas.fore_topic is not None:
+        del conventions[rs]
     # Aligning a run needs all readings a second time; otherwise they are dropped chunk by chunk.
     kept: dict[str, list[Headings]] = {}
     if settings.alignment.skew == 'apply':
@@ -285,6 +289,7 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
         if kept:
             lost.append((key, losses))
     problems: list[str] = []
+    remarks: list[str] = []
     marks: list[tuple[str, int]] = []
     motion = Motion.concatenate([_read_motion(reader, settings, problems) for reader in readers])
     comparison.take_motion(motion)
@@ -299,8 +304,11 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
                             'are not counted')
         if runs is None:
             marks += _set_marks(comparison, reader)
-        told = BagLosses(reader, {ts: 'ts', rs: 'rs'}, lose)
+        told = BagLosses(reader, dict(zip(conventions, ('ts', 'rs'))), lose)
+        baseline = _read_antennas(reader, settings, remarks) if of_antennas else None
         for chunk in reader.headings(conventions, helpers, told.take):
+            if of_antennas:
+                chunk, baseline = {**chunk, rs: baseline or Headings.empty()}, None
             for topic, chunks in kept.items():
                 chunks.append(chunk[topic])
             n += sum(len(h) for h in chunk.values())
@@ -319,7 +327,20 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
         results = judge_aligned(Headings.concatenate(kept[ts]), Headings.concatenate(kept[rs]),
                                 results, settings, source=name, lost=lost, motion=motion)
     return Found(results, comparison.compliance.take_earlier(), comparison.ledger, Input(name),
-                 tuple(problems), tuple(marks), motion=motion)
+                 tuple(problems), tuple(marks), motion=motion, remarks=tuple(remarks))
+
+
+def _read_antennas(reader: Readable, settings: Settings, remarks: list[str]) -> Headings:
+    """Return the headings of the baseline between two antennas; say what it is like."""
+    rule = settings.antennas
+    (fore, bad), (aft, worse) = (read_fixes(reader, topic or '')
+                                 for topic in (rule.fore_topic, rule.aft_topic))
+    found = find_baseline_headings(fore, aft, rule)
+    counts = {**found.rejected, 'unreadable': bad + worse}
+    lacking = ', '.join(f'{n} {why}' for why, n in counts.items() if n)
+    remarks.append(f'reference sensor (RS): {len(found.headings)} headings of two antennas, '
+                   f'{describe_baseline(found)}; not taken: {lacking or "nothing"}')
+    return found.headings
 
 
 def _read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Motion:
@@ -365,7 +386,10 @@ def _set_marks(comparison: Intercomparison, reader: Readable) -> list[tuple[str,
 
 def _describe(bag: Readable, name: str, settings: Settings, digest: str) -> Input:
     notes = tuple(OperatorNote(note.stamp_ns, note.text) for note in read_notes(bag))
-    return Input(name, digest, settings.ts_topic, settings.rs_topic, notes or None)
+    rule = settings.antennas
+    rs_topic = (settings.rs_topic if rule.fore_topic is None
+                else f'{rule.fore_topic} - {rule.aft_topic}')
+    return Input(name, digest, settings.ts_topic, rs_topic, notes or None)
 
 
 def sha256(path: str) -> str:

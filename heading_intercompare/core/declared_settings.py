@@ -44,7 +44,10 @@ _ADDED: dict[str, Any] = {'pairing.jump_s': 10.0, 'runs.every_h': None, 'runs.cu
                           'motion.least_speed_kn': 3.0, 'motion.current_max_kn': 3.0,
                           'motion.leeway_max_deg': 10.0, 'motion.fix_topic': 'ship/fix',
                           'motion.velocity_topic': 'ship/velocity',
-                          'motion.rate_topic': 'ship/rate_of_turn', 'trial.latitude_min_deg': None,
+                          'motion.rate_topic': 'ship/rate_of_turn', 'antennas.fore_topic': None,
+                          'antennas.aft_topic': None, 'antennas.baseline_m': None,
+                          'antennas.baseline_angle_deg': 0.0, 'antennas.tolerance_m': None,
+                          'antennas.position_sigma_m': None, 'trial.latitude_min_deg': None,
                           'trial.latitude_max_deg': None, **{f'trial.{name}': '' for name in (
                               'protocol_number', 'customer', 'purpose', 'ship', 'place',
                               'conditions', 'laboratory', 'operator', 'ts_maker', 'ts_type',

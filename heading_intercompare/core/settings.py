@@ -30,10 +30,11 @@ from .declared_settings import (
 from .time_rules.clock_cuts import ClockCuts
 from .time_rules.exclusions import read_exclusions
 
-__all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown', 'flatten',
-           'from_mapping', 'LARGEST_SKEW_S', 'leave_out_added', 'leave_out_gone', 'list_settings',
-           'MotionRule', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential', 'Setting',
-           'setting', 'Settings', 'settings_sha256', 'SettingsError', 'to_mapping', 'Trial']
+__all__ = ['Alignment', 'Antennas', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown',
+           'flatten', 'from_mapping', 'LARGEST_SKEW_S', 'leave_out_added', 'leave_out_gone',
+           'list_settings', 'MotionRule', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential',
+           'Setting', 'setting', 'Settings', 'settings_sha256', 'SettingsError', 'to_mapping',
+           'Trial']
 
 
 @dataclass(frozen=True, slots=True)
@@ -259,6 +260,36 @@ class MotionRule(Checked):
 
 
 @dataclass(frozen=True, slots=True)
+class Antennas(Checked):
+    """Two antennas whose positions give the headings of the RS."""
+
+    fore_topic: str | None = setting(
+        None, 'topic of the positions of the fore antenna (NavSatFix); with aft_topic the RS is '
+        'the baseline between both')
+    aft_topic: str | None = setting(
+        None, 'topic of the positions of the aft antenna (NavSatFix)')
+    baseline_m: float | None = setting(
+        None, 'distance of the antennas, level; none: the median of the record [m]', 0.01, 1000.0)
+    baseline_angle_deg: float = setting(
+        0.0, 'angle from the direction aft to fore antenna to the bow, clockwise; 90 if the fore '
+        'antenna is to port of the other [deg]', -360.0, 360.0)
+    tolerance_m: float | None = setting(
+        None, 'a reading whose baseline is off by more is rejected; none: five times the scatter '
+        'of the baseline [m]', 0.0, 100.0)
+    position_sigma_m: float | None = setting(
+        None, 'standard deviation of a position in each direction; none: from the scatter of the '
+        'baseline [m]', 0.0, 100.0)
+
+    def __post_init__(self) -> None:
+        """Check ranges, and that both topics are given or none."""
+        Checked.__post_init__(self)
+        if (self.fore_topic is None) is not (self.aft_topic is None):
+            given, lacking = (('aft', 'fore') if self.fore_topic is None else ('fore', 'aft'))
+            raise SettingsError(f'antennas.{lacking}_topic: must be given with '
+                                f'antennas.{given}_topic')
+
+
+@dataclass(frozen=True, slots=True)
 class Trial(Checked):
     """Whose trial it is: names for the protocol, empty if unknown; they change no figure."""
 
@@ -327,6 +358,7 @@ class Settings(Checked):
         None, 'stretches taken out by hand, each with its reason: rows start, end, reason in UTC, '
         'separated by line ends or a semicolon')
     motion: MotionRule = field(default_factory=MotionRule)
+    antennas: Antennas = field(default_factory=Antennas)
     trial: Trial = field(default_factory=Trial)
 
     def __post_init__(self) -> None:

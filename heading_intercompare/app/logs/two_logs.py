@@ -24,6 +24,7 @@ from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.readers.registry import has_one_sensor, has_streams
 from heading_intercompare.report import SeriesSketch
 
+from .antenna_logs import import_antennas
 from .log_import import import_log, ImportedLog
 from .log_motion import find_motion, FoundMotion
 
@@ -99,6 +100,7 @@ def _check_texts(inputs: Sequence[str]) -> None:
 
 def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, DriverSettings], *,
                runs: str | None = None, motion: str | None = None,
+               aft: str | None = None,
                takers: Iterable[Callable[[Pairs], None]] = (), sketched: bool = False,
                progress: Callable[[str], None] = lambda text: None) -> Judgement:
     """
@@ -116,6 +118,8 @@ def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, Drive
         Table of runs, a csv file; its source is the log of the TS.
     motion : str, optional
         A log with the motion of the ship; by default that of the RS or of the TS, if it has any.
+    aft : str, optional
+        Log of the aft antenna, if the RS is two antennas; `rs` is that of the fore one.
     takers : iterable of callable
         Each is called with the pairs, chunk by chunk.
     sketched : bool
@@ -142,8 +146,9 @@ def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, Drive
     if runs is not None:
         found, elsewhere = assign_runs(read_run_table(runs), [ts])
         table = [(start, stop) for start, stop, _ in found]
-    log = {role: import_log(path, drivers[role], progress, role=role)
-           for role, path in zip(ROLES, (ts, rs))}
+    log = {'ts': import_log(ts, drivers['ts'], progress, role='ts'),
+           'rs': import_log(rs, drivers['rs'], progress, role='rs') if aft is None
+           else import_antennas((rs, aft), drivers['rs'], settings.antennas)}
     if ts == rs and log['ts'].headings == log['rs'].headings:
         raise ValueError(f'{ts}: gives the same headings as TS and as RS: {_APART}')
     moved = (find_motion({'ts': ts, 'rs': rs}, drivers, motion) if settings.motion.compare

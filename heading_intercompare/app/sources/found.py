@@ -39,6 +39,8 @@ class Found:
         The account that came with it, if it is a csv of pairs.
     motion : Motion
         The motion of the ship.
+    remarks : tuple of str
+        What the user should know, and what is no problem.
 
     """
 
@@ -51,6 +53,7 @@ class Found:
     table: tuple[tuple[int, int], ...] | None = None
     account: PairsAccount | None = None
     motion: Motion = field(default_factory=Motion.empty)
+    remarks: tuple[str, ...] = ()
 
 
 def make_account(found: Found, settings: Settings, *others: Input) -> PairsAccount:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Mapping, NamedTuple, Sequence
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.records import Motion
@@ -16,7 +16,7 @@ from heading_intercompare.messages.motion.motion_messages import (
 
 from .readable import Readable
 
-__all__ = ['BagMotion', 'motion_topics', 'read_bag_motion']
+__all__ = ['BagMotion', 'motion_topics', 'read_bag_motion', 'read_fixes']
 
 _BATCH = 20_000
 _WORDS = {'fix': 'positions', 'velocity': 'velocity over ground', 'rate': 'rate of turn'}
@@ -79,8 +79,38 @@ def read_bag_motion(bag: Readable, rule: MotionRule) -> BagMotion:
                            f'motion.{what}_topic', bag.path)
         wanted.setdefault(name, []).append((what, kind))
         found[what] = name
+    rows, unreadable = _read(bag, wanted)
+    return BagMotion(rows, found, unreadable)
+
+
+def read_fixes(bag: Readable, topic: str) -> tuple[Motion, int]:
+    """
+    Return the positions of one antenna, and the number of messages that could not be read.
+
+    Parameters
+    ----------
+    bag : Readable
+    topic : str
+        A topic of NavSatFix.
+
+    Raises
+    ------
+    OSError, BagError
+        If the recording cannot be read, or lacks the topic, or has it with another type.
+
+    """
+    name = bag.resolve(topic)
+    kind = bag.topics[name].type_name
+    if kind not in MOTION_TYPES['fix']:
+        raise BagError(f'topic {name} is {kind or "without a schema"}; the positions of an '
+                       f'antenna are {", ".join(MOTION_TYPES["fix"])}', bag.path)
+    return _read(bag, {name: [('fix', kind)]})
+
+
+def _read(bag: Readable, wanted: Mapping[str, Sequence[tuple[str, str]]]) -> tuple[Motion, int]:
+    """Return the rows of some topics, each with what to take and its type; count the others."""
     if not wanted:
-        return BagMotion(Motion.empty(), {}, 0)
+        return Motion.empty(), 0
     chunks: list[Motion] = []
     unreadable = 0
     waiting: dict[str, list[bytes]] = {name: [] for name in wanted}
@@ -98,4 +128,4 @@ def read_bag_motion(bag: Readable, rule: MotionRule) -> BagMotion:
         if len(waiting[message.topic]) >= _BATCH:
             unreadable += take(message.topic)
     unreadable += sum(take(name) for name in wanted)
-    return BagMotion(Motion.concatenate(chunks), found, unreadable)
+    return Motion.concatenate(chunks), unreadable

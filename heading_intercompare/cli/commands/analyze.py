@@ -63,7 +63,7 @@ _ROLE_OPTIONS = {
 }
 
 LOG_OPTIONS = (*(f'{role}_{name}' for name in (*_ROLE_OPTIONS, *_SHARED_OPTIONS)
-                 for role in ROLES), *_SHARED_OPTIONS, 'motion')
+                 for role in ROLES), *_SHARED_OPTIONS, 'motion', 'rs_antennas')
 """Options of `add_log_arguments`, by their names in the parser."""
 
 
@@ -90,6 +90,18 @@ def add_log_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--motion', metavar='LOG', help='log with the motion of the ship (VTG, '
                         'RMC, GNS, GGA, GLL, ROT), to check the headings against (default: that '
                         'of the reference sensor, or of the tested one, if it has any)')
+
+
+def add_antenna_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of an RS that is two antennas."""
+    parser.add_argument('--rs-antennas', metavar=('FORE', 'AFT'), nargs=2,
+                        help='logs with the positions of two antennas, whose baseline is the '
+                        'reference sensor; the INPUT is then the log of the tested one alone')
+    parser.add_argument('--baseline-m', metavar='M', type=float,
+                        help='their distance in metres (antennas.baseline_m; default: the median)')
+    parser.add_argument('--baseline-angle', metavar='DEG', type=float,
+                        help='angle from the direction aft to fore antenna to the bow, clockwise '
+                        '(antennas.baseline_angle_deg; default: 0)')
 
 
 def drivers_for(arguments: argparse.Namespace) -> dict[str, DriverSettings]:
@@ -130,6 +142,7 @@ def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor')
     parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor')
     add_log_arguments(parser)
+    add_antenna_arguments(parser)
     add_settings_arguments(parser)
     parser.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
     parser.add_argument('--runs-csv', metavar='F', help='write one row per run: recording, start, '
@@ -159,14 +172,19 @@ def run(arguments: argparse.Namespace) -> int:
     config = load_config_or_journal(arguments.config, arguments.inputs)
     settings = settings_for(
         config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs,
-        exclusions=read_exclusion_table(arguments.exclude) if arguments.exclude else None)
+        exclusions=read_exclusion_table(arguments.exclude) if arguments.exclude else None,
+        **{'antennas.baseline_m': arguments.baseline_m,
+           'antennas.baseline_angle_deg': arguments.baseline_angle})
     Limits.of(settings.norms, settings.model)
     drivers = drivers_for(arguments)
-    logs = find_logs(arguments.inputs, drivers, recordings=bool(arguments.ts and arguments.rs))
+    fore, aft = arguments.rs_antennas or (None, None)
+    logs = find_logs([*arguments.inputs, *([fore] if fore else [])], drivers,
+                     recordings=bool(arguments.ts and arguments.rs))
     _check_options(arguments, logs is not None)
     outputs = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
                       arguments.ensemble_s, arguments.runs_csv)
-    check_outputs(outputs, arguments.inputs, config=arguments.config, runs=arguments.runs)
+    check_outputs(outputs, [*arguments.inputs, *(arguments.rs_antennas or ())],
+                  config=arguments.config, runs=arguments.runs)
     book = _open_logbook(arguments.logbook)
     with (ExitStack() as files, Progress(_label(arguments), arguments.quiet) as progress,
           _cluster(arguments.dask) as executor):
@@ -174,7 +192,7 @@ def run(arguments: argparse.Namespace) -> int:
         takers = [table.write for table in tables]
         if logs is not None:
             judged = judge_logs(*logs, settings, drivers, takers=takers,
-                                runs=arguments.runs or None, motion=arguments.motion,
+                                runs=arguments.runs or None, motion=arguments.motion, aft=aft,
                                 sketched=bool(arguments.report), progress=progress.show)
         else:
             judged = judge_bags(arguments.inputs, settings, runs=arguments.runs or None,
@@ -265,8 +283,9 @@ def _check_log_options(arguments: argparse.Namespace, of_logs: bool) -> None:
         (('ts', 'rs', 'dask'), 'is for bags, and these INPUTs are logs; leave it out') if of_logs
         else (LOG_OPTIONS, 'is for logs, and no INPUT is one; leave it out'))
     for option in wrong:
-        if (value := getattr(arguments, option)) is not None:
-            raise ValueError(f'--{option.replace("_", "-")} {value}: {why}')
+        if (value := getattr(arguments, option, None)) is not None:
+            shown = ' '.join(value) if isinstance(value, list) else value
+            raise ValueError(f'--{option.replace("_", "-")} {shown}: {why}')
 
 
 def check_report(arguments: argparse.Namespace) -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
+    'antennas': ('BaselineHeadings', 'find_baseline_headings'),
     'course_legs': ('CourseLegs', 'find_legs'),
     'motion_check': ('check_motion', 'MotionCheck', 'SensorMotion'),
     'motion_words': ('describe_motion', 'explain_motion'),
@@ -19,6 +20,10 @@ __getattr__, __dir__, __all__ = door(__name__, {
 })
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
+    from .antennas import (
+        BaselineHeadings as BaselineHeadings,
+        find_baseline_headings as find_baseline_headings,
+    )
     from .course_legs import CourseLegs as CourseLegs, find_legs as find_legs
     from .motion_check import (
         check_motion as check_motion,

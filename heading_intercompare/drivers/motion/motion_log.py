@@ -29,6 +29,7 @@ from heading_intercompare.drivers.log_lines.stream_times import (
     StreamTimes,
     TIME_SENTENCES,
 )
+from heading_intercompare.drivers.log_lines.times import day_time_ns, nearest_day_ns
 from heading_intercompare.drivers.sentences import Rejected
 from heading_intercompare.drivers.settings import DriverSettings
 
@@ -40,6 +41,8 @@ _BLOCK = 1 << 20
 _TOKENS = tuple(f'{kind},'.encode() for kind in MOTION_KINDS)
 _KINDS = frozenset(kind.encode() for kind in MOTION_KINDS)
 _TIMES = frozenset(kind.encode() for kind in TIME_SENTENCES)
+#: Field with the time of day, by kind.
+_TIME_FIELD = {b'GGA': 1, b'GNS': 1, b'RMC': 1, b'GLL': 5}
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,4 +209,17 @@ class _Reader:
                 self._last_ns = self._times.read(text, own_ns)
             except ValueError:
                 self._last_ns = None
-        return self._last_ns
+        return self._own_time_ns(text, own_ns)
+
+    def _own_time_ns(self, text: bytes, line_ns: int | None) -> int | None:
+        """Return the time of day in a sentence on its day, or the time told last."""
+        at = _TIME_FIELD.get(text[2:5]) if text[5:6] == b',' else None
+        if at is None:
+            return self._last_ns
+        near_ns = self._last_ns if self._last_ns is not None else line_ns
+        try:
+            time_of_day_ns = day_time_ns(text.split(b',', at + 1)[at])
+            return (self._times.place(time_of_day_ns, line_ns) if near_ns is None
+                    else nearest_day_ns(time_of_day_ns, near_ns))
+        except (ValueError, IndexError):
+            return None

@@ -64,6 +64,15 @@ def test_times_of_validity_are_those_of_the_sentences(tmp_path):
     assert bare.rows == {} and bare.not_taken == {'no_stamp': 8}
 
 
+def test_a_position_takes_the_time_of_its_own_sentence(tmp_path):
+    """A ZDA may come after the position of its second, or before it."""
+    zda, gga = 'GPZDA,{0:06d}.00,01,05,2024,,', 'GPGGA,{0:06d}.25,5400.0,N,01000.0,E,1,9,1.0,3.0,M'
+    for name, order in (('a.log', [zda, gga]), ('b.log', [gga, zda])):
+        log = write(tmp_path / name, [order] * 4, stamped=False)
+        stamps = read_log_motion(log, DriverSettings(time='validity')).rows['position'].stamp_ns
+        assert stamps.tolist() == [START_NS + k * S + S // 4 for k in range(4)]
+
+
 def test_a_line_without_a_stamp_takes_that_of_the_last_line_with_one(tmp_path):
     path = tmp_path / 'a.log'
     path.write_text(f'2024-05-01T00:00:00Z {sentence("HEHDT,1.0,T")}\n{sentence("GP" + VTG)}\n')
