@@ -158,7 +158,12 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
     sketches: dict[int, SeriesSketch] = {}
 
     def take(at: int, pairs: Pairs) -> None:
-        sketches.setdefault(at, SeriesSketch()).update(pairs, settings)
+        if at not in sketches:
+            sketches[at] = SeriesSketch()
+            told = motion if motion is None or isinstance(motion, Motion) else motion[at]
+            if told is not None:
+                sketches[at].take_motion(told)
+        sketches[at].update(pairs, settings)
 
     verdict = offline.analyze(ts, rs, settings, take, motion=motion)
     return replace(verdict, plotter=Plotter(tuple(sketches.values())))

@@ -122,6 +122,7 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
                   takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                   *, name: str | None = None,
                   helpers: int = 0, parts: Sequence[str] = (),
+                  take_motion: Callable[[Motion], None] = lambda motion: None,
                   ) -> Analyzed:
     """
     Judge the runs of one input.
@@ -143,6 +144,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         Processes that decode a bag in parallel with this one.
     parts : sequence of str
         Bags that go on with the trial of this one, in their order.
+    take_motion : callable
+        Called with the motion of the ship before the first pairs.
 
     Returns
     -------
@@ -170,11 +173,11 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         if is_journal(path):
             found = _analyze_journal(path, name, settings, runs, takers, progress)
         elif has_pairs(path):
-            found = judge_csv(path, name, settings, runs, takers, progress)
+            found = judge_csv(path, name, settings, runs, takers, progress, take_motion)
         else:
             readers: list[Readable] = [open_recording(one) for one in (path, *parts)]
             found = _analyze_bag(readers, name, settings, runs, takers, progress, start_digest,
-                                 helpers)
+                                 helpers, take_motion)
             found = replace(found, described=replace(
                 _describe(readers[0], name, settings, digest[0].result()),
                 ledger_problems=found.notes or None))
@@ -270,8 +273,8 @@ def _analyze_journal(path: str, name: str, settings: Settings,
 def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
-                 start_digest: Callable[[], None],
-                 helpers: int) -> Found:
+                 start_digest: Callable[[], None], helpers: int,
+                 take_motion: Callable[[Motion], None]) -> Found:
     comparison = Intercomparison(settings, source=name, table=runs, progress=progress)
     ts, rs = settings.ts_topic, settings.rs_topic
     conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
@@ -293,6 +296,7 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
     marks: list[tuple[str, int]] = []
     motion = Motion.concatenate([_read_motion(reader, settings, problems) for reader in readers])
     comparison.take_motion(motion)
+    take_motion(motion)
 
     def hand_out(pairs: Pairs) -> None:
         for take in takers:

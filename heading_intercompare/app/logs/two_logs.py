@@ -156,6 +156,7 @@ def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, Drive
     sketch = SeriesSketch(ts) if sketched else None
     takers = list(takers)
     if sketch is not None:
+        sketch.take_motion(moved.rows)
         takers.append(partial(sketch.update, settings=settings))
     readings = log['ts'].headings, log['rs'].headings
     comparison = Intercomparison(settings, source=ts, table=table, progress=progress)
