@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.core.records import Motion
-from heading_intercompare.drivers.motion.motion_log import read_log_motion
+from heading_intercompare.drivers.motion.motion_log import LoggedMotion, read_log_motion
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from heading_intercompare.readers.registry import has_streams
 
@@ -69,10 +69,10 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
     origin: dict[str, Any] = {}
     seen: set[str] = set()
     for role, path in sources:
-        if path in seen or has_streams(path):
+        if path in seen:
             continue
         seen.add(path)
-        found = read_log_motion(path, drivers[role])
+        found = LoggedMotion() if has_streams(path) else read_log_motion(path, drivers[role])
         if given is not None and not found.rows:
             lacking = ', '.join(f'{n} {why}' for why, n in found.not_taken.items())
             raise DriverError(f'{path}: has no motion of the ship: no VTG, RMC, GNS, GGA, GLL or '

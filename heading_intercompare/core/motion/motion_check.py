@@ -143,18 +143,29 @@ def check_motion(motion: Motion, stamp_ns: Integers, ts_deg: Reals, rs_deg: Real
     legs = find_legs(rows, stamp_ns, ts_deg, rs_deg, rule)
     turns = [compare_turns(rows, stamp_ns, heading) if len(rows.rates()) else None
              for heading in (ts_deg, rs_deg)]
-    astern = np.zeros(len(legs), bool)
-    ts, rs = _against_courses(legs, astern, turns)
-    # A mirrored heading also points astern on some legs.
-    if {ts.kind, rs.kind}.isdisjoint(_PATTERNS) and (astern := _find_astern(legs)).any():
-        ts, rs = _against_courses(legs, astern, turns)
+    ahead = np.zeros(len(legs), bool)
+    ts, rs = _against_courses(legs, ahead, turns)
+    astern, is_unsure = _find_astern(legs), False
+    if astern.any():
+        with_astern = _against_courses(legs, astern, turns)
+        explains = all(each.kind in ('agrees', 'not_testable') for each in with_astern)
+        if not {ts.kind, rs.kind}.isdisjoint(_PATTERNS) and not (explains and _follow(turns)):
+            # A mirrored heading also points astern on some legs, but hardly on all others ahead.
+            astern, is_unsure = ahead, explains
+        else:
+            ts, rs = with_astern
     duration = np.asarray(legs.duration_s, np.float64)
     longest = np.sort(np.argsort(-duration, kind='stable')[:MOST_LEGS])
     found = MotionCheck(
         'not_testable', '', len(rows.positions()), len(rows.velocities()),
         len(rows.rates()), len(legs), float(duration.sum()), float(duration[astern].sum()),
         min(legs.bound_deg, default=None), ts, rs, legs.pick(longest.tolist()))
-    return _conclude(found, _tested_s(legs, astern), largest_arc_deg(legs.course_deg))
+    return _conclude(found, _tested_s(legs, astern), largest_arc_deg(legs.course_deg), is_unsure)
+
+
+def _follow(turns: Sequence[TurnRate | None]) -> bool:
+    """Tell whether all headings turn with the rate of turn, so that none can be mirrored."""
+    return all(each is not None and each.kind == 'follows' for each in turns)
 
 
 def _find_astern(legs: CourseLegs) -> np.ndarray:
@@ -222,10 +233,12 @@ def _tested_s(legs: CourseLegs, astern: np.ndarray) -> float:
     return float(duration[(bound < 180.0) & ~astern].sum())
 
 
-def _conclude(found: MotionCheck, tested_s: float, arc_deg: float) -> MotionCheck:
-    """Return the check with its conclusion."""
+def _conclude(found: MotionCheck, tested_s: float, arc_deg: float,
+              is_unsure: bool) -> MotionCheck:
+    """Return the check with its conclusion; if unsure, a ship going astern explains it, too."""
     sensors = {'ts': found.ts, 'rs': found.rs}
-    grades = {name: _grade_course(sensor, tested_s) for name, sensor in sensors.items()}
+    grades = {name: min(_grade_course(sensor, tested_s), _DOUBT if is_unsure else _SURE)
+              for name, sensor in sensors.items()}
     for name, grade in _grade_turns(sensors, arc_deg).items():
         grades[name] = max(grades[name], grade)
     worst = max(grades.values())

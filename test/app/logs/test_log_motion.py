@@ -53,6 +53,14 @@ def test_a_log_of_its_own_must_tell_something(log):
         find_motion({'ts': ts, 'rs': ts}, DRIVERS, own)
 
 
+def test_a_file_of_another_form_tells_no_motion(log, tmp_path):
+    ts, streams = log('ts', 'HDT'), tmp_path / 'nav.csv'
+    streams.write_text('utc,heading_gyro,heading_gps\n2024-05-01T00:00:00Z,1.0,2.0\n')
+    assert len(find_motion({'ts': str(streams), 'rs': ts}, DRIVERS).rows) == 0
+    with pytest.raises(DriverError, match='has no motion of the ship'):
+        find_motion({'ts': ts, 'rs': ts}, DRIVERS, str(streams))
+
+
 def test_logs_without_motion_give_none_and_no_note(log):
     ts, rs = log('ts', 'HDT'), log('rs', 'HDT')
     found = find_motion({'ts': ts, 'rs': rs}, DRIVERS)

@@ -129,6 +129,28 @@ def test_a_ship_that_goes_astern_for_a_while_raises_nothing(voyages, rng):
     assert found.kind == 'agrees' and 400.0 < found.astern_s < 650.0
 
 
+def two_legs(off_deg):
+    """Return courses of 10 minutes to the north and 6 to the east, and headings off them."""
+    stamps = 10 ** 18 + np.arange(960) * 10 ** 9
+    course = np.where(np.arange(960) < 600, 0.0, 90.0)
+    return (Motion.of_courses(stamps, course, np.full(960, 10.0)), stamps,
+            np.mod(course + np.where(np.arange(960) < 600, 0.0, off_deg), 360.0))
+
+
+def test_a_ship_that_goes_astern_after_a_turn_is_not_surely_mirrored():
+    """North ahead, then east astern: the headings 0 and 270 are also those of mirrored sensors."""
+    motion, stamps, heading = two_legs(180.0)
+    found = check_motion(motion, stamps, heading, heading, MotionRule())
+    assert (found.kind, found.whose, found.ts.kind) == ('doubt', 'both', 'mirrored')
+    turned = np.unwrap(heading, period=360.0)
+    rates = Motion.of_rates(stamps, np.gradient(np.interp(
+        np.arange(960), [500, 590, 960], [turned[0], turned[-1], turned[-1]])))
+    smooth = np.interp(np.arange(960), [500, 590, 960], [turned[0], turned[-1], turned[-1]])
+    found = check_motion(motion + rates, stamps, np.mod(smooth, 360.0), np.mod(smooth, 360.0),
+                         MotionRule())
+    assert (found.kind, found.ts.turns.kind) == ('agrees', 'follows') and found.astern_s > 300.0
+
+
 def test_a_contradiction_for_a_small_part_of_the_time_is_a_doubt(voyages, rng):
     voyage = voyages[0]
     ts, rs = voyage.sensors(rng)
