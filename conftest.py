@@ -46,7 +46,7 @@ else:
 
 OPTIONAL = ('rclpy', 'serial', 'hypothesis', 'rosbags', 'pyarrow', 'mcap_ros2', 'pybag',
             'isal', 'distributed', 'threadpoolctl', 'jinja2', 'matplotlib',
-            'rich', 'argcomplete')
+            'rich', 'argcomplete', 'ephem')
 MISSING = [name for name in OPTIONAL if find_spec(name) is None]
 
 # The examples in the docstrings of nodes can only be collected with ROS. The scripts among the
@@ -67,6 +67,8 @@ try:
     import pyarrow  # noqa: F401
 except ImportError:
     collect_ignore_glob.append('heading_intercompare/readers/parquet.py')
+if 'ephem' in MISSING:
+    collect_ignore_glob.append('heading_intercompare/app/observations/sun.py')
 if find_spec('nicegui') is None:
     collect_ignore_glob += [f'heading_intercompare/web/{name}.py' for name in ('page', 'server')]
 

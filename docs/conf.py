@@ -36,7 +36,7 @@ autodoc_member_order = 'bysource'
 autodoc_typehints = 'none'
 autodoc_mock_imports = [name for name in (
     'rclpy', 'rcl_interfaces', 'diagnostic_msgs', 'geometry_msgs', 'nav_msgs', 'rosgraph_msgs',
-    'sensor_msgs', 'std_msgs', 'std_srvs', 'serial', 'distributed', 'isal', 'pandas')
+    'sensor_msgs', 'std_msgs', 'std_srvs', 'serial', 'distributed', 'isal', 'pandas', 'ephem')
     if find_spec(name) is None]
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False

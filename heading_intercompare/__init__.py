@@ -15,6 +15,8 @@ from heading_intercompare.core.version import VERSION as __version__
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'app.analysis': ('analyze', 'analyze_bag', 'analyze_bags', 'judge_bags'),
+    'app.sensors.sensors_analysis': ('analyze_sensors', 'judge_sensor_bags',
+                                     'judge_sensor_logs'),
     'bags.recording.recorded_headings': ('read_bag', 'RecordedHeadings'),
     'bags.rosbag2.bag_reader': ('BagReader',),
     'core.diagnostics.three_cornered_hat': ('three_cornered_hat',),
@@ -22,6 +24,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'core.pairing.pairer': ('pair', 'Pairer'),
     'core.pipeline': ('Compliance', 'Intercomparison', 'join'),
     'core.records': ('Differences', 'Headings', 'Motion', 'Pairs'),
+    'core.sensors.sensors_verdict': ('SensorsVerdict',),
     'core.settings': ('Alignment', 'CampaignRule', 'Detectors', 'MotionRule', 'Norms', 'Pairing',
                       'Risk', 'RunCutting', 'Sequential', 'Settings', 'SettingsError', 'Trial'),
     'core.verdict.verdict_document': ('RunVerdict', 'Verdict'),
@@ -35,6 +38,11 @@ if TYPE_CHECKING:
         analyze_bag as analyze_bag,
         analyze_bags as analyze_bags,
         judge_bags as judge_bags,
+    )
+    from .app.sensors.sensors_analysis import (
+        analyze_sensors as analyze_sensors,
+        judge_sensor_bags as judge_sensor_bags,
+        judge_sensor_logs as judge_sensor_logs,
     )
     from .bags.recording.recorded_headings import (
         read_bag as read_bag,
@@ -55,6 +63,7 @@ if TYPE_CHECKING:
         Motion as Motion,
         Pairs as Pairs,
     )
+    from .core.sensors.sensors_verdict import SensorsVerdict as SensorsVerdict
     from .core.settings import (
         Alignment as Alignment,
         CampaignRule as CampaignRule,

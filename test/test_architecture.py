@@ -52,7 +52,7 @@ ALLOWED = {
                      {'numpy', 'rclpy'} | MESSAGES),
     'app': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'readers', 'report', 'logbook',
                     'yaml_file'},
-                   {'numpy', 'distributed', 'threadpoolctl'}),
+                   {'numpy', 'distributed', 'threadpoolctl', 'ephem'}),
     'cli': Allowed({'app', 'core', 'drivers', 'ahrs', 'messages', 'bags', 'readers', 'report',
                     'logbook', 'nodes', 'web'},
                    {'numpy', 'yaml', 'rich', 'argcomplete'}),
@@ -63,9 +63,9 @@ ALLOWED = {
 # imports only what stands before it.
 ORDER = {
     'core': ('utc_text', 'given_stamps', 'records', 'angles', 'time_rules', 'declared_settings',
-             'settings', 'json_keys', 'outcome', 'version', 'statistics', 'pairing', 'timing',
-             'decision', 'runs', 'conditions', 'motion', 'diagnostics', 'alarms', 'verdict',
-             'kept_state', 'pipeline', 'offline'),
+             'rows', 'settings', 'json_keys', 'outcome', 'version', 'statistics', 'pairing',
+             'timing', 'decision', 'observations', 'runs', 'conditions', 'motion', 'diagnostics',
+             'alarms', 'verdict', 'kept_state', 'pipeline', 'offline', 'sensors'),
     'drivers': ('settings', 'framing', 'sentences', 'log_lines', 'sentence_choice', 'bursts',
                 'csv_log', 'nmea', 'refused_lines', 'logs', 'motion', 'datagrams', 'playback',
                 'sources'),
@@ -74,7 +74,7 @@ ORDER = {
     'bags': ('errors', 'checked_text', 'settings', 'mcap', 'parallel', 'rosbag2',
              'recording', 'recovery', 'csv'),
     'report': ('sketching', 'series_sketch', 'formatting', 'figures', 'contents', 'json',
-               'json_schema', 'runs_csv', 'html', 'pdf'),
+               'json_schema', 'runs_csv', 'html', 'pdf', 'sensors_report'),
     'readers': ('errors', 'stream_recording', 'nmea2000', 'json_lines', 'tables', 'parquet',
                 'rosbag_recording', 'registry'),
     'web': ('figures', 'bridge', 'controls', 'guard', 'palettes', 'trend_picture', 'page',
@@ -91,6 +91,7 @@ LOADED_BY = {
     'matplotlib': {'report/figures/style'},
     'rosbags': {'readers/rosbag_recording'}, 'apsw': {'readers/rosbag_recording'},
     'pyarrow': {'readers/parquet'},
+    'ephem': {'app/observations/sun'},
     'distributed': {'app/cluster'}, 'argcomplete': {'cli/completion'},
     'rich': {'cli/terminal/console', 'cli/terminal/progress', 'cli/terminal/screen'},
     'nicegui': {'web/page', 'web/server'}, 'fastapi': {'web/server'}, 'uvicorn': {'web/server'},
@@ -119,7 +120,7 @@ TESTS_OF_SEVERAL = {
     'web/test_in_browser',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_documented_commands',
     'test_equations', 'test_examples', 'test_packaging', 'test_plain_english', 'test_settings',
-    'test_site',
+    'test_procedures', 'test_site',
 }
 
 # Core is a function of its input: it reads no clock, file or network, and says nothing.

@@ -116,7 +116,8 @@ def test_type_checkers_are_told_that_the_package_has_types():
 def test_the_templates_are_data_of_the_package_and_of_its_source_archive():
     templates = {p.relative_to(ROOT / NAME).as_posix()
                  for p in (ROOT / NAME / 'report' / 'templates').rglob('*') if p.is_file()}
-    assert templates == {'report/templates/protocol.html', 'report/templates/protocol.css'}
+    assert templates == {f'report/templates/{name}' for name in (
+        'protocol.html', 'protocol.css', 'sensors.html')}
     assert "'report/templates/*'" in (ROOT / 'setup.py').read_text('utf-8')
     assert (f'recursive-include {NAME}/report/templates *'
             in (ROOT / 'MANIFEST.in').read_text('utf-8').splitlines())

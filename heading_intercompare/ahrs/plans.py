@@ -14,8 +14,8 @@ from heading_intercompare.core.settings import SettingsError
 
 from .faults import Fault, FAULTS
 
-__all__ = ['Event', 'EVENTS', 'FIXED', 'parse_events', 'parse_faults', 'parse_fixed', 'parse_legs',
-           'parse_utc']
+__all__ = ['Event', 'EVENTS', 'FIXED', 'parse_deviation', 'parse_events', 'parse_faults',
+           'parse_fixed', 'parse_legs', 'parse_utc']
 
 EVENTS = {
     'gyrocompass': 'command: seek the meridian',
@@ -168,6 +168,28 @@ def parse_events(text: str, name: str = 'events') -> tuple[Event, ...]:
             raise SettingsError(f"{where}: kind {words[1]!r} must be {' or '.join(EVENTS)}")
         events.append(Event(_number(where, words[0], 'time', 0.0), words[1]))
     return tuple(sorted(events, key=lambda event: event.t_s))
+
+
+def parse_deviation(text: str, name: str = 'deviation') -> tuple[float, ...]:
+    """
+    Return the coefficients written as 'B C D E'; all zero for an empty text.
+
+    Raises
+    ------
+    SettingsError
+        If there are more or fewer than four numbers.
+
+    Examples
+    --------
+    >>> parse_deviation('0.3 -0.2 0 0.1')
+    (0.3, -0.2, 0.0, 0.1)
+
+    """
+    words = text.split()
+    if words and len(words) != 4:
+        raise SettingsError(f"{name} = {text!r}: must be four numbers 'B C D E', degrees")
+    return tuple(_number(f'{name} = {text!r}', word, 'coefficient')
+                 for word in words) or (0.0, 0.0, 0.0, 0.0)
 
 
 def parse_fixed(text: str, name: str = 'fixed') -> dict[str, float]:

@@ -15,6 +15,7 @@ from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings
 
+from .plans import parse_deviation
 from .random_noise import Markov, open_stream
 from .sensor_presets import terms_of
 from .settings import AHRS_MODELS, Sensor
@@ -85,6 +86,7 @@ class SimulatedSensor:
                  role: str) -> None:
         self._settings = settings
         self._terms = terms_of(settings)
+        self._deviation = parse_deviation(settings.deviation)
         self._truth = truth
         self._start_ns = start_ns
         self._rng = {name: open_stream(seed, f'{role}.{name}')
@@ -134,6 +136,8 @@ class SimulatedSensor:
         if s.claimed_sigma_deg is not None:
             sigma_deg = np.where(np.isnan(heading_deg), np.nan, s.claimed_sigma_deg)
         heading_deg = heading_deg + self._errors(t_s)
+        if any(self._deviation):
+            heading_deg = heading_deg + self._deviate(t_s)
         if s.resolution_deg:
             heading_deg = s.resolution_deg * np.rint(heading_deg / s.resolution_deg)
         given = self._rng['dropout'].random(t_s.size) >= s.dropout
@@ -152,6 +156,13 @@ class SimulatedSensor:
                 + terms.settling_deg * np.exp(-t_s / terms.settling_tau_s)
                 + terms.tone_deg * np.sin(turning)
                 + self._markov.take(t_s.size) + terms.white_deg * drawn)
+
+    def _deviate(self, t_s: np.ndarray) -> np.ndarray:
+        """Return the error that depends on the true heading, degrees."""
+        b, c, d, e = self._deviation
+        psi = self._truth.heading_rad(t_s)
+        return (b * np.sin(psi) + c * np.cos(psi) + d * np.sin(2.0 * psi)
+                + e * np.cos(2.0 * psi))
 
     def _stamps(self, t_s: np.ndarray) -> np.ndarray:
         """Return the stamps that the clock of the sensor gives these instants."""

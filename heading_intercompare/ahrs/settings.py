@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Mapping
 
 from heading_intercompare.ahrs.ship.seaway import SEAWAYS
+from heading_intercompare.core.rows.settings_rows import read_rows
 from heading_intercompare.core.settings import (
     Checked,
     from_mapping,
@@ -17,11 +18,21 @@ from heading_intercompare.core.settings import (
 )
 
 from .faults import FAULTS
-from .plans import EVENTS, FIXED, parse_events, parse_faults, parse_fixed, parse_legs, parse_utc
+from .plans import (
+    EVENTS,
+    FIXED,
+    parse_deviation,
+    parse_events,
+    parse_faults,
+    parse_fixed,
+    parse_legs,
+    parse_utc,
+)
 
 __all__ = ['Ahrs', 'AHRS_MODELS', 'Errors', 'Scenario', 'Sensor', 'SettingsError']
 
 AHRS_MODELS = ('dtg_precision', 'marine_0p1', 'imo')
+_STREAMS = ('ts', 'rs', 'truth')
 MODELS = ('ideal', 'gnss_compass', *AHRS_MODELS)
 
 
@@ -131,6 +142,8 @@ class Sensor(Checked):
     rate_hz: float = setting(10.0, 'readings per second [Hz]', 0.001, 1000.0)
     phase_s: float = setting(0.0, 'time of the first reading [s]', 0.0, 3600.0)
     offset_deg: float = setting(0.0, 'constant error, or mounting angle [deg]', -360.0, 360.0)
+    deviation: str = setting('', "dependence on the true heading, 'B C D E': B sin + C cos + "
+                             'D sin of twice + E cos of twice the heading [deg]')
     drift_deg_h: float = setting(0.0, 'steady drift [deg/h]', -3600.0, 3600.0)
     settling_deg: float = setting(0.0, 'decaying error at the start [deg]', -360.0, 360.0)
     settling_tau_s: float = setting(1800.0, 'its time constant [s]', 1.0)
@@ -162,6 +175,7 @@ class Sensor(Checked):
         """Check ranges and faults, and that jitter cannot swap two stamps."""
         Checked.__post_init__(self)
         parse_faults(self.faults)
+        parse_deviation(self.deviation)
         if self.stamp_jitter_s * self.rate_hz >= 0.5:
             raise SettingsError(
                 f'stamp_jitter_s = {self.stamp_jitter_s!r}: must be less than half the interval '
@@ -182,12 +196,26 @@ class Scenario(Checked):
     legs: str = setting('0 0 0', "course plan 't_s course_deg speed_kn; ...'")
     ts: Sensor = field(default_factory=Sensor)
     rs: Sensor = field(default_factory=Sensor)
+    others: str = setting(
+        '', "further sensors of the ship, 'name setting=value ...; ...' with the settings of a "
+        'sensor; topic name/heading')
 
     def __post_init__(self) -> None:
-        """Check ranges, the course plan and the start."""
+        """Check ranges, the course plan, the start and the further sensors."""
         Checked.__post_init__(self)
         parse_legs(self.legs)
         parse_utc(self.start_utc)
+        try:
+            names = [name for name, _ in read_rows(self.others, Sensor)]
+        except ValueError as error:
+            raise SettingsError(f'others, {error}') from error
+        if taken := [name for name in names if name.lower() in _STREAMS]:
+            raise SettingsError(f'others: {taken[0]} is the name of another stream')
+
+    @property
+    def sensors(self) -> dict[str, Sensor]:
+        """All simulated sensors: 'ts', 'rs', and the others by name."""
+        return {'ts': self.ts, 'rs': self.rs, **dict(read_rows(self.others, Sensor))}
 
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, Any]) -> 'Scenario':

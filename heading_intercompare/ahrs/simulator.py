@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Iterator
+from typing import Iterator, Mapping
 
 import numpy as np
 
@@ -41,6 +41,8 @@ class SimulatedChunk:
         The same readings with claimed standard deviation and rate of turn.
     ts_statuses, rs_statuses : tuple of AhrsStatus
         Statuses of a gimballed AHRS; empty for other models.
+    others : mapping of str to (Readings, tuple of AhrsStatus)
+        Readings and statuses of the further sensors, by name.
 
     """
 
@@ -50,6 +52,7 @@ class SimulatedChunk:
     rs_readings: Readings
     ts_statuses: tuple[AhrsStatus, ...]
     rs_statuses: tuple[AhrsStatus, ...]
+    others: Mapping[str, tuple[Readings, tuple[AhrsStatus, ...]]]
 
     @property
     def ts(self) -> Headings:
@@ -137,12 +140,12 @@ class Trial:
     def __init__(self, scenario: Scenario, ship: ShipTruth, start_ns: int) -> None:
         s = scenario
         self.now_s = 0.0
-        self._last_s = s.duration_s + max(s.ts.latency_s, s.rs.latency_s)
+        self._last_s = s.duration_s + max(one.latency_s for one in s.sensors.values())
         self._true = _Truth(ship, start_ns, s)
         self._senders = {
             role: _Sender(SimulatedSensor(sensor, ship, start_ns, s.seed, role), sensor,
                           s.duration_s)
-            for role, sensor in (('ts', s.ts), ('rs', s.rs))}
+            for role, sensor in s.sensors.items()}
 
     @property
     def over(self) -> bool:
@@ -151,11 +154,11 @@ class Trial:
 
     def advance(self, end_s: float) -> SimulatedChunk:
         """Return the data delivered from now up to, but not at, `end_s`, which becomes now."""
-        ts, rs = self._senders.values()
-        readings = ts.take(end_s), rs.take(end_s)
+        made = {name: (sender.take(end_s), sender.statuses(end_s))
+                for name, sender in self._senders.items()}
         self.now_s = end_s
-        return SimulatedChunk(end_s, self._true.take(end_s), *readings, ts.statuses(end_s),
-                              rs.statuses(end_s))
+        (ts, ts_said), (rs, rs_said) = made.pop('ts'), made.pop('rs')
+        return SimulatedChunk(end_s, self._true.take(end_s), ts, rs, ts_said, rs_said, made)
 
     def command(self, role: str, kind: str, t_s: float | None = None) -> float:
         """
@@ -164,7 +167,7 @@ class Trial:
         Parameters
         ----------
         role : str
-            'ts' or 'rs'.
+            'ts', 'rs', or the name of a further sensor.
         kind : str
             The event.
         t_s : float, optional
@@ -194,7 +197,7 @@ class Trial:
         Parameters
         ----------
         role : str
-            'ts' or 'rs'.
+            'ts', 'rs', or the name of a further sensor.
         kind : str
             The fault.
         value : float, optional

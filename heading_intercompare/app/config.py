@@ -86,7 +86,7 @@ def _parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
     """
     # The time 12:00 would be a number in YAML, and a reason may hold any sign.
     words = {s.name for s in list_settings(Settings)
-             if s.kinds == (str,) or s.name in ('runs.cut_at_utc', 'exclusions')}
+             if s.kinds == (str,) or s.name in ('runs.cut_at_utc', 'exclusions', 'sensors')}
     values = {}
     for assignment in assignments:
         name, equals, text = assignment.partition('=')

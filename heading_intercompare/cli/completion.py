@@ -12,7 +12,8 @@ from heading_intercompare.core.settings import list_settings, Settings
 __all__ = ['complete', 'complete_setting']
 
 #: Suffixes of the files that an argument takes besides folders, by its name in the parser.
-_FILES = {'bag': ('mcap',), 'bags': ('mcap',), 'inputs': ('mcap', 'csv', 'json', 'journal', 'log'),
+_FILES = {'bag': ('mcap',), 'bags': ('mcap',), 'input': ('mcap', 'csv', 'log'),
+          'table': ('csv',), 'inputs': ('mcap', 'csv', 'json', 'journal', 'log'),
           'config': ('yaml', 'yml'), 'runs': ('csv',), 'csv': ('csv',), 'runs_csv': ('csv',),
           'ensembles': ('csv',),
           'report': ('html', 'json'), 'json': ('json',), 'dask': ('json',),

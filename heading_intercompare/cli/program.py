@@ -27,6 +27,9 @@ COMMANDS = {
              'live --config heading_intercompare.yaml'),
     'analyze': ('analyze', 'judge recorded runs', 'analyze trial_bag '
                 '--set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1'),
+    'observe': ('observe', 'judge the systematic error of a sensor by observations: a quay, a '
+                'survey, a leading line, the sun', 'observe gyro.log quay.csv --bearing 73.42 '
+                '--common-u-deg 0.05 --set norms.systematic_max_deg=0.75'),
     'rejudge': ('rejudge', 'judge old recordings again, and list the outcomes that changed',
                 'rejudge trial_*'),
     'history': ('history', 'list the runs of a logbook, and since when a sensor differs',
@@ -40,10 +43,10 @@ COMMANDS = {
              "note 'course change to 270'"),
     'report': ('report', 'write the protocol of recorded runs, with plots',
                'report trial_bag -o protocol.html --config heading_intercompare.yaml'),
-    'plan': ('plan', 'say before a trial how long to measure, with the chances of a decision',
-             'plan --set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1 '
+    'plan': ('planning.plan', 'say before a trial how long to measure, with the chances of a '
+             'decision', 'plan --set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1 '
              '--set risk.sensor_class=gnss_compass'),
-    'norms': ('norms', 'list the norm presets with their sources', 'norms'),
+    'norms': ('planning.norms', 'list the norm presets with their sources', 'norms'),
     'info': ('info', 'show what a bag holds: topics, rates, settings, runs, verdict',
              'info trial_bag'),
     'recover': ('recover', 'copy everything readable of a cut or damaged bag to a new one',

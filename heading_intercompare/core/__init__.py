@@ -4,7 +4,8 @@
 The path from headings to a verdict: no clock, thread, file or log.
 
 The rooms build on each other in this order: `statistics`, `pairing`, `timing`, `decision`,
-`runs`, `conditions`, `diagnostics`, `verdict`. The modules `pipeline` and `offline` join them.
+`observations`, `runs`, `conditions`, `diagnostics`, `verdict`. The modules `pipeline` and
+`offline` join them.
 """
 
 from typing import TYPE_CHECKING

@@ -40,7 +40,8 @@ _GONE = {
 
 _ADDED: dict[str, Any] = {'pairing.jump_s': 10.0, 'runs.every_h': None, 'runs.cut_at_utc': None,
                           'runs.keep': 31, 'alignment.clock_range_s': 600.0,
-                          'exclusions': None, 'motion.compare': True,
+                          'exclusions': None, 'sensors': None, 'norms.systematic_max_deg': None,
+                          'motion.compare': True,
                           'motion.least_speed_kn': 3.0, 'motion.current_max_kn': 3.0,
                           'motion.leeway_max_deg': 10.0, 'motion.fix_topic': 'ship/fix',
                           'motion.velocity_topic': 'ship/velocity',

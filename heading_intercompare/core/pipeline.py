@@ -19,6 +19,7 @@ from heading_intercompare.core.decision.taken_out import (
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.runs.growing_columns import Keep
@@ -392,6 +393,9 @@ class Intercomparison:
         Must hold the norms.
     source, table, progress
         As for `Compliance`.
+    sampler : PairSampler, optional
+        Chooses the pairs to judge; by default all are judged. Every reading is paired and
+        accounted for in either case.
 
     Examples
     --------
@@ -410,9 +414,11 @@ class Intercomparison:
 
     def __init__(self, settings: Settings, *, source: str = '',
                  table: Sequence[tuple[int, int]] | None = None,
-                 progress: Callable[[str], None] = lambda text: None) -> None:
+                 progress: Callable[[str], None] = lambda text: None,
+                 sampler: PairSampler | None = None) -> None:
         self.compliance = Compliance(settings, source=source, table=table, progress=progress)
         self._table = table or ()
+        self._sampler = sampler
         self._before = Incarnations()
         self._begin()
 
@@ -429,7 +435,7 @@ class Intercomparison:
         Further readings are paired on their own, and belong to the runs so far.
         """
         pairs = self.pairer.flush()
-        self.compliance.update(pairs)
+        self._judge(pairs)
         self._before.take(self.pairer.ledger, False, len(self._before))
         self._begin()
         return pairs
@@ -450,8 +456,11 @@ class Intercomparison:
     def update(self, ts: Headings | None = None, rs: Headings | None = None) -> Pairs:
         """Take readings; return the pairs that they complete."""
         pairs = self.pairer.update(ts, rs)
-        self.compliance.update(pairs)
+        self._judge(pairs)
         return pairs
+
+    def _judge(self, pairs: Pairs) -> None:
+        self.compliance.update(pairs if self._sampler is None else self._sampler.update(pairs))
 
     def lose(self, key: LedgerKey, losses: Losses) -> None:
         """Count readings that never came; see `Pairer.lose`."""
@@ -465,7 +474,9 @@ class Intercomparison:
     def finish(self) -> Pairs:
         """End both streams and the run in progress; return the last pairs."""
         pairs = self.pairer.flush()
-        self.compliance.update(pairs)
+        self._judge(pairs)
+        if self._sampler is not None:
+            self.compliance.update(self._sampler.flush())
         self.compliance.finish()
         return pairs
 

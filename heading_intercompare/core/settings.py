@@ -27,6 +27,7 @@ from .declared_settings import (
     SettingsError,
     to_mapping,
 )
+from .rows.sensor_table import read_sensors, SENSOR_CLASS_NAMES
 from .time_rules.clock_cuts import ClockCuts
 from .time_rules.exclusions import read_exclusions
 
@@ -59,6 +60,9 @@ class Norms(Checked):
         choices=('ts', 'composition'))
     total_error_max_deg: float | None = setting(
         None, 'norm of the total TS error at P [deg]', 0.0)
+    systematic_max_deg: float | None = setting(
+        None, 'norm of the systematic TS error, for observations (the command observe) [deg]; a '
+        'preset with a norm of its own replaces it', 0.0)
     preset: str | None = setting(
         None, 'a named norm (see the command norms); replaces sigma_max_deg')
     latitude_deg: float | None = setting(
@@ -198,7 +202,7 @@ class Risk(Checked):
         'period [s]; a run shorter than 20 times this is not certified', 0.0)
     sensor_class: str | None = setting(
         None, 'class of the TS; gives the slowest error if slowest_error_s does not (see the '
-        'command norms)', choices=('gyrocompass', 'ins', 'ins_aided', 'gnss_compass'))
+        'command norms)', choices=SENSOR_CLASS_NAMES)
     min_duration_s: float | None = setting(
         None, 'shortest run that may comply, if longer than the slowest error requires [s]; '
         'none: 600 s if no slowest error is stated', 0.0)
@@ -357,6 +361,10 @@ class Settings(Checked):
     exclusions: str | None = setting(
         None, 'stretches taken out by hand, each with its reason: rows start, end, reason in UTC, '
         'separated by line ends or a semicolon')
+    sensors: str | None = setting(
+        None, 'three or more sensors of the ship, or two without a reference: a row per sensor, '
+        "separated by line ends or a semicolon, with its name, setting=value, and 'rs' for the "
+        'reference of all others; see docs/howto/many_sensors.md')
     motion: MotionRule = field(default_factory=MotionRule)
     antennas: Antennas = field(default_factory=Antennas)
     trial: Trial = field(default_factory=Trial)
@@ -371,6 +379,10 @@ class Settings(Checked):
             read_exclusions(self.exclusions)
         except ValueError as error:
             raise SettingsError(f'exclusions, {error}') from error
+        try:
+            read_sensors(self.sensors)
+        except ValueError as error:
+            raise SettingsError(f'sensors, {error}') from error
 
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, Any]) -> 'Settings':

@@ -133,16 +133,7 @@ class LogReader:
         for begins, block in self._files.blocks(self._block_bytes):
             yield self._nmea.feed(block, None, file=begins)
         yield self._nmea.flush()
-        self._check_instruments(self._nmea)
-
-    def _check_instruments(self, decoder: NmeaDecoder) -> None:
-        """Raise DriverError if the words of the lines name several instruments."""
-        found = decoder.find_instruments()
-        if found:
-            several = ', '.join(f'{name} ({n} headings)' for name, n in found)
-            raise DriverError(f'{self._path}: {self.sentence} comes from several instruments: '
-                              f'{several}; choose one with `instrument`, such as '
-                              f"{found[0][0]}, or 'any' to take all")
+        self._nmea.refuse_several_instruments(self._path)
 
 
 def read_log(path: str | PathLike, settings: DriverSettings | None = None

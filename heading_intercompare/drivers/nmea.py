@@ -22,7 +22,7 @@ from .log_lines.stream_times import find_first_time, find_kind, StreamTimes, TIM
 from .log_lines.times import day_time_ns
 from .sentence_choice import accepts, choose_instrument, choose_sentence, find_sentence
 from .sentences import heading_of, identify, may_lack_checksum, Name, Rejected
-from .settings import DriverSettings
+from .settings import DriverError, DriverSettings
 
 __all__ = ['NmeaDecoder']
 
@@ -180,6 +180,14 @@ class NmeaDecoder:
     def days(self) -> Days:
         """The days of times of day."""
         return self._days
+
+    def refuse_several_instruments(self, path: str) -> None:
+        """Raise DriverError if the words of the lines of a log name several instruments."""
+        if found := self.find_instruments():
+            several = ', '.join(f'{name} ({n} headings)' for name, n in found)
+            raise DriverError(f'{path}: {self.chosen} comes from several instruments: {several}; '
+                              f'choose one with `instrument`, such as {found[0][0]}, or '
+                              "'any' to take all")
 
     def find_instruments(self) -> list[tuple[str, int]]:
         """Return the instruments of the headings taken, if the words of the lines name several."""

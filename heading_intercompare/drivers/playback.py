@@ -13,6 +13,7 @@ from .log_lines.days import Days
 from .log_lines.line_stamps import find_date_order, LineStamps, read_offset
 from .log_lines.log_order import open_log
 from .log_lines.stream_times import find_first_time, find_kind, StreamTimes, TIME_SENTENCES
+from .nmea import NmeaDecoder
 from .sentences import Rejected
 from .settings import DriverError, DriverSettings
 
@@ -42,7 +43,7 @@ class FileSource:
     OSError
         If the log cannot be read.
     DriverError
-        If the log is empty, or a csv.
+        If the log is empty, a csv, or holds headings of several instruments of one talker.
 
     """
 
@@ -58,6 +59,11 @@ class FileSource:
             raise DriverError(f'{self._path}: no lines' if not head else
                               f'{self._path}: a csv cannot be played, only imported; must be a '
                               'log of NMEA sentences')
+        decoder = NmeaDecoder(settings, self._files)
+        decoder.feed(head, None)
+        decoder.flush()
+        # Its beginning shows them; the whole log may be long.
+        decoder.refuse_several_instruments(self._path)
         self._rewind()
         self.first_ns = next((line.stamp_ns for line in iter(self._line, None)
                               if line.stamp_ns is not None), None)

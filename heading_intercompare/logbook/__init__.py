@@ -11,6 +11,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'history': ('History', 'tell_histories'),
     'logbook_file': ('Logbook', 'LogbookBusy', 'LogbookError', 'merge_logbooks'),
     'run_row': ('make_rows', 'RunRow'),
+    'service_change': ('compare_service', 'ServiceChange'),
 })
 
 if TYPE_CHECKING:
@@ -24,3 +25,4 @@ if TYPE_CHECKING:
         merge_logbooks as merge_logbooks,
     )
     from .run_row import make_rows as make_rows, RunRow as RunRow
+    from .service_change import compare_service as compare_service, ServiceChange as ServiceChange

@@ -16,7 +16,7 @@ from heading_intercompare.core.verdict.validity import VOID
 from .control_chart import Chart, make_chart
 from .run_row import RunKey, RunRow
 
-__all__ = ['History', 'Point', 'tell_histories', 'Trend']
+__all__ = ['History', 'is_charted', 'Point', 'tell_histories', 'Trend']
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,14 +162,15 @@ def tell_histories(rows: Iterable[RunRow], *, baseline: int = 20,
     return sorted(found, key=lambda each: (each.points[-1].row.end_ns, each.ship))
 
 
-def _is_charted(row: RunRow) -> bool:
+def is_charted(row: RunRow) -> bool:
+    """Tell whether a run has all figures of the charts, and is not void."""
     return (row.validity_effect != VOID and row.mean_deg is not None
             and row.mean_u_deg is not None and bool(row.sd_deg) and bool(row.nu))
 
 
 def _tell(ship: str, settings: str, rows: Sequence[RunRow], baseline: int,
           runs_between: float) -> History:
-    charted = [row for row in rows if _is_charted(row)]
+    charted = [row for row in rows if is_charted(row)]
     ahead = len(charted) - baseline
     if ahead < 1:
         why = f'{len(charted)} runs with figures; charts need more than the {baseline} of ' \

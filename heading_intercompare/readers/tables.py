@@ -14,7 +14,7 @@ from .errors import ReaderError
 from .json_lines import is_heading_name
 from .stream_recording import Collected
 
-__all__ = ['find_time_column', 'is_table', 'read_table', 'TIMES']
+__all__ = ['find_time_column', 'is_table', 'parse_time', 'read_table', 'TIMES']
 
 TIMES = ('t_ns', 'stamp_ns', 'stamp_s', 'stamp_utc', 'timestamp', 'utc', 'datetime', 'date_time',
          'time', 't', 'epoch', 'unixtime', 'u_dday', 'dday')
@@ -42,8 +42,16 @@ def is_table(head: bytes) -> bool:
             and any(map(is_heading_name, names)))
 
 
-def _stamp(text: str) -> int:
-    """Return a time: ISO, or a number of seconds to nanoseconds since 1970."""
+def parse_time(text: str) -> int:
+    """
+    Return a time as a stamp: ISO, or a number of seconds to nanoseconds since 1970.
+
+    Raises
+    ------
+    ValueError, ArithmeticError
+        If it is none.
+
+    """
     if not text.replace('.', '', 1).isdecimal():
         return utc_nanoseconds(text)
     whole = int(text.partition('.')[0])
@@ -89,7 +97,7 @@ def read_table(path: str) -> Collected:
 def _take_row(found: Collected, rows: CsvRows, row: list[str], at: int,
               headings: list[tuple[int, str]]) -> None:
     try:
-        stamp_ns = _stamp(row[at].strip() if ':' in row[at] else rows.plain(row[at]))
+        stamp_ns = parse_time(row[at].strip() if ':' in row[at] else rows.plain(row[at]))
     except (ValueError, ArithmeticError, IndexError):
         found.not_taken['bad_stamp'] += 1
         return

@@ -42,7 +42,7 @@ from .figures.gallery import draw_figures, Drawn, NAMES
 from .formatting import exact, flatten, value
 from .series_sketch import SeriesSketch
 
-__all__ = ['render', 'write']
+__all__ = ['load_template', 'render', 'write']
 
 #: Characters that HTML or UTF-8 cannot hold: control characters, undecodable bytes of a file name.
 _UNPRINTABLE = re.compile('[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]')
@@ -84,7 +84,7 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
         for k, sketch in enumerate(sketches, 1)]
     by_sensor = campaign.rule == 'sensor' and verdict.validity_effect != VOID
     running = name_trial(settings)
-    return _load_template().render(
+    return load_template('protocol.html').render(
         verdict=verdict, no_run=NO_RUN, id=verdict_id(verdict), span=span_of(verdict),
         running=running if len(running) <= _LONGEST_HEAD else f'{running[:_LONGEST_HEAD]}...',
         first=compose_first_page(verdict), shows=_pick_figure(verdict, sketches, drawn),
@@ -145,8 +145,8 @@ def _quote_css(text: str) -> str:
 
 
 @cache
-def _load_template() -> jinja2.Template:
-    """Return the template of the page; it shows every value literally."""
+def load_template(name: str) -> jinja2.Template:
+    """Return the template of a page; it shows every value literally."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader('heading_intercompare.report'), autoescape=True,
         undefined=jinja2.StrictUndefined, finalize=_show, trim_blocks=True, lstrip_blocks=True,
@@ -156,7 +156,7 @@ def _load_template() -> jinja2.Template:
         'state_words': partial(_say, STATE_WORDS),
         'effect_words': partial(_say, EFFECT_WORDS),
         'condition_words': partial(_say, CONDITION_WORDS)}
-    return environment.get_template('protocol.html')
+    return environment.get_template(name)
 
 
 def _show(thing: Any) -> Any:

@@ -7,17 +7,21 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from heading_intercompare.core.sensors.sensors_verdict import (
+    is_of_sensors,
+    SensorsVerdict,
+)
 from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictError
 
-__all__ = ['parse', 'read', 'render', 'write']
+__all__ = ['parse', 'read', 'read_any', 'render', 'write']
 
 
-def render(verdict: Verdict) -> str:
+def render(verdict: Verdict | SensorsVerdict) -> str:
     """Return the verdict as JSON text; a figure that is not finite is null."""
     return json.dumps(verdict.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + '\n'
 
 
-def write(verdict: Verdict, path: str | Path) -> None:
+def write(verdict: Verdict | SensorsVerdict, path: str | Path) -> None:
     """Write the verdict."""
     # The name of a file may have bytes that are not UTF-8.
     Path(path).write_text(render(verdict), 'utf-8', 'backslashreplace')
@@ -33,8 +37,18 @@ def parse(text: str | bytes) -> Verdict:
         If it is not JSON, or not a verdict; the message is one line.
 
     """
+    found = _parse_any(text)
+    if isinstance(found, SensorsVerdict):
+        raise VerdictError('is a verdict on several sensors, not on one; take one of its '
+                           'verdicts')
+    return found
+
+
+def _parse_any(text: str | bytes) -> Verdict | SensorsVerdict:
     try:
-        return Verdict.from_dict(json.loads(text))
+        given = json.loads(text)
+        kind = SensorsVerdict if is_of_sensors(given) else Verdict
+        return kind.from_dict(given)
     except VerdictError:
         raise
     except UnicodeDecodeError:
@@ -59,5 +73,13 @@ def read(path: str | Path) -> Verdict:
     """
     try:
         return parse(Path(path).read_bytes())
+    except VerdictError as error:
+        raise VerdictError(f'{path}: {error}') from error
+
+
+def read_any(path: str | Path) -> Verdict | SensorsVerdict:
+    """Read a verdict on one sensor, or on several; errors as `read`."""
+    try:
+        return _parse_any(Path(path).read_bytes())
     except VerdictError as error:
         raise VerdictError(f'{path}: {error}') from error

@@ -17,7 +17,7 @@ from heading_intercompare.core.verdict.verdict_document import Verdict
 from . import html
 from .series_sketch import SeriesSketch
 
-__all__ = ['write']
+__all__ = ['print_page', 'write']
 
 _STEP = re.compile(r'Step (\d)(?:.*Page (\d+))?')
 #: Part of the time before each step of WeasyPrint, and that of a page of a usual protocol.
@@ -45,7 +45,12 @@ def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] =
         If the file cannot be written.
 
     """
-    text = html.render(verdict, sketches, progress)
+    print_page(html.render(verdict, sketches, progress), path, progress)
+
+
+def print_page(text: str, path: str | Path,
+               progress: Callable[[str], None] = lambda text: None) -> None:
+    """Write a page of HTML that needs nothing from elsewhere as PDF; OSError if that fails."""
     with _told_to(progress):
         made = weasyprint.HTML(string=text, url_fetcher=_refuse).write_pdf()
     # Made first, so that a fault leaves no half-written file.

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare import analyze, analyze_sensors, Headings, Settings
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
 
@@ -49,6 +49,34 @@ def test_verdict_of_the_scenario(name, outcome):
     verdict = analyze(ts, rs, Settings.from_mapping(
         {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}))
     assert verdict.to_dict()['outcome'] == outcome
+
+
+@pytest.mark.slow
+def test_the_swing_finds_the_deviation_of_its_ts():
+    """A = 0.1, B = 0.4, C = -0.3, D = 0.2, E = 0, each within four standard uncertainties."""
+    chunks = list(Simulation(read(FOLDER / 'swing.yaml')).chunks())
+    ts, rs = (Headings.concatenate(getattr(chunk, role) for chunk in chunks)
+              for role in ('ts', 'rs'))
+    verdict = analyze(ts, rs, Settings.from_mapping(
+        {'norms.sigma_max_deg': 0.6, 'norms.sigma_ref_max_deg': 0.1}))
+    fit = verdict.runs[0].heading_dependence
+    for found, u, given in zip(fit.coefficients_deg, fit.u_deg, (0.1, 0.4, -0.3, 0.2, 0.0)):
+        assert abs(found - given) < 4.0 * u < 0.1
+
+
+@pytest.mark.slow
+def test_the_wrong_one_of_four_sensors_is_named():
+    chunks = list(Simulation(read(FOLDER / 'four_sensors.yaml')).chunks())
+    headings = {'gyro1': Headings.concatenate(chunk.ts for chunk in chunks),
+                'gnss': Headings.concatenate(chunk.rs for chunk in chunks)}
+    for name in ('gyro2', 'ins'):
+        headings[name] = Headings.concatenate(chunk.others[name][0].headings for chunk in chunks)
+    for reference in (' rs', ''):
+        verdict = analyze_sensors(headings, Settings.of(
+            slowest_error_s=60.0, sensors='gyro1 sigma_max_deg=0.3; gyro2 sigma_max_deg=0.3; '
+            f'ins sigma_max_deg=0.1; gnss sigma_max_deg=0.1{reference}'))
+        assert verdict.vote.wrong == ('gyro2',)
+        assert verdict.outcome.value == 'non_compliant'
 
 
 def test_demo_is_short_and_turns():

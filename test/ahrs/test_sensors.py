@@ -102,6 +102,12 @@ def test_the_two_roles_have_their_own_noise():
     assert abs(both[0, 1]) < 6.0 / math.sqrt(1000.0)
 
 
+def test_the_deviation_by_hand():
+    """At 30 deg: 0.4 sin 30 - 0.3 cos 30 + 0.2 sin 60 + 0.1 cos 60 = 0.2 - 0.0866 + 0.05."""
+    read = readings(10.0, course_deg=30.0, deviation='0.4 -0.3 0.2 0.1').headings.heading_deg
+    assert read == pytest.approx(30.0 + 0.25 - 0.1 * math.sqrt(3.0) / 2.0)
+
+
 def test_invalid_readings_claim_nothing():
     read = next(Simulation(Scenario.from_mapping({
         'duration_s': 10.0, 'ts.faults': '5 invalid'})).chunks()).ts_readings
@@ -114,6 +120,8 @@ def test_invalid_readings_claim_nothing():
     ({'rate_hz': 0.0}, 'rate_hz = 0.0: must be a number from'),
     ({'stamp_jitter_s': 0.05, 'rate_hz': 10.0}, 'stamp_jitter_s = 0.05: must be less than'),
     ({'faults': '5 melt'}, "kind 'melt'"),
+    ({'deviation': '0.1 0.2'}, 'must be four numbers'),
+    ({'deviation': '1 2 3 x'}, "coefficient 'x'"),
     ({'dropout': 1.5}, 'dropout = 1.5')])
 def test_wrong_settings_are_refused(settings, reason):
     with pytest.raises(SettingsError, match=reason):

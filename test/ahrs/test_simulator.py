@@ -57,6 +57,40 @@ def test_a11_the_platform_does_not_know_the_rate_of_the_readings():
     assert joined(scenario, 60.0)[1] == joined(faster, 60.0)[1]
 
 
+def test_further_sensors_change_nothing_of_ts_and_rs_and_have_errors_of_their_own():
+    alone = Scenario.from_mapping(TRIAL)
+    ship = replace(alone, others='a model=dtg_precision rate_hz=5 ahrs.initial_state=aligned\n'
+                                 'b rate_hz=2 white_deg=0.1; c rate_hz=2 white_deg=0.1')
+    assert joined(ship, 60.0)[1] == joined(alone, 60.0)[1]
+    assert joined(ship, 60.0)[0][:3] == joined(alone, 60.0)[0][:3]
+
+    def others(chunk_s):
+        chunks = list(Simulation(ship).chunks(chunk_s))
+        return {name: (Headings.concatenate(chunk.others[name][0].headings for chunk in chunks),
+                       [said for chunk in chunks for said in chunk.others[name][1]])
+                for name in 'abc'}
+    found = others(60.0)
+    assert found == others(7.3)
+    assert found['a'][1] and not found['b'][1]
+    truth = joined(ship, 60.0)[0][2]
+    errors = {name: wrap180(found[name][0].heading_deg - np.interp(
+        found[name][0].stamp_ns, truth.stamp_ns, np.unwrap(truth.heading_deg, period=360.0)))
+        for name in 'bc'}
+    assert 0.05 < np.std(errors['b']) < 0.3
+    assert abs(np.corrcoef(errors['b'], errors['c'])[0, 1]) < 0.4
+
+
+@pytest.mark.parametrize('others, reason', [
+    ('ts rate_hz=1', 'others: ts is the name of another stream'),
+    ('a rate_hz=0', 'others, row 1 (a rate_hz=0): rate_hz = 0.0: must be'),
+    ('a ahrs.gyro=1', "unknown setting 'ahrs.gyro'"),
+    ('a; A', 'the name A is given twice')])
+def test_wrong_further_sensors_are_refused_with_one_line(others, reason):
+    with pytest.raises(SettingsError) as error:
+        Scenario(others=others)
+    assert reason in str(error.value) and '\n' not in str(error.value)
+
+
 def test_seed_changes_the_trial():
     scenario = Scenario.from_mapping(TRIAL)
     arrays, _ = joined(scenario, 60.0)

@@ -4,8 +4,13 @@
 
 from __future__ import annotations
 
+from datetime import datetime
+from functools import reduce
 import json
+from operator import xor
+import re
 
+import numpy as np
 import pytest
 
 from heading_intercompare.cli import main
@@ -114,6 +119,63 @@ def test_a_gyro_is_put_onto_the_stamps_of_a_slow_reference(name, readings, n, va
     assert run['variance_deg2'] == pytest.approx(variance_deg2, abs=1e-7)
     assert run['variance_criterion']['tightened_limit_deg2'] == pytest.approx(
         factor * 0.2 ** 2 + 0.9 ** 2 * 0.1 ** 2, abs=1e-7)
+
+
+AUTO = {
+    # The RS reports once a second and the gyro more often, so the gyro is interpolated.
+    'gyr1-s330': (True, 3120, 625), 'gyr1-seap': (True, 3564, 714), 'lgyr-lsep': (True, 9991, 999),
+    # Both report once a second, or the TS less often: nothing changes.
+    'seap-s330': (False, 624, 624), 'adcp-s330': (False, 521, 521)}
+
+
+def read_plainly(path):
+    """Return stamps and headings of a log, read line by line without the package."""
+    stamps, headings, has_hdt = [], [], b'HDT' in path.read_bytes()
+    for line in path.read_bytes().decode('ascii', 'replace').splitlines():
+        # 19+085:10:05:54.447 is day 85 of 2019.
+        found = re.match(r'(\d{4}-\d\d-\d\dT[\d:]+\.\d+|\d\d\+\d{3}:[\d:]+\.\d+)Z?\s+'
+                         r'\$([^*]*)(?:\*(..))?\s*$', line)
+        if not found:
+            continue
+        stamp, sentence, check = found.groups()
+        fields = sentence.split(',')
+        at = 1 if fields[0].endswith('HDT') else None if has_hdt else {
+            'PSXN23': 4, 'PUHAWUVH': 4}.get(''.join(fields[:2]))
+        if at is None or not fields[at] or check and int(check, 16) != reduce(
+                xor, sentence.encode()):
+            continue
+        whole, _, part = stamp.partition('.')
+        form = '%Y-%m-%dT%H:%M:%S%z' if '-' in whole else '%y+%j:%H:%M:%S%z'
+        since = datetime.strptime(f'{whole}+0000', form)
+        stamps.append(round(since.timestamp()) * 10 ** 9 + int(f'{part:0<9}'))
+        headings.append(float(fields[at]))
+    keep = np.r_[True, np.diff(np.maximum.accumulate(stamps)) > 0]
+    return np.array(stamps)[keep], np.array(headings)[keep]
+
+
+def differ(at, of):
+    """Return the differences of readings from a line through others, no gap above 3 s."""
+    t0 = at[0][0]
+    t, s = (at[0] - t0) / 1e9, (of[0] - t0) / 1e9
+    steps = (np.diff(of[1]) + 180.0) % 360.0 - 180.0
+    line = np.interp(t, s, np.concatenate(([of[1][0]], of[1][0] + np.cumsum(steps))))
+    right = np.clip(np.searchsorted(of[0], at[0]), 1, len(s) - 1)
+    inside = (at[0] >= of[0][0]) & (at[0] <= of[0][-1]) & (
+        (of[0][right] - of[0][right - 1] <= 3 * 10 ** 9) | np.isin(at[0], of[0]))
+    return ((at[1] - line + 180.0) % 360.0 - 180.0)[inside]
+
+
+@pytest.mark.parametrize('name', AUTO)
+def test_the_figures_of_auto_are_those_of_a_plain_program(name, bags, shared_data, capsys):
+    exchanged, n_interpolate, n = AUTO[name]
+    ts, rs = (read_plainly(shared_data / path) for path in SETS[name][1:])
+    x = -differ(rs, ts) if exchanged else differ(ts, rs)
+    assert (len(differ(ts, rs)), len(x)) == (n_interpolate, n)
+    (run,) = verdict_of(capsys, 'analyze', bags / name, *NORMS,
+                        '--set', 'runs.gap_s=100000')['runs']
+    assert run['n'] == n
+    assert (run['mean_deg'], run['std_deg'], run['min_deg'], run['max_deg']) == pytest.approx(
+        (x.mean(), x.std(ddof=1), x.min(), x.max()), rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize('ts, rs', [('seap', 's330'), ('s330', 'seap')])

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.process
 
 #: The modules that the extras install, and some of their dependencies.
 EXTRAS = ('jinja2', 'markupsafe', 'matplotlib', 'rich', 'argcomplete', 'serial', 'isal',
-          'distributed', 'dask', 'threadpoolctl', 'pandas', 'weasyprint')
+          'distributed', 'dask', 'threadpoolctl', 'pandas', 'weasyprint', 'ephem')
 ROS = ('rclpy', 'sensor_msgs', 'std_msgs', 'geometry_msgs', 'nav_msgs', 'std_srvs',
        'diagnostic_msgs', 'rosgraph_msgs', 'rcl_interfaces', 'builtin_interfaces')
 
@@ -54,6 +54,8 @@ def place(tmp_path_factory):
         (folder / f'{role}.log').write_text(''.join(
             f'2014-08-01T00:00:{i:02d}.000Z ${text}*{reduce(xor, text.encode()):02X}\r\n'
             for i, text in enumerate(f'HEHDT,100.{i},T' for i in range(8))))
+    (folder / 'seen.csv').write_text('time,true_heading_deg,ts_heading_deg\n' + ''.join(
+        f'2026-03-10 10:0{i}:00,100.{i},100.0\n' for i in range(3)))
     (folder / 'scenario.yaml').write_text('duration_s: 20.0\n')
     (folder / 'live.yaml').write_text(
         '/**: {ros__parameters: {norms: {sigma_max_deg: 0.2, sigma_ref_max_deg: 0.1}}}\n'
@@ -77,6 +79,7 @@ def done(folder, *arguments, absent=(*EXTRAS, *ROS)):
 
 WORKS = {
     'analyze': (('pairs.csv', *NORMS, '--report', 'again.json'), 'VERDICT: '),
+    'observe': (('seen.csv', '--common-u-deg', '0.1'), 'VERDICT: INDETERMINATE: no norm'),
     'rejudge': (('bag', *NORMS), 'of 1: '),
     'history': (('l.sqlite',), 'no charts yet: '),
     'import-nmea': (('--ts', 'ts.log', '--rs', 'rs.log', '-o', 'imported'), 'bag: imported'),
@@ -94,6 +97,8 @@ REFUSED = {
     'report': [(('pairs.csv', *NORMS, '-o', 'x.html'), 'x.html: the protocol needs Jinja2'),
                (('v.json', '-o', 'x.html'), 'x.html: the protocol needs Jinja2'),
                (('v.json', '-o', 'x.pdf'), 'x.pdf: the protocol needs Jinja2')],
+    'observe': [(('seen.csv', '--sun', '--position', '54 10', '--common-u-deg', '0.1'),
+                 'install heading_intercompare[sun]')],
     'history': [(('l.sqlite', '--html', 'x.html'), 'x.html: the protocol needs Jinja2')],
     'demo': [((), 'needs ROS 2 (no module ')],
     'live': [(('--config', 'live.yaml', '--quiet'), 'needs ROS 2 (no module ')],

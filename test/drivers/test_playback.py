@@ -186,3 +186,19 @@ def test_a_log_without_stamps_is_paced_by_the_times_that_it_tells(tmp_path):
         assert [len(source.read(1.0)) for _ in range(3)] == [2, 2, 2]
         assert clock.now == pytest.approx(1002.0)
     check_playing(path, time='validity')
+
+
+def test_two_instruments_of_one_talker_are_refused_until_one_is_chosen(tmp_path):
+    """Played, their headings would be mixed into one stream; an import refuses them, too."""
+    def sentence(body):
+        return f'${body}*{reduce(xor, body.encode()):02X}'
+    path = tmp_path / 'ship.log'
+    path.write_text(''.join(
+        f'2026-03-01T12:00:{at:02d}.000000Z {name} {sentence(f"HEHDT,{heading + at}.0,T")}\n'
+        for at in range(20) for name, heading in (('GYRO1', 10), ('GYRO2', 40))))
+    with pytest.raises(DriverError) as error:
+        FileSource(DriverSettings(source=f'file:{path}'))
+    assert 'HEHDT comes from several instruments: GYRO1 (20 headings), GYRO2' in str(error.value)
+    for chosen in ('GYRO2', 'any'):
+        settings = DriverSettings(source=f'file:{path}', instrument=chosen)
+        assert FileSource(settings).first_ns == NOON

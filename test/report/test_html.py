@@ -205,7 +205,7 @@ def test_words_are_markup_neither_in_an_attribute_nor_when_they_look_escaped(mad
 def test_a_gap_that_is_not_filled_is_a_fault_and_no_empty_cell():
     jinja2 = pytest.importorskip('jinja2')
     with pytest.raises(jinja2.UndefinedError):
-        html._load_template().environment.from_string('{{ nothing }}').render()
+        html.load_template('protocol.html').environment.from_string('{{ nothing }}').render()
 
 
 def test_an_input_that_could_not_be_read_is_named_with_its_fault(made):

@@ -32,9 +32,11 @@ from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.report import check_form, json, SeriesSketch, write, WRITERS
 from heading_intercompare.report.runs_csv import write_runs
 
-__all__ = ['add_analysis_arguments', 'add_arguments', 'add_log_arguments',
-           'add_settings_arguments', 'add_verdict_arguments', 'check_report', 'conclude',
-           'deliver', 'drivers_for', 'LOG_OPTIONS', 'run']
+from .several_sensors import choose_pair, run_sensors
+
+__all__ = ['add_analysis_arguments', 'add_arguments', 'add_log_arguments', 'add_motion_argument',
+           'add_settings_arguments', 'add_verdict_arguments', 'check_report', 'code_of',
+           'conclude', 'deliver', 'drivers_for', 'LOG_OPTIONS', 'run']
 
 _CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4
@@ -74,19 +76,25 @@ def add_settings_arguments(parser: argparse.ArgumentParser) -> None:
                         help='one setting, e.g. norms.sigma_max_deg=0.2; may be repeated')
 
 
-def add_log_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say how logs are read; see `drivers_for`."""
+def add_log_arguments(parser: argparse.ArgumentParser,
+                      roles: Sequence[str] = ROLES) -> None:
+    """Add the options that say how the logs of some sensors are read; see `drivers_for`."""
     for name, words in _ROLE_OPTIONS.items():
-        for role in ROLES:
+        for role in roles:
             parser.add_argument(f'--{role}-{name}', metavar=name[0].upper(),
                                 help=words.format(role.upper()))
     for name, (words, choices) in _SHARED_OPTIONS.items():
         option = name.replace('_', '-')
         parser.add_argument(f'--{option}', metavar=None if choices else name[0].upper(),
                             choices=choices,
-                            help=f'{words}; --ts-{option}, --rs-{option}: of one log')
-        for role in ROLES:
+                            help=words if len(roles) == 1 else
+                            f'{words}; --ts-{option}, --rs-{option}: of one log')
+        for role in roles:
             parser.add_argument(f'--{role}-{option}', choices=choices, help=argparse.SUPPRESS)
+
+
+def add_motion_argument(parser: argparse.ArgumentParser) -> None:
+    """Add the option that names the log of the motion of the ship."""
     parser.add_argument('--motion', metavar='LOG', help='log with the motion of the ship (VTG, '
                         'RMC, GNS, GGA, GLL, ROT), to check the headings against (default: that '
                         'of the reference sensor, or of the tested one, if it has any)')
@@ -104,10 +112,11 @@ def add_antenna_arguments(parser: argparse.ArgumentParser) -> None:
                         '(antennas.baseline_angle_deg; default: 0)')
 
 
-def drivers_for(arguments: argparse.Namespace) -> dict[str, DriverSettings]:
+def drivers_for(arguments: argparse.Namespace,
+                roles: Sequence[str] = ROLES) -> dict[str, DriverSettings]:
     """Return how to read the log of each sensor and that of the motion; SettingsError if wrong."""
     found = {}
-    for role in (*ROLES, 'motion'):
+    for role in (*roles, 'motion'):
         given = {name: getattr(arguments, name) for name in _SHARED_OPTIONS}
         given.update((name, value) for name in (*_ROLE_OPTIONS, *_SHARED_OPTIONS)
                      if (value := getattr(arguments, f'{role}_{name}', None)) is not None)
@@ -130,7 +139,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='.mcap file, rosbag2 directory, .csv of pairs, or .journal of a live '
                         'run, which brings its settings; or two logs of NMEA sentences, first '
                         'that of the tested, then that of the reference sensor: files, folders, '
-                        'or patterns in quotes')
+                        'or patterns in quotes; with the setting sensors recordings, or NAME=LOG '
+                        'for each sensor')
     add_analysis_arguments(parser)
     parser.add_argument('--report', metavar='F',
                         help='write the protocol, with plots: F.html or F.pdf')
@@ -139,9 +149,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options for judging inputs and for the tables of their pairs."""
-    parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor')
-    parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor')
+    parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor, or its name '
+                        'in the setting sensors')
+    parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor, or its name')
     add_log_arguments(parser)
+    add_motion_argument(parser)
     add_antenna_arguments(parser)
     add_settings_arguments(parser)
     parser.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
@@ -175,8 +187,12 @@ def run(arguments: argparse.Namespace) -> int:
         exclusions=read_exclusion_table(arguments.exclude) if arguments.exclude else None,
         **{'antennas.baseline_m': arguments.baseline_m,
            'antennas.baseline_angle_deg': arguments.baseline_angle})
-    Limits.of(settings.norms, settings.model)
+    settings = choose_pair(settings, arguments.ts, arguments.rs)
     drivers = drivers_for(arguments)
+    if settings.sensors is not None:
+        return run_sensors(arguments, settings, _find_ship(arguments.ship, config), drivers,
+                           _open_logbook(arguments.logbook))
+    Limits.of(settings.norms, settings.model)
     fore, aft = arguments.rs_antennas or (None, None)
     logs = find_logs([*arguments.inputs, *([fore] if fore else [])], drivers,
                      recordings=bool(arguments.ts and arguments.rs))
@@ -315,11 +331,14 @@ def conclude(verdict: Verdict, arguments: argparse.Namespace) -> int:
         if arguments.json:
             with name_file(arguments.json):
                 json.write(verdict, arguments.json)
-    if not arguments.check:
-        return 0
-    if is_doubtful(verdict.outcome, verdict.validity_effect):
+    return code_of(verdict.outcome, verdict.validity_effect) if arguments.check else 0
+
+
+def code_of(outcome: Outcome, validity_effect: str) -> int:
+    """Return the exit code of ``--check``."""
+    if is_doubtful(outcome, validity_effect):
         return _DOUBTFUL_CODE
-    return _CHECK_CODES[verdict.outcome]
+    return _CHECK_CODES[outcome]
 
 
 def _show(verdict: Verdict) -> None:

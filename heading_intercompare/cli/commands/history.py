@@ -20,6 +20,7 @@ from heading_intercompare.logbook.control_chart import LEAST_BASELINE
 from heading_intercompare.logbook.history import History, Point, tell_histories
 from heading_intercompare.logbook.logbook_file import Logbook, merge_logbooks
 from heading_intercompare.logbook.run_row import RunRow
+from heading_intercompare.logbook.service_change import compare_service, ServiceChange
 from heading_intercompare.report import check_form
 
 __all__ = ['add_arguments', 'run']
@@ -40,13 +41,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='number of runs that the charts learn from (default: 20)')
     parser.add_argument('--one-in', metavar='N', type=float, default=370.0,
                         help='false alarms of a chart: one in N runs (default: 370)')
+    parser.add_argument('--service', metavar='UTC', help='time of a service: say whether the runs '
+                        'after it differ from those before')
     parser.add_argument('--json', metavar='F', help="write runs and charts; '-' for stdout")
     parser.add_argument('--csv', metavar='F', help="write a row per run; '-' for stdout")
     parser.add_argument('--html', metavar='F.html', help='write a page with the charts')
     parser.add_argument('--merge-into', metavar='FLEET', help='write all runs of the LOGBOOKs '
                         'into this one, and do no more')
     parser.add_argument('--check', action='store_true',
-                        help='exit code 1 if a mean or standard deviation differs lastingly')
+                        help='exit code 1 if a mean or standard deviation differs lastingly; with '
+                        '--service, if it differs after that')
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -57,18 +61,21 @@ def run(arguments: argparse.Namespace) -> int:
         n = merge_logbooks(Logbook(arguments.merge_into), books)
         print(f'{n} runs of {len(books)} logbooks are in {arguments.merge_into}')
         return 0
-    since_ns = None if arguments.since is None else _read_since(arguments.since)
+    since_ns, service_ns = _read_time(arguments, 'since'), _read_time(arguments, 'service')
     histories = tell_histories((row for book in books for row in book.read(ship=arguments.ship)),
                                baseline=arguments.baseline, runs_between=arguments.one_in)
+    changes = [() if service_ns is None else compare_service(
+        [point.row for point in history.points], service_ns) for history in histories]
     if arguments.json == '-':
-        sys.stdout.write(_render(histories, arguments, since_ns))
+        sys.stdout.write(_render(histories, changes, arguments, since_ns))
     elif arguments.csv == '-':
         _write_csv(histories, sys.stdout, since_ns)
     else:
-        say('\n'.join(_list(histories, since_ns)) or 'no runs', VERDICT_MARKS)
+        say('\n'.join(_list(histories, changes, since_ns)) or 'no runs', VERDICT_MARKS)
     if arguments.json not in (None, '-'):
         with name_file(arguments.json):
-            Path(arguments.json).write_text(_render(histories, arguments, since_ns), 'utf-8')
+            Path(arguments.json).write_text(
+                _render(histories, changes, arguments, since_ns), 'utf-8')
     if arguments.csv not in (None, '-'):
         with name_file(arguments.csv), open(arguments.csv, 'w', encoding='utf-8',
                                             newline='') as file:
@@ -78,7 +85,9 @@ def run(arguments: argparse.Namespace) -> int:
 
         with name_file(arguments.html):
             write_page(histories, arguments.html, since_ns)
-    return _DIFFERS_CODE if arguments.check and any(h.differs for h in histories) else 0
+    differs = (any(one.differs for found in changes for one in found) if service_ns is not None
+               else any(h.differs for h in histories))
+    return _DIFFERS_CODE if arguments.check and differs else 0
 
 
 def _check_options(arguments: argparse.Namespace) -> None:
@@ -99,18 +108,20 @@ def _check_options(arguments: argparse.Namespace) -> None:
         check_form(arguments.html)
 
 
-def _read_since(text: str) -> int:
+def _read_time(arguments: argparse.Namespace, option: str) -> int | None:
+    text = getattr(arguments, option)
     try:
-        return parse_stamp(text)
+        return None if text is None else parse_stamp(text)
     except ValueError:
-        raise ValueError(f'--since {text}: must be a time, UTC, such as 2026-03-01 or '
+        raise ValueError(f'--{option} {text}: must be a time, UTC, such as 2026-03-01 or '
                          '2026-03-01T12:00:00Z') from None
 
 
-def _list(histories: Sequence[History], since_ns: int | None) -> list[str]:
+def _list(histories: Sequence[History], changes: Sequence[Sequence[ServiceChange]],
+          since_ns: int | None) -> list[str]:
     """Return the lines on standard output: runs, newest last, then what the charts say."""
     lines = []
-    for history in histories:
+    for history, found in zip(histories, changes):
         lines += [f'{history.ship or "(no ship)"}, settings {history.settings_sha256[:8]}: '
                   f'{len(history.points)} runs',
                   f'  {"start, UTC":16}  {"hours":>7}  {"n":>9}  {"mean/deg":>9}  {"sd/deg":>8}  '
@@ -119,6 +130,7 @@ def _list(histories: Sequence[History], since_ns: int | None) -> list[str]:
         if history.why_no_chart is not None:
             lines.append(f'  no charts yet: {history.why_no_chart}')
         lines += [f'  {trend.words}' for trend in history.trends]
+        lines += [f'  service: {change.words}' for change in found]
     return lines
 
 
@@ -135,12 +147,13 @@ def _describe(point: Point) -> str:
             f'{figures[1]:>8}  {said}')
 
 
-def _render(histories: Sequence[History], arguments: argparse.Namespace,
-            since_ns: int | None) -> str:
+def _render(histories: Sequence[History], changes: Sequence[Sequence[ServiceChange]],
+            arguments: argparse.Namespace, since_ns: int | None) -> str:
     """Return runs and charts as JSON."""
     plain: list[dict[str, Any]] = [
-        {**make_plain(history), 'points': make_plain(history.list_since(since_ns))}
-        for history in histories]
+        {**make_plain(history), 'points': make_plain(history.list_since(since_ns)),
+         **({'service': make_plain(found)} if found else {})}
+        for history, found in zip(histories, changes)]
     return json.dumps({'schema': SCHEMA, 'software': make_plain(Software()),
                        'one_in': arguments.one_in, 'histories': plain},
                       indent=1, ensure_ascii=False, allow_nan=False) + '\n'

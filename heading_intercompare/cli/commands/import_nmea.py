@@ -22,7 +22,12 @@ from heading_intercompare.core.records import Headings, Integers, Motion
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.messages.motion.motion_messages import encode_motion, MOTION_TYPES
 
-from .analyze import add_log_arguments, add_settings_arguments, drivers_for
+from .analyze import (
+    add_log_arguments,
+    add_motion_argument,
+    add_settings_arguments,
+    drivers_for,
+)
 from .note import add_note_argument, read_notes
 
 __all__ = ['add_arguments', 'run']
@@ -37,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                             help=f'log of the {words} sensor: a file, a folder, or a pattern in '
                             'quotes')
     add_log_arguments(parser)
+    add_motion_argument(parser)
     parser.add_argument('-o', '--output', metavar='BAG', required=True,
                         help='the rosbag2 directory to write')
     add_note_argument(parser)

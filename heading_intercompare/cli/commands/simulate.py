@@ -63,11 +63,14 @@ def run(arguments: argparse.Namespace) -> int:
     settings = settings_for(load_config(arguments.config), arguments.set)
     source = read_scenario(arguments.scenario, arguments.seed)
     scenario = source.scenario
-    topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic, 'truth': TRUTH_TOPIC}
+    topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic, 'truth': TRUTH_TOPIC,
+              **{name: f'{name}/heading' for name in scenario.sensors
+                 if name not in ('ts', 'rs')}}
     if len({topic.lstrip('/') for topic in topics.values()}) < len(topics):
         raise SettingsError(f'ts_topic = {settings.ts_topic!r}, rs_topic = '
                             f'{settings.rs_topic!r}: must differ from each other and from '
-                            f'{TRUTH_TOPIC!r}')
+                            + ', '.join(repr(topic) for name, topic in topics.items()
+                                        if name not in ('ts', 'rs')))
     counts: Counter[str] = Counter()
     with Progress(arguments.output, arguments.quiet) as progress, _begin(
             arguments.output, source, topics, settings.to_mapping(), read_notes(arguments)) as bag:
@@ -78,8 +81,9 @@ def run(arguments: argparse.Namespace) -> int:
                           f'{scenario.duration_s:,.0f} s simulated')
     print(f'{source.name}: {scenario.duration_s:g} s, seed {scenario.seed}'
           + (f': {scenario.title}' if scenario.title else ''))
-    for role in ('ts', 'rs'):
-        print(f'{role.upper()} {counts[role]} headings on {topics[role]}, '
+    for role in scenario.sensors:
+        shown = role.upper() if role in ('ts', 'rs') else role
+        print(f'{shown} {counts[role]} headings on {topics[role]}, '
               f'{counts[f"{role}.invalid"]} of them marked invalid')
     print(f'{counts["truth"]} true headings on {TRUTH_TOPIC}; {counts["statuses"]} statuses '
           f'of gimballed sensors on {DIAGNOSTICS}')
@@ -105,21 +109,23 @@ def _begin(path: str, source: ScenarioFile, topics: dict[str, str],
 def _write(bag: BagWriter, chunk: SimulatedChunk, topics: dict[str, str], scenario: Scenario,
            start_ns: int, counts: Counter[str]) -> None:
     """Write the messages that the sensors send in one span, in that order."""
-    batches = [
-        _rows(topics[role], readings, sensor.latency_s, start_ns, counts[role])
-        for role, readings, sensor in (('ts', chunk.ts_readings, scenario.ts),
-                                       ('rs', chunk.rs_readings, scenario.rs))]
+    sent = {'ts': (chunk.ts_readings, chunk.ts_statuses),
+            'rs': (chunk.rs_readings, chunk.rs_statuses), **chunk.others}
+    sensors = scenario.sensors
+    batches = [_rows(topics[name], readings, sensors[name].latency_s, start_ns, counts[name])
+               for name, (readings, _) in sent.items()]
     batches.append(Rows(topics['truth'], _imu(topics['truth'], chunk.truth),
                         chunk.truth.stamp_ns, None,
                         counts['truth'] + np.arange(len(chunk.truth))))
-    for role, statuses, sensor in (('ts', chunk.ts_statuses, scenario.ts),
-                                   ('rs', chunk.rs_statuses, scenario.rs)):
-        batches += _status_rows(role, statuses, sensor.latency_s, start_ns, counts['statuses'])
+    for name, (_, statuses) in sent.items():
+        batches += _status_rows(name, statuses, sensors[name].latency_s, start_ns,
+                                counts['statuses'])
         counts['statuses'] += len(statuses)
     bag.write_rows(batches)
-    for role, headings in (('ts', chunk.ts), ('rs', chunk.rs), ('truth', chunk.truth)):
-        counts[role] += len(headings)
-        counts[f'{role}.invalid'] += int(np.isnan(headings.heading_deg).sum())
+    for name, headings in (*((name, readings.headings) for name, (readings, _) in sent.items()),
+                           ('truth', chunk.truth)):
+        counts[name] += len(headings)
+        counts[f'{name}.invalid'] += int(np.isnan(headings.heading_deg).sum())
 
 
 def _imu(topic: str, headings: Headings, **claims: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from heading_intercompare.core.settings import Norms, SettingsError
 
 from .error_models import ts_factor
 
-__all__ = ['PRESETS', 'Preset', 'sigma_max_deg']
+__all__ = ['PRESETS', 'Preset', 'sigma_max_deg', 'systematic_max_deg']
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +36,8 @@ class Preset:
         The main requirements of the document.
     status : str
         'verified' against the document, or 'unverified': from secondary sources or a draft.
+    systematic_deg : float or None
+        Norm of the systematic error: of the settle point, or the static error; degrees.
 
     """
 
@@ -46,26 +48,27 @@ class Preset:
     secant: bool
     content: str
     status: str
+    systematic_deg: float | None = None
 
 
 PRESETS = {
     'imo_a424': Preset(
         'gyro-compass, IMO A.424(XI), ISO 8728 class A', 0.25, None, None, True,
         'settle-point error 0.75 sec(lat); rms of ten readings 0.25 sec(lat); dynamic 1.0 '
-        'sec(lat)', 'unverified'),
+        'sec(lat)', 'unverified', 0.75),
     'imo_a821': Preset(
         'gyro-compass for high-speed craft, IMO A.821(19)', 0.25, None, None, True,
         'settles within 6 h up to 70 deg; settle-point error 0.75 sec(lat); rms 0.25 sec(lat); '
-        'repeatability 0.25 sec(lat)', 'verified'),
+        'repeatability 0.25 sec(lat)', 'verified', 0.75),
     'imo_msc116': Preset(
         'transmitting heading device, IMO MSC.116(73)', None, 1.0, None, False,
-        'static error 1.0; dynamic amplitude 1.5; follow-up 0.5 up to 10 deg/s', 'verified'),
+        'static error 1.0; dynamic amplitude 1.5; follow-up 0.5 up to 10 deg/s', 'verified', 1.0),
     'iso22090_1': Preset(
         'gyro transmitting heading device, ISO 22090-1', None, 1.5, None, True,
         'dynamic error 1.5 sec(lat)', 'unverified'),
     'iso22090_2': Preset(
         'magnetic transmitting heading device, ISO 22090-2', None, 1.0, 0.95, False,
-        'static error 1.0 (95 %), at four headings or more', 'verified'),
+        'static error 1.0 (95 %), at four headings or more', 'verified', 1.0),
 }
 
 
@@ -96,19 +99,63 @@ def sigma_max_deg(norms: Norms, model: str = 'NN') -> float | None:
     0.5
 
     """
-    if norms.preset is None:
-        return norms.sigma_max_deg
-    preset = PRESETS.get(norms.preset)
+    preset = _find_preset(norms)
     if preset is None:
-        raise SettingsError(f'norms.preset = {norms.preset!r}: must be one of '
-                            f'{", ".join(PRESETS)}')
+        return norms.sigma_max_deg
     sigma = preset.rms_deg
     if sigma is None:
         limit_deg = cast(float, preset.limit_deg)
         sigma = limit_deg / ts_factor(model, preset.probability or norms.probability)
-    if preset.secant:
-        if norms.latitude_deg is None:
-            raise SettingsError(f'norms.latitude_deg is missing: the norm {norms.preset} grows '
-                                'with the secant of the latitude')
-        sigma /= math.cos(math.radians(norms.latitude_deg))
-    return sigma
+    return sigma / _divisor(preset, norms)
+
+
+def systematic_max_deg(norms: Norms) -> float | None:
+    """
+    Return the norm of the systematic error of the TS: settle point, or static error.
+
+    Parameters
+    ----------
+    norms : Norms
+        The preset gives the norm; without one, or if it has none, it is `systematic_max_deg`,
+        which may be None.
+
+    Returns
+    -------
+    float or None
+        Degrees.
+
+    Raises
+    ------
+    SettingsError
+        If the preset is unknown, or needs a latitude that is not given.
+
+    Examples
+    --------
+    >>> round(systematic_max_deg(Norms(preset='imo_a821', latitude_deg=60.0)), 9)
+    1.5
+
+    """
+    preset = _find_preset(norms)
+    if preset is None or preset.systematic_deg is None:
+        return norms.systematic_max_deg
+    return preset.systematic_deg / _divisor(preset, norms)
+
+
+def _find_preset(norms: Norms) -> Preset | None:
+    if norms.preset is None:
+        return None
+    preset = PRESETS.get(norms.preset)
+    if preset is None:
+        raise SettingsError(f'norms.preset = {norms.preset!r}: must be one of '
+                            f'{", ".join(PRESETS)}')
+    return preset
+
+
+def _divisor(preset: Preset, norms: Norms) -> float:
+    """Return the cosine of the latitude if the norms of a preset grow with its secant, or 1."""
+    if not preset.secant:
+        return 1.0
+    if norms.latitude_deg is None:
+        raise SettingsError(f'norms.latitude_deg is missing: the norm {norms.preset} grows '
+                            'with the secant of the latitude')
+    return math.cos(math.radians(norms.latitude_deg))

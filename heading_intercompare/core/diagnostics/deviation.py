@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike
 import scipy
 
 from heading_intercompare.core.angles import unwrap_deg, wrap360
+from heading_intercompare.core.records import Reals
 from heading_intercompare.core.statistics.autocorrelation import sokal_times
 from heading_intercompare.core.statistics.blocking import block_means, block_size
 
-__all__ = ['fit_deviation', 'HeadingDependence', 'largest_empty_arc']
+__all__ = ['deviation_at', 'fit_deviation', 'HeadingDependence', 'largest_empty_arc']
 
 _WORST_CONDITION = 1e4
 """Largest condition number with coefficients; headings all round the compass give 2."""
@@ -199,6 +200,30 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
         tuple(np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()),
         tuple(tuple(row) for row in covariance.tolist()), float(np.abs(around).max()), f, p,
         math.sqrt(rss / (n - _TERMS)))
+
+
+def deviation_at(found: HeadingDependence, heading_deg: ArrayLike) -> tuple[Reals, Reals]:
+    """
+    Return what the fit gives at some headings: the rows of a deviation card.
+
+    Parameters
+    ----------
+    found : HeadingDependence
+    heading_deg : array_like, shape (n,)
+        Degrees.
+
+    Returns
+    -------
+    x_deg, u_deg : ndarray, shape (n,)
+        Fitted TS - RS and its standard uncertainty, degrees; nan without coefficients.
+
+    """
+    psi = np.ravel(np.asarray(heading_deg, dtype=np.float64))
+    if found.coefficients_deg is None or found.covariance_deg2 is None:
+        return np.full(psi.size, np.nan), np.full(psi.size, np.nan)
+    basis, covariance = _basis(psi), np.array(found.covariance_deg2)
+    variance = np.einsum('in,ij,jn->n', basis, covariance, basis)
+    return np.array(found.coefficients_deg) @ basis, np.sqrt(np.maximum(variance, 0.0))
 
 
 def _widening(x: np.ndarray, psi: np.ndarray, beta: np.ndarray, first: float) -> float | None:

@@ -10,7 +10,7 @@ from typing import Any, Iterator, Mapping
 
 from .verdict_document import Verdict
 
-__all__ = ['find_differences']
+__all__ = ['compare_plain', 'drop_sources', 'find_differences']
 
 _REL = 1e-12
 
@@ -25,21 +25,23 @@ def find_differences(a: Verdict, b: Verdict) -> Iterator[str]:
         One difference with the names of the JSON: ``runs[0].n: 3 and 4``.
 
     """
-    yield from _compare(_drop_sources(a), _drop_sources(b), '')
+    yield from compare_plain(drop_sources(a).to_dict(), drop_sources(b).to_dict())
 
 
-def _drop_sources(verdict: Verdict) -> dict[str, Any]:
+def drop_sources(verdict: Verdict) -> Verdict:
+    """Return a verdict without its sources."""
     runs = tuple(replace(run, source='') for run in verdict.runs)
-    return replace(verdict, inputs=(), runs=runs).to_dict()
+    return replace(verdict, inputs=(), runs=runs)
 
 
-def _compare(a: Any, b: Any, path: str) -> Iterator[str]:
+def compare_plain(a: Any, b: Any, path: str = '') -> Iterator[str]:
+    """Yield the differences of two plain values, as in JSON, at a path."""
     if isinstance(a, Mapping) and isinstance(b, Mapping):
         for key in [*a, *(k for k in b if k not in a)]:
-            yield from _compare(a.get(key), b.get(key), f'{path}.{key}'.lstrip('.'))
+            yield from compare_plain(a.get(key), b.get(key), f'{path}.{key}'.lstrip('.'))
     elif isinstance(a, list) and isinstance(b, list) and len(a) == len(b):
         for at, (x, y) in enumerate(zip(a, b)):
-            yield from _compare(x, y, f'{path}[{at}]')
+            yield from compare_plain(x, y, f'{path}[{at}]')
     elif isinstance(a, float) and isinstance(b, float):
         if not math.isclose(a, b, rel_tol=_REL, abs_tol=1e-15):
             yield f'{path}: {a!r} and {b!r}'

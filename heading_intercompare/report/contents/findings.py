@@ -17,6 +17,7 @@ from heading_intercompare.report.formatting import (
     with_uncertainty,
 )
 
+from .deviation_card import make_deviation_card
 from .tables import Table
 
 __all__ = ['describe_findings', 'Figure', 'Finding', 'FINDINGS', 'HOMOGENEITY', 'LEFT_TO_JSON',
@@ -336,6 +337,9 @@ def describe_findings(runs: Sequence[RunVerdict]) -> list[Described]:
             if rows := _columns(finding.columns, block):
                 tables.append((f'Run {run}', Table(
                     [_head(figure) for figure in finding.columns], rows)))
+        if finding.block == 'heading_dependence':
+            tables += [(f'Run {run.run}: deviation card', card) for run in runs
+                       if (card := make_deviation_card(run.heading_dependence)) is not None]
         if tables:
             found.append(Described(finding.title, finding.meaning,
                                    _conclude(finding, runs), tables))

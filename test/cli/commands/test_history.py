@@ -142,3 +142,17 @@ def test_a_logbook_that_is_none_or_of_a_newer_version_is_refused(books, tmp_path
     with sqlite3.connect(books[0]) as connection:
         connection.execute('PRAGMA user_version = 9')
     assert 'a newer heading_intercompare wrote it' in refused(capsys, books[0])
+
+
+def test_it_says_whether_a_sensor_differs_after_a_service(books, capsys):
+    at = str(T0_NS + 30 * DAY_NS)
+    assert main(['history', books[0], '--service', at, '--check']) == 1
+    lines = [line for line in capsys.readouterr().out.splitlines() if 'service: ' in line]
+    assert lines[0].startswith('  service: the mean changed by +0.5') and 'it differs' in lines[0]
+    assert lines[1].startswith('  service: the standard deviation changed by the factor ')
+    assert main(['history', books[1], '--service', at, '--check']) == 0
+    assert capsys.readouterr().out.count('no change is shown') == 2
+    assert main(['history', books[0], '--service', at, '--json', '-']) == 0
+    found = json.loads(capsys.readouterr().out)['histories'][0]['service']
+    assert [one['figure'] for one in found] == ['mean', 'sd'] and found[0]['before'] == 30
+    assert '--service soon: must be a time' in refused(capsys, books[0], '--service', 'soon')

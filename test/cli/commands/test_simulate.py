@@ -140,6 +140,23 @@ def test_seed_decides_every_byte(scenario, bag, tmp_path):
     assert BagReader(other).metadata()['scenario']['seed'] == '5'
 
 
+def test_further_sensors_have_topics_of_their_own(tmp_path, capsys):
+    path, bag = tmp_path / 'ship.yaml', tmp_path / 'bag'
+    path.write_text(TRIAL + 'others: gyro2 rate_hz=2 model=imo ahrs.initial_state=aligned\n')
+    assert main(['simulate', '--scenario', str(path), '-o', str(bag)]) == 0
+    assert 'gyro2 260 headings on gyro2/heading, 0 of them marked invalid' in (
+        capsys.readouterr().out)
+    reader = BagReader(bag)
+    headings = Headings.concatenate(
+        chunk['gyro2/heading'] for chunk in reader.headings({'gyro2/heading': 'enu'}))
+    simulated = list(Simulation(read_scenario(str(path)).scenario).chunks())
+    expected = Headings.concatenate(chunk.others['gyro2'][0].headings for chunk in simulated)
+    assert np.array_equal(headings.stamp_ns, expected.stamp_ns)
+    assert headings.heading_deg == pytest.approx(expected.heading_deg)
+    assert any(b'sensor_simulator: gyro2' in message.data
+               for message in reader.messages(['/diagnostics']))
+
+
 def test_topics_are_those_of_the_settings(scenario, tmp_path, capsys):
     path = tmp_path / 'trial'
     assert main(['simulate', '--scenario', str(scenario), '-o', str(path), '--set',
@@ -182,7 +199,7 @@ def test_a_folder_of_the_name_of_a_scenario_does_not_hide_it(tmp_path, monkeypat
 
 def test_absent_scenario_and_present_bag_are_named(scenario, bag, tmp_path, capsys):
     for given, output, words in (
-            ('no_such', tmp_path / 'a', 'neither a file nor one of the scenarios degraded_rs, '),
+            ('no_such', tmp_path / 'a', 'neither a file nor one of the scenarios after_service, '),
             ('no_such.yaml', tmp_path / 'a', 'no_such.yaml: No such file'),
             (scenario, bag, 'already exists')):
         assert main(['simulate', '--scenario', str(given), '-o', str(output)]) == 2

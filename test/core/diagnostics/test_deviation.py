@@ -9,7 +9,11 @@ import math
 import numpy as np
 import pytest
 
-from heading_intercompare.core.diagnostics.deviation import fit_deviation, largest_empty_arc
+from heading_intercompare.core.diagnostics.deviation import (
+    deviation_at,
+    fit_deviation,
+    largest_empty_arc,
+)
 
 TRUTH = (0.1, 0.3, -0.2, 0.05, 0.15)
 
@@ -106,3 +110,15 @@ def test_equal_differences_all_round_depend_on_nothing():
                                           ([-10.0, 10.0, 100.0], 250.0)])
 def test_empty_arcs_by_hand(heading, arc):
     assert largest_empty_arc(heading) == arc
+
+
+def test_the_fit_at_a_heading_by_hand(rng):
+    """At 90 deg: A + B - E; its variance is that of the sum, with the covariances."""
+    psi = np.linspace(0.0, 3600.0, 20_000) % 360.0
+    found = fit_deviation(0.3 * np.cos(np.radians(psi)) + 0.1 * rng.standard_normal(psi.size), psi)
+    x, u = deviation_at(found, [90.0, 0.0])
+    a, b, c, d, e = found.coefficients_deg
+    assert x == pytest.approx([a + b - e, a + c + e])
+    row = np.array([1.0, 1.0, 0.0, 0.0, -1.0])
+    assert u[0] ** 2 == pytest.approx(row @ np.array(found.covariance_deg2) @ row)
+    assert np.isnan(deviation_at(fit_deviation([], []), [0.0])).all()

@@ -30,6 +30,8 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             p = f'{preset.probability:g}' if preset.probability else 'norms.probability'
             rule = f'sigma_max = {preset.limit_deg:g}{secant} deg / K({p})'
+        if preset.systematic_deg is not None:
+            rule += f'; systematic error at most {preset.systematic_deg:g}{secant} deg'
         lines.append(f'{name}: {preset.title} [{preset.status}]\n    {rule}\n'
                      f'    requires: {preset.content}')
     lines.append('use: --set norms.preset=NAME, and --set norms.latitude_deg=LAT if the rule has '

@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The azimuth of the sun, by the library `ephem` of the extra `sun`; no network, no data files."""
+
+from __future__ import annotations
+
+import ephem
+import numpy as np
+
+from heading_intercompare.core.records import Integers, Reals
+
+__all__ = ['find_sun']
+
+_DAY_NS = 86_400_000_000_000
+#: Days of the library count from 1899-12-31 12:00.
+_DAYS_TO_1970 = 25567.5
+
+
+def find_sun(stamp_ns: Integers, latitude_deg: Reals,
+             longitude_deg: Reals) -> tuple[Reals, Reals]:
+    """
+    Return the true azimuth and the altitude of the centre of the sun.
+
+    Parameters
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        UTC nanoseconds.
+    latitude_deg, longitude_deg : ndarray, shape (n,)
+        Place of the observer, degrees, north and east positive.
+
+    Returns
+    -------
+    azimuth_deg, altitude_deg : ndarray, shape (n,)
+        Degrees; the altitude without refraction. UTC stands for UT1, which adds up to 0.004 deg
+        to the hour angle.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> noon = np.array([1_774_008_000_000_000_000])
+    >>> azimuth, altitude = find_sun(noon, np.array([54.0]), np.array([10.0]))
+    >>> round(float(azimuth[0]), 1), round(float(altitude[0]), 1)
+    (190.0, 35.5)
+
+    """
+    found = np.empty((2, stamp_ns.size))
+    observer, sun = ephem.Observer(), ephem.Sun()
+    observer.pressure = 0.0
+    for i, at_ns in enumerate(stamp_ns.tolist()):
+        observer.lat = float(np.radians(latitude_deg[i]))
+        observer.lon = float(np.radians(longitude_deg[i]))
+        observer.date = at_ns / _DAY_NS + _DAYS_TO_1970
+        sun.compute(observer)
+        found[:, i] = float(sun.az), float(sun.alt)
+    azimuth_deg, altitude_deg = np.degrees(found)
+    return azimuth_deg, altitude_deg

@@ -1,0 +1,293 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""One recording, or the logs of one trial, through the comparison of several sensors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Callable, Mapping, Sequence
+
+from heading_intercompare.app.inputs import explain_no_run, sha256
+from heading_intercompare.app.logs.log_import import import_log
+from heading_intercompare.bags.recording.bag_losses import BagLosses
+from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
+from heading_intercompare.bags.rosbag2.provenance import read_notes
+from heading_intercompare.bags.rosbag2.readable import Readable
+from heading_intercompare.core.offline import judge_aligned
+from heading_intercompare.core.pairing.ledger import LedgerKey
+from heading_intercompare.core.pipeline import Intercomparison
+from heading_intercompare.core.records import Headings, Losses, Pairs
+from heading_intercompare.core.rows.sensor_table import find_reference, read_sensors, Sensor
+from heading_intercompare.core.sensors.comparison import SensorsComparison
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.judge import RunResult
+from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
+from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.readers.registry import open_recording
+from heading_intercompare.report import SeriesSketch
+
+__all__ = ['compare_headings', 'Compared', 'compare_bag', 'compare_logs', 'name_logs']
+
+Names = tuple[str, str]
+Spans = Sequence[tuple[int, int]]
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """
+    The runs of all pairs of sensors in one input.
+
+    Attributes
+    ----------
+    results : dict of (str, str) to list of RunResult
+        The runs of each pair, by the names of its sensors.
+    earlier : dict of str to list of RunResult
+        Runs of each tested sensor that are too old for the verdict.
+    described : tuple of Input
+        Its entries in the verdict: a bag, or several logs.
+    notes : list of str
+        What the user should know about it.
+    sketches : dict of str to SeriesSketch
+        Data for the figures of each tested sensor; empty unless requested.
+
+    """
+
+    results: dict[Names, list[RunResult]]
+    earlier: dict[str, list[RunResult]]
+    described: tuple[Input, ...]
+    notes: list[str] = field(default_factory=list)
+    sketches: dict[str, SeriesSketch] = field(default_factory=dict)
+
+
+class _Feed:
+    """A comparison that draws the data of the figures from the pairs that it completes."""
+
+    def __init__(self, settings: Settings, source: str, table: Spans | None, sketched: bool,
+                 progress: Callable[[str], None]) -> None:
+        self.comparison = SensorsComparison(settings, source=source, table=table,
+                                            progress=progress)
+        reference = find_reference(self.comparison.sensors)
+        self.reference = '' if reference is None else reference.name
+        self.sketches = {name: SeriesSketch(source) for name in self.comparison.tested
+                         if sketched}
+        # Aligning a run needs all readings a second time.
+        self._keeps = settings.alignment.skew == 'apply'
+        self._kept: dict[str, list[Headings]] = {one.name: [] for one in self.comparison.sensors}
+        self._lost: list[tuple[str, LedgerKey, Losses]] = []
+        self._source = source
+
+    def update(self, headings: Mapping[str, Headings]) -> None:
+        if self._keeps:
+            for name, chunk in headings.items():
+                self._kept[name].append(chunk)
+        self._draw(self.comparison.update(headings))
+
+    def lose(self, name: str, key: LedgerKey, losses: Losses) -> None:
+        self.comparison.lose(name, key, losses)
+        if self._keeps:
+            self._lost.append((name, key, losses))
+
+    def begin_again(self) -> None:
+        self._draw(self.comparison.begin_again())
+
+    def finish(self) -> Compared:
+        self._draw(self.comparison.finish())
+        found = {names: self._align(names, one) for names, one in self._all().items()}
+        earlier = {name: one.compliance.take_earlier()
+                   for name, one in self.comparison.tested.items()}
+        return Compared(found, earlier, (), sketches=self.sketches)
+
+    def _all(self) -> dict[Names, Intercomparison]:
+        return {**{(name, self.reference): one for name, one in self.comparison.tested.items()},
+                **self.comparison.others}
+
+    def _align(self, names: Names, one: Intercomparison) -> list[RunResult]:
+        results = one.results()
+        if not self._keeps:
+            return results
+        first, second = (Headings.concatenate(self._kept[name]) for name in names)
+        lost = [(key if name == names[0] else LedgerKey(f'rs{key.value[2:]}'), losses)
+                for name, key, losses in self._lost if name in names]
+        return judge_aligned(first, second, results, one.compliance.settings,
+                             source=self._source, lost=lost)
+
+    def _draw(self, found: Mapping[str, Pairs]) -> None:
+        for name, sketch in self.sketches.items():
+            sketch.update(found[name], self.comparison.tested[name].compliance.settings)
+
+    def explain(self, table: Spans | None) -> list[str]:
+        """Return why pairs have no run."""
+        return [f'{" and ".join(names)}: no run: '
+                f'{explain_no_run(one.ledger, one.compliance.settings, table)}'
+                for names, one in self._all().items() if not one.compliance.finished_runs]
+
+
+def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, name: str = '',
+                parts: Sequence[str] = (), helpers: int = 0, sketched: bool = False,
+                progress: Callable[[str], None] = lambda text: None) -> Compared:
+    """
+    Compare the sensors of one recording.
+
+    Parameters
+    ----------
+    path : str
+        A recording that `open_recording` reads.
+    settings : Settings
+        With `sensors`.
+    table : sequence of (start_ns, stop_ns), optional
+        Runs; without one marks and silences decide.
+    name : str
+        Name of the input in results; by default the path.
+    parts : sequence of str
+        Bags that go on with the trial of this one, in their order.
+    helpers : int
+        Processes that decode in parallel with this one.
+    sketched : bool
+        Collect the data for the figures.
+    progress : callable
+        Called with the progress in words.
+
+    Raises
+    ------
+    OSError
+        If the recording cannot be read.
+    BagError, ReaderError
+        If it is damaged, or lacks the topic of a sensor.
+
+    """
+    name = name or path
+    sensors = read_sensors(settings.sensors)
+    conventions = {one.heading_topic: one.convention for one in sensors}
+    feed = _Feed(settings, name, table, sketched, progress)
+    readers = [open_recording(one) for one in (path, *parts)]
+    notes: list[str] = []
+    n = 0
+    for reader in readers:
+        if reader is not readers[0]:
+            feed.begin_again()
+            notes.append(f'{reader.path} goes on with this trial; readings between the two are '
+                         'not counted')
+        if table is None:
+            for kind, stamp_ns in read_marks(reader):
+                feed.comparison.mark(kind, stamp_ns)
+        told = _Told(reader, sensors, feed)
+        for chunk in reader.headings(conventions, helpers, told.take):
+            n += sum(map(len, chunk.values()))
+            feed.update({one.name: chunk[one.heading_topic] for one in sensors})
+            progress(f'{n:,} headings')
+        told.finish()
+        notes += find_problems(reader)
+    found = feed.finish()
+    given = tuple(OperatorNote(note.stamp_ns, note.text) for note in read_notes(readers[0]))
+    described = Input(name, sha256(path), notes=given or None,
+                      ledger_problems=tuple(notes) or None)
+    notes += feed.explain(table)
+    if not any(found.results.values()):
+        described = replace(described, no_run='no pair of sensors has a run')
+    return replace(found, described=(described,), notes=[f'{name}: {note}' for note in notes])
+
+
+class _Told:
+    """What is missing of each sensor in a recording, as numbers, drivers and recorder tell it."""
+
+    def __init__(self, reader: Readable, sensors: Sequence[Sensor], feed: _Feed) -> None:
+        self._feed = feed
+        self._of = {one.heading_topic: BagLosses(reader, {one.heading_topic: 'ts'},
+                                                 partial(feed.lose, one.name)) for one in sensors}
+
+    def take(self, topic: str, losses: Losses) -> None:
+        self._of[topic].take(topic, losses)
+
+    def finish(self) -> None:
+        for one in self._of.values():
+            one.read_told()
+            one.finish(self._feed.comparison.newest_ns)
+
+
+def name_logs(inputs: Sequence[str], settings: Settings) -> dict[str, str] | None:
+    """
+    Return the logs of the sensors by name, from inputs ``NAME=PATH``.
+
+    Returns
+    -------
+    dict of str to str, or None
+        None if no input has this form.
+
+    Raises
+    ------
+    ValueError
+        If some have it and others not, a name is unknown or comes twice, or a sensor has none.
+
+    """
+    sensors = [one.name for one in read_sensors(settings.sensors)]
+    parts = [given.partition('=') for given in inputs]
+    if not any(name in sensors and equals for name, equals, _ in parts):
+        return None
+    found: dict[str, str] = {}
+    for given, (name, equals, path) in zip(inputs, parts):
+        if not equals or name not in sensors:
+            raise ValueError(f'{given}: must be NAME=LOG with a sensor of the settings: '
+                             f'{", ".join(sensors)}')
+        if name in found:
+            raise ValueError(f'{given}: {name} has the log {found[name]} already')
+        found[name] = path
+    if missing := [name for name in sensors if name not in found]:
+        raise ValueError(f'{missing[0]}: has no log; give {missing[0]}=LOG, or take its row out '
+                         'of the setting sensors')
+    return found
+
+
+def compare_logs(logs: Mapping[str, str], settings: Settings,
+                 drivers: DriverSettings | None = None, table: Spans | None = None, *,
+                 sketched: bool = False,
+                 progress: Callable[[str], None] = lambda text: None) -> Compared:
+    """
+    Compare the sensors of a trial, each from a log.
+
+    Parameters
+    ----------
+    logs : mapping of str to str
+        Path of each sensor's log, by its name; one log may hold several.
+    settings : Settings
+        With `sensors`.
+    drivers : DriverSettings, optional
+        How to read the logs; a row of `sensors` chooses sentence, talker and instrument.
+    table, sketched, progress
+        As for `compare_bag`.
+
+    Raises
+    ------
+    OSError, ValueError
+        If a log cannot be read or has no heading.
+
+    """
+    sensors = read_sensors(settings.sensors)
+    imported = {one.name: import_log(
+        logs[one.name], _driver_of(one, drivers or DriverSettings()), progress,
+        role='rs' if one.is_reference else 'ts') for one in sensors}
+    described = tuple(Input(log.path, log.sha256, log.sentence or 'csv',
+                            not_taken=dict(log.not_taken)) for log in imported.values())
+    notes = [f'{name}: {log.path}, {len(log.headings)} headings of '
+             f'{"; ".join((log.sentence or "a csv", *log.remarks))}; not taken: '
+             f'{log.words_not_taken}' for name, log in imported.items()]
+    found = compare_headings({name: log.headings for name, log in imported.items()}, settings,
+                             table, source=next(iter(logs.values())), sketched=sketched,
+                             progress=progress)
+    return replace(found, described=described, notes=notes + found.notes)
+
+
+def compare_headings(headings: Mapping[str, Headings], settings: Settings,
+                     table: Spans | None = None, *, source: str = '', sketched: bool = False,
+                     progress: Callable[[str], None] = lambda text: None) -> Compared:
+    """Compare sensors whose readings are in memory, by their names; see `compare_bag`."""
+    feed = _Feed(settings, source, table, sketched, progress)
+    feed.update(headings)
+    found = feed.finish()
+    return replace(found, notes=feed.explain(table))
+
+
+def _driver_of(sensor: Sensor, drivers: DriverSettings) -> DriverSettings:
+    chosen = {name: value for name in ('sentence', 'talker', 'instrument')
+              if (value := getattr(sensor, name))}
+    return replace(drivers, **chosen)

@@ -1,0 +1,143 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The commands ``analyze`` and ``report`` for several sensors: the setting ``sensors``."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+import os
+import sys
+from typing import Mapping, Sequence
+
+from heading_intercompare.app.outputs import check_outputs, name_file, Outputs
+from heading_intercompare.app.sensors.sensors_analysis import (
+    judge_sensor_bags,
+    judge_sensor_logs,
+    SensorsJudgement,
+)
+from heading_intercompare.app.sensors.sensors_reading import name_logs
+from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
+from heading_intercompare.cli.terminal.progress import Progress
+from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.sensors.pair_settings import check_sensors, settings_of_pair
+from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.logbook.logbook_file import Logbook
+from heading_intercompare.logbook.run_row import make_rows
+from heading_intercompare.report import json, SeriesSketch
+from heading_intercompare.report.sensors_report import protocol_path, write_sensors
+
+__all__ = ['choose_pair', 'deliver_sensors', 'run_sensors']
+
+_OF_PAIRS = ('csv', 'ensembles', 'runs_csv', 'dask', 'motion', 'rs_antennas')
+
+
+def choose_pair(settings: Settings, ts: str | None, rs: str | None) -> Settings:
+    """
+    Return the settings of two of several sensors that ``--ts`` and ``--rs`` name.
+
+    Parameters
+    ----------
+    settings : Settings
+        With `ts` and `rs` as topics.
+    ts, rs : str or None
+        As given: names of sensors, or topics.
+
+    Returns
+    -------
+    Settings
+        Without sensors if both are given; otherwise as they are.
+
+    Raises
+    ------
+    ValueError
+        If one of them is given without the other.
+
+    """
+    if settings.sensors is None or ts is None and rs is None:
+        return settings
+    if ts is None or rs is None:
+        given = f'--ts {ts}' if rs is None else f'--rs {rs}'
+        raise ValueError(f'{given}: with the setting sensors give --ts and --rs, to compare these '
+                         'two alone, or neither')
+    by_name = {one.name: one for one in read_sensors(settings.sensors)}
+    if ts in by_name and rs in by_name:
+        return settings_of_pair(settings, by_name[ts], by_name[rs])
+    return replace(settings, sensors=None)
+
+
+def run_sensors(arguments: argparse.Namespace, settings: Settings, ship: str,
+                drivers: Mapping[str, DriverSettings], book: Logbook | None) -> int:
+    """Judge several sensors; print and write the verdict; return the exit code."""
+    from .analyze import check_report
+    check_sensors(settings)
+    for option in _OF_PAIRS:
+        if (value := getattr(arguments, option)) is not None:
+            shown = ' '.join(value) if isinstance(value, list) else value
+            raise ValueError(f'--{option.replace("_", "-")} {shown}: is for two sensors; choose '
+                             'them with --ts NAME --rs NAME')
+    check_report(arguments)
+    logs = name_logs(arguments.inputs, settings)
+    inputs = arguments.inputs if logs is None else [*logs.values()]
+    _check_outputs(arguments, settings, inputs)
+    shared = drivers['ts']
+    if logs is None and drivers != dict.fromkeys(drivers, DriverSettings()):
+        raise ValueError('options of logs: no INPUT is NAME=LOG; leave them out')
+    if logs is not None and shared != drivers['rs']:
+        raise ValueError('--ts-... and --rs-...: with several sensors the rows of the setting '
+                         'sensors choose sentence, talker and instrument')
+    with Progress(f'{len(inputs)} inputs' if len(inputs) > 1 else inputs[0],
+                  arguments.quiet) as progress:
+        sketched = bool(arguments.report)
+        judged = judge_sensor_bags(
+            inputs, settings, runs=arguments.runs or None, sketched=sketched,
+            jobs=arguments.jobs, progress=progress.show) if logs is None else judge_sensor_logs(
+                logs, settings, shared, runs=arguments.runs or None, sketched=sketched,
+                progress=progress.show)
+    for note in judged.notes:
+        print(f'note: {note}', file=sys.stderr)
+    if book is not None:
+        _write_rows(book, judged, ship)
+    return deliver_sensors(judged.verdict, arguments, judged.sketches)
+
+
+def _check_outputs(arguments: argparse.Namespace, settings: Settings,
+                   inputs: Sequence[str]) -> None:
+    reports = [arguments.report]
+    if arguments.report:
+        reports += [os.fspath(protocol_path(arguments.report, one.name))
+                    for one in read_sensors(settings.sensors)]
+    for report in reports:
+        check_outputs(Outputs(report=report, json=arguments.json), inputs,
+                      config=arguments.config, runs=arguments.runs)
+
+
+def _write_rows(book: Logbook, judged: SensorsJudgement, ship: str) -> None:
+    """Write the runs of each tested sensor; its name follows that of the ship."""
+    for name, verdict in judged.verdict.verdicts.items():
+        book.write(make_rows(verdict, ship=f'{ship}/{name}' if ship else name,
+                             earlier=judged.earlier.get(name, ()), find_bag=os.path.abspath))
+    if not judged.verdict.verdicts:
+        print('note: --logbook: no row, because no sensor is the reference', file=sys.stderr)
+
+
+def deliver_sensors(verdict: SensorsVerdict, arguments: argparse.Namespace,
+                    sketches: Mapping[str, Sequence[SeriesSketch]] | None = None) -> int:
+    """Print and write the verdict, write the protocols if asked for; return the exit code."""
+    from .analyze import code_of
+    if arguments.json == '-':
+        sys.stdout.write(json.render(verdict))
+    else:
+        say(str(verdict), VERDICT_MARKS)
+        if arguments.json:
+            with name_file(arguments.json):
+                json.write(verdict, arguments.json)
+    if arguments.report:
+        with name_file(arguments.report), Progress(arguments.report, arguments.quiet) as progress:
+            progress.show('drawing the protocols')
+            files = write_sensors(verdict, arguments.report, sketches, progress.show)
+        if arguments.json != '-':
+            print('protocols: ' + ', '.join(map(str, files)))
+    return code_of(verdict.outcome, verdict.validity_effect) if arguments.check else 0

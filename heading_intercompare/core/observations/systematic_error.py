@@ -1,0 +1,224 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The systematic error of a TS from observations: estimate, uncertainty, guarded decision."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+import math
+from typing import Any
+
+import numpy as np
+import scipy
+
+from heading_intercompare.core.angles import wrap180
+from heading_intercompare.core.decision.coverage import slowest_error_s
+from heading_intercompare.core.decision.norm_presets import sigma_max_deg, systematic_max_deg
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.records import Reals
+from heading_intercompare.core.settings import Settings
+
+from .budget import Budget, Component, make_budget
+from .corrections import Corrections
+
+__all__ = ['judge_corrections', 'SystematicError']
+
+_COVERAGE = 0.95
+_QUESTIONABLE = 0.01
+_LEAST_TO_QUESTION = 4
+_MOST_NEEDED = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class SystematicError:
+    """
+    What observations say about the systematic error of a TS; keys of the JSON.
+
+    Attributes
+    ----------
+    n : int
+        Number of corrections.
+    outcome : Outcome
+    reason : str
+        'bound_within_norm', 'bound_above_norm'; or why it is open: 'no_norm',
+        'insufficient_data', 'void.mean_difference', 'outliers_decide', 'reference_limited',
+        'data_limited'.
+    correction_deg : float or None
+        Mean of C - O, to be added to the TS reading; the systematic error is its negative.
+        Degrees, None for n = 0.
+    std_deg : float or None
+        Standard deviation of C - O, degrees. This and all that follows is None for n < 2.
+    u_deg, nu : float or None
+        Combined standard uncertainty of the mean, degrees, and its effective degrees of freedom;
+        `nu` is None if infinite.
+    k, expanded_u_deg : float or None
+        Factor of Student for 95 %, and the expanded uncertainty, degrees.
+    components : tuple of Component
+        The budget.
+    norm_deg : float or None
+        Norm of the systematic error, degrees.
+    low_deg, high_deg : float or None
+        Bounds of the size of the systematic error: compliant if `high_deg` is within the norm,
+        non-compliant if `low_deg` is above it.
+    n_needed : int or None
+        Number of such observations that would decide for compliance; None if more do not help,
+        or none are needed.
+    questionable : tuple of int
+        Places of corrections that lie too far from the others (Grubbs, 1 %).
+    std_low_deg, std_high_deg : float or None
+        Bounds of the standard deviation, each at its risk; degrees. The errors of the
+        observations are in it.
+    std_norm_deg : float or None
+        Norm of the TS standard deviation, degrees.
+
+    """
+
+    n: int
+    outcome: Outcome
+    reason: str
+    correction_deg: float | None = None
+    std_deg: float | None = None
+    u_deg: float | None = None
+    nu: float | None = None
+    k: float | None = None
+    expanded_u_deg: float | None = None
+    components: tuple[Component, ...] = ()
+    norm_deg: float | None = None
+    low_deg: float | None = None
+    high_deg: float | None = None
+    n_needed: int | None = None
+    questionable: tuple[int, ...] = ()
+    std_low_deg: float | None = None
+    std_high_deg: float | None = None
+    std_norm_deg: float | None = None
+
+
+def _student(p: float, nu: float) -> float:
+    """Return the quantile of Student's distribution; the normal one for infinite `nu`."""
+    return float(scipy.special.ndtri(p) if math.isinf(nu) else scipy.special.stdtrit(nu, p))
+
+
+def _reach(p: float, own_u_deg: Any, shared_u_deg: float, nu: Any) -> Any:
+    """Return how far the mean may be off at a probability: each part by its own quantile."""
+    return np.hypot(scipy.special.stdtrit(nu, p) * own_u_deg,
+                    scipy.special.ndtri(p) * shared_u_deg)
+
+
+def judge_corrections(corrections: Corrections, settings: Settings, *, common_u_deg: float,
+                      clock_u_s: float = 0.0) -> SystematicError:
+    """
+    Judge the systematic error of the TS.
+
+    Parameters
+    ----------
+    corrections : Corrections
+        Any number.
+    settings : Settings
+        Norms and risks, the installation offset, the slowest error of the TS.
+    common_u_deg, clock_u_s : float
+        See `make_budget`.
+
+    Returns
+    -------
+    SystematicError
+
+    Raises
+    ------
+    SettingsError
+        If the preset is unknown, or needs a latitude that is not given.
+
+    Notes
+    -----
+    Let m be the mean correction, u_A the uncertainty from the n observations, u_B that of what
+    they share, and N the norm. The bound reaches r(p) = sqrt(t(p; n - 1)^2 u_A^2 + z(p)^2 u_B^2)
+    beyond m, with the quantiles t of Student and z of the normal distribution. The TS complies if
+    |m| + r(1 - alpha_consumer) <= N. It breaks the norm if |m| - r(1 - alpha_producer / 2) > N.
+    That risk is halved because an error may exceed the norm on either side. A TS at its norm is
+    certified with at most the probability alpha_consumer. With the effective degrees of freedom
+    of Welch and Satterthwaite two observations certify it in 8 % of trials instead of 5 %, so
+    those serve the expanded uncertainty only. `docs/risk.md` has the rates of a simulation.
+
+    References
+    ----------
+    JCGM 106:2012, 8.3: guarded acceptance and rejection. JCGM 100:2008: budget and Student's t.
+    Zou & Donner 2008: bounds of a sum from the bounds of its parts. Grubbs 1969: the largest
+    deviation of a sample.
+
+    """
+    norm, sigma = systematic_max_deg(settings.norms), sigma_max_deg(settings.norms, settings.model)
+    found = _judge(corrections, settings, norm, sigma, common_u_deg, clock_u_s)
+    if not found.questionable:
+        return found
+    keep = np.ones(len(corrections), bool)
+    keep[list(found.questionable)] = False
+    rest = replace(corrections, **{name: getattr(corrections, name)[keep] for name in (
+        'row', 'stamp_ns', 'true_deg', 'ts_deg', 'c_minus_o_deg', 'rate_deg_s', 'u_deg')})
+    without = _judge(rest, settings, norm, sigma, common_u_deg, clock_u_s)
+    if without.outcome is found.outcome:
+        return found
+    return replace(found, outcome=Outcome.INDETERMINATE, reason='outliers_decide', n_needed=None)
+
+
+def _judge(corrections: Corrections, settings: Settings, norm: float | None,
+           sigma: float | None, common_u_deg: float, clock_u_s: float) -> SystematicError:
+    n, x = len(corrections), corrections.c_minus_o_deg
+    mean = float(wrap180(x.mean())) if n else None
+    if mean is None or n < 2:
+        return SystematicError(n, Outcome.INDETERMINATE, 'insufficient_data', mean,
+                               norm_deg=norm, std_norm_deg=sigma)
+    risk, slowest = settings.risk, slowest_error_s(settings.risk)
+    budget = make_budget(
+        corrections, common_u_deg=common_u_deg, clock_u_s=clock_u_s,
+        offset_u_deg=settings.installation_offset_u_deg,
+        slow=None if slowest is None or sigma is None else (sigma, slowest))
+    u, nu, std = budget.u_deg, budget.nu, float(np.std(x, ddof=1))
+    k = _student(0.5 + 0.5 * _COVERAGE, nu)
+    parts = budget.components[0].u_deg, budget.u_shared_deg, n - 1.0
+    high = abs(mean) + float(_reach(1.0 - risk.alpha_consumer, *parts))
+    low = max(0.0, abs(mean) - float(_reach(1.0 - 0.5 * risk.alpha_producer, *parts)))
+    n_needed = None
+    if norm is None:
+        outcome, reason = Outcome.INDETERMINATE, 'no_norm'
+    elif abs(mean) > settings.detectors.mean_max_deg:
+        outcome, reason = Outcome.INDETERMINATE, 'void.mean_difference'
+    elif high <= norm:
+        outcome, reason = Outcome.COMPLIANT, 'bound_within_norm'
+    elif low > norm:
+        outcome, reason = Outcome.NON_COMPLIANT, 'bound_above_norm'
+    else:
+        outcome = Outcome.INDETERMINATE
+        n_needed = _count_needed(abs(mean), std, budget, norm, risk.alpha_consumer, n)
+        z = float(scipy.special.ndtri(1.0 - risk.alpha_consumer))
+        shared = z * budget.u_shared_deg
+        reason = ('reference_limited' if abs(mean) - shared <= norm < abs(mean) + shared
+                  else 'data_limited')
+    return SystematicError(
+        n=n, outcome=outcome, reason=reason, correction_deg=mean, std_deg=std, u_deg=u,
+        nu=None if math.isinf(nu) else nu, k=k, expanded_u_deg=k * u,
+        components=budget.components, norm_deg=norm, low_deg=low, high_deg=high,
+        n_needed=n_needed, questionable=_find_questionable(x, std),
+        std_low_deg=std * math.sqrt((n - 1) / scipy.special.chdtri(n - 1, risk.alpha_producer)),
+        std_high_deg=std * math.sqrt(
+            (n - 1) / scipy.special.chdtri(n - 1, 1.0 - risk.alpha_consumer)),
+        std_norm_deg=sigma)
+
+
+def _count_needed(mean: float, std: float, budget: Budget, norm: float, alpha: float,
+                  n: int) -> int | None:
+    """Return how many observations with this mean and scatter would comply; None if none do."""
+    one = max(std, budget.components[0].u_deg * math.sqrt(n))
+    many = np.arange(n + 1, _MOST_NEEDED + 1)
+    reach = _reach(1.0 - alpha, one / np.sqrt(many), budget.u_shared_deg, many - 1.0)
+    enough = np.flatnonzero(mean + reach <= norm)
+    return int(many[enough[0]]) if enough.size else None
+
+
+def _find_questionable(x: Reals, std: float) -> tuple[int, ...]:
+    """Return the places of values beyond the limit of Grubbs."""
+    n = x.size
+    if n < _LEAST_TO_QUESTION or not std > 0.0:
+        return ()
+    t = _student(1.0 - _QUESTIONABLE / (2.0 * n), n - 2.0)
+    limit = (n - 1) / math.sqrt(n) * math.sqrt(t * t / (n - 2 + t * t))
+    far = np.flatnonzero(np.abs(x - x.mean()) > limit * std)
+    return tuple(far.tolist())

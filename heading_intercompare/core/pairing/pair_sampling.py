@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Two pairs a second out of many: enough to compare sensors whose errors last longer."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from heading_intercompare.core.records import Pairs
+
+__all__ = ['PairSampler', 'STEP_S']
+
+STEP_S = 0.5
+"""Time in which one pair is kept, seconds."""
+
+_STEP_NS = round(STEP_S * 1e9)
+
+
+class PairSampler:
+    """
+    Keep one pair of each half second.
+
+    Notes
+    -----
+    It keeps the pair that interpolation changed least, the first of several. The choice depends on
+    stamps alone, so the variance of the differences stays what it is, and it does not depend on
+    how the pairs are cut into chunks. Sensors of up to 2 Hz keep every pair.
+
+    """
+
+    def __init__(self) -> None:
+        self._open = Pairs.empty()
+
+    def update(self, pairs: Pairs) -> Pairs:
+        """Take pairs in stamp order; return those kept of the half seconds that are over."""
+        if not len(pairs):
+            return Pairs.empty()
+        pairs = self._open + pairs
+        last = int(np.searchsorted(pairs.stamp_ns // _STEP_NS, pairs.stamp_ns[-1] // _STEP_NS))
+        self._open = pairs[last:]
+        return _choose(pairs[:last])
+
+    def flush(self) -> Pairs:
+        """Return the pair kept of the last half second."""
+        found, self._open = _choose(self._open), Pairs.empty()
+        return found
+
+
+def _choose(pairs: Pairs) -> Pairs:
+    """Return the pair of each half second that interpolation changed least."""
+    if not len(pairs):
+        return pairs
+    step = pairs.stamp_ns // _STEP_NS
+    factor = np.minimum(pairs.rs_variance_factor, pairs.ts_variance_factor)
+    starts = np.flatnonzero(np.diff(step, prepend=step[0] - 1))
+    if len(starts) == len(step):
+        return pairs
+    best = np.maximum.reduceat(factor, starts)
+    hits = np.flatnonzero(factor == np.repeat(best, np.diff(starts, append=len(step))))
+    # The first hit of each half second.
+    return pairs[hits[np.diff(step[hits], prepend=step[0] - 1) > 0]]

@@ -1,0 +1,119 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The heading sensors of a ship as a person lists them: a row per sensor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from heading_intercompare.core.declared_settings import Checked, setting, SettingsError
+
+from .settings_rows import read_rows
+
+__all__ = ['find_reference', 'read_sensors', 'Sensor', 'SENSOR_CLASS_NAMES']
+
+SENSOR_CLASS_NAMES = ('gyrocompass', 'ins', 'ins_aided', 'gnss_compass')
+"""The classes of sensors; each has a slowest error, see `core/decision/coverage`."""
+
+_FEWEST = 2
+_WORDS = {'rs': ('role', 'rs'), 'ts': ('role', 'ts')}
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor(Checked):
+    """One heading sensor of the ship: a row of the setting `sensors`."""
+
+    name: str = setting('', 'name of the sensor, the first word of its row')
+    role: str = setting('ts', "'ts': is tested; 'rs': is the reference of all others",
+                        choices=('ts', 'rs'))
+    topic: str = setting('', 'topic of its headings; without one NAME/heading')
+    convention: str = setting('enu', 'world axes of its orientation', choices=('enu', 'ned'))
+    sigma_max_deg: float | None = setting(
+        None, 'norm of its standard deviation [deg]; without one that of norms', 0.0)
+    sensor_class: str | None = setting(
+        None, 'its class; without one that of risk', choices=SENSOR_CLASS_NAMES)
+    slowest_error_s: float | None = setting(
+        None, 'its slowest error [s]; without one that of its class', 0.0)
+    installation_offset_deg: float = setting(
+        0.0, 'angle of its axis to that of the ship [deg]', -360.0, 360.0)
+    installation_offset_u_deg: float = setting(
+        0.0, 'standard uncertainty of that angle [deg]', 0.0, 180.0)
+    sentence: str = setting('', 'kind of its sentence in a log; without one the first present')
+    talker: str = setting('', 'its talker in a log; without one the first present')
+    instrument: str = setting('', 'word of its lines in a log of several instruments')
+    maker: str = setting('', 'maker, for the protocol')
+    type: str = setting('', 'type, for the protocol')
+    serial: str = setting('', 'serial number, for the protocol')
+
+    def __post_init__(self) -> None:
+        """Check the ranges."""
+        Checked.__post_init__(self)
+        if self.sigma_max_deg == 0.0:
+            raise SettingsError('sigma_max_deg = 0.0: must be greater than 0')
+
+    @property
+    def is_reference(self) -> bool:
+        """Whether the sensor is the reference of all others."""
+        return self.role == 'rs'
+
+    @property
+    def heading_topic(self) -> str:
+        """Topic of its headings."""
+        return self.topic or f'{self.name}/heading'
+
+
+def read_sensors(text: str | None) -> tuple[Sensor, ...]:
+    """
+    Return the sensors of a table.
+
+    Parameters
+    ----------
+    text : str or None
+        A row per sensor, separated by line ends or ``;``: its name, then ``setting=value`` of
+        `Sensor` in any order, and the word ``rs`` for the reference of all others. Values with
+        spaces stand in quotes; ``#`` begins a comment.
+
+    Returns
+    -------
+    tuple of Sensor
+        In their order; empty for None and for an empty text.
+
+    Raises
+    ------
+    ValueError
+        If a row is wrong, a name or topic comes twice, there is a single sensor, or two are the
+        reference; the message names the row.
+
+    Examples
+    --------
+    >>> for sensor in read_sensors('gyro sigma_max_deg=0.5; gnss topic=gnss/imu rs'):
+    ...     print(sensor.name, sensor.role, sensor.heading_topic)
+    gyro ts gyro/heading
+    gnss rs gnss/imu
+
+    """
+    found: list[Sensor] = []
+    for name, given in read_rows(text, Sensor, _WORDS):
+        if given.name:
+            raise ValueError(f'{name}: name = {given.name!r}: the first word of the row is the '
+                             'name')
+        sensor: Sensor = replace(given, name=name)
+        _check_new(sensor, found)
+        found.append(sensor)
+    if found and len(found) < _FEWEST:
+        raise ValueError(f'has one sensor, {found[0].name}; it takes at least two')
+    return tuple(found)
+
+
+def _check_new(sensor: Sensor, before: list[Sensor]) -> None:
+    for one in before:
+        if one.heading_topic.lstrip('/') == sensor.heading_topic.lstrip('/'):
+            raise ValueError(f'{sensor.name} has the topic {sensor.heading_topic} of {one.name}')
+        if one.is_reference and sensor.is_reference:
+            raise ValueError(f'{one.name} and {sensor.name} are both the reference; there is one '
+                             'or none')
+
+
+def find_reference(sensors: tuple[Sensor, ...]) -> Sensor | None:
+    """Return the reference of all others; None if there is none."""
+    return next((one for one in sensors if one.is_reference), None)

@@ -1,0 +1,32 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether two verdicts on several sensors are the same."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Iterator
+
+from heading_intercompare.core.verdict.compare_verdicts import compare_plain, drop_sources
+
+from .sensors_verdict import SensorsVerdict
+
+__all__ = ['find_sensor_differences']
+
+
+def find_sensor_differences(a: SensorsVerdict, b: SensorsVerdict) -> Iterator[str]:
+    """
+    Yield the differences of two verdicts, except those of their sources.
+
+    Yields
+    ------
+    str
+        One difference with the names of the JSON, as `find_differences`.
+
+    """
+    yield from compare_plain(_drop_sources(a), _drop_sources(b))
+
+
+def _drop_sources(verdict: SensorsVerdict) -> dict[str, Any]:
+    return replace(verdict, inputs=(), verdicts={
+        name: drop_sources(one) for name, one in verdict.verdicts.items()}).to_dict()

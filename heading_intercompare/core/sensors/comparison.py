@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""All pairs of several sensors, each reading taken once."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Callable, Mapping, Sequence
+
+from heading_intercompare.core.pairing.ledger import LedgerKey
+from heading_intercompare.core.pairing.pair_sampling import PairSampler
+from heading_intercompare.core.pipeline import Intercomparison
+from heading_intercompare.core.records import Headings, Losses, Pairs
+from heading_intercompare.core.rows.sensor_table import find_reference
+from heading_intercompare.core.settings import Settings
+
+from .pair_settings import check_sensors, settings_of_pair
+
+__all__ = ['SensorsComparison']
+
+
+class SensorsComparison:
+    """
+    Compare several sensors, pair by pair.
+
+    Parameters
+    ----------
+    settings : Settings
+        With `sensors`.
+    source, table, progress
+        As for `Intercomparison`.
+
+    Attributes
+    ----------
+    sensors : tuple of Sensor
+    tested : dict of str to Intercomparison
+        Each tested sensor against the reference, by its name, as if the two were alone. Empty if
+        no sensor is the reference.
+    others : dict of (str, str) to Intercomparison
+        All other pairs of sensors, by their names; two of their pairs of readings a second are
+        judged.
+
+    Raises
+    ------
+    SettingsError
+        If no sensors are given, or one has no norm.
+
+    """
+
+    def __init__(self, settings: Settings, *, source: str = '',
+                 table: Sequence[tuple[int, int]] | None = None,
+                 progress: Callable[[str], None] = lambda text: None) -> None:
+        self.sensors = check_sensors(settings)
+        reference = find_reference(self.sensors)
+        self.tested: dict[str, Intercomparison] = {}
+        self.others: dict[tuple[str, str], Intercomparison] = {}
+        self._reference = '' if reference is None else reference.name
+        free = [sensor for sensor in self.sensors if sensor is not reference]
+        if reference is not None:
+            for sensor in free:
+                self.tested[sensor.name] = Intercomparison(
+                    settings_of_pair(settings, sensor, reference), source=source, table=table,
+                    progress=progress)
+        for first, second in combinations(free, 2):
+            self.others[first.name, second.name] = Intercomparison(
+                settings_of_pair(settings, first, second), source=source, table=table,
+                sampler=PairSampler())
+
+    def update(self, headings: Mapping[str, Headings]) -> dict[str, Pairs]:
+        """
+        Take readings by the names of their sensors.
+
+        Returns
+        -------
+        dict of str to Pairs
+            The new pairs of each tested sensor with the reference.
+
+        """
+        reference = headings.get(self._reference)
+        found = {name: one.update(headings.get(name), reference)
+                 for name, one in self.tested.items()}
+        for (first, second), other in self.others.items():
+            other.update(headings.get(first), headings.get(second))
+        return found
+
+    def lose(self, name: str, key: LedgerKey, losses: Losses) -> None:
+        """Count readings of a sensor that never came; `key` is that of a TS."""
+        of_reference = LedgerKey(f'rs{key.value[2:]}')
+        for tested, one in self.tested.items():
+            if name in (tested, self._reference):
+                one.lose(key if name == tested else of_reference, losses)
+        for names, other in self.others.items():
+            if name in names:
+                other.lose(key if name == names[0] else of_reference, losses)
+
+    def mark(self, kind: str, stamp_ns: int) -> None:
+        """Start or stop a run of every pair."""
+        for one in self._all:
+            one.mark(kind, stamp_ns)
+
+    def begin_again(self) -> dict[str, Pairs]:
+        """Go on as after a restart; see `Intercomparison.begin_again`."""
+        for other in self.others.values():
+            other.begin_again()
+        return {name: one.begin_again() for name, one in self.tested.items()}
+
+    def finish(self) -> dict[str, Pairs]:
+        """End all streams; return the last pairs of each tested sensor."""
+        found = {name: one.finish() for name, one in self.tested.items()}
+        for other in self.others.values():
+            other.finish()
+        return found
+
+    @property
+    def _all(self) -> tuple[Intercomparison, ...]:
+        return *self.tested.values(), *self.others.values()
+
+    @property
+    def newest_ns(self) -> int | None:
+        """The newest stamp in any ledger; None before the first reading."""
+        stamps = [one.pairer.ledger.newest_ns for one in self._all]
+        return max((stamp for stamp in stamps if stamp is not None), default=None)

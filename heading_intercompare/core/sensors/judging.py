@@ -1,0 +1,206 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Judges several sensors: from their pairs to the outcome of each."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Mapping, Sequence
+
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.guarded import decide_variance, variance_risk
+from heading_intercompare.core.outcome import Outcome, worst
+from heading_intercompare.core.rows.sensor_table import find_reference, Sensor
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
+from heading_intercompare.core.verdict.judge import RunResult
+from heading_intercompare.core.verdict.validity import DOUBTFUL, gravest, HOLDS, VOID
+from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict, Verdict
+
+from .pair_figures import describe_pair, PairFigures
+from .pair_settings import check_sensors, risk_of, settings_of_pair
+from .sensors_verdict import SensorResult, SensorsVerdict
+from .variance_split import PairVariance, SensorVariance, split_variances
+from .vote import find_wrong, Vote
+
+__all__ = ['judge_sensors']
+
+Names = tuple[str, str]
+
+
+def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
+                  others: Mapping[Names, Sequence[RunResult]],
+                  inputs: Sequence[Input] = ()) -> SensorsVerdict:
+    """
+    Judge several sensors.
+
+    Parameters
+    ----------
+    settings : Settings
+        With `sensors`.
+    verdicts : mapping of str to Verdict
+        The verdict on each sensor against the reference; empty without one.
+    others : mapping of (str, str) to sequence of RunResult
+        The runs of each other pair, by the names of its sensors.
+    inputs : sequence of Input
+
+    Returns
+    -------
+    SensorsVerdict
+
+    Notes
+    -----
+    With a reference, each sensor has the verdict of the comparison with it alone. The vote can
+    only take away: if it names the reference, no verdict against it counts.
+
+    Without a reference, a sensor fails if the vote names it. It complies if the variance of one of
+    its pairs is, with its whole uncertainty, within its own norm: the partner adds to that
+    variance and takes nothing away, unless the errors of both have a common part. All pairs of a
+    sensor share the consumer's risk, and all pairs share the producer's risk.
+
+    """
+    sensors = check_sensors(settings)
+    reference = find_reference(sensors)
+    risk = variance_risk(settings.risk)
+    runs: dict[Names, Sequence[RunVerdict]] = {}
+    if reference is not None:
+        runs |= {(name, reference.name): verdict.runs for name, verdict in verdicts.items()}
+    runs |= {names: [one.verdict for one in found] for names, found in others.items()}
+    pairs = [_describe(names, some, settings, sensors, risk / len(runs))
+             for names, some in runs.items()]
+    split = _split(sensors, pairs)
+    norms = [_norm_of(one, sensors, settings) for one in sensors]
+    vote = find_wrong([one.name for one in sensors],
+                      {pair.names: pair.differs for pair in pairs},
+                      [pair.names for pair in pairs if pair.one_source],
+                      [one.name for one, norm, share in zip(sensors, norms, split or ())
+                       if share.interval_deg2[0] > norm ** 2])
+    found = []
+    for at, sensor in enumerate(sensors):
+        outcome: Outcome | None
+        if sensor is reference:
+            outcome, effect, line = _judge_reference(sensor, vote)
+        elif reference is not None:
+            outcome, effect, line = _judge_against(sensor, reference, verdicts[sensor.name], vote)
+        else:
+            outcome, effect, line = _judge_alone(sensor, sensors, others, pairs, settings, vote)
+        found.append(SensorResult(
+            name=sensor.name, role=sensor.role, topic=sensor.heading_topic,
+            sigma_max_deg=norms[at], outcome=outcome, headline=line,
+            validity_effect=effect, variance=None if split is None else split[at]))
+    tested = [one for one in found if one.outcome is not None]
+    lines = [f'{one.name} {OUTCOME_WORDS[one.outcome.value]}'
+             + {VOID: ', VOID', DOUBTFUL: ', DOUBTFUL', HOLDS: ''}[one.validity_effect]
+             for one in tested if one.outcome is not None]
+    return SensorsVerdict(
+        outcome=worst(one.outcome for one in tested if one.outcome is not None),
+        headline=f'{"; ".join(lines)}; {vote.words}',
+        validity_effect=gravest(one.validity_effect for one in tested), settings=settings,
+        inputs=tuple(inputs), sensors=tuple(found), pairs=tuple(pairs), vote=vote, risk=risk,
+        verdicts=dict(verdicts))
+
+
+def _of_name(sensors: Sequence[Sensor], name: str) -> Sensor:
+    return next(one for one in sensors if one.name == name)
+
+
+def _limits(first: Sensor, second: Sensor, settings: Settings) -> Limits:
+    own = settings_of_pair(settings, first, second)
+    return Limits.of(own.norms, own.model)
+
+
+def _norm_of(sensor: Sensor, sensors: Sequence[Sensor], settings: Settings) -> float:
+    other = next(one for one in sensors if one is not sensor)
+    if sensor.is_reference:
+        return _limits(other, sensor, settings).sigma_ref_max_deg
+    return _limits(sensor, other, settings).sigma_max_deg
+
+
+def _describe(names: Names, runs: Sequence[RunVerdict], settings: Settings,
+              sensors: Sequence[Sensor], risk: float) -> PairFigures:
+    first, second = (_of_name(sensors, name) for name in names)
+    return describe_pair(
+        names, runs, _limits(first, second, settings).rejection_limit_deg2,
+        of_reference=second.is_reference, risk=risk, consumer=settings.risk.alpha_consumer)
+
+
+def _split(sensors: Sequence[Sensor],
+           pairs: Sequence[PairFigures]) -> tuple[SensorVariance, ...] | None:
+    at = {one.name: number for number, one in enumerate(sensors)}
+    return split_variances(len(sensors), [
+        PairVariance(at[pair.first], at[pair.second], pair.variance_deg2, pair.u_deg2,
+                     pair.first_factor or 1.0, pair.second_factor or 1.0)
+        for pair in pairs if pair.variance_deg2 is not None and pair.u_deg2 is not None])
+
+
+def _judge_reference(sensor: Sensor, vote: Vote) -> tuple[None, str, str]:
+    if sensor.name in vote.wrong:
+        return None, VOID, f'reference, WRONG: {vote.words}'
+    if sensor.name in vote.suspected:
+        return None, DOUBTFUL, f'reference, DOUBTFUL: {vote.words}'
+    return None, HOLDS, 'reference'
+
+
+def _judge_against(sensor: Sensor, reference: Sensor, verdict: Verdict,
+                   vote: Vote) -> tuple[Outcome, str, str]:
+    """Return outcome, effect and headline of a sensor that has a reference."""
+    alone = verdict.headline
+    if reference.name in vote.wrong:
+        return Outcome.INDETERMINATE, VOID, (
+            f'INDETERMINATE, VOID: the reference {reference.name} is wrong, by the vote of the '
+            f'sensors; against it alone: {alone}')
+    effect = verdict.validity_effect
+    if reference.name in vote.suspected and verdict.outcome is Outcome.NON_COMPLIANT:
+        return verdict.outcome, gravest([effect, DOUBTFUL]), (
+            f'{alone}; DOUBTFUL: the reference {reference.name} may be the one that is wrong')
+    if sensor.name in vote.wrong:
+        return verdict.outcome, effect, f'{alone}; the vote names it as wrong'
+    return verdict.outcome, effect, alone
+
+
+def _judge_alone(sensor: Sensor, sensors: Sequence[Sensor],
+                 results: Mapping[Names, Sequence[RunResult]], pairs: Sequence[PairFigures],
+                 settings: Settings, vote: Vote) -> tuple[Outcome, str, str]:
+    """Return outcome, effect and headline of a sensor where no reference is."""
+    if sensor.name in vote.wrong:
+        return Outcome.NON_COMPLIANT, HOLDS, f'NON-COMPLIANT: {vote.words}'
+    if sensor.name in vote.suspected:
+        return Outcome.INDETERMINATE, HOLDS, f'INDETERMINATE: {vote.words}'
+    own = [pair for pair in pairs if sensor.name in pair.names]
+    for pair in sorted(own, key=lambda one: one.validity_effect != HOLDS):
+        if pair.validity_effect == VOID or not _complies(sensor, pair, sensors,
+                                                         results[pair.names], settings):
+            continue
+        other = pair.second if pair.first == sensor.name else pair.first
+        line = (f'COMPLIANT, as its differences from {other} show; an error common to both is '
+                'not covered')
+        if pair.validity_effect == DOUBTFUL:
+            return Outcome.COMPLIANT, DOUBTFUL, f'{line}; DOUBTFUL: {"; ".join(pair.findings)}'
+        return Outcome.COMPLIANT, HOLDS, line
+    if own and all(pair.validity_effect == VOID for pair in own):
+        return Outcome.INDETERMINATE, VOID, f'INDETERMINATE, VOID: {own[0].findings[0]}'
+    if not any(pair.n for pair in own):
+        return Outcome.INDETERMINATE, HOLDS, 'INDETERMINATE: no run has a pair with it'
+    return Outcome.INDETERMINATE, HOLDS, (
+        'INDETERMINATE: no difference from another sensor is, with its uncertainty, within its '
+        f'norm, and the vote does not name it: {vote.words}')
+
+
+def _complies(sensor: Sensor, pair: PairFigures, sensors: Sequence[Sensor],
+              runs: Sequence[RunResult], settings: Settings) -> bool:
+    """Tell whether each run of a pair bounds the variance of one of them within its norm."""
+    is_first = pair.first == sensor.name
+    other = _of_name(sensors, pair.second if is_first else pair.first)
+    own = settings_of_pair(settings, sensor, other)
+    risk = risk_of(sensor, settings.risk)
+    risk = replace(risk, alpha_consumer=risk.alpha_consumer / (len(sensors) - 1))
+    for run in runs:
+        found, pairing = run.evidence.spread, run.verdict.pairing
+        factor = pairing.ts_variance_factor if is_first else pairing.rs_variance_factor
+        if found is None:
+            return False
+        limits = Limits.of(own.norms, own.model, ts_variance_factor=factor or 1.0)
+        if decide_variance(found, run.evidence.span_s, limits, risk,
+                           run.evidence.drift_left_deg2)[0] is not Outcome.COMPLIANT:
+            return False
+    return bool(runs)

@@ -1,0 +1,163 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The figures of one pair of sensors: moments, bounds, skew and validity of all its runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import Sequence
+
+from heading_intercompare.core.statistics.variance_uncertainty import (
+    lower_bound,
+    pool,
+    Spread,
+    upper_bound,
+)
+from heading_intercompare.core.verdict.validity import DOUBTFUL, gravest, VOID
+from heading_intercompare.core.verdict.verdict_document import RunVerdict
+
+__all__ = ['describe_pair', 'PairFigures']
+
+#: A mean or a convention beyond what any norm explains: the pair differs, whatever its variance.
+_GROSS = ('convention', 'mean_difference')
+#: Half-periods in the slow part of a variance, S.8.
+_LOW_MODES = 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PairFigures:
+    """
+    The figures of one pair of sensors; keys of the JSON. A missing figure is None.
+
+    Attributes
+    ----------
+    first, second : str
+        Names of the sensors; the difference is first - second.
+    of_reference : bool
+        Whether the second is the reference. Then all pairs of readings are judged, and the verdict
+        on the first has all figures; otherwise two pairs a second.
+    runs, n : int
+        Number of runs, and of the differences analysed in them.
+    mean_deg, std_deg : float or None
+        Mean difference over all runs, installation angles removed; standard deviation about the
+        mean of each run.
+    variance_deg2, u_deg2 : float or None
+        Common variance of the runs and its standard uncertainty, square degrees.
+    lower_bound_deg2, upper_bound_deg2 : float or None
+        Its bounds, at the risks of the vote and of the consumer.
+    limit_deg2 : float
+        Largest variance that the norms of both explain, square degrees.
+    differs : bool or None
+        Whether a run shows more than that; None if no run has enough differences.
+    gross : str
+        Words of what no norm explains, such as another convention; empty if there is nothing.
+    skew_s, skew_u_s : float or None
+        Time skew and its standard uncertainty, seconds: by how much the data of the first are
+        older than those of the second. Of the run that determines it best.
+    first_factor, second_factor : float or None
+        Mean factor by which interpolation reduced the white noise of each.
+    one_source : bool
+        Whether a run shows that both come from one source.
+    validity_effect : {'holds', 'doubtful', 'void'}
+        The most serious effect of a finding in any run.
+    findings : tuple of str
+        The findings that are doubtful or void, in words.
+
+    """
+
+    first: str
+    second: str
+    of_reference: bool
+    runs: int
+    n: int
+    mean_deg: float | None
+    std_deg: float | None
+    variance_deg2: float | None
+    u_deg2: float | None
+    lower_bound_deg2: float | None
+    upper_bound_deg2: float | None
+    limit_deg2: float
+    differs: bool | None
+    gross: str
+    skew_s: float | None
+    skew_u_s: float | None
+    first_factor: float | None
+    second_factor: float | None
+    one_source: bool
+    validity_effect: str
+    findings: tuple[str, ...]
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """The names of both sensors."""
+        return self.first, self.second
+
+
+def describe_pair(names: tuple[str, str], runs: Sequence[RunVerdict], limit_deg2: float, *,
+                  of_reference: bool, risk: float, consumer: float) -> PairFigures:
+    """
+    Return the figures of a pair.
+
+    Parameters
+    ----------
+    names : tuple of (str, str)
+        Names of the sensors.
+    runs : sequence of RunVerdict
+        Its judged runs; may be empty. A verdict read from JSON gives the same figures.
+    limit_deg2 : float
+        Largest variance that the norms of both explain.
+    of_reference : bool
+        Whether the second sensor is the reference.
+    risk : float
+        Risk that two sound sensors differ, for all runs of the pair together.
+    consumer : float
+        Risk of the upper bound.
+
+    """
+    spreads = [spread for run in runs if (spread := _spread_of(run)) is not None]
+    whole: Spread | None = pool(spreads) if spreads else None
+    beyond = any(lower_bound(spread, risk / len(spreads)) > limit_deg2 for spread in spreads)
+    findings = [f for run in runs for f in run.validity if f.effect in (DOUBTFUL, VOID)]
+    gross = [f.words for f in findings if f.condition in _GROSS and f.effect == VOID]
+    found = [run.skew.estimate for run in runs
+             if run.skew.estimate.well_determined and run.skew.estimate.u_s is not None]
+    skew = min(found, key=lambda one: one.u_s or 0.0, default=None)
+    n = sum(run.n for run in runs)
+    means = [run.n / n * run.mean_deg for run in runs if run.mean_deg is not None]
+    return PairFigures(
+        first=names[0], second=names[1], of_reference=of_reference, runs=len(runs), n=n,
+        mean_deg=math.fsum(means) if means else None,
+        std_deg=math.sqrt(whole.d_deg2) if whole else None,
+        variance_deg2=whole.d_deg2 if whole else None, u_deg2=whole.s_deg2 if whole else None,
+        lower_bound_deg2=lower_bound(whole, risk) if whole else None,
+        upper_bound_deg2=upper_bound(whole, consumer) if whole else None,
+        limit_deg2=limit_deg2, differs=bool(beyond or gross) if spreads or gross else None,
+        gross=gross[0] if gross else '',
+        skew_s=skew.skew_s if skew else None, skew_u_s=skew.u_s if skew else None,
+        first_factor=_average(n, [(run.n, run.pairing.ts_variance_factor) for run in runs]),
+        second_factor=_average(n, [(run.n, run.pairing.rs_variance_factor) for run in runs]),
+        one_source=any(f.condition == 'same_source' and f.effect == VOID for f in findings),
+        validity_effect=gravest(run.validity_effect for run in runs),
+        findings=tuple(dict.fromkeys(f.words for f in findings)))
+
+
+def _spread_of(run: RunVerdict) -> Spread | None:
+    """Return the variance of a run and how well it is known; None if it is not known."""
+    known, order = run.guarded, max(0, len(run.drift_coefficients_deg) - 1)
+    if known.d_hat_deg2 is None or known.nu is None or known.f is None:
+        return None
+    ratio, slow = known.r_slow or 0.0, known.slow_variance_deg2 or 0.0
+    # Only the ratio and the difference of these two count, and only if there is a slow part.
+    middle = slow / _LOW_MODES / (ratio - 1.0) if slow > 0.0 and 1.0 < ratio < math.inf else 0.0
+    u_deg = known.bias_u_deg or 0.0
+    return Spread(
+        run.n, order, known.d_hat_deg2, u_deg ** 2,
+        known.d_hat_deg2 * math.sqrt(2.0 / known.nu) if known.nu else math.inf, known.nu, known.f,
+        math.inf if known.corner_j is None else known.corner_j, middle + slow / _LOW_MODES, middle)
+
+
+def _average(n: int, parts: Sequence[tuple[int, float | None]]) -> float | None:
+    """Return the average of values that weigh by their numbers; None without any."""
+    known = [count / n * value for count, value in parts if value is not None and n]
+    return math.fsum(known) if known else None

@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The settings of one pair of sensors, as for a comparison of these two alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.norm_presets import sigma_max_deg
+from heading_intercompare.core.rows.sensor_table import read_sensors, Sensor
+from heading_intercompare.core.settings import Risk, Settings, SettingsError
+
+__all__ = ['check_sensors', 'risk_of', 'settings_of_pair']
+
+
+def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
+    """
+    Return the settings of a pair.
+
+    Parameters
+    ----------
+    settings : Settings
+        Of the whole comparison.
+    ts, rs : Sensor
+        The tested one and its partner. What is known of the RS (`norms.sigma_ref_deg`, `m_low`,
+        `m_up`) holds only for the reference; any other partner is between perfect and its norm.
+
+    Returns
+    -------
+    Settings
+        With these a comparison of the two streams alone gives the same verdict.
+
+    Raises
+    ------
+    SettingsError
+        If one of them has no norm.
+
+    """
+    norms, trial = settings.norms, settings.trial
+    if ts.sigma_max_deg is not None:
+        norms = replace(norms, sigma_max_deg=ts.sigma_max_deg, preset=None)
+    if rs.is_reference:
+        if rs.sigma_max_deg is not None:
+            norms = replace(norms, sigma_ref_max_deg=rs.sigma_max_deg)
+    else:
+        partner = rs.sigma_max_deg
+        if partner is None:
+            partner = sigma_max_deg(settings.norms, settings.model)
+        norms = replace(norms, sigma_ref_max_deg=partner, sigma_ref_deg=None, m_low=0.0, m_up=1.0)
+    found = replace(
+        settings, sensors=None, norms=norms, risk=risk_of(ts, settings.risk),
+        installation_offset_deg=ts.installation_offset_deg - rs.installation_offset_deg,
+        installation_offset_u_deg=(ts.installation_offset_u_deg ** 2
+                                   + rs.installation_offset_u_deg ** 2) ** 0.5,
+        ts_topic=ts.heading_topic, rs_topic=rs.heading_topic,
+        ts_convention=ts.convention, rs_convention=rs.convention,
+        trial=replace(trial, **{f'{role}_{name}': getattr(one, name)
+                                for role, one in (('ts', ts), ('rs', rs))
+                                for name in ('maker', 'type', 'serial') if getattr(one, name)}))
+    try:
+        Limits.of(found.norms, found.model)
+    except SettingsError as error:
+        raise SettingsError(f'sensors, {ts.name} and {rs.name}: {error}; give sigma_max_deg in '
+                            'the rows of both') from error
+    return found
+
+
+def risk_of(sensor: Sensor, risk: Risk) -> Risk:
+    """Return the risks of a judgement on a sensor, with its own slowest error."""
+    if sensor.slowest_error_s is not None:
+        risk = replace(risk, slowest_error_s=sensor.slowest_error_s)
+    if sensor.sensor_class is not None:
+        risk = replace(risk, sensor_class=sensor.sensor_class)
+        if sensor.slowest_error_s is None:
+            risk = replace(risk, slowest_error_s=None)
+    return risk
+
+
+def check_sensors(settings: Settings) -> tuple[Sensor, ...]:
+    """Return the sensors; SettingsError if there is none, or if one has no norm."""
+    sensors = read_sensors(settings.sensors)
+    if not sensors:
+        raise SettingsError('sensors: none; give a row per sensor')
+    for sensor in sensors[1:]:
+        settings_of_pair(settings, sensors[0], sensor)
+    return sensors

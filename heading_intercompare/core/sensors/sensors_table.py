@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A verdict on several sensors as text for people."""
+
+from __future__ import annotations
+
+import math
+from typing import Callable, Iterator, Sequence
+
+from .pair_figures import PairFigures
+from .sensors_verdict import SensorResult, SensorsVerdict
+
+__all__ = ['matrix_of', 'sensors_text', 'split_words', 'SHOWN']
+
+SHOWN: tuple[tuple[str, Callable[[PairFigures, float], str]], ...] = (
+    ('standard deviation of the difference [deg]', lambda pair, sign: _number(pair.std_deg)),
+    ('  as share of what both norms explain',
+     lambda pair, sign: '-' if pair.variance_deg2 is None or not pair.limit_deg2 else
+     f'{math.sqrt(pair.variance_deg2 / pair.limit_deg2):.2f}{" !" if pair.differs else ""}'),
+    ('mean difference, row - column [deg]',
+     lambda pair, sign: '-' if pair.mean_deg is None else f'{sign * pair.mean_deg:+.4f}'),
+    ('age, row - column, and its standard uncertainty [s]',
+     lambda pair, sign: '-' if pair.skew_s is None or pair.skew_u_s is None else
+     f'{sign * pair.skew_s:+.3f} ({pair.skew_u_s:.3f})'),
+)
+"""The matrices that people see: title, and the text of a pair with the sign of row - column."""
+
+
+def _number(value: float | None) -> str:
+    return '-' if value is None else f'{value:.4f}'
+
+
+def matrix_of(verdict: SensorsVerdict,
+              text: Callable[[PairFigures, float], str]) -> list[list[str]]:
+    """Return a matrix of texts with names as its first row and column."""
+    names = [one.name for one in verdict.sensors]
+    rows = [['', *names]]
+    for row in names:
+        cells = [row]
+        for column in names:
+            found = verdict.find_pair(row, column)
+            cells.append('' if row == column else '-' if found is None else text(*found))
+        rows.append(cells)
+    return rows
+
+
+def split_words(sensor: SensorResult) -> str:
+    """Return the standard deviation of a sensor from the split, with its range."""
+    found = sensor.variance
+    if found is None:
+        return '-'
+    low, high = (math.copysign(math.sqrt(abs(v)), v) for v in found.interval_deg2)
+    if found.std_deg is None:
+        return (f'negative variance {found.variance_deg2:.3g} deg2: the errors are correlated, or '
+                'the record is short')
+    return f'{found.std_deg:.4f} ({max(low, 0.0):.4f} .. {max(high, 0.0):.4f})'
+
+
+def sensors_text(verdict: SensorsVerdict) -> str:
+    """Return the outcomes, the matrices of all pairs, the vote and its evidence, as lines."""
+    return '\n'.join(_lines(verdict))
+
+
+def _lines(verdict: SensorsVerdict) -> Iterator[str]:
+    yield f'VERDICT on {len(verdict.sensors)} sensors: {verdict.headline}'
+    yield ''
+    width = max(len(one.name) for one in verdict.sensors)
+    for one in verdict.sensors:
+        yield f'{one.name:{width}}  norm {one.sigma_max_deg:g} deg: {one.headline}'
+    for title, text in SHOWN:
+        yield ''
+        yield title
+        yield from _align(matrix_of(verdict, text))
+    if any(pair.differs for pair in verdict.pairs):
+        yield '  !: more than both norms explain'
+    if any(one.variance for one in verdict.sensors):
+        yield ''
+        yield ('standard deviation of each sensor [deg] (at least 95 % range), if their errors '
+               'are uncorrelated')
+        for one in verdict.sensors:
+            yield f'  {one.name:{width}}  {split_words(one)}'
+    yield ''
+    yield f'who is wrong: {verdict.vote.words} (risk {verdict.risk:g} that it names a sound one)'
+    for pair in verdict.pairs:
+        words = [*([f'differs: {pair.gross}'] if pair.gross else []),
+                 *(f for f in pair.findings if f != pair.gross)]
+        if words:
+            yield f'  {pair.first} and {pair.second}: {"; ".join(words)}'
+
+
+def _align(rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    for row in rows:
+        yield '  ' + '  '.join([f'{row[0]:{widths[0]}}', *(
+            f'{cell:>{width}}' for cell, width in zip(row[1:], widths[1:]))]).rstrip()

@@ -1,0 +1,193 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The verdict on several sensors: each one's outcome, all pairs, and which sensor is wrong."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Mapping, Sequence
+
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.settings import (
+    leave_out_added,
+    Settings,
+    settings_sha256,
+    SettingsError,
+)
+from heading_intercompare.core.verdict.typed_reader import (
+    check_schema,
+    make_plain,
+    read_plain,
+    VerdictError,
+)
+from heading_intercompare.core.verdict.verdict_document import Input, Software, Verdict
+from heading_intercompare.core.version import RULE_VERSION
+
+from .pair_figures import PairFigures
+from .variance_split import SensorVariance
+from .vote import Vote
+
+__all__ = ['is_of_sensors', 'SCHEMA', 'SCHEMA_VERSION', 'SensorResult', 'SensorsVerdict']
+
+_SCHEMA = 'heading_intercompare/sensors/'
+SCHEMA_VERSION = '1.0'
+"""Major and minor version of the mapping, as for a verdict."""
+_MAJOR = int(SCHEMA_VERSION.partition('.')[0])
+SCHEMA = f'{_SCHEMA}{_MAJOR}'
+"""Kind of the document, and its major version only."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SensorResult:
+    """
+    What the comparison says of one sensor; keys of the JSON.
+
+    Attributes
+    ----------
+    name, role, topic : str
+        As in the settings.
+    sigma_max_deg : float
+        Its norm, degrees.
+    outcome : Outcome or None
+        None for the reference, which is not tested.
+    headline : str
+        The outcome in one line.
+    validity_effect : {'holds', 'doubtful', 'void'}
+        Whether the outcome can be relied on.
+    variance : SensorVariance or None
+        Its share of the variances of all pairs; None for fewer than three sensors.
+
+    """
+
+    name: str
+    role: str
+    topic: str
+    sigma_max_deg: float
+    outcome: Outcome | None
+    headline: str
+    validity_effect: str
+    variance: SensorVariance | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SensorsVerdict:
+    """
+    The verdict on several sensors.
+
+    Attributes
+    ----------
+    outcome : Outcome
+        The worst of the tested sensors.
+    headline : str
+        All outcomes and the vote in one line.
+    validity_effect : {'holds', 'doubtful', 'void'}
+        The most serious effect on any outcome.
+    settings : Settings
+        With the sensors.
+    inputs : sequence of Input
+    sensors : sequence of SensorResult
+        In the order of the settings.
+    pairs : sequence of PairFigures
+        All pairs.
+    vote : Vote
+        Which sensor is wrong.
+    risk : float
+        Risk that the vote names a sound sensor while most are sound.
+    verdicts : mapping of str to Verdict
+        The verdict on each tested sensor against the reference, by its name, as if these two were
+        alone. Empty without a reference.
+
+    """
+
+    outcome: Outcome
+    headline: str
+    validity_effect: str
+    settings: Settings
+    inputs: Sequence[Input]
+    sensors: Sequence[SensorResult]
+    pairs: Sequence[PairFigures]
+    vote: Vote
+    risk: float
+    verdicts: Mapping[str, Verdict]
+    software: Software = field(default_factory=Software)
+    rule_version: int | None = RULE_VERSION
+
+    @property
+    def settings_sha256(self) -> str:
+        """Hash of the settings."""
+        return settings_sha256(leave_out_added(self.settings.to_mapping()))
+
+    def find_pair(self, first: str, second: str) -> tuple[PairFigures, float] | None:
+        """Return the figures of two sensors, and 1, or -1 if they stand for second - first."""
+        for pair in self.pairs:
+            if pair.names == (first, second):
+                return pair, 1.0
+            if pair.names == (second, first):
+                return pair, -1.0
+        return None
+
+    def __str__(self) -> str:
+        """Return the tables that the command line prints."""
+        from .sensors_table import sensors_text
+        return sensors_text(self)
+
+    def __repr__(self) -> str:
+        """Return the number of sensors and the headline."""
+        return f'<Verdict on {len(self.sensors)} sensors: {self.headline}>'
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the verdict as plain dictionaries and lists, ready for JSON."""
+        return {
+            'schema': SCHEMA, 'schema_version': SCHEMA_VERSION,
+            'outcome': self.outcome.value, 'headline': self.headline,
+            'validity_effect': self.validity_effect,
+            'software': make_plain(self.software), 'rule_version': self.rule_version,
+            'settings_sha256': self.settings_sha256,
+            'settings': make_plain(leave_out_added(self.settings.to_mapping())),
+            'inputs': make_plain(self.inputs), 'sensors': make_plain(self.sensors),
+            'pairs': make_plain(self.pairs), 'vote': make_plain(self.vote), 'risk': self.risk,
+            'verdicts': {name: one.to_dict() for name, one in self.verdicts.items()},
+        }
+
+    @classmethod
+    def from_dict(cls, mapping: Mapping[str, Any]) -> 'SensorsVerdict':
+        """
+        Return the verdict from a mapping of `to_dict`, or from its JSON.
+
+        Raises
+        ------
+        VerdictError
+            If it is another kind of document or of another major version, a key is missing, or a
+            value is not of its type: one line that names the key.
+
+        """
+        if not isinstance(mapping, Mapping):
+            raise VerdictError(f'a verdict must be an object, not {type(mapping).__name__}')
+        check_schema(mapping, _SCHEMA, _MAJOR, 'judge the recordings again, with `analyze`')
+        for name in ('settings', 'verdicts', *_KINDS):
+            if name not in mapping:
+                raise VerdictError(f'{name} is missing')
+        try:
+            settings = Settings.from_mapping(read_plain(Mapping[str, Any], mapping['settings'],
+                                                        'settings'))
+        except SettingsError as error:
+            raise VerdictError(f'settings: {error}') from error
+        given = read_plain(Mapping[str, Any], mapping['verdicts'], 'verdicts')
+        read = {name: Verdict.from_dict(one) for name, one in given.items()}
+        verdict = cls(settings=settings, verdicts=read, **{
+            name: read_plain(kind, mapping[name], name) for name, kind in _KINDS.items()})
+        if (told := mapping.get('settings_sha256')) != verdict.settings_sha256:
+            raise VerdictError(f'settings_sha256 = {told!r:.70}: the settings have '
+                               f'{verdict.settings_sha256!r}, so they were changed afterwards')
+        return verdict
+
+
+def is_of_sensors(mapping: object) -> bool:
+    """Tell whether a document is a verdict on several sensors, of any version."""
+    return isinstance(mapping, Mapping) and str(mapping.get('schema', '')).startswith(_SCHEMA)
+
+
+_KINDS: dict[str, Any] = {
+    'outcome': Outcome, 'headline': str, 'validity_effect': str, 'inputs': Sequence[Input],
+    'sensors': Sequence[SensorResult], 'pairs': Sequence[PairFigures], 'vote': Vote,
+    'risk': float, 'software': Software, 'rule_version': int | None}

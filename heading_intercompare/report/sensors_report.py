@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The verdict on several sensors for people: an overview, and beside it a protocol of each."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Callable, Mapping, Sequence
+
+from heading_intercompare.core.sensors.sensors_table import matrix_of, SHOWN, split_words
+from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
+from heading_intercompare.core.verdict.validity import VOID
+from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS
+
+from . import check_form, json, write
+from .series_sketch import SeriesSketch
+
+__all__ = ['protocol_path', 'write_sensors']
+
+_SIGNS = {'compliant': '✓', 'non_compliant': '✗', 'indeterminate': '?'}
+
+
+def protocol_path(path: str | Path, name: str) -> Path:
+    """Return where the protocol of a sensor lies, beside the overview at `path`."""
+    place = Path(path)
+    return place.with_name(f'{place.stem}-{name}{place.suffix}')
+
+
+def write_sensors(verdict: SensorsVerdict, path: str | Path,
+                  sketches: Mapping[str, Sequence[SeriesSketch]] | None = None,
+                  progress: Callable[[str], None] = lambda text: None) -> list[Path]:
+    """
+    Write the overview, and the protocol of each tested sensor beside it.
+
+    Parameters
+    ----------
+    verdict : SensorsVerdict
+    path : str or Path
+        The overview: F.html or F.pdf. The protocols are F-NAME.html or F-NAME.pdf.
+    sketches : mapping of str to sequence of SeriesSketch, optional
+        Data for the figures, by sensor.
+    progress : callable
+        Called with the progress in words.
+
+    Returns
+    -------
+    list of Path
+        The files written, the overview first.
+
+    Raises
+    ------
+    ValueError
+        As `check_form`.
+    OSError
+        If a file cannot be written.
+
+    """
+    check_form(path)
+    files = [Path(path)]
+    if files[0].suffix.lower() == '.json':
+        json.write(verdict, path)
+        return files
+    for name, one in verdict.verdicts.items():
+        place = protocol_path(path, name)
+        write(one, place, (sketches or {}).get(name, ()),
+              lambda text, name=name: progress(f'{name}: {text}'))  # type: ignore[misc]
+        files.append(place)
+    _write_overview(verdict, files[0], progress)
+    return files
+
+
+def _write_overview(verdict: SensorsVerdict, path: Path, progress: Callable[[str], None]) -> None:
+    from .html import load_template
+    own = {name: protocol_path(path, name).name for name in verdict.verdicts}
+    text = load_template('sensors.html').render(
+        verdict=verdict, void=VOID, words=OUTCOME_WORDS, signs=_SIGNS, protocols=own,
+        trial=verdict.settings.trial,
+        sensors=[(one, split_words(one)) for one in verdict.sensors],
+        matrices=[(title.strip(), matrix_of(verdict, text)) for title, text in SHOWN],
+        evidence=[(f'{pair.first} and {pair.second}', '; '.join(pair.findings))
+                  for pair in verdict.pairs if pair.findings])
+    if path.suffix.lower() == '.pdf':
+        from . import pdf
+        pdf.print_page(text, path, progress)
+    else:
+        path.write_text(text, encoding='utf-8')

@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Logs by the names of their sensors, and what a bag says was lost."""
+
+from __future__ import annotations
+
+import pytest
+from ship_of_sensors import make_three, TABLE, write_bag, write_log
+
+from heading_intercompare.app.sensors.sensors_reading import (
+    compare_bag,
+    compare_logs,
+    name_logs,
+)
+from heading_intercompare.core.settings import Settings
+
+SETTINGS = Settings.of(sensors=TABLE)
+
+
+def test_inputs_name_their_sensors():
+    assert name_logs(['gnss=c.log', 'gyro1=a=b.log', 'gyro2=b.log'], SETTINGS) == {
+        'gnss': 'c.log', 'gyro1': 'a=b.log', 'gyro2': 'b.log'}
+    # A file may have = in its name.
+    assert name_logs(['bag', 'x=1/bag'], SETTINGS) is None
+
+
+@pytest.mark.parametrize('inputs, said', [
+    (['gyro1=a', 'bag'], 'bag: must be NAME=LOG with a sensor of the settings: gyro1, gyro2, '
+     'gnss'),
+    (['gyro1=a', 'gyro3=b'], 'gyro3=b: must be NAME=LOG'),
+    (['gyro1=a', 'gyro1=b'], 'gyro1=b: gyro1 has the log a already'),
+    (['gyro1=a', 'gyro2=b'], 'gnss: has no log; give gnss=LOG'),
+])
+def test_a_wrong_name_is_refused_in_one_line(inputs, said):
+    with pytest.raises(ValueError) as error:
+        name_logs(inputs, SETTINGS)
+    assert said in str(error.value)
+
+
+def test_one_log_of_several_talkers(tmp_path):
+    headings = make_three()
+    lines = []
+    for name, talker in (('gyro1', 'HE'), ('gyro2', 'II'), ('gnss', 'GP')):
+        file = write_log(tmp_path / f'{name}.log', headings[name], talker)
+        lines += file.read_text().splitlines()
+    ship = tmp_path / 'ship.log'
+    ship.write_text('\n'.join(sorted(lines)) + '\n')
+    rows = 'gyro1 talker=HE\ngyro2 talker=II\ngnss talker=GP rs'
+    settings = Settings.of(sensors=rows, sigma_max_deg=0.3, sigma_ref_max_deg=0.1)
+    found = compare_logs(dict.fromkeys(headings, str(ship)), settings)
+    assert [given.ts_topic for given in found.described] == ['HEHDT', 'IIHDT', 'GPHDT']
+    for runs in found.results.values():
+        assert runs[0].verdict.std_deg < 0.3
+
+
+def test_notes_of_a_bag_name_it(tmp_path):
+    path = str(write_bag(tmp_path / 'trial', make_three()))
+    found = compare_bag(path, SETTINGS, name='night')
+    assert found.described[0].path == 'night' and found.described[0].sha256
+    assert found.notes == [] and {*found.earlier} == {'gyro1', 'gyro2'}

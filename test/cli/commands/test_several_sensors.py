@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The commands for several sensors: what they print, write and refuse."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from ship_of_sensors import make_three, TABLE, write_bag, write_log
+
+from heading_intercompare.cli import main
+
+
+@pytest.fixture(scope='module')
+def trial(tmp_path_factory):
+    """Return a bag with a wrong gyro2, and a parameter file with its sensors."""
+    folder = tmp_path_factory.mktemp('trial')
+    write_bag(folder / 'bag', make_three(gyro2=0.9))
+    rows = TABLE.strip().replace('\n', '\n      ')
+    (folder / 'ship.yaml').write_text(
+        '/**:\n  ros__parameters:\n    risk:\n      slowest_error_s: 60.0\n'
+        f'    sensors: |\n      {rows}\n')
+    return folder
+
+
+def refused(capsys, *arguments):
+    capsys.readouterr()
+    assert main([str(a) for a in arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == '' and err.count('\n') == 1
+    return err
+
+
+def test_analyze_prints_all_sensors_and_the_wrong_one(trial, capsys):
+    given = ['analyze', str(trial / 'bag'), '--config', str(trial / 'ship.yaml')]
+    assert main(given) == 0
+    out = capsys.readouterr().out
+    assert out.startswith('VERDICT on 3 sensors: gyro1 COMPLIANT; gyro2 NON-COMPLIANT; gyro2 '
+                          'differs from gyro1 and gnss, which do not differ from each other')
+    assert main([*given, '--check']) == 1
+    assert main([*given, '--json', '-']) == 0
+    out = capsys.readouterr().out
+    plain = json.loads(out[out.index('{\n'):])
+    assert plain['vote']['wrong'] == ['gyro2'] and [*plain['verdicts']] == ['gyro1', 'gyro2']
+
+
+def test_two_of_the_sensors_alone_by_name(trial, capsys):
+    given = ['analyze', str(trial / 'bag'), '--config', str(trial / 'ship.yaml'), '--json', '-']
+    assert main([*given, '--ts', 'gyro1', '--rs', 'gnss']) == 0
+    alone = json.loads(capsys.readouterr().out)
+    assert main(given) == 0
+    several = json.loads(capsys.readouterr().out)['verdicts']['gyro1']
+    assert alone['runs'] == several['runs'] and alone['headline'] == several['headline']
+    assert main([*given, '--ts', 'gyro1', '--rs', 'gnss', '--csv',
+                 str(trial / 'pairs.csv')]) == 0
+    assert '--ts gyro1: with the setting sensors give --ts and --rs' in refused(
+        capsys, *given, '--ts', 'gyro1')
+
+
+def test_logs_by_name(trial, tmp_path, capsys):
+    logs = [f'{name}={write_log(tmp_path / name, readings, "HE")}'
+            for name, readings in make_three(gyro2=0.9).items()]
+    assert main(['analyze', *logs, '--config', str(trial / 'ship.yaml')]) == 0
+    out, err = capsys.readouterr()
+    assert 'gyro2 NON-COMPLIANT' in out
+    assert [line.split(':')[1].strip() for line in err.splitlines()[:3]] == [
+        'gyro1', 'gyro2', 'gnss']
+    assert 'gnss: has no log' in refused(
+        capsys, 'analyze', *logs[:2], '--config', trial / 'ship.yaml')
+
+
+def test_the_logbook_has_a_row_per_sensor_and_run(trial, tmp_path, capsys):
+    book = tmp_path / 'book.sqlite'
+    assert main(['analyze', str(trial / 'bag'), '--config', str(trial / 'ship.yaml'),
+                 '--logbook', str(book), '--ship', 'Palmer']) == 0
+    assert main(['history', str(book)]) == 0
+    out = capsys.readouterr().out
+    assert 'Palmer/gyro1' in out and 'Palmer/gyro2' in out and 'Palmer/gnss' not in out
+
+
+@pytest.mark.parametrize('option', ['csv', 'ensembles', 'runs-csv'])
+def test_tables_of_pairs_are_refused_with_what_to_do(trial, option, capsys, tmp_path):
+    assert 'choose them with --ts NAME --rs NAME' in refused(
+        capsys, 'analyze', trial / 'bag', '--config', trial / 'ship.yaml', f'--{option}',
+        tmp_path / 'x.csv')
+    assert not (tmp_path / 'x.csv').exists()
+
+
+def test_wrong_sensors_are_one_line(trial, capsys):
+    assert 'sensors, has one sensor' in refused(
+        capsys, 'analyze', trial / 'bag', '--set', 'sensors=gyro1 sigma_max_deg=1')
+    assert 'give sigma_max_deg in the rows of both' in refused(
+        capsys, 'analyze', trial / 'bag', '--set', 'sensors=gyro1; gyro2')
+    assert 'the rows of the setting sensors choose' in refused(
+        capsys, 'analyze', 'gyro1=a', 'gyro2=b', 'gnss=c', '--config', trial / 'ship.yaml',
+        '--ts-talker', 'HE')
+    assert 'no INPUT is NAME=LOG' in refused(
+        capsys, 'analyze', trial / 'bag', '--config', trial / 'ship.yaml', '--time', 'validity')
+
+
+@pytest.mark.slow
+def test_the_report_is_an_overview_and_a_protocol_of_each_sensor(trial, tmp_path, capsys):
+    pytest.importorskip('matplotlib')
+    page, kept = tmp_path / 'ship.html', tmp_path / 'ship.json'
+    given = ['--config', str(trial / 'ship.yaml')]
+    assert main(['analyze', str(trial / 'bag'), *given, '--report', str(page), '--json',
+                 str(kept)]) == 0
+    names = {file.name for file in tmp_path.iterdir()}
+    assert names == {'ship.html', 'ship-gyro1.html', 'ship-gyro2.html', 'ship.json'}
+    assert '<svg' in (tmp_path / 'ship-gyro1.html').read_text('utf-8')
+    # From the verdict alone the same overview, and protocols without figures.
+    again = tmp_path / 'again' / 'ship.html'
+    again.parent.mkdir()
+    assert main(['report', str(kept), '-o', str(again)]) == 0
+    assert again.read_text('utf-8') == page.read_text('utf-8')
+    # No output overwrites an input.
+    (tmp_path / 'ship-gyro1.html').unlink()
+    assert main(['report', str(trial / 'bag'), *given, '-o', str(page)]) == 0
+    assert (tmp_path / 'ship-gyro1.html').exists()
