@@ -121,6 +121,27 @@ def test_a_gyro_is_put_onto_the_stamps_of_a_slow_reference(name, readings, n, va
         factor * 0.2 ** 2 + 0.9 ** 2 * 0.1 ** 2, abs=1e-7)
 
 
+def test_of_four_sensors_the_gyro_is_suspected_and_every_age_agrees(shared_data, capsys):
+    """The ship carries a gyro, two GNSS-aided systems, and UHDAS; the gyro is late."""
+    logs = [f'{name}={shared_data / "nbp1406"}/NBP1406_{file}-2014-08-01' for name, file in (
+        ('gyro', 'gyr1'), ('s330', 's330'), ('seap', 'seap'), ('uhdas', 'adcp'))]
+    rows = ('gyro sigma_max_deg=0.2; seap sigma_max_deg=0.1 installation_offset_deg=0.82; '
+            'uhdas sigma_max_deg=0.3 installation_offset_deg=0.82; s330 sigma_max_deg=0.1')
+    for reference in (' rs', ''):
+        verdict = verdict_of(capsys, 'analyze', *logs, '--set', f'sensors={rows}{reference}',
+                             '--set', 'norms.m_low=0.9')
+        assert verdict['vote']['suspected'] == ['gyro'] and verdict['vote']['wrong'] == []
+        assert [one['outcome'] for one in verdict['sensors']][0] != 'compliant'
+        age = {(pair['first'], pair['second']): pair['skew_s'] for pair in verdict['pairs']}
+        # What two ages say of a third one.
+        assert age['gyro', 's330'] == pytest.approx(1.2, abs=0.05)
+        assert age['gyro', 's330'] - age['seap', 's330'] == pytest.approx(
+            age['gyro', 'seap'], abs=0.05)
+        assert age['gyro', 's330'] - age['uhdas', 's330'] == pytest.approx(
+            age['gyro', 'uhdas'], abs=0.05)
+    assert verdict['verdicts'] == {}
+
+
 AUTO = {
     # The RS reports once a second and the gyro more often, so the gyro is interpolated.
     'gyr1-s330': (True, 3120, 625), 'gyr1-seap': (True, 3564, 714), 'lgyr-lsep': (True, 9991, 999),

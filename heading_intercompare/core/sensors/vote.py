@@ -94,9 +94,10 @@ def find_wrong(names: Sequence[str], differs: Mapping[tuple[str, str], bool | No
                  ('' if len(tested) == len(between) else
                   f'; {len(tested)} of {len(between)} pairs were testable'))
         return Vote((), (), joined, words + _say_joined(joined))
-    told = ' and '.join(_name(groups[at]) for at in sorted(differing[0]))
+    pairs = '; '.join(' and '.join(_name(groups[at]) for at in sorted(pair)) + ' differ'
+                      for pair in differing)
     if len(groups) < _FEWEST_VOTERS:
-        return Vote((), (), joined, f'{told} differ; two sensors cannot tell which of them is '
+        return Vote((), (), joined, f'{pairs}; two sensors cannot tell which of them is '
                     f'wrong{_say_joined(joined)}')
     sets = _explain(len(groups), differing)
     if len(sets) > 1:
@@ -104,17 +105,13 @@ def find_wrong(names: Sequence[str], differs: Mapping[tuple[str, str], bool | No
         likely = [some for some in sets if all(large & {*groups[at]} for at in some)]
         if len(likely) == 1:
             members = tuple(name for at in sorted(likely[0]) for name in groups[at])
-            return Vote((), members, joined, f'{_list(members)} would explain all '
-                        f'{len(differing)} pairs that differ; so would other sensors, but its '
-                        'share of the variances of all pairs is beyond its norm'
-                        f'{_say_joined(joined)}')
+            return Vote((), members, joined, f'{_list(members)} is suspected: {pairs}; other '
+                        'sensors could explain that, too, but its share of the variances of all '
+                        f'pairs is beyond its norm{_say_joined(joined)}')
     if len(sets) != 1:
-        among = ', '.join(dict.fromkeys(
-            name for pair in differing for at in sorted(pair) for name in groups[at]))
         why = ('no majority of the sensors agrees' if not sets else
                'more than one sensor could explain that')
-        return Vote((), (), joined, f'{len(differing)} of {len(between)} pairs differ, of '
-                    f'{among}; {why}{_say_joined(joined)}')
+        return Vote((), (), joined, f'{pairs}; {why}{_say_joined(joined)}')
     found = sets[0]
     names_found = tuple(name for at in sorted(found) for name in groups[at])
     rest = [at for at in range(len(groups)) if at not in found]
@@ -125,9 +122,10 @@ def find_wrong(names: Sequence[str], differs: Mapping[tuple[str, str], bool | No
     if proven and agree:
         return Vote(names_found, (), joined, f'{_list(names_found)} {verb} from {others}, which '
                     f'do not differ from each other{_say_joined(joined)}')
-    return Vote((), names_found, joined, f'{_list(names_found)} would explain all '
-                f'{len(differing)} pairs that differ, but not every pair was testable or differs'
-                f'{_say_joined(joined)}')
+    kept = [at for at in found for other in rest if not between[frozenset((at, other))]]
+    why = 'not all its pairs differ' if kept else 'not every pair was testable'
+    return Vote((), names_found, joined, f'{_list(names_found)} is suspected: {pairs}; it is part '
+                f'of each pair that differs, but {why}{_say_joined(joined)}')
 
 
 def _join(names: Sequence[str], one_source: Iterable[tuple[str, str]]) -> list[Names]:

@@ -59,6 +59,8 @@ def test_a_sensor_is_never_named_while_a_pair_without_it_differs():
 def test_a_sensor_that_would_explain_all_is_suspected_if_a_pair_of_it_agrees():
     found = vote(4, {'ab', 'ac'})
     assert (found.wrong, found.suspected) == ((), ('a',))
+    assert found.words == ('a is suspected: a and b differ; a and c differ; it is part of each '
+                           'pair that differs, but not all its pairs differ')
     assert vote(4, {'ab', 'ac', 'ad'}, untested={'bc'}).suspected == ('a',)
     assert vote(3, {'ab', 'ac'}, untested={'bc'}).suspected == ('a',)
 
@@ -68,7 +70,7 @@ def test_a_pair_alone_cannot_tell():
         'a and b differ; two sensors cannot tell which of them is wrong')
     found = vote(3, {'ab'})
     assert found.wrong == found.suspected == ()
-    assert found.words == '1 of 3 pairs differ, of a, b; more than one sensor could explain that'
+    assert found.words == 'a and b differ; more than one sensor could explain that'
 
 
 def test_the_share_of_all_variances_makes_suspected_where_several_would_explain():
