@@ -10,6 +10,9 @@ import pytest
 from heading_intercompare.core.motion.motion_check import check_motion
 from heading_intercompare.core.records import Motion
 from heading_intercompare.core.settings import MotionRule
+from heading_intercompare.drivers.logs import read_log
+from heading_intercompare.drivers.motion.motion_log import read_log_motion
+from heading_intercompare.drivers.settings import DriverSettings
 
 from .sailing import sail, Voyage
 
@@ -209,3 +212,19 @@ def test_at_most_64_legs_are_listed_the_longest_in_their_order():
     found = check_motion(motion, stamps, course % 360.0, course % 360.0, MotionRule())
     assert found.n_legs == 70 and len(found.legs) == 64
     assert list(found.legs.start_ns) == sorted(found.legs.start_ns)
+
+
+@pytest.mark.parametrize('off, kind', [(0.0, 'agrees'), (180.0, 'contradicts')])
+def test_the_compass_of_a_real_yacht_agrees_with_its_course(shared_data, off, kind):
+    """The figures of docs/howto/check_against_motion.md."""
+    log = shared_data / 'gpsd' / 'bundg_zeus_9.log'
+    rule = DriverSettings(time='validity')
+    headings, _ = read_log(log, rule)
+    motion = Motion.concatenate(list(read_log_motion(log, rule).rows.values()))
+    heading = np.mod(headings.heading_deg + off, 360.0)
+    found = check_motion(motion, headings.stamp_ns, heading, heading, MotionRule())
+    assert found.kind == kind and found.n_legs == 1
+    assert found.legs_s / 60.0 == pytest.approx(2.0, abs=0.05)
+    assert found.least_bound_deg == pytest.approx(42.4, abs=0.5)
+    if not off:
+        assert found.ts.off_deg == pytest.approx(1.1, abs=0.05)
