@@ -85,6 +85,9 @@ SECTIONS = (
                  'runs.every_h': 24.0, 'runs.cut_at_utc': '00:00,08:00,16:00',
                  'sequential.plan_s': 3600.0, 'risk.slowest_error_s': 300.0,
                  'risk.sensor_class': 'gyrocompass', 'risk.min_duration_s': 1200.0,
+                 'antennas.fore_topic': 'gps/fore', 'antennas.aft_topic': 'gps/aft',
+                 'antennas.baseline_m': 12.5, 'antennas.tolerance_m': 0.1,
+                 'antennas.position_sigma_m': 0.01,
                  'trial.latitude_min_deg': 53.5, 'trial.latitude_max_deg': 54.5,
                  'exclusions': '2026-05-01T10:00Z, 2026-05-01T10:20Z, RS in dock mode',
                  'sensors': 'gyro1 sigma_max_deg=0.3; gyro2 sigma_max_deg=0.3; '

@@ -23,10 +23,10 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'core.outcome': ('Outcome',),
     'core.pairing.pairer': ('pair', 'Pairer'),
     'core.pipeline': ('Compliance', 'Intercomparison', 'join'),
-    'core.records': ('Differences', 'Headings', 'Pairs'),
+    'core.records': ('Differences', 'Headings', 'Motion', 'Pairs'),
     'core.sensors.sensors_verdict': ('SensorsVerdict',),
-    'core.settings': ('Alignment', 'CampaignRule', 'Detectors', 'Norms', 'Pairing', 'Risk',
-                      'RunCutting', 'Sequential', 'Settings', 'SettingsError', 'Trial'),
+    'core.settings': ('Alignment', 'CampaignRule', 'Detectors', 'MotionRule', 'Norms', 'Pairing',
+                      'Risk', 'RunCutting', 'Sequential', 'Settings', 'SettingsError', 'Trial'),
     'core.verdict.verdict_document': ('RunVerdict', 'Verdict'),
 })
 __all__ += ['__version__']
@@ -57,12 +57,18 @@ if TYPE_CHECKING:
         Intercomparison as Intercomparison,
         join as join,
     )
-    from .core.records import Differences as Differences, Headings as Headings, Pairs as Pairs
+    from .core.records import (
+        Differences as Differences,
+        Headings as Headings,
+        Motion as Motion,
+        Pairs as Pairs,
+    )
     from .core.sensors.sensors_verdict import SensorsVerdict as SensorsVerdict
     from .core.settings import (
         Alignment as Alignment,
         CampaignRule as CampaignRule,
         Detectors as Detectors,
+        MotionRule as MotionRule,
         Norms as Norms,
         Pairing as Pairing,
         Risk as Risk,

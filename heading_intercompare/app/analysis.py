@@ -14,7 +14,7 @@ from heading_intercompare.bags.csv.pairs_account import PairsAccount
 from heading_intercompare.core import offline
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.pipeline import join
-from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.records import Headings, Motion, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.report import SeriesSketch
@@ -123,7 +123,8 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
 
 
 def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings],
-            settings: Settings) -> Verdict:
+            settings: Settings, *,
+            motion: Motion | Sequence[Motion | None] | None = None) -> Verdict:
     """
     Judge a TS against an RS.
 
@@ -133,6 +134,8 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
         Readings of the two sensors; each element of a list is a separate input.
     settings : Settings
         Must hold the norms.
+    motion : Motion, or a list as long as those of the sensors, optional
+        The motion of the ship, against which the headings are checked.
 
     Returns
     -------
@@ -155,9 +158,14 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
     sketches: dict[int, SeriesSketch] = {}
 
     def take(at: int, pairs: Pairs) -> None:
-        sketches.setdefault(at, SeriesSketch()).update(pairs, settings)
+        if at not in sketches:
+            sketches[at] = SeriesSketch()
+            told = motion if motion is None or isinstance(motion, Motion) else motion[at]
+            if told is not None:
+                sketches[at].take_motion(told)
+        sketches[at].update(pairs, settings)
 
-    verdict = offline.analyze(ts, rs, settings, take)
+    verdict = offline.analyze(ts, rs, settings, take, motion=motion)
     return replace(verdict, plotter=Plotter(tuple(sketches.values())))
 
 

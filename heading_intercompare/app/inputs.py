@@ -28,13 +28,15 @@ from heading_intercompare.bags.recording.journal_reading import (
 )
 from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
 from heading_intercompare.bags.recording.recorder_losses import count_words
+from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion, read_fixes
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.kept_state import KeptState
+from heading_intercompare.core.motion.antennas import find_baseline_headings
 from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pipeline import Compliance, Intercomparison
-from heading_intercompare.core.records import Headings, Losses, Pairs
+from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
 from heading_intercompare.core.settings import leave_out_added, Settings, SettingsError
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.judge import RunResult
@@ -43,6 +45,7 @@ from heading_intercompare.readers.registry import open_recording, sources_of
 from heading_intercompare.readers.stream_recording import StreamRecording
 
 from .config import Config, load_config
+from .logs.antenna_logs import describe_baseline
 from .run_table import RunTable
 from .sources.csv_source import has_pairs, judge_csv
 from .sources.file_hash import hash_files
@@ -119,6 +122,7 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
                   takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                   *, name: str | None = None,
                   helpers: int = 0, parts: Sequence[str] = (),
+                  take_motion: Callable[[Motion], None] = lambda motion: None,
                   ) -> Analyzed:
     """
     Judge the runs of one input.
@@ -140,6 +144,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         Processes that decode a bag in parallel with this one.
     parts : sequence of str
         Bags that go on with the trial of this one, in their order.
+    take_motion : callable
+        Called with the motion of the ship before the first pairs.
 
     Returns
     -------
@@ -167,16 +173,16 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         if is_journal(path):
             found = _analyze_journal(path, name, settings, runs, takers, progress)
         elif has_pairs(path):
-            found = judge_csv(path, name, settings, runs, takers, progress)
+            found = judge_csv(path, name, settings, runs, takers, progress, take_motion)
         else:
             readers: list[Readable] = [open_recording(one) for one in (path, *parts)]
             found = _analyze_bag(readers, name, settings, runs, takers, progress, start_digest,
-                                 helpers)
+                                 helpers, take_motion)
             found = replace(found, described=replace(
                 _describe(readers[0], name, settings, digest[0].result()),
                 ledger_problems=found.notes or None))
     described = found.described
-    notes = [f'{name}: {problem}' for problem in found.notes]
+    notes = [f'{name}: {problem}' for problem in (*found.remarks, *found.notes)]
     if not found.results:
         described = replace(described, no_run=explain_no_run(found.ledger, settings, runs))
         notes.append(f'{name}: no run: {described.no_run}')
@@ -267,11 +273,13 @@ def _analyze_journal(path: str, name: str, settings: Settings,
 def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
                  runs: Sequence[tuple[int, int]] | None,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
-                 start_digest: Callable[[], None],
-                 helpers: int) -> Found:
+                 start_digest: Callable[[], None], helpers: int,
+                 take_motion: Callable[[Motion], None]) -> Found:
     comparison = Intercomparison(settings, source=name, table=runs, progress=progress)
     ts, rs = settings.ts_topic, settings.rs_topic
     conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
+    if of_antennas := settings.antennas.fore_topic is not None:
+        del conventions[rs]
     # Aligning a run needs all readings a second time; otherwise they are dropped chunk by chunk.
     kept: dict[str, list[Headings]] = {}
     if settings.alignment.skew == 'apply':
@@ -284,7 +292,11 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
         if kept:
             lost.append((key, losses))
     problems: list[str] = []
+    remarks: list[str] = []
     marks: list[tuple[str, int]] = []
+    motion = Motion.concatenate([_read_motion(reader, settings, problems) for reader in readers])
+    comparison.take_motion(motion)
+    take_motion(motion)
 
     def hand_out(pairs: Pairs) -> None:
         for take in takers:
@@ -296,8 +308,11 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
                             'are not counted')
         if runs is None:
             marks += _set_marks(comparison, reader)
-        told = BagLosses(reader, {ts: 'ts', rs: 'rs'}, lose)
+        told = BagLosses(reader, dict(zip(conventions, ('ts', 'rs'))), lose)
+        baseline = _read_antennas(reader, settings, remarks) if of_antennas else None
         for chunk in reader.headings(conventions, helpers, told.take):
+            if of_antennas:
+                chunk, baseline = {**chunk, rs: baseline or Headings.empty()}, None
             for topic, chunks in kept.items():
                 chunks.append(chunk[topic])
             n += sum(len(h) for h in chunk.values())
@@ -314,9 +329,32 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
     results = comparison.results()
     if kept:
         results = judge_aligned(Headings.concatenate(kept[ts]), Headings.concatenate(kept[rs]),
-                                results, settings, source=name, lost=lost)
+                                results, settings, source=name, lost=lost, motion=motion)
     return Found(results, comparison.compliance.take_earlier(), comparison.ledger, Input(name),
-                 tuple(problems), tuple(marks))
+                 tuple(problems), tuple(marks), motion=motion, remarks=tuple(remarks))
+
+
+def _read_antennas(reader: Readable, settings: Settings, remarks: list[str]) -> Headings:
+    """Return the headings of the baseline between two antennas; say what it is like."""
+    rule = settings.antennas
+    (fore, bad), (aft, worse) = (read_fixes(reader, topic or '')
+                                 for topic in (rule.fore_topic, rule.aft_topic))
+    found = find_baseline_headings(fore, aft, rule)
+    counts = {**found.rejected, 'unreadable': bad + worse}
+    lacking = ', '.join(f'{n} {why}' for why, n in counts.items() if n)
+    remarks.append(f'reference sensor (RS): {len(found.headings)} headings of two antennas, '
+                   f'{describe_baseline(found)}; not taken: {lacking or "nothing"}')
+    return found.headings
+
+
+def _read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Motion:
+    """Return the motion of the ship in a bag, and add what could not be read to the problems."""
+    if not settings.motion.compare:
+        return Motion.empty()
+    found = read_bag_motion(reader, settings.motion)
+    if found.unreadable:
+        problems.append(f'{found.unreadable} messages of the motion of the ship cannot be read')
+    return found.rows
 
 
 def _count_headings(readers: Sequence[Readable], topics: Iterable[str]) -> int:
@@ -352,7 +390,10 @@ def _set_marks(comparison: Intercomparison, reader: Readable) -> list[tuple[str,
 
 def _describe(bag: Readable, name: str, settings: Settings, digest: str) -> Input:
     notes = tuple(OperatorNote(note.stamp_ns, note.text) for note in read_notes(bag))
-    return Input(name, digest, settings.ts_topic, settings.rs_topic, notes or None)
+    rule = settings.antennas
+    rs_topic = (settings.rs_topic if rule.fore_topic is None
+                else f'{rule.fore_topic} - {rule.aft_topic}')
+    return Input(name, digest, settings.ts_topic, rs_topic, notes or None)
 
 
 def sha256(path: str) -> str:

@@ -116,7 +116,8 @@ class Job:
             takers.append(partial(sketch.update, settings=self.settings))
         found = analyze_input(
             place, self.settings, self.table, takers, progress, name=path, helpers=helpers,
-            parts=self.parts.get(path, ()))
+            parts=self.parts.get(path, ()),
+            take_motion=(lambda motion: None) if sketch is None else sketch.take_motion)
         return Judged(path, found.results, found.notes, found.described, sketch,
                       [r.verdict for r in found.earlier], found.account)
 

@@ -16,7 +16,7 @@ from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
 from .pipeline import Intercomparison, join
-from .records import Headings, Losses, Pairs
+from .records import Headings, Losses, Motion, Pairs
 from .settings import LARGEST_SKEW_S, Pairing, Settings
 
 __all__ = ['analyze', 'judge_aligned', 'name_apart']
@@ -30,7 +30,7 @@ _NO_RUN = ('not_aligned: with the skew removed the run no longer pairs as one ru
 
 def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], settings: Settings, *,
                   source: str = '', lost: Sequence[tuple[LedgerKey, Losses]] = (),
-                  ) -> list[RunResult]:
+                  motion: Motion | None = None) -> list[RunResult]:
     """
     Remove the time skew of each run, then pair and judge it again.
 
@@ -47,6 +47,8 @@ def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], sett
         Name of the input.
     lost : sequence of (LedgerKey, Losses)
         What is missing from it, and how it was lost.
+    motion : Motion, optional
+        The motion of the ship.
 
     Returns
     -------
@@ -67,15 +69,16 @@ def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], sett
     ``docs/verdict.md``, time skew.
 
     """
-    return [_judge_again(ts, rs, result, settings, source, lost) for result in results]
+    return [_judge_again(ts, rs, result, settings, source, lost, motion) for result in results]
 
 
 def _judge_again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
-                 source: str, lost: Sequence[tuple[LedgerKey, Losses]]) -> RunResult:
+                 source: str, lost: Sequence[tuple[LedgerKey, Losses]],
+                 motion: Motion | None) -> RunResult:
     apart_s = _find_apart(ts, rs, result, settings)
     begun: RunResult | None = result
     if apart_s:
-        begun = _pair_again(ts, rs, result, settings, source, lost, apart_s)
+        begun = _pair_again(ts, rs, result, settings, source, lost, motion, apart_s)
     ts_then, rs_then = _readings_of(ts, rs, result, settings, 0.0)
     found = None if apart_s else scan_skew(ts_then, rs_then, settings.alignment.skew_range_s)
     if begun is None:
@@ -86,7 +89,7 @@ def _judge_again(ts: Headings, rs: Headings, result: RunResult, settings: Settin
         return _note_alignment(result, found,
                                f'not_aligned: {why}; the run is judged with its stamps unchanged')
     shift_s = apart_s + round(estimate.skew_s * 1e9) / 1e9
-    again = _pair_again(ts, rs, result, settings, source, lost, shift_s)
+    again = _pair_again(ts, rs, result, settings, source, lost, motion, shift_s)
     if again is None:
         return _note_alignment(result, found, _NO_RUN)
     return _note_alignment(
@@ -157,7 +160,8 @@ def name_apart(ts: Headings, rs: Headings, results: Sequence[RunResult],
 
 
 def _pair_again(ts: Headings, rs: Headings, result: RunResult, settings: Settings, source: str,
-                lost: Sequence[tuple[LedgerKey, Losses]], shift_s: float) -> RunResult | None:
+                lost: Sequence[tuple[LedgerKey, Losses]], motion: Motion | None,
+                shift_s: float) -> RunResult | None:
     """Return a run as judged with a skew removed; None if it does not pair as one run."""
     ts, rs = _readings_of(ts, rs, result, settings, abs(shift_s))
     shift_ns = round(shift_s * 1e9)
@@ -168,6 +172,8 @@ def _pair_again(ts: Headings, rs: Headings, result: RunResult, settings: Setting
                     pairing=_fix_method(result, settings.pairing),
                     runs=replace(settings.runs, stabilization_s=result.stabilization_s))
     comparison = Intercomparison(moved, source=source, table=table)
+    if motion is not None:
+        comparison.take_motion(motion)
     comparison.update(ts, rs)
     for key, losses in lost:
         within = (losses.stamp_ns >= result.verdict.start_ns) & (
@@ -208,7 +214,8 @@ def _note_alignment(result: RunResult, found: Scan | None, words: str) -> RunRes
 
 def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings],
             settings: Settings,
-            take: Callable[[int, Pairs], object] = lambda at, pairs: None) -> Verdict:
+            take: Callable[[int, Pairs], object] = lambda at, pairs: None, *,
+            motion: Motion | Sequence[Motion | None] | None = None) -> Verdict:
     """
     Judge a TS against an RS.
 
@@ -220,6 +227,8 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
         Must hold the norms.
     take : callable
         Called with the number of an input, from 0, and its pairs.
+    motion : Motion, or a list as long as those of the sensors, optional
+        The motion of the ship, against which the headings are checked.
 
     Returns
     -------
@@ -242,14 +251,19 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
     rs = [rs] if isinstance(rs, Headings) else list(rs)
     if len(ts) != len(rs):
         raise ValueError(f'{len(ts)} TS inputs but {len(rs)} RS inputs: give one RS for each TS')
+    moved = [motion] * len(ts) if motion is None or isinstance(motion, Motion) else list(motion)
+    if len(moved) != len(ts):
+        raise ValueError(f'{len(ts)} inputs but motion of {len(moved)}: give one for each input')
     results, incomplete = [], False
-    for at, (ts_part, rs_part) in enumerate(zip(ts, rs)):
+    for at, (ts_part, rs_part, told) in enumerate(zip(ts, rs, moved)):
         comparison = Intercomparison(settings)
+        if told is not None:
+            comparison.take_motion(told)
         take(at, comparison.update(ts_part, rs_part))
         take(at, comparison.finish())
         found = comparison.results()
         if settings.alignment.skew == 'apply':
-            found = judge_aligned(ts_part, rs_part, found, settings)
+            found = judge_aligned(ts_part, rs_part, found, settings, motion=told)
         incomplete = incomplete or not found
         results += found
     return join(results, settings, incomplete=incomplete)

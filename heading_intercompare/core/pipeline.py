@@ -44,7 +44,7 @@ from heading_intercompare.core.verdict.verdict_document import Input, Verdict
 
 from .kept_state import KeptRun, KeptState
 from .outcome import Outcome, worst
-from .records import Differences, Headings, Losses, Pairs
+from .records import Differences, Headings, Losses, Motion, Pairs
 from .settings import Settings
 
 __all__ = ['Compliance', 'Intercomparison', 'join']
@@ -101,6 +101,12 @@ class Compliance:
         self._n_short = self._n_earlier = 0
         self._earlier_ns: int | None = None
         self._rolling = Rolling(settings.window_s)
+        self._motion: Motion | None = None
+
+    def take_motion(self, motion: Motion) -> None:
+        """Take motion of the ship, before the run that it belongs to ends; in any order."""
+        if len(motion):
+            self._motion = motion if self._motion is None else self._motion + motion
 
     def update(self, pairs: Pairs) -> None:
         """Take pairs in stamp order; judge the runs that end with them."""
@@ -189,7 +195,8 @@ class Compliance:
     def _look(self, run: RunSeries, look: Look, looks: int) -> None:
         """Judge the run in progress; the last look of a plan is the end of the run."""
         if look.index < looks - 1:
-            self._looks.append(look_at(run, look, looks, self.settings))
+            self._looks.append(look_at(run, look, looks, self.settings,
+                                       self._motion))
 
     @property
     def early(self) -> LookVerdict | None:
@@ -211,9 +218,11 @@ class Compliance:
             return
         number = len(self._finished) + 1
         result = judge_run(
-            run, self.settings, number, self._source, looks=looks,
+            run, self.settings, number, self._source, looks=looks, motion=self._motion,
             told=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
         self._limits = result.limits
+        if self._motion is not None:
+            self._motion = self._motion[self._motion.stamp_ns > run.end_ns]
         self._finished.append((result, run.cut_ns))
 
     @property
@@ -439,6 +448,10 @@ class Intercomparison:
         whole = self._before.copy()
         whole.take(self.pairer.ledger, True, len(self._before))
         return whole.total or self.pairer.ledger
+
+    def take_motion(self, motion: Motion) -> None:
+        """Take motion of the ship; see `Compliance.take_motion`."""
+        self.compliance.take_motion(motion)
 
     def update(self, ts: Headings | None = None, rs: Headings | None = None,
                now_s: float | None = None) -> Pairs:

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The arrays that flow through the package: headings, losses, pairs, differences.
+The arrays that flow through the package: headings, losses, motion, pairs, differences.
 
 Each is a chunk: n >= 0 samples in columns of equal length. No sample travels alone.
 """
@@ -17,7 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 from .given_stamps import integer_stamps, utc_stamps
 from .utc_text import utc
 
-__all__ = ['Differences', 'Headings', 'Integers', 'Losses', 'Pairs', 'Reals']
+__all__ = ['Differences', 'Headings', 'Integers', 'KNOT_M_S', 'Losses', 'Motion', 'Pairs',
+           'Reals']
+
+KNOT_M_S = 1852.0 / 3600.0
+"""One knot, m/s."""
 
 Reals = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -209,6 +213,104 @@ class Losses(_Columns):
     def of(cls, stamp_ns: ArrayLike, since_ns: ArrayLike, count: ArrayLike) -> 'Losses':
         """Build a chunk from these columns, all of integers."""
         return cls(integer_stamps(stamp_ns), integer_stamps(since_ns), integer_stamps(count))
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Motion(_Columns):
+    """
+    What a ship tells of its motion: positions, velocities over ground, rates of turn.
+
+    A row has what one sentence or message tells; the other columns are nan there.
+
+    Attributes
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        UTC stamps, nanoseconds.
+    latitude_deg, longitude_deg : ndarray of float64, shape (n,)
+        Position, degrees, north and east positive.
+    east_m_s, north_m_s : ndarray of float64, shape (n,)
+        Velocity over ground, m/s.
+    rate_deg_s : ndarray of float64, shape (n,)
+        Rate of turn, degrees per second, positive to starboard.
+
+    """
+
+    stamp_ns: Integers
+    latitude_deg: Reals
+    longitude_deg: Reals
+    east_m_s: Reals
+    north_m_s: Reals
+    rate_deg_s: Reals
+
+    @classmethod
+    def empty(cls) -> 'Motion':
+        """Return the empty chunk."""
+        return cls.of_rates([], [])
+
+    @classmethod
+    def of_positions(cls, stamp_ns: ArrayLike, latitude_deg: ArrayLike,
+                     longitude_deg: ArrayLike) -> 'Motion':
+        """Build a chunk from positions; stamps must be integers."""
+        stamps = integer_stamps(stamp_ns)
+        none = np.full(stamps.shape, np.nan)
+        return cls(stamps, _reals(latitude_deg), _reals(longitude_deg), none, none, none)
+
+    @classmethod
+    def of_velocities(cls, stamp_ns: ArrayLike, east_m_s: ArrayLike,
+                      north_m_s: ArrayLike) -> 'Motion':
+        """Build a chunk from velocities over ground; stamps must be integers."""
+        stamps = integer_stamps(stamp_ns)
+        none = np.full(stamps.shape, np.nan)
+        return cls(stamps, none, none, _reals(east_m_s), _reals(north_m_s), none)
+
+    @classmethod
+    def of_courses(cls, stamp_ns: ArrayLike, course_deg: ArrayLike,
+                   speed_kn: ArrayLike) -> 'Motion':
+        """
+        Build a chunk from courses and speeds over ground; stamps must be integers.
+
+        Examples
+        --------
+        >>> Motion.of_courses([10 ** 18], [90.0], [10.0]).speed_kn.round(6).tolist()
+        [10.0]
+
+        """
+        course, speed = np.radians(_reals(course_deg)), _reals(speed_kn) * KNOT_M_S
+        return cls.of_velocities(stamp_ns, speed * np.sin(course), speed * np.cos(course))
+
+    @classmethod
+    def of_rates(cls, stamp_ns: ArrayLike, rate_deg_s: ArrayLike) -> 'Motion':
+        """Build a chunk from rates of turn; stamps must be integers."""
+        stamps = integer_stamps(stamp_ns)
+        none = np.full(stamps.shape, np.nan)
+        return cls(stamps, none, none, none, none, _reals(rate_deg_s))
+
+    @property
+    def course_deg(self) -> Reals:
+        """Course over ground, degrees clockwise from true north, -180 to 180."""
+        return np.degrees(np.arctan2(self.east_m_s, self.north_m_s))
+
+    @property
+    def speed_kn(self) -> Reals:
+        """Speed over ground, knots."""
+        return np.hypot(self.east_m_s, self.north_m_s) / KNOT_M_S
+
+    def in_order(self) -> 'Motion':
+        """Return the rows with a stamp, in stamp order."""
+        rows = self[np.argsort(self.stamp_ns, kind='stable')]
+        return rows[rows.stamp_ns > 0]
+
+    def positions(self) -> 'Motion':
+        """Return the rows with a position."""
+        return self[np.isfinite(self.latitude_deg) & np.isfinite(self.longitude_deg)]
+
+    def velocities(self) -> 'Motion':
+        """Return the rows with a velocity."""
+        return self[np.isfinite(self.east_m_s) & np.isfinite(self.north_m_s)]
+
+    def rates(self) -> 'Motion':
+        """Return the rows with a rate of turn."""
+        return self[np.isfinite(self.rate_deg_s)]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

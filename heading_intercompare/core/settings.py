@@ -31,10 +31,11 @@ from .rows.sensor_table import read_sensors, SENSOR_CLASS_NAMES
 from .time_rules.clock_cuts import ClockCuts
 from .time_rules.exclusions import read_exclusions
 
-__all__ = ['Alignment', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown', 'flatten',
-           'from_mapping', 'LARGEST_SKEW_S', 'leave_out_added', 'leave_out_gone', 'list_settings',
-           'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential', 'Setting', 'setting',
-           'Settings', 'settings_sha256', 'SettingsError', 'to_mapping', 'Trial']
+__all__ = ['Alignment', 'Antennas', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown',
+           'flatten', 'from_mapping', 'LARGEST_SKEW_S', 'leave_out_added', 'leave_out_gone',
+           'list_settings', 'MotionRule', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential',
+           'Setting', 'setting', 'Settings', 'settings_sha256', 'SettingsError', 'to_mapping',
+           'Trial']
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,6 +243,57 @@ class Detectors(Checked):
 
 
 @dataclass(frozen=True, slots=True)
+class MotionRule(Checked):
+    """The motion of the ship, against which both headings are checked."""
+
+    compare: bool = setting(
+        True, 'compare the headings with the motion: one that contradicts it makes a run '
+        'doubtful or void')
+    least_speed_kn: float = setting(
+        3.0, 'slowest speed over ground at which the course says anything [kn]', 0.5, 60.0)
+    current_max_kn: float = setting(
+        3.0, 'strongest current across the course [kn]', 0.0, 20.0)
+    leeway_max_deg: float = setting(
+        10.0, 'largest leeway and mounting angle between heading and course through the water '
+        '[deg]', 0.0, 90.0)
+    fix_topic: str = setting('ship/fix', 'topic of the positions (NavSatFix)')
+    velocity_topic: str = setting(
+        'ship/velocity', 'topic of the velocity over ground, east and north (TwistStamped)')
+    rate_topic: str = setting(
+        'ship/rate_of_turn', 'topic of the rate of turn, about the vertical (TwistStamped or Imu)')
+
+
+@dataclass(frozen=True, slots=True)
+class Antennas(Checked):
+    """Two antennas whose positions give the headings of the RS."""
+
+    fore_topic: str | None = setting(
+        None, 'topic of the positions of the fore antenna (NavSatFix); with aft_topic the RS is '
+        'the baseline between both')
+    aft_topic: str | None = setting(
+        None, 'topic of the positions of the aft antenna (NavSatFix)')
+    baseline_m: float | None = setting(
+        None, 'distance of the antennas, level; none: the median of the record [m]', 0.01, 1000.0)
+    baseline_angle_deg: float = setting(
+        0.0, 'angle from the direction aft to fore antenna to the bow, clockwise; 90 if the fore '
+        'antenna is to port of the other [deg]', -360.0, 360.0)
+    tolerance_m: float | None = setting(
+        None, 'a reading whose baseline is off by more is rejected; none: five times the scatter '
+        'of the baseline [m]', 0.0, 100.0)
+    position_sigma_m: float | None = setting(
+        None, 'standard deviation of a position in each direction; none: from the scatter of the '
+        'baseline [m]', 0.0, 100.0)
+
+    def __post_init__(self) -> None:
+        """Check ranges, and that both topics are given or none."""
+        Checked.__post_init__(self)
+        if (self.fore_topic is None) is not (self.aft_topic is None):
+            given, lacking = (('aft', 'fore') if self.fore_topic is None else ('fore', 'aft'))
+            raise SettingsError(f'antennas.{lacking}_topic: must be given with '
+                                f'antennas.{given}_topic')
+
+
+@dataclass(frozen=True, slots=True)
 class Trial(Checked):
     """Whose trial it is: names for the protocol, empty if unknown; they change no figure."""
 
@@ -313,6 +365,8 @@ class Settings(Checked):
         None, 'three or more sensors of the ship, or two without a reference: a row per sensor, '
         "separated by line ends or a semicolon, with its name, setting=value, and 'rs' for the "
         'reference of all others; see docs/howto/many_sensors.md')
+    motion: MotionRule = field(default_factory=MotionRule)
+    antennas: Antennas = field(default_factory=Antennas)
     trial: Trial = field(default_factory=Trial)
 
     def __post_init__(self) -> None:

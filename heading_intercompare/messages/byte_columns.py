@@ -1,17 +1,41 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bytes to columns and back: values at any offsets, single messages to chunks."""
+"""
+Bytes to columns and back: values at any offsets, single messages to chunks.
+
+A chunk of n messages is n rows of bytes. Decoding gathers each field of all messages with one
+numpy call, wherever the messages lie and however long their frame names are. It reads either byte
+order, and rejects messages that do not start as plain CDR.
+"""
 
 from __future__ import annotations
 
-from typing import Sequence
+from functools import lru_cache
+from typing import Callable, Literal, Sequence, TypeVar
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-from heading_intercompare.core.records import Integers
+from heading_intercompare.core.records import Headings, Integers, Motion, Pairs, Reals
 
-__all__ = ['gather', 'join_messages', 'split_rows']
+from .cdr import encode
+from .errors import MessageError
+from .stamps import TIME_LIMIT_NS
+
+__all__ = ['align', 'check_size', 'decode_stamped', 'end_of_strings', 'gather', 'join_messages',
+           'read_sound', 'read_stamps', 'split_rows', 'stamped_rows']
+
+_SECOND_NS = 1_000_000_000
+_HEADER = np.dtype([('order', '<u2'), ('options', '<u2'), ('sec', '<i4'), ('nanosec', '<u4'),
+                    ('length', '<u4')])
+#: `order` of a header: bytes 0, 0 for big-endian, bytes 0, 1 for little-endian.
+_BIG, _LITTLE = 0x0000, 0x0100
+
+_Chunk = TypeVar('_Chunk', Headings, Motion, Pairs)
+#: Converts messages of one byte order to a chunk, from the data, their first bytes, their sizes
+#: and their headers.
+_DecodeOne = Callable[[bytes, Integers, Integers, np.ndarray], _Chunk]
+_ByteOrder = Literal['<', '>']
 
 
 def _plain(dtype: np.dtype) -> np.dtype:
@@ -50,3 +74,116 @@ def split_rows(rows: np.ndarray) -> list[bytes]:
     """Return the rows of a uint8 array, shape (n, size), as n messages."""
     data, size = rows.tobytes(), rows.shape[1]
     return [data[at:at + size] for at in range(0, len(data), size)]
+
+
+@lru_cache(maxsize=64)
+def _template(type_name: str, frame_id: str) -> np.ndarray:
+    """Return a message with this frame and zeros otherwise."""
+    return np.frombuffer(encode(type_name, {'header': {'frame_id': frame_id}}), np.uint8)
+
+
+def stamped_rows(type_name: str, stamp_ns: Integers, frame_id: str, reals: Reals,
+                 after: int = 0) -> np.ndarray:
+    """
+    Return messages with a header and reals.
+
+    Parameters
+    ----------
+    type_name, frame_id : str
+        Type of the messages, and frame of their headers.
+    stamp_ns : ndarray of int64, shape (n,)
+        Nanoseconds.
+    reals : ndarray of float64, shape (n, k)
+        The last k reals of the message; the fields before them are zero.
+    after : int
+        Bytes after them, which are zero.
+
+    Raises
+    ------
+    MessageError
+        If a stamp is beyond the range of builtin_interfaces/Time.
+
+    """
+    sec, nanosec = np.divmod(stamp_ns, _SECOND_NS)
+    beyond = (stamp_ns < -TIME_LIMIT_NS) | (stamp_ns >= TIME_LIMIT_NS)
+    if beyond.any():
+        raise MessageError(f'stamp {stamp_ns[np.argmax(beyond)]} ns does not fit a ROS message: '
+                           'must be before 19 January 2038')
+    template = _template(type_name, frame_id)
+    rows = np.empty((len(stamp_ns), len(template)), np.uint8)
+    rows[:] = template
+    stamps = np.empty((len(rows), 2), '<u4')
+    stamps[:, 0], stamps[:, 1] = sec.astype('<i4').view('<u4'), nanosec
+    rows[:, 4:12] = stamps.view(np.uint8)
+    end = rows.shape[1] - after
+    rows[:, end - 8 * reals.shape[1]:end] = reals.view(np.uint8)
+    return rows
+
+
+def align(position: Integers | int, size: int) -> Integers | int:
+    """Return the next multiple of a size, which is a power of two."""
+    return (position + (size - 1)) & -size
+
+
+def check_size(type_name: str, start: Integers, size: Integers,
+               least: Integers | int) -> None:
+    """Raise MessageError if a message is shorter than its fields need."""
+    short = size < least
+    if short.any():
+        first = int(np.argmax(short))
+        raise MessageError(f'{type_name} message of {size[first]} bytes is too short',
+                           offset=int(start[first]))
+
+
+def decode_stamped(type_name: str, data: bytes, start: Integers, stop: Integers,
+                   decode_one: _DecodeOne[_Chunk]) -> _Chunk:
+    """Return the chunk in a stretch of bytes; each message may have either byte order."""
+    size = stop - start
+    check_size(type_name, start, size, _HEADER.itemsize)
+    header = gather(data, _HEADER, start)
+    little = header['order'] == _LITTLE
+    if little.all():
+        return decode_one(data, start, size, header)
+    strange = ~little & (header['order'] != _BIG)
+    if strange.any():
+        raise MessageError(f'{type_name} message does not start as CDR',
+                           offset=int(start[np.argmax(strange)]))
+    which = np.flatnonzero(little), np.flatnonzero(~little)
+    signs: tuple[_ByteOrder, _ByteOrder] = '<', '>'
+    parts = [decode_one(data, start[at], size[at], header[at].view(_HEADER.newbyteorder(sign)))
+             for at, sign in zip(which, signs)]
+    return type(parts[0]).concatenate(parts)[np.argsort(np.concatenate(which))]
+
+
+def end_of_strings(header: np.ndarray) -> tuple[_ByteOrder, Integers | int]:
+    """Return the byte order of messages, and where their frame names end."""
+    sign: _ByteOrder = '>' if header.dtype['length'].byteorder == '>' else '<'
+    length = header['length'].astype(np.int64)
+    if length.size and (length == length[0]).all():
+        length = length[0]
+    return sign, length + (_HEADER.itemsize - 4)
+
+
+def read_stamps(header: np.ndarray) -> Integers:
+    """Return the stamps in headers, nanoseconds."""
+    stamp_ns: Integers = header['sec'].astype(np.int64) * _SECOND_NS
+    stamp_ns += header['nanosec']
+    return stamp_ns
+
+
+def read_sound(decode: Callable[..., _Chunk], messages: Sequence[bytes],
+               kind: type[_Chunk]) -> tuple[_Chunk, list[str]]:
+    """Return the chunk of the readable messages, and what is wrong with the others."""
+    if not messages:
+        return kind.empty(), []
+    try:
+        return decode(*join_messages(messages)), []
+    except MessageError:
+        pass
+    chunks, refused = [], []
+    for message in messages:
+        try:
+            chunks.append(decode(*join_messages([message])))
+        except MessageError as error:
+            refused.append(error.problem)
+    return kind.concatenate(chunks), refused

@@ -3,25 +3,32 @@
 """
 Whole chunks of headings and pairs to messages and back.
 
-A chunk of n messages is n rows of bytes. Decoding gathers each field of all messages with one
-numpy call, wherever the messages lie and however long their frame names are. It reads either byte
-order, and rejects messages that do not start as plain CDR.
+A chunk of n messages is n rows of bytes, decoded as `byte_columns` does.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache, partial
-from typing import Callable, Literal, Sequence, TypeVar
+from functools import partial
+from typing import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core import angles
 from heading_intercompare.core.pairing.difference import subtract
-from heading_intercompare.core.records import Headings, Integers, Pairs, Reals
+from heading_intercompare.core.records import Headings, Integers, Pairs
 
-from .byte_columns import gather, join_messages, split_rows
-from .cdr import encode
+from .byte_columns import (
+    align,
+    check_size,
+    decode_stamped,
+    end_of_strings,
+    gather,
+    read_sound,
+    read_stamps,
+    split_rows,
+    stamped_rows,
+)
 from .errors import MessageError
 from .stamps import TIME_LIMIT_NS
 
@@ -45,34 +52,6 @@ _UNKNOWN = -1.0
 #: Orientation, angular velocity and linear acceleration, each with its covariance.
 _IMU_REALS = 4 + 9 + 3 + 9 + 3 + 9
 _SECOND_NS = 1_000_000_000
-
-
-@lru_cache(maxsize=64)
-def _template(type_name: str, frame_id: str) -> np.ndarray:
-    """Return a message with this frame and zeros otherwise."""
-    return np.frombuffer(encode(type_name, {'header': {'frame_id': frame_id}}), np.uint8)
-
-
-def _rows(type_name: str, stamp_ns: Integers, frame_id: str, reals: Reals) -> np.ndarray:
-    """Return messages that consist of a header and reals, shape (n, number of reals)."""
-    sec, nanosec = np.divmod(stamp_ns, _SECOND_NS)
-    beyond = (stamp_ns < -TIME_LIMIT_NS) | (stamp_ns >= TIME_LIMIT_NS)
-    if beyond.any():
-        raise MessageError(f'stamp {stamp_ns[np.argmax(beyond)]} ns does not fit a ROS message: '
-                           'must be before 19 January 2038')
-    template = _template(type_name, frame_id)
-    rows = np.empty((len(stamp_ns), len(template)), np.uint8)
-    rows[:] = template
-    stamps = np.empty((len(rows), 2), '<u4')
-    stamps[:, 0], stamps[:, 1] = sec.astype('<i4').view('<u4'), nanosec
-    rows[:, 4:12] = stamps.view(np.uint8)
-    rows[:, rows.shape[1] - 8 * reals.shape[1]:] = reals.view(np.uint8)
-    return rows
-
-
-def _align(position: Integers | int, size: int) -> Integers | int:
-    """Return the next multiple of a size, which is a power of two."""
-    return (position + (size - 1)) & -size
 
 
 def encode_imu(headings: Headings, frame_id: str, *, sigma_deg: ArrayLike = 0.0,
@@ -119,7 +98,7 @@ def encode_imu(headings: Headings, frame_id: str, *, sigma_deg: ArrayLike = 0.0,
         reals[:, 15] = np.where(turning, -np.radians(turn_rate_deg_s), 0.0)
         reals[:, 16] = np.where(turning, 0.0, _UNKNOWN)
     reals[:, 28] = _UNKNOWN
-    return _rows(IMU, headings.stamp_ns, frame_id, reals)
+    return stamped_rows(IMU, headings.stamp_ns, frame_id, reals)
 
 
 def imu_messages(headings: Headings, frame_id: str, *, sigma_deg: ArrayLike = 0.0,
@@ -167,7 +146,7 @@ def encode_pairs(pairs: Pairs, frame_id: str = '') -> np.ndarray:
     reals = np.empty((len(pairs), len(columns)), '<f8')
     for number, column in enumerate(columns):
         reals[:, number] = column
-    return _rows(PAIRS_TYPE, pairs.stamp_ns, frame_id, reals)
+    return stamped_rows(PAIRS_TYPE, pairs.stamp_ns, frame_id, reals)
 
 
 def pair_messages(pairs: Pairs, frame_id: str = '') -> list[bytes]:
@@ -175,69 +154,12 @@ def pair_messages(pairs: Pairs, frame_id: str = '') -> list[bytes]:
     return split_rows(encode_pairs(pairs, frame_id)) if len(pairs) else []
 
 
-_HEADER = np.dtype([('order', '<u2'), ('options', '<u2'), ('sec', '<i4'), ('nanosec', '<u4'),
-                    ('length', '<u4')])
-#: `order` of a header: bytes 0, 0 for big-endian, bytes 0, 1 for little-endian.
-_BIG, _LITTLE = 0x0000, 0x0100
 #: x, y, z, w; for an Imu also the first covariance, which says whether there is an orientation.
 _QUATERNION, _IMU_ORIENTATION = np.dtype(('<f8', 4)), np.dtype(('<f8', 5))
 #: Linear and angular velocity of a Twist.
 _TWIST = np.dtype(('<f8', 6))
 #: Longer lags do not fit an int64 of nanoseconds.
 _MOST_LAG_S = 9e9
-
-_Chunk = TypeVar('_Chunk', Headings, Pairs)
-#: Converts messages of one byte order to a chunk, from the data, their first bytes, their sizes
-#: and their headers.
-_DecodeOne = Callable[[bytes, Integers, Integers, np.ndarray], _Chunk]
-_ByteOrder = Literal['<', '>']
-
-
-def _check_size(type_name: str, start: Integers, size: Integers,
-                least: Integers | int) -> None:
-    """Raise MessageError if a message is shorter than its fields need."""
-    short = size < least
-    if short.any():
-        first = int(np.argmax(short))
-        raise MessageError(f'{type_name} message of {size[first]} bytes is too short',
-                           offset=int(start[first]))
-
-
-def _decode(type_name: str, data: bytes, start: Integers, stop: Integers,
-            decode_one: _DecodeOne[_Chunk]) -> _Chunk:
-    """Return the chunk in a stretch of bytes; each message may have either byte order."""
-    size = stop - start
-    _check_size(type_name, start, size, _HEADER.itemsize)
-    header = gather(data, _HEADER, start)
-    little = header['order'] == _LITTLE
-    if little.all():
-        return decode_one(data, start, size, header)
-    strange = ~little & (header['order'] != _BIG)
-    if strange.any():
-        raise MessageError(f'{type_name} message does not start as CDR',
-                           offset=int(start[np.argmax(strange)]))
-    which = np.flatnonzero(little), np.flatnonzero(~little)
-    signs: tuple[_ByteOrder, _ByteOrder] = '<', '>'
-    parts = [decode_one(data, start[at], size[at], header[at].view(_HEADER.newbyteorder(sign)))
-             for at, sign in zip(which, signs)]
-    return type(parts[0]).concatenate(parts)[np.argsort(np.concatenate(which))]
-
-
-def _end_of_strings(header: np.ndarray) -> tuple[_ByteOrder, Integers | int]:
-    """Return the byte order of messages, and where their frame names end."""
-    sign: _ByteOrder = '>' if header.dtype['length'].byteorder == '>' else '<'
-    length = header['length'].astype(np.int64)
-    if length.size and (length == length[0]).all():
-        length = length[0]
-    return sign, length + (_HEADER.itemsize - 4)
-
-
-def _stamps(header: np.ndarray) -> Integers:
-    """Return the stamps in headers, nanoseconds."""
-    stamp_ns: Integers = header['sec'].astype(np.int64) * _SECOND_NS
-    stamp_ns += header['nanosec']
-    return stamp_ns
-
 
 def decode_headings(type_name: str, convention: str, data: bytes, start: Integers,
                     stop: Integers) -> Headings:
@@ -268,25 +190,25 @@ def decode_headings(type_name: str, convention: str, data: bytes, start: Integer
         in `data`.
 
     """
-    return _decode(type_name, data, start, stop, partial(_headings, type_name, convention))
+    return decode_stamped(type_name, data, start, stop, partial(_headings, type_name, convention))
 
 
 def _headings(type_name: str, convention: str, data: bytes, start: Integers, size: Integers,
               header: np.ndarray) -> Headings:
     """Return the headings in messages of one byte order."""
-    sign, end = _end_of_strings(header)
+    sign, end = end_of_strings(header)
     if type_name == _ODOMETRY:
-        end = _align(end, 4) + 4
-        _check_size(type_name, start, size, end + 4)
+        end = align(end, 4) + 4
+        check_size(type_name, start, size, end + 4)
         end = end + gather(data, f'{sign}u4', start + end)
-    at = _align(end, 8) + 4 + HEADING_TYPES[type_name]
+    at = align(end, 8) + 4 + HEADING_TYPES[type_name]
     kind = (_IMU_ORIENTATION if type_name == IMU else _QUATERNION).newbyteorder(sign)
-    _check_size(type_name, start, size, at + kind.itemsize)
+    check_size(type_name, start, size, at + kind.itemsize)
     x, y, z, w, *covariance = gather(data, kind, start + at).T
     heading_deg = angles.heading_from_quaternion(x, y, z, w, convention)
     if covariance:
         heading_deg[covariance[0] == _UNKNOWN] = np.nan
-    return Headings(_stamps(header), heading_deg)
+    return Headings(read_stamps(header), heading_deg)
 
 
 def decode_pairs(data: bytes, start: Integers, stop: Integers) -> Pairs:
@@ -313,14 +235,14 @@ def decode_pairs(data: bytes, start: Integers, stop: Integers) -> Pairs:
         its place in `data`.
 
     """
-    return _decode(PAIRS_TYPE, data, start, stop, _pairs)
+    return decode_stamped(PAIRS_TYPE, data, start, stop, _pairs)
 
 
 def _pairs(data: bytes, start: Integers, size: Integers, header: np.ndarray) -> Pairs:
     """Return the pairs in messages of one byte order."""
-    sign, end = _end_of_strings(header)
-    at = _align(end, 8) + 4
-    _check_size(PAIRS_TYPE, start, size, at + _TWIST.itemsize)
+    sign, end = end_of_strings(header)
+    at = align(end, 8) + 4
+    check_size(PAIRS_TYPE, start, size, at + _TWIST.itemsize)
     _, rs_deg, ts_deg, lag_s, rs_factor, ts_factor = np.array(
         gather(data, _TWIST.newbyteorder(sign), start + at).T, np.float64, order='C')
     endless = ~(np.abs(lag_s) < _MOST_LAG_S)
@@ -328,26 +250,8 @@ def _pairs(data: bytes, start: Integers, size: Integers, header: np.ndarray) -> 
         first = int(np.argmax(endless))
         raise MessageError(f'{PAIRS_TYPE} message has an impossible lag of {lag_s[first]} s',
                            offset=int(start[first]))
-    return Pairs(_stamps(header), ts_deg, rs_deg, np.rint(lag_s * 1e9).astype(np.int64),
+    return Pairs(read_stamps(header), ts_deg, rs_deg, np.rint(lag_s * 1e9).astype(np.int64),
                  rs_factor, np.where(ts_factor == 0.0, 1.0, ts_factor))
-
-
-def _read_sound(decode: Callable[..., _Chunk], messages: Sequence[bytes],
-                kind: type[_Chunk]) -> tuple[_Chunk, list[str]]:
-    """Return the chunk of the readable messages, and what is wrong with the others."""
-    if not messages:
-        return kind.empty(), []
-    try:
-        return decode(*join_messages(messages)), []
-    except MessageError:
-        pass
-    chunks, refused = [], []
-    for message in messages:
-        try:
-            chunks.append(decode(*join_messages([message])))
-        except MessageError as error:
-            refused.append(error.problem)
-    return kind.concatenate(chunks), refused
 
 
 def read_headings(type_name: str, convention: str,
@@ -370,9 +274,9 @@ def read_headings(type_name: str, convention: str,
         For each unreadable message, what is wrong with it.
 
     """
-    return _read_sound(partial(decode_headings, type_name, convention), messages, Headings)
+    return read_sound(partial(decode_headings, type_name, convention), messages, Headings)
 
 
 def read_pairs(messages: Sequence[bytes]) -> tuple[Pairs, list[str]]:
     """Return the pairs in single messages, and what is wrong with each unreadable one."""
-    return _read_sound(decode_pairs, messages, Pairs)
+    return read_sound(decode_pairs, messages, Pairs)

@@ -41,6 +41,8 @@ DEFINITIONS = {
     'geometry_msgs/Twist': 'Vector3 linear\nVector3 angular\n',
     'geometry_msgs/TwistStamped': 'std_msgs/Header header\nTwist twist\n',
     'geometry_msgs/TwistWithCovariance': 'Twist twist\nfloat64[36] covariance\n',
+    'geometry_msgs/TwistWithCovarianceStamped':
+        'std_msgs/Header header\nTwistWithCovariance twist\n',
     'geometry_msgs/Vector3': 'float64 x\nfloat64 y\nfloat64 z\n',
     'nav_msgs/Odometry':
         'std_msgs/Header header\nstring child_frame_id\n'
@@ -51,6 +53,16 @@ DEFINITIONS = {
         'float64[9] orientation_covariance\ngeometry_msgs/Vector3 angular_velocity\n'
         'float64[9] angular_velocity_covariance\ngeometry_msgs/Vector3 linear_acceleration\n'
         'float64[9] linear_acceleration_covariance\n',
+    'sensor_msgs/NavSatFix':
+        'uint8 COVARIANCE_TYPE_UNKNOWN=0\nuint8 COVARIANCE_TYPE_APPROXIMATED=1\n'
+        'uint8 COVARIANCE_TYPE_DIAGONAL_KNOWN=2\nuint8 COVARIANCE_TYPE_KNOWN=3\n'
+        'std_msgs/Header header\nNavSatStatus status\nfloat64 latitude\nfloat64 longitude\n'
+        'float64 altitude\nfloat64[9] position_covariance\nuint8 position_covariance_type\n',
+    'sensor_msgs/NavSatStatus':
+        'int8 STATUS_UNKNOWN=-2\nint8 STATUS_NO_FIX=-1\nint8 STATUS_FIX=0\n'
+        'int8 STATUS_SBAS_FIX=1\nint8 STATUS_GBAS_FIX=2\nint8 status -2\n'
+        'uint16 SERVICE_UNKNOWN=0\nuint16 SERVICE_GPS=1\nuint16 SERVICE_GLONASS=2\n'
+        'uint16 SERVICE_COMPASS=4\nuint16 SERVICE_GALILEO=8\nuint16 service\n',
     'std_msgs/Header': 'builtin_interfaces/Time stamp\nstring frame_id\n',
     'std_msgs/String': 'string data\n',
 }
@@ -65,12 +77,16 @@ TYPE_HASHES = {
         'RIHS01_381add86c6c3160644d228ca342182c7fd6c7fab11c7a85ad817a9cc22dbac6e',
     'geometry_msgs/msg/TwistStamped':
         'RIHS01_5f0fcd4f81d5d06ad9b4c4c63e3ea51b82d6ae4d0558f1d475229b1121db6f64',
+    'geometry_msgs/msg/TwistWithCovarianceStamped':
+        'RIHS01_77b67434531e6529b7a0091357b186b6ebdb17fd9ffd3e0c7ce9d3fb11a44563',
     'nav_msgs/msg/Odometry':
         'RIHS01_3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0',
     'rosgraph_msgs/msg/Clock':
         'RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564',
     'sensor_msgs/msg/Imu':
         'RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b',
+    'sensor_msgs/msg/NavSatFix':
+        'RIHS01_62223ab3fe210a15976021da7afddc9e200dc9ec75231c1b6a557fc598a65404',
     'std_msgs/msg/String':
         'RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18',
 }

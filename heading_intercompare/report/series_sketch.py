@@ -8,13 +8,14 @@ import numpy as np
 
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.pairing.difference import subtract
-from heading_intercompare.core.records import Integers, Pairs, Reals
+from heading_intercompare.core.records import Integers, Motion, Pairs, Reals
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.time_rules.exclusions import find_excluded, read_exclusions
 
 from .sketching.bins import Bins, Envelope, Histogram
 from .sketching.shift_scan import ShiftScan
 from .sketching.spectra import Spectra
+from .sketching.track import Track
 from .sketching.turning import Turning
 
 __all__ = ['HEADING_BINS', 'SeriesSketch']
@@ -43,6 +44,8 @@ class SeriesSketch:
         36 bins of 10 degrees of the RS heading, from 0.
     turning : Turning
         The differences against the rate of turn.
+    track : Track
+        At most 4096 positions.
     shifts : ShiftScan or None
         The scatter at shifts of the RS; None before the first pair.
     spectra : Spectra or None
@@ -53,7 +56,7 @@ class SeriesSketch:
     Notes
     -----
     All pairs count, including those of the stabilisation period. The memory is some 3 MB, however
-    many pairs come. Counts, extremes and bin widths
+    many pairs come, but for rates of turn until their pairs come. Counts, extremes and bin widths
     do not depend on the chunks; means and deviations depend on them only by rounding.
 
     """
@@ -67,11 +70,17 @@ class SeriesSketch:
         self.heading = Bins.of(HEADING_BINS, np.zeros(0, np.int64), np.zeros(0))
         self.rs_time = Envelope()
         self.turning = Turning()
+        self.track = Track()
         self.shifts: ShiftScan | None = None
         self.spectra: Spectra | None = None
         self.offset_deg = 0.0
         self._turns = 0
         self._rs_deg: float | None = None
+
+    def take_motion(self, motion: Motion) -> None:
+        """Take motion of the ship, before the pairs of the same time."""
+        self.track.update(motion)
+        self.turning.take_rates(motion.rates())
 
     def update(self, pairs: Pairs, settings: Settings) -> None:
         """

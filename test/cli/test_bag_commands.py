@@ -15,6 +15,7 @@ import sys
 import termios
 import time
 
+from mcap.reader import make_reader
 import numpy as np
 import pytest
 
@@ -52,6 +53,15 @@ def bag(tmp_path, rng):
         writer.attachment('report.json', 'application/json', report.encode())
         writer.attachment('runs.csv', 'text/csv', b'run,start,stop\n1,2,3\n')
     return path
+
+
+def damage_first_chunk(file):
+    """Change one bit in the middle of the messages of the first chunk."""
+    content = bytearray(file.read_bytes())
+    with file.open('rb') as stream:
+        chunk = make_reader(stream).get_summary().chunk_indexes[0]
+    content[chunk.chunk_start_offset + chunk.chunk_length // 2] ^= 0x10
+    file.write_bytes(content)
 
 
 def printed(capsys, *arguments) -> str:
@@ -115,10 +125,7 @@ def test_info_check_shows_gaps_in_the_numbers(tmp_path, capsys):
 
 
 def test_info_check_of_a_damaged_bag_ends_with_2_and_says_where(bag, capsys):
-    file = bag / 'trial_0.mcap'
-    content = bytearray(file.read_bytes())
-    content[len(content) // 4] ^= 0x10
-    file.write_bytes(content)
+    damage_first_chunk(bag / 'trial_0.mcap')
     assert main(['info', '--check', str(bag)]) == 2
     out, err = capsys.readouterr()
     assert '/ts/heading' in out and '  wrong: trial_0.mcap: chunk damaged: ' in out
@@ -197,10 +204,7 @@ def test_info_survives_a_report_that_is_no_verdict(tmp_path, capsys, report):
 
 
 def test_recover_prints_what_was_kept_and_lost(bag, tmp_path, capsys):
-    file = bag / 'trial_0.mcap'
-    content = bytearray(file.read_bytes())
-    content[len(content) // 4] ^= 0x10
-    file.write_bytes(content)
+    damage_first_chunk(bag / 'trial_0.mcap')
     assert main(['recover', str(bag), '-o', str(tmp_path / 'new')]) == 0
     out, err = capsys.readouterr()
     kept = sum(t.count for t in BagReader(tmp_path / 'new').topics.values())

@@ -36,6 +36,12 @@ MESSAGES = {
         'header': HEADER, 'child_frame_id': 'base', 'pose': POSE,
         'twist': {'twist': TWIST, 'covariance': [0.0] * 36}},
     'geometry_msgs/msg/TwistStamped': {'header': HEADER, 'twist': TWIST},
+    'geometry_msgs/msg/TwistWithCovarianceStamped': {
+        'header': HEADER, 'twist': {'twist': TWIST, 'covariance': [0.0] * 36}},
+    'sensor_msgs/msg/NavSatFix': {
+        'header': HEADER, 'status': {'status': -1, 'service': 513}, 'latitude': 54.3,
+        'longitude': 10.1, 'altitude': 2.5, 'position_covariance': NINE,
+        'position_covariance_type': 2},
     'diagnostic_msgs/msg/DiagnosticArray': {'header': HEADER, 'status': [STATUS, STATUS]},
     'std_msgs/msg/String': {'data': 'Kreiselkompass, Länge 54°'},
     'rosgraph_msgs/msg/Clock': {'clock': HEADER['stamp']},

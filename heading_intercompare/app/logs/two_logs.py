@@ -24,7 +24,9 @@ from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.readers.registry import has_one_sensor, has_streams
 from heading_intercompare.report import SeriesSketch
 
+from .antenna_logs import import_antennas
 from .log_import import import_log, ImportedLog
+from .log_motion import find_motion, FoundMotion
 
 __all__ = ['find_logs', 'judge_logs', 'ROLES']
 
@@ -97,8 +99,9 @@ def _check_texts(inputs: Sequence[str]) -> None:
 
 
 def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, DriverSettings], *,
-               runs: str | None = None, takers: Iterable[Callable[[Pairs], None]] = (),
-               sketched: bool = False,
+               runs: str | None = None, motion: str | None = None,
+               aft: str | None = None,
+               takers: Iterable[Callable[[Pairs], None]] = (), sketched: bool = False,
                progress: Callable[[str], None] = lambda text: None) -> Judgement:
     """
     Judge the logs of two sensors, as `judge_bags` judges a bag of them.
@@ -109,10 +112,14 @@ def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, Drive
         Logs of the TS and of the RS.
     settings : Settings
         Settings with the norms.
-    drivers : mapping of {'ts', 'rs'} to DriverSettings
+    drivers : mapping of {'ts', 'rs', 'motion'} to DriverSettings
         How to read each log.
     runs : str, optional
         Table of runs, a csv file; its source is the log of the TS.
+    motion : str, optional
+        A log with the motion of the ship; by default that of the RS or of the TS, if it has any.
+    aft : str, optional
+        Log of the aft antenna, if the RS is two antennas; `rs` is that of the fore one.
     takers : iterable of callable
         Each is called with the pairs, chunk by chunk.
     sketched : bool
@@ -139,27 +146,33 @@ def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, Drive
     if runs is not None:
         found, elsewhere = assign_runs(read_run_table(runs), [ts])
         table = [(start, stop) for start, stop, _ in found]
-    log = {role: import_log(path, drivers[role], progress, role=role)
-           for role, path in zip(ROLES, (ts, rs))}
+    log = {'ts': import_log(ts, drivers['ts'], progress, role='ts'),
+           'rs': import_log(rs, drivers['rs'], progress, role='rs') if aft is None
+           else import_antennas((rs, aft), drivers['rs'], settings.antennas)}
     if ts == rs and log['ts'].headings == log['rs'].headings:
         raise ValueError(f'{ts}: gives the same headings as TS and as RS: {_APART}')
+    moved = (find_motion({'ts': ts, 'rs': rs}, drivers, motion) if settings.motion.compare
+             else FoundMotion())
     sketch = SeriesSketch(ts) if sketched else None
     takers = list(takers)
     if sketch is not None:
+        sketch.take_motion(moved.rows)
         takers.append(partial(sketch.update, settings=settings))
     readings = log['ts'].headings, log['rs'].headings
     comparison = Intercomparison(settings, source=ts, table=table, progress=progress)
+    comparison.take_motion(moved.rows)
     for pairs in (comparison.update(*readings), comparison.finish()):
         for take in takers:
             take(pairs)
     results = comparison.results()
     if settings.alignment.skew == 'apply':
-        results = judge_aligned(*readings, results, settings, source=ts)
+        results = judge_aligned(*readings, results, settings, source=ts, motion=moved.rows)
     inputs = [_describe(log[role], role) for role in ROLES]
     notes = [f'{words}: {log[role].path}, {len(log[role].headings)} headings of '
              f'{"; ".join((log[role].sentence or "a csv", *log[role].remarks))}; not taken: '
              f'{log[role].words_not_taken}'
              for role, words in zip(ROLES, ('tested sensor (TS)', 'reference sensor (RS)'))]
+    notes += moved.notes
     if not results:
         why = explain_no_run(comparison.ledger, settings, table)
         inputs[0] = replace(inputs[0], no_run=why)
@@ -171,7 +184,7 @@ def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, Drive
     notes += name_outside(verdict)
     earlier = comparison.compliance.take_earlier()
     judged = Found(results, earlier, comparison.ledger, inputs[0],
-                   table=None if table is None else tuple(table))
+                   table=None if table is None else tuple(table), motion=moved.rows)
     return Judgement(verdict, tuple(notes), () if sketch is None else (sketch,),
                      tuple(each.verdict for each in earlier),
                      make_account(judged, settings, inputs[1]))

@@ -14,6 +14,7 @@ import os
 import re
 from typing import Any, Callable, Iterator, Mapping, Protocol, Sequence
 
+from heading_intercompare.bags.csv.motion_text import motion_of_text
 from heading_intercompare.bags.csv.pairs_account import (
     account_path,
     PairsAccount,
@@ -24,7 +25,7 @@ from heading_intercompare.bags.csv.pairs_csv import COLUMNS, PairsCsv
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pairing.stamp_jumps import Decided, JumpFilter
 from heading_intercompare.core.pipeline import Compliance
-from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input
 from heading_intercompare.readers.registry import (
@@ -82,7 +83,8 @@ def _find_reader(path: str) -> Callable[[str], _Pairs]:
 def judge_csv(path: str, name: str, settings: Settings,
               runs: Sequence[tuple[int, int]] | None,
               takers: Sequence[Callable[[Pairs], None]],
-              progress: Callable[[str], None] = lambda text: None) -> Found:
+              progress: Callable[[str], None] = lambda text: None,
+              take_motion: Callable[[Motion], None] = lambda motion: None) -> Found:
     """
     Judge the pairs of a csv file.
 
@@ -100,6 +102,8 @@ def judge_csv(path: str, name: str, settings: Settings,
         Each is called with the pairs, chunk by chunk.
     progress : callable
         Called with the progress in words.
+    take_motion : callable
+        Called with the motion of the ship, if the account has it, before the first pairs.
 
     Raises
     ------
@@ -121,6 +125,10 @@ def judge_csv(path: str, name: str, settings: Settings,
     if account is not None and table is None:
         for kind, stamp_ns in account.marks:
             compliance.mark(kind, stamp_ns)
+    if account is not None:
+        motion = motion_of_text(account.motion)
+        compliance.take_motion(motion)
+        take_motion(motion)
     rows = open_pairs(path)
     for pairs in rows:
         judging.take(pairs)

@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from heading_intercompare.bags.csv.motion_text import text_of_motion
 from heading_intercompare.bags.csv.pairs_account import PairsAccount
 from heading_intercompare.core.pairing.ledger import Ledger
+from heading_intercompare.core.records import Motion
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input
@@ -35,6 +37,10 @@ class Found:
         Start and stop of the runs, if a table gave them.
     account : PairsAccount or None
         The account that came with it, if it is a csv of pairs.
+    motion : Motion
+        The motion of the ship.
+    remarks : tuple of str
+        What the user should know, and what is no problem.
 
     """
 
@@ -46,6 +52,8 @@ class Found:
     marks: tuple[tuple[str, int], ...] = ()
     table: tuple[tuple[int, int], ...] | None = None
     account: PairsAccount | None = None
+    motion: Motion = field(default_factory=Motion.empty)
+    remarks: tuple[str, ...] = ()
 
 
 def make_account(found: Found, settings: Settings, *others: Input) -> PairsAccount:
@@ -56,4 +64,5 @@ def make_account(found: Found, settings: Settings, *others: Input) -> PairsAccou
     ledger = found.ledger
     steps = tuple(one for some in ledger.set_backs.values() for one in some)
     return PairsAccount((found.described, *others), settings.to_mapping(), found.marks,
-                        found.table, ledger.newest_ns, ledger.segments, steps)
+                        found.table, ledger.newest_ns, ledger.segments, steps,
+                        motion=text_of_motion(found.motion))

@@ -19,12 +19,15 @@ from typing import Any, Mapping, NamedTuple
 import numpy as np
 
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.core.json_keys import leave_out_none
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.verdict.typed_reader import make_plain, read_plain, VerdictError
 from heading_intercompare.core.verdict.verdict_document import Input
 from heading_intercompare.core.version import VERSION
+
+from .motion_text import motion_of_text
 
 __all__ = ['account_path', 'Fingerprint', 'PairsAccount', 'PairsDigest', 'read_account',
            'write_account']
@@ -58,6 +61,8 @@ class PairsAccount:
     set_backs : tuple of SetBack
         The times at which a clock was set back.
     software_version : str
+    motion : mapping of str to str, or None
+        The motion of the ship, see `motion_text`; None if it is not known.
 
     """
 
@@ -69,6 +74,7 @@ class PairsAccount:
     segments: tuple[LedgerSegment, ...]
     set_backs: tuple[SetBack, ...]
     software_version: str = VERSION
+    motion: Mapping[str, str] | None = leave_out_none()
 
     @property
     def ledger(self) -> Ledger:
@@ -194,6 +200,7 @@ def read_account(csv: str | os.PathLike[str]) -> tuple[PairsAccount, Fingerprint
         if not isinstance(plain, dict) or plain.get('schema') != _SCHEMA:
             raise VerdictError(f'is no account of pairs: its schema must be {_SCHEMA!r}')
         account: PairsAccount = read_plain(PairsAccount, plain)
+        motion_of_text(account.motion)
         for at, segment in enumerate(account.segments):
             if at and segment.start_ns is None:
                 raise VerdictError(f'segments[{at}].start_ns = None: must be an integer')

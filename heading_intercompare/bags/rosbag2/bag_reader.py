@@ -342,15 +342,19 @@ class BagReader:
                      for number, channel in part.channels.items()
                      if wanted is None or channel.topic in wanted}
             for block in part.blocks(start_ns, stop_ns):
-                for head, lo, hi in zip(block.heads.tolist(), block.start.tolist(),
-                                        block.stop.tolist()):
+                # Of many messages mostly a few are wanted.
+                channel = block.heads['channel']
+                kept = np.flatnonzero(np.isin(channel, [*names])
+                                      | ~np.isin(channel, [*part.channels]))
+                for head, lo, hi in zip(block.heads[kept].tolist(), block.start[kept].tolist(),
+                                        block.stop[kept].tolist()):
                     _, _, number, sequence, log, publish = head
-                    if number in names and start_ns <= log < stop_ns:
-                        yield BagMessage(*names[number], log, publish, sequence,
-                                         bytes(block.data[lo:hi]))
-                    elif number not in part.channels:
+                    if number not in part.channels:
                         raise BagError(f'a message belongs to channel {number}, which is not '
                                        'defined', part.path, block.offset)
+                    if start_ns <= log < stop_ns:
+                        yield BagMessage(*names[number], log, publish, sequence,
+                                         bytes(block.data[lo:hi]))
 
     @property
     def recovered(self) -> str | None:

@@ -35,7 +35,7 @@ from heading_intercompare.report.runs_csv import write_runs
 
 from .several_sensors import choose_pair, run_sensors
 
-__all__ = ['add_analysis_arguments', 'add_arguments', 'add_log_arguments',
+__all__ = ['add_analysis_arguments', 'add_arguments', 'add_log_arguments', 'add_motion_argument',
            'add_settings_arguments', 'add_verdict_arguments', 'check_report', 'code_of',
            'conclude', 'deliver', 'drivers_for', 'LOG_OPTIONS', 'run']
 
@@ -66,7 +66,7 @@ _ROLE_OPTIONS = {
 }
 
 LOG_OPTIONS = (*(f'{role}_{name}' for name in (*_ROLE_OPTIONS, *_SHARED_OPTIONS)
-                 for role in ROLES), *_SHARED_OPTIONS)
+                 for role in ROLES), *_SHARED_OPTIONS, 'motion', 'rs_antennas')
 """Options of `add_log_arguments`, by their names in the parser."""
 
 
@@ -94,14 +94,33 @@ def add_log_arguments(parser: argparse.ArgumentParser,
             parser.add_argument(f'--{role}-{option}', choices=choices, help=argparse.SUPPRESS)
 
 
+def add_motion_argument(parser: argparse.ArgumentParser) -> None:
+    """Add the option that names the log of the motion of the ship."""
+    parser.add_argument('--motion', metavar='LOG', help='log with the motion of the ship (VTG, '
+                        'RMC, GNS, GGA, GLL, ROT), to check the headings against (default: that '
+                        'of the reference sensor, or of the tested one, if it has any)')
+
+
+def add_antenna_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of an RS that is two antennas."""
+    parser.add_argument('--rs-antennas', metavar=('FORE', 'AFT'), nargs=2,
+                        help='logs with the positions of two antennas, whose baseline is the '
+                        'reference sensor; the INPUT is then the log of the tested one alone')
+    parser.add_argument('--baseline-m', metavar='M', type=float,
+                        help='their distance in metres (antennas.baseline_m; default: the median)')
+    parser.add_argument('--baseline-angle', metavar='DEG', type=float,
+                        help='angle from the direction aft to fore antenna to the bow, clockwise '
+                        '(antennas.baseline_angle_deg; default: 0)')
+
+
 def drivers_for(arguments: argparse.Namespace,
                 roles: Sequence[str] = ROLES) -> dict[str, DriverSettings]:
-    """Return how to read the log of each sensor; SettingsError for a wrong option."""
+    """Return how to read the log of each sensor and that of the motion; SettingsError if wrong."""
     found = {}
-    for role in roles:
+    for role in (*roles, 'motion'):
         given = {name: getattr(arguments, name) for name in _SHARED_OPTIONS}
         given.update((name, value) for name in (*_ROLE_OPTIONS, *_SHARED_OPTIONS)
-                     if (value := getattr(arguments, f'{role}_{name}')) is not None)
+                     if (value := getattr(arguments, f'{role}_{name}', None)) is not None)
         found[role] = from_mapping(DriverSettings, {
             name: value for name, value in given.items() if value is not None})
     return found
@@ -135,6 +154,8 @@ def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
                         'in the setting sensors')
     parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor, or its name')
     add_log_arguments(parser)
+    add_motion_argument(parser)
+    add_antenna_arguments(parser)
     add_settings_arguments(parser)
     parser.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
     parser.add_argument('--runs-csv', metavar='F', help='write one row per run: recording, start, '
@@ -164,18 +185,23 @@ def run(arguments: argparse.Namespace) -> int:
     config = load_config_or_journal(arguments.config, arguments.inputs)
     settings = settings_for(
         config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs,
-        exclusions=read_exclusion_table(arguments.exclude) if arguments.exclude else None)
+        exclusions=read_exclusion_table(arguments.exclude) if arguments.exclude else None,
+        **{'antennas.baseline_m': arguments.baseline_m,
+           'antennas.baseline_angle_deg': arguments.baseline_angle})
     settings = choose_pair(settings, arguments.ts, arguments.rs)
     drivers = drivers_for(arguments)
     if settings.sensors is not None:
         return run_sensors(arguments, settings, _find_ship(arguments.ship, config), drivers,
                            _open_logbook(arguments.logbook))
     Limits.of(settings.norms, settings.model)
-    logs = find_logs(arguments.inputs, drivers, recordings=bool(arguments.ts and arguments.rs))
+    fore, aft = arguments.rs_antennas or (None, None)
+    logs = find_logs([*arguments.inputs, *([fore] if fore else [])], drivers,
+                     recordings=bool(arguments.ts and arguments.rs))
     _check_options(arguments, logs is not None)
     outputs = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
                       arguments.ensemble_s, arguments.runs_csv)
-    check_outputs(outputs, arguments.inputs, config=arguments.config, runs=arguments.runs)
+    check_outputs(outputs, [*arguments.inputs, *(arguments.rs_antennas or ())],
+                  config=arguments.config, runs=arguments.runs)
     book = _open_logbook(arguments.logbook)
     with (ExitStack() as files, Progress(_label(arguments), arguments.quiet) as progress,
           _cluster(arguments.dask) as executor):
@@ -183,8 +209,8 @@ def run(arguments: argparse.Namespace) -> int:
         takers = [table.write for table in tables]
         if logs is not None:
             judged = judge_logs(*logs, settings, drivers, takers=takers,
-                                runs=arguments.runs or None, sketched=bool(arguments.report),
-                                progress=progress.show)
+                                runs=arguments.runs or None, motion=arguments.motion, aft=aft,
+                                sketched=bool(arguments.report), progress=progress.show)
         else:
             judged = judge_bags(arguments.inputs, settings, runs=arguments.runs or None,
                                 takers=takers, sketched=bool(arguments.report),
@@ -274,8 +300,9 @@ def _check_log_options(arguments: argparse.Namespace, of_logs: bool) -> None:
         (('ts', 'rs', 'dask'), 'is for bags, and these INPUTs are logs; leave it out') if of_logs
         else (LOG_OPTIONS, 'is for logs, and no INPUT is one; leave it out'))
     for option in wrong:
-        if (value := getattr(arguments, option)) is not None:
-            raise ValueError(f'--{option.replace("_", "-")} {value}: {why}')
+        if (value := getattr(arguments, option, None)) is not None:
+            shown = ' '.join(value) if isinstance(value, list) else value
+            raise ValueError(f'--{option.replace("_", "-")} {shown}: {why}')
 
 
 def check_report(arguments: argparse.Namespace) -> None:

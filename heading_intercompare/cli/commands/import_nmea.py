@@ -5,19 +5,29 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 import time
+from typing import Callable, NamedTuple, Sequence
 
 import numpy as np
 
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.logs.log_import import import_log
+from heading_intercompare.app.logs.log_motion import find_motion
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.bags.rosbag2.provenance import describe_origin, Notes, RECORD
 from heading_intercompare.cli.terminal.progress import Progress
-from heading_intercompare.core.records import Headings
-from heading_intercompare.messages.heading_messages import encode_imu
+from heading_intercompare.core.records import Headings, Integers, Motion
+from heading_intercompare.messages.heading_messages import encode_imu, IMU
+from heading_intercompare.messages.motion.motion_messages import encode_motion, MOTION_TYPES
 
-from .analyze import add_log_arguments, add_settings_arguments, drivers_for
+from .analyze import (
+    add_log_arguments,
+    add_motion_argument,
+    add_settings_arguments,
+    drivers_for,
+)
 from .note import add_note_argument, read_notes
 
 __all__ = ['add_arguments', 'run']
@@ -32,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                             help=f'log of the {words} sensor: a file, a folder, or a pattern in '
                             'quotes')
     add_log_arguments(parser)
+    add_motion_argument(parser)
     parser.add_argument('-o', '--output', metavar='BAG', required=True,
                         help='the rosbag2 directory to write')
     add_note_argument(parser)
@@ -50,34 +61,69 @@ def run(arguments: argparse.Namespace) -> int:
             logs[role] = import_log(path, drivers[role], progress.show, role=role)
     origins = {role: log.origin for role, log in logs.items()}
     read = {role: log.headings for role, log in logs.items()}
-    _write(arguments.output, read, topics, describe_origin(settings.to_mapping(), origins), notes)
+    moved = find_motion({role: log.path for role, log in logs.items()}, drivers, arguments.motion)
+    if moved.origin:
+        origins['motion'] = dict(moved.origin)
+    streams = [_of_headings(topics[role], headings, f'{role}_heading')
+               for role, headings in read.items()]
+    streams += _of_motion(moved.rows, motion_topics(settings.motion))
+    _write(arguments.output, streams, describe_origin(settings.to_mapping(), origins), notes)
     for role in topics:
         print(f'{role.upper()} {logs[role].path}: {len(read[role])} headings on '
               f'{"; ".join((topics[role], *logs[role].remarks))}; not taken: '
               f'{logs[role].words_not_taken}')
+    for words in moved.notes:
+        print(words)
     print(f'bag: {arguments.output}')
     return 0
 
 
-def _write(path: str, read: dict[str, Headings], topics: dict[str, str],
-           said: dict[str, object], notes: str) -> None:
-    """Write both streams merged by stamp, each in the order of its log."""
-    # A bag is ordered by log time. The largest stamp so far keeps a stream in order even if its
-    # stamps step back.
-    logs = {role: np.maximum.accumulate(h.stamp_ns) for role, h in read.items()}
-    edges = _edges([log for log in logs.values() if len(log)])
+class _Stream(NamedTuple):
+    """The messages of a topic: their type, stamps, log times, and bytes of a part of them."""
+
+    topic: str
+    type_name: str
+    stamp_ns: Integers
+    log_ns: Integers
+    encode: Callable[[int, int], np.ndarray]
+
+
+def _log_times(stamp_ns: Integers) -> Integers:
+    """Return log times: the largest stamp so far keeps a stream in order if stamps step back."""
+    return np.maximum.accumulate(stamp_ns)
+
+
+def _of_headings(topic: str, headings: Headings, frame_id: str) -> _Stream:
+    return _Stream(topic, IMU, headings.stamp_ns, _log_times(headings.stamp_ns),
+                   lambda lo, hi: encode_imu(headings[lo:hi], frame_id))
+
+
+def _of_motion(motion: Motion, topics: dict[str, str]) -> list[_Stream]:
+    """Return the streams of the motion of the ship; none of what no log tells."""
+    parts = {'fix': motion.positions(), 'velocity': motion.velocities(), 'rate': motion.rates()}
+    return [_Stream(topics[what], MOTION_TYPES[what][0], rows.stamp_ns, _log_times(rows.stamp_ns),
+                    partial(_encode_part, rows, what))
+            for what, rows in parts.items() if len(rows)]
+
+
+def _encode_part(rows: Motion, what: str, lo: int, hi: int) -> np.ndarray:
+    return encode_motion(rows[lo:hi], what, 'ship')
+
+
+def _write(path: str, streams: Sequence[_Stream], said: dict[str, object], notes: str) -> None:
+    """Write the streams merged by stamp, each in the order of its log."""
+    edges = _edges([stream.log_ns for stream in streams if len(stream.log_ns)])
     with BagWriter(path) as bag:
-        for topic in topics.values():
-            bag.add_topic(topic, 'sensor_msgs/msg/Imu')
+        for stream in streams:
+            bag.add_topic(stream.topic, stream.type_name)
         bag.metadata(RECORD, said)
         Notes(bag.metadata).add(notes, time.time_ns())
         for begin, end in zip(edges[:-1], edges[1:]):
             batches = []
-            for role, log in logs.items():
-                lo, hi = np.searchsorted(log, [begin, end])
-                part = read[role][lo:hi]
-                batches.append(Rows(topics[role], encode_imu(part, f'{role}_heading'),
-                                    log[lo:hi], part.stamp_ns, np.arange(lo, hi)))
+            for stream in streams:
+                lo, hi = np.searchsorted(stream.log_ns, [begin, end])
+                batches.append(Rows(stream.topic, stream.encode(lo, hi), stream.log_ns[lo:hi],
+                                    stream.stamp_ns[lo:hi], np.arange(lo, hi)))
             bag.write_rows(batches)
 
 

@@ -18,7 +18,7 @@ __all__ = ['add_arguments', 'run']
 
 #: Options that need readings, which a verdict lacks.
 _JUDGING = ('ts', 'rs', 'config', 'set', 'runs', 'exclude', 'csv', 'ensembles', 'jobs', 'dask',
-            *analyze.LOG_OPTIONS)
+            'baseline_m', 'baseline_angle', *analyze.LOG_OPTIONS)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

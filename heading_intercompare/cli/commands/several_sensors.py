@@ -31,7 +31,7 @@ from heading_intercompare.report.sensors_report import protocol_path, write_sens
 
 __all__ = ['choose_pair', 'deliver_sensors', 'run_sensors']
 
-_OF_PAIRS = ('csv', 'ensembles', 'runs_csv', 'dask')
+_OF_PAIRS = ('csv', 'ensembles', 'runs_csv', 'dask', 'motion', 'rs_antennas')
 
 
 def choose_pair(settings: Settings, ts: str | None, rs: str | None) -> Settings:
@@ -75,7 +75,8 @@ def run_sensors(arguments: argparse.Namespace, settings: Settings, ship: str,
     check_sensors(settings)
     for option in _OF_PAIRS:
         if (value := getattr(arguments, option)) is not None:
-            raise ValueError(f'--{option.replace("_", "-")} {value}: is for two sensors; choose '
+            shown = ' '.join(value) if isinstance(value, list) else value
+            raise ValueError(f'--{option.replace("_", "-")} {shown}: is for two sensors; choose '
                              'them with --ts NAME --rs NAME')
     check_report(arguments)
     logs = name_logs(arguments.inputs, settings)

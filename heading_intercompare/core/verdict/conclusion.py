@@ -41,7 +41,7 @@ _BADNESS = {Outcome.COMPLIANT: 0, Outcome.INDETERMINATE: 1, Outcome.NON_COMPLIAN
 
 #: Void for a permanent reason: the set-up of the sensors.
 _ALWAYS_VOID = {f'void.{condition}' for condition in (
-    'same_source', 'convention', 'mean_difference', 'clocks', 'interpolation')}
+    'same_source', 'convention', 'mean_difference', 'clocks', 'interpolation', 'motion')}
 
 
 def conclude(guarded: Guarded, printed: Printed) -> tuple[Outcome, str]:

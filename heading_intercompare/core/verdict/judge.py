@@ -28,10 +28,11 @@ from heading_intercompare.core.diagnostics.run_diagnostics import (
     with_runs,
 )
 from heading_intercompare.core.diagnostics.run_findings import describe_drift, left_in_deg2
+from heading_intercompare.core.motion.motion_check import check_motion
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
-from heading_intercompare.core.records import Integers, Reals
+from heading_intercompare.core.records import Integers, Motion, Reals
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Risk, Settings
 from heading_intercompare.core.statistics.autocorrelation import estimate_correlation_times
@@ -215,6 +216,7 @@ class _Decision:
 
 def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
               risk: Risk | None = None, looks: Sequence[LookVerdict] = (),
+              motion: Motion | None = None,
               told: Callable[[float], None] = lambda share: None) -> RunResult:
     """
     Judge a run as it is.
@@ -233,6 +235,8 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         Share of the risks for this judgement; default that of the end of a run.
     looks : sequence of LookVerdict
         Results of the looks so far.
+    motion : Motion, optional
+        The motion of the ship, to check the headings against; None if there is none.
     told : callable
         Called with the share of the work that is done, from 0 to 1. With exclusions it begins
         again, for the run is judged twice.
@@ -263,19 +267,20 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     exclusions = [one for one in read_exclusions(settings.exclusions)
                   if one.start_ns <= run.end_ns and one.end_ns > run.start_ns]
     whole = _judge(run, settings, number, source, risk,
-                   [look.recorded or look for look in looks], (), told)
+                   [look.recorded or look for look in looks], (), motion, told)
     lo = whole.verdict.n_stabilization - run.n_stabilization
     at = find_excluded(run.stamp_ns.values[lo:], exclusions)
     if not exclusions or not np.any(at >= 0):
         return whole
     count = np.bincount(at[at >= 0], minlength=len(exclusions)).tolist()
-    return _judge(run, settings, number, source, risk, looks, exclusions, told).beside(
+    return _judge(run, settings, number, source, risk, looks, exclusions, motion, told).beside(
         whole, [Stretch(one.start_ns, one.end_ns, one.reason, n)
                 for one, n in zip(exclusions, count) if n])
 
 
 def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: Risk | None,
            looks: Sequence[LookVerdict], exclusions: Sequence[Exclusion],
+           motion: Motion | None = None,
            told: Callable[[float], None] = lambda share: None) -> RunResult:
     """Judge a run without the differences in some stretches."""
     assert run.start_ns is not None and run.end_ns is not None
@@ -301,9 +306,11 @@ def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: R
                      times=estimate_correlation_times(data.series_deg),
                      factor=factor, interpolates_ts=run.interpolates_ts,
                      told=lambda share: told(_BEFORE + (1.0 - _BEFORE) * share))
+    checked = None if motion is None or not settings.motion.compare else check_motion(
+        motion, data.stamp_ns, data.rs_deg + data.x_deg, data.rs_deg, settings.motion)
     validity = examine(Examined(
         data, found, limits, settings, outcome, decision.outcome,
-        guarded.d_hat_deg2, guarded.lower_bound_deg2, guarded.upper_bound_deg2))
+        guarded.d_hat_deg2, guarded.lower_bound_deg2, guarded.upper_bound_deg2, checked))
     coverage = coverage_of(data.span_s, risk)
     direction, length = circular_mean(data.x_deg) if n else (None, None)
     verdict = RunVerdict(
@@ -328,7 +335,7 @@ def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: R
         paper_outcome=printed.outcome, guarded=guarded, skew=found.skew, drift=found.drift,
         heading_dependence=found.heading_dependence, normality=found.normality,
         stationarity=found.stationarity, correlation=found.correlation, allan=found.allan,
-        assumptions=found.assumptions,
+        assumptions=found.assumptions, motion=checked,
         warnings=(*_warnings(data, limits, guarded, settings), *found.warnings))
     alone = outcome, reason
     validity = (*validity, find_losses(verdict, None, None, settings))
@@ -336,7 +343,8 @@ def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: R
                      settings, run.stabilization_s)
 
 
-def look_at(run: RunSeries, look: Look, looks: int, settings: Settings) -> LookVerdict:
+def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
+            motion: Motion | None = None) -> LookVerdict:
     """
     Judge a run in progress at a look of the plan, just as its end would be judged.
 
@@ -349,6 +357,8 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings) -> LookV
     looks : int
         Number of looks in the plan.
     settings : Settings
+    motion : Motion, optional
+        The motion of the ship so far.
 
     Notes
     -----
@@ -359,7 +369,7 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings) -> LookV
     def describe(found: RunVerdict, recorded: LookVerdict | None = None) -> LookVerdict:
         return LookVerdict(look.index + 1, looks, run.span_s, found.outcome, found.reason,
                            found.validity_effect, found.headline, recorded)
-    result = judge_run(run, settings, 0, '', risk=look.risk)
+    result = judge_run(run, settings, 0, '', risk=look.risk, motion=motion)
     return describe(result.verdict,
                     None if result.whole is None else describe(result.whole.verdict))
 

@@ -17,6 +17,8 @@ import numpy as np
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.diagnostics.run_diagnostics import Diagnostics
+from heading_intercompare.core.motion.motion_check import MotionCheck
+from heading_intercompare.core.motion.motion_words import describe_motion, explain_motion
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.records import Reals
@@ -39,6 +41,7 @@ VOID_REASONS = {
                        'splits the differences',
     'void.mean_difference': 'void: the mean difference is too large for sensors mounted parallel, '
                             'and the stated installation angle does not explain it',
+    'void.motion': 'void: a heading contradicts the motion of the ship',
     'void.frozen': 'void: a sensor repeats its value while the other shows that the ship turns',
     'void.clocks': 'void: the clocks of the sensors lie minutes apart, or drift apart or step, '
                    'and that decides the outcome',
@@ -48,9 +51,13 @@ VOID_REASONS = {
 }
 """Reasons why a run is void: code and words."""
 
-CONDITIONS = ('same_source', 'convention', 'mean_difference', 'frozen', 'standstill', 'outliers',
-              'clocks', 'interpolation', 'losses')
-"""All conditions; the first one that makes a run void names the reason."""
+CONDITIONS = ('same_source', 'motion', 'convention', 'mean_difference', 'frozen', 'standstill',
+              'outliers', 'clocks', 'interpolation', 'losses')
+"""
+All conditions; the first one that makes a run void names the reason.
+
+A run has a finding on `motion` only if the motion of the ship is known.
+"""
 
 _RANK = {HOLDS: 0, NOT_TESTABLE: 0, DOUBTFUL: 1, VOID: 2}
 
@@ -134,6 +141,8 @@ class Examined:
         the RS noise.
     d_hat_deg2, lower_bound_deg2, upper_bound_deg2 : float or None
         The variance and its bounds.
+    motion : MotionCheck or None
+        The headings against the motion of the ship; None if it is unknown.
 
     """
 
@@ -146,13 +155,19 @@ class Examined:
     d_hat_deg2: float | None
     lower_bound_deg2: float | None
     upper_bound_deg2: float | None
+    motion: MotionCheck | None = None
 
 
 def examine(examined: Examined) -> tuple[Finding, ...]:
     """Return the findings of a run on all conditions except `losses`."""
-    return tuple(judge(examined) for judge in (
+    found = tuple(judge(examined) for judge in (
         _judge_same_source, _judge_convention, _judge_mean_difference, _judge_frozen,
         _judge_standstill, _judge_outliers, _judge_clocks, _judge_interpolation))
+    if examined.motion is None:
+        return found
+    # It names the sensor that is wrong, which the conditions after it cannot.
+    stands = examined.outcome is Outcome.NON_COMPLIANT and worst_effect(found) != VOID
+    return found[0], _judge_motion(examined.motion, stands), *found[1:]
 
 
 def _judge_same_source(e: Examined) -> Finding:
@@ -437,3 +452,16 @@ def _would_decide(e: Examined, added_deg2: float, folded: bool) -> bool:
         return share * e.lower_bound_deg2 <= e.limits.rejection_limit_deg2 < e.lower_bound_deg2
     return not folded and (share * e.upper_bound_deg2 <= e.limits.tightened_limit_deg2
                            < e.upper_bound_deg2)
+
+
+def _judge_motion(found: MotionCheck, is_rejected: bool) -> Finding:
+    """Judge the motion of the ship: it never makes an outcome better."""
+    words, evidence = describe_motion(found), explain_motion(found)
+    if found.kind == 'not_testable':
+        return Finding('motion', NOT_TESTABLE, '', evidence)
+    if found.kind == 'agrees':
+        return Finding('motion', HOLDS, '', f'no heading contradicts the motion: {evidence}')
+    # A TS that alone is wrong is not acquitted of its other errors.
+    stands = is_rejected and found.whose == 'ts'
+    effect = DOUBTFUL if found.kind == 'doubt' or stands else VOID
+    return Finding('motion', effect, words, evidence)

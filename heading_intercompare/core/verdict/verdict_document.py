@@ -22,6 +22,7 @@ from heading_intercompare.core.diagnostics.assumptions import Assumption
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
 from heading_intercompare.core.json_keys import leave_out_none, no_key
+from heading_intercompare.core.motion.motion_check import MotionCheck
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
 from heading_intercompare.core.settings import (
@@ -37,12 +38,7 @@ from heading_intercompare.core.version import RULE_VERSION, VERSION
 
 from .conclusion import campaign_words
 from .headline import compose_headline
-from .typed_reader import (
-    check_schema,
-    make_plain,
-    read_plain,
-    VerdictError,
-)
+from .typed_reader import check_schema, make_plain, read_plain, VerdictError
 from .validity import Finding, gravest
 
 if TYPE_CHECKING:
@@ -53,7 +49,7 @@ __all__ = ['Campaign', 'Input', 'LostReadings', 'OperatorNote', 'PairingFigures'
            'VerdictError']
 
 _SCHEMA = 'heading_intercompare/verdict/'
-SCHEMA_VERSION = '2.4'
+SCHEMA_VERSION = '2.5'
 """
 Major and minor version of the mapping.
 
@@ -180,6 +176,7 @@ class RunVerdict:
     assumptions: Sequence[Assumption]
     warnings: Sequence[str]
     taken_out: TakenOut | None = leave_out_none()
+    motion: MotionCheck | None = leave_out_none()
 
 
 @dataclass(frozen=True, slots=True)
@@ -472,10 +469,10 @@ class Verdict:
             if of_2_0:
                 raise VerdictError(f'{error}; if an earlier version wrote it, {_AGAIN}') from error
             raise
-        if (told := mapping.get('ledger_complete', verdict.ledger_complete)
-                ) is not verdict.ledger_complete:
+        complete = verdict.ledger_complete
+        if (told := mapping.get('ledger_complete', complete)) is not complete:
             raise VerdictError(f'ledger_complete = {told!r:.70}: must be '
-                               f'{make_plain(verdict.ledger_complete)!r} by ledger_problems')
+                               f'{make_plain(complete)!r} by ledger_problems')
         if 'settings_sha256' not in mapping and not of_2_0:
             raise VerdictError('settings_sha256 is missing')
         if (found := mapping.get('settings_sha256', verdict.settings_sha256)

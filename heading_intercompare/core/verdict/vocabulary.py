@@ -27,6 +27,7 @@ CONDITION_WORDS = {
     'outliers': 'no single reading decides',
     'clocks': 'the clocks of the sensors agree',
     'interpolation': 'the slower sensor is fast enough for the motion',
+    'motion': 'no heading contradicts the motion of the ship',
     'losses': 'few readings are lost, rejected or without partner',
     'exclusions': 'nothing that was taken out by hand decides',
 }

@@ -31,6 +31,11 @@ _WORDS = {
     'beyond': 'beyond the range of the search', 'no_fit': 'no skew fits',
     'not_turned': 'the ship did not turn enough', 'too_few': 'too few pairs',
     'insufficient_data': 'too few differences', 'headings_too_narrow': 'too few headings',
+    'agrees': 'nothing contradicts', 'doubt': 'may be wrong', 'contradicts': 'wrong',
+    'not_testable': 'not testable', 'off': 'points off the course',
+    'mirrored': 'turns against the course', 'frozen': 'stays while the course changes',
+    'astray': 'does not follow', 'follows': 'follows', 'against': 'turns against it',
+    'scaled': 'turns by another factor', 'ts': 'TS', 'rs': 'RS', 'both': 'TS and RS',
 }
 
 
@@ -260,6 +265,35 @@ FINDINGS = (
             Figure('stamps.longest_back_s', 'longest step back', 's'),
             Figure('stamps.longest_s', 'longest step', 's'))),
     Finding(
+        'motion', 'Headings against the motion of the ship',
+        'On a straight course a heading points along the course over ground, but for leeway and '
+        'current, which nobody knows. An angle beyond the bound is a gross error. A smaller one '
+        'proves nothing. The rate of turn shows a heading that turns the other way, too far, or '
+        'not at all.', '', (
+            Figure('kind', 'conclusion', ''), Figure('whose', 'sensor that is wrong', ''),
+            Figure('n_positions', 'positions in the run', '1'),
+            Figure('n_velocities', 'velocities in the run', '1'),
+            Figure('n_rates', 'rates of turn in the run', '1'),
+            Figure('n_legs', 'straight legs', '1'), Figure('legs_s', 'their time', 's'),
+            Figure('astern_s', 'part of it on which the ship seems to go astern', 's'),
+            Figure('least_bound_deg', 'least angle off the course that shows', 'deg'),
+            *(Figure(f'{name}.{key}', f'{name.upper()}: {words}', unit)
+              for name in ('ts', 'rs') for key, words, unit in (
+                  ('kind', 'against the course', ''),
+                  ('off_deg', 'mean angle off the course', 'deg'),
+                  ('largest_deg', 'largest angle off the course of a leg', 'deg'),
+                  ('against_s', 'time of the legs with an angle beyond the bound', 's'),
+                  ('turns.kind', 'against the rate of turn', ''),
+                  ('turns.n', 'spans of 5 s compared', '1'),
+                  ('turns.turn_deg', 'turn in a span, root mean square', 'deg'),
+                  ('turns.slope', 'slope of its turns on the rate of turn', '1'),
+                  ('turns.correlation', 'their correlation', '1'),
+                  ('turns.delay_s', 'delay of the heading that fits best', 's')))),
+        (Figure('legs.duration_s', 'leg', 's'), Figure('legs.course_deg', 'course', 'deg'),
+         Figure('legs.speed_kn', 'speed', 'kn'), Figure('legs.bound_deg', 'bound', 'deg'),
+         Figure('legs.ts_deg', 'TS - course', 'deg'),
+         Figure('legs.rs_deg', 'RS - course', 'deg'))),
+    Finding(
         'allan', 'Scatter against averaging time',
         'The Allan deviation says how much neighbouring averages differ. White noise falls with '
         'the root of the averaging time; a level or rising deviation shows slow errors.', '', (),
@@ -284,6 +318,7 @@ LEFT_TO_JSON = {
     'skew.scan.curve_s': 'the curve is drawn, not printed',
     'skew.scan.curve_std_deg': 'the curve is drawn, not printed',
     'drift.order.bic': 'only the order that it chooses says something',
+    'motion.legs.start_ns': 'the legs are printed in their order, and drawn on the track',
     'heading_dependence.covariance_deg2': 'its diagonal is printed, as uncertainties',
 }
 """Figures that the protocol leaves to the JSON, and why."""
@@ -293,7 +328,8 @@ def describe_findings(runs: Sequence[RunVerdict]) -> list[Described]:
     """Return the sections that say something about the runs, with their figures."""
     found = []
     for finding in FINDINGS:
-        blocks = [(run.run, dict(flatten(getattr(run, finding.block)))) for run in runs]
+        blocks = [(run.run, dict(flatten(getattr(run, finding.block)))) for run in runs
+                  if getattr(run, finding.block) is not None]
         tables = [('', table) for table in rows_of_block(finding.figures, blocks)]
         for run, block in blocks if finding.side_by_side else ():
             tables.append((f'Run {run}', _place_side_by_side(finding.side_by_side, block)))

@@ -102,7 +102,10 @@ def draw_against_rate(about: Subject) -> Iterator[Drawing | LeftOut]:
 
     yield Drawing('rate', title, 'A line that falls or rises through the points is a time skew: '
                   'its slope in degrees for each degree per second is minus the age of the TS '
-                  'data in seconds.', 'rate of turn of the RS, over 2 s [deg/s]', _Y_LABEL, fill)
+                  'data in seconds.' + (' The rate of turn is that of a sensor of its own, which '
+                                        'may be late itself.' if turning.measured else ''),
+                  'rate of turn as reported [deg/s]' if turning.measured else
+                  'rate of turn of the RS, over 2 s [deg/s]', _Y_LABEL, fill)
 
 
 def draw_skew_scan(about: Subject) -> Iterator[Drawing | LeftOut]:

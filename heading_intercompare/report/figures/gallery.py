@@ -15,6 +15,7 @@ from .distribution import draw_histogram, draw_quantiles
 from .drawing import Drawing, LeftOut
 from .over_time import draw_differences, draw_headings, draw_running_variance
 from .subject import Subject
+from .track import draw_track
 
 __all__ = ['collect', 'draw_figures', 'Drawn', 'NAMES']
 
@@ -23,10 +24,10 @@ _FAMILIES: dict[str, Callable[[Subject], Iterator[Drawing | LeftOut]]] = {
     'running_variance': draw_running_variance, 'heading': draw_against_heading,
     'rate': draw_against_rate, 'skew_scan': draw_skew_scan, 'histogram': draw_histogram,
     'quantiles': draw_quantiles, 'autocorrelation': draw_autocorrelation,
-    'spectrum': draw_spectrum, 'allan': draw_allan_deviation,
+    'spectrum': draw_spectrum, 'allan': draw_allan_deviation, 'track': draw_track,
 }
 
-NAMES = (*_FAMILIES, 'track')
+NAMES = (*_FAMILIES,)
 """Names of the figures, in their order."""
 
 
@@ -71,8 +72,6 @@ def collect(sketch: SeriesSketch, verdict: Verdict, name: str | None = None,
     for each, family in _FAMILIES.items():
         if name in (None, each):
             yield from family(about)
-    if name in (None, 'track'):
-        yield LeftOut('track', about.title('track'), 'the record has no positions')
 
 
 def draw_figures(sketch: SeriesSketch, verdict: Verdict, prefix: str,

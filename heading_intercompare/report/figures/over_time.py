@@ -19,7 +19,7 @@ from heading_intercompare.report.formatting import number
 from .drawing import days, Drawing, LeftOut, LIMIT, RANGE, SERIES, START, TAKEN_OUT, TIGHTENED
 from .subject import pad, Subject
 
-__all__ = ['draw_differences', 'draw_headings', 'draw_running_variance']
+__all__ = ['draw_differences', 'draw_headings', 'draw_running_variance', 'find_far', 'Times']
 
 _UTC = 'time UTC'
 #: At most one in this many records of normal differences shows a mark of an outlier.
@@ -31,7 +31,7 @@ _MARKS = {'compliant': 'o', 'non_compliant': 'X', 'indeterminate': 'D'}
 _LOOKS = 'looks: circle compliant, cross not, diamond undecided'
 
 
-class _Times:
+class Times:
     """The bins of time of a sketch that hold differences, and where lines break."""
 
     def __init__(self, about: Subject) -> None:
@@ -70,7 +70,7 @@ def _span(axes: Any, about: Subject) -> None:
 
 def draw_headings(about: Subject) -> Iterator[Drawing | LeftOut]:
     """Yield the figure of both headings against time."""
-    times, sketch = _Times(about), about.sketch
+    times, sketch = Times(about), about.sketch
     bins = sketch.rs_time.bins
     line, low, up = (column[times.at] for column in (bins.mean_deg, bins.low_deg, bins.up_deg))
     rs = wrap360(line)
@@ -104,7 +104,7 @@ def draw_headings(about: Subject) -> Iterator[Drawing | LeftOut]:
                   'heading [deg]', fill, is_time=True, height_mm=60.0)
 
 
-def _find_far(about: Subject, times: _Times) -> tuple[Reals, Reals]:
+def find_far(about: Subject, times: Times) -> tuple[Reals, Reals]:
     """Return times and values of the extremes farther out than n normal values reach."""
     bins = about.sketch.time.bins
     histogram = about.sketch.histogram
@@ -122,12 +122,12 @@ def _find_far(about: Subject, times: _Times) -> tuple[Reals, Reals]:
 
 def draw_differences(about: Subject) -> Iterator[Drawing | LeftOut]:
     """Yield the figure of the differences against time, with limits, runs and outliers."""
-    times, levels = _Times(about), list(about.extremes())
+    times, levels = Times(about), list(about.extremes())
     for band in about.bands:
         levels += [level for level, _, _ in band.lines()]
     bins = about.sketch.time.bins
     low, mean, up = (column[times.at] for column in (bins.low_deg, bins.mean_deg, bins.up_deg))
-    far_days, far = _find_far(about, times)
+    far_days, far = find_far(about, times)
 
     def fill(axes: Any) -> None:
         axes.fill_between(times.broken(times.days), times.broken(low), times.broken(up), **RANGE,

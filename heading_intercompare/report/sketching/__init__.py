@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Summaries of a series in bounded memory: bins, rate of turn, shifts and spectra."""
+"""Summaries of a series in bounded memory: bins, rate of turn, shifts, spectra and track."""
 
 from typing import TYPE_CHECKING
 
@@ -10,6 +10,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'bins': ('Bins', 'Envelope', 'Histogram'),
     'shift_scan': ('ShiftScan',),
     'spectra': ('Spectra',),
+    'track': ('Track',),
     'turning': ('Turning',),
 })
 if TYPE_CHECKING:
@@ -17,4 +18,5 @@ if TYPE_CHECKING:
     from .bins import Bins as Bins, Envelope as Envelope, Histogram as Histogram
     from .shift_scan import ShiftScan as ShiftScan
     from .spectra import Spectra as Spectra
+    from .track import Track as Track
     from .turning import Turning as Turning

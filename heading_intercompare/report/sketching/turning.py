@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from heading_intercompare.core.records import Integers, Reals
+from heading_intercompare.core.records import Integers, Motion, Reals
 
 from .bins import Bins
 
@@ -14,6 +14,7 @@ __all__ = ['Turning']
 
 _BLOCK_NS = 10 ** 9
 _LONGEST_S = 10.0
+_LONGEST_GAP_S = 2.5
 _FASTEST_DEG_S = 30.0
 _BINS = 128
 _FIRST_WIDTH_DEG_S = 2.0 ** -16
@@ -29,12 +30,15 @@ class Turning:
         Width of a bin, a power of two; bin k begins at (k - 64) times the width.
     bins : Bins
         128 bins of mean differences over a second.
+    measured : bool
+        Whether the rates are those of a rate-of-turn sensor.
 
     Notes
     -----
-    The rate at a second is the slope from the mean RS heading of the second before to that of the
-    second after. So the noise of the RS in a difference does not stand in its rate. Seconds
-    more than 10 s apart give no rate, nor does a turn faster than 30 deg/s.
+    Rates of a sensor are interpolated between readings at most 2.5 s apart. Without them the rate
+    at a second is the slope from the mean RS heading of the second before to that of the second
+    after. So the noise of the RS in a difference does not stand in its rate. Seconds more than
+    10 s apart give no rate, nor does a turn faster than 30 deg/s.
 
     """
 
@@ -44,6 +48,14 @@ class Turning:
         # Columns: second, number, sums of time, difference and heading; the last is unfinished.
         self._blocks = np.zeros((5, 0))
         self._origin_ns: int | None = None
+        self.measured = False
+        self._rates = Motion.empty()
+
+    def take_rates(self, rates: Motion) -> None:
+        """Take rates of turn of a sensor, before the differences of the same time."""
+        if len(rates):
+            self._rates = (self._rates + rates).in_order()
+            self.measured = True
 
     def update(self, stamp_ns: Integers, x_deg: Reals, rs_deg: Reals) -> None:
         """Take finite differences in stamp order, with unwrapped RS headings."""
@@ -71,6 +83,8 @@ class Turning:
         t, x, rs = blocks[2:] / blocks[1]
         step_s = t[2:] - t[:-2]
         rate, x = (rs[2:] - rs[:-2]) / step_s, x[1:-1]
+        if self.measured:
+            rate = self._measured_at(t[1:-1])
         good = (step_s <= _LONGEST_S) & (np.abs(rate) < _FASTEST_DEG_S)
         rate, x = rate[good], x[good]
         if not len(rate):
@@ -79,6 +93,19 @@ class Turning:
             self._double()
         at = (rate // self.width_deg_s).astype(np.int64) + _BINS // 2
         self.bins = self.bins + Bins.of(_BINS, at, x)
+
+    def _measured_at(self, t_s: Reals) -> Reals:
+        """Return the measured rate at some times since the first difference; nan in gaps."""
+        if len(self._rates) < 2 or self._origin_ns is None:
+            return np.full(len(t_s), np.nan)
+        known = (self._rates.stamp_ns - self._origin_ns) / 1e9
+        after = np.searchsorted(known, t_s).clip(1, len(known) - 1)
+        inside = (t_s >= known[0]) & (t_s <= known[-1]) & (
+            known[after] - known[after - 1] <= _LONGEST_GAP_S)
+        found: Reals = np.where(inside, np.interp(t_s, known, self._rates.rate_deg_s), np.nan)
+        # Later differences need no earlier rates.
+        self._rates = self._rates[known >= t_s[-1] - 2.0 * _LONGEST_S]
+        return found
 
     def _double(self) -> None:
         """Double the width of the bins about zero."""

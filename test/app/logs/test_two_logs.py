@@ -240,3 +240,103 @@ def test_a_text_that_is_no_log_shows_its_first_line(logs, tmp_path, capsys):
 def test_options_that_choose_the_same_sensor_twice_are_refused(logs, capsys):
     assert 'gives the same headings as TS and as RS' in refused(
         capsys, logs[0], '--ts-sentence', 'HDT')
+
+
+# --- the motion of the ship ---
+
+def moving(tmp_path, off_deg=0.0):
+    """Return logs of a TS and an RS, both off by an angle, and one of courses; 15 minutes."""
+    heading = 100.0 + 2.0 * np.sin(np.arange(N) / 40.0)
+    paths = [tmp_path / name for name in ('gyro.log', 'seapath.log', 'gps.log')]
+    for path, talker, phase in zip(paths, ('HE', 'IN'), (0.0, 1.0)):
+        noise = 0.1 * np.sin(np.arange(N) * (2.1 + phase))
+        path.write_text(''.join(lines(talker, np.mod(heading + noise + off_deg, 360.0))))
+    paths[2].write_text(''.join(courses(heading)))
+    return paths
+
+
+def courses(heading):
+    """Yield lines of VTG at 10 knots, 3 degrees off the heading."""
+    for second, value in enumerate(heading):
+        body = f'GPVTG,{value + 3.0:.1f},T,,M,10.0,N,18.5,K,A'
+        checksum = reduce(lambda a, b: a ^ b, body.encode())
+        yield (f'2014-08-01T12:{second // 60:02d}:{second % 60:02d}.000000Z '
+               f'${body}*{checksum:02X}\n')
+
+
+def of_motion(verdict):
+    """Return the finding on the motion; None without one."""
+    return next((f for f in verdict['runs'][0]['validity'] if f['condition'] == 'motion'), None)
+
+
+@pytest.mark.parametrize('off, effect', [(0.0, 'holds'), (180.0, 'void'), (90.0, 'void')])
+def test_a_log_of_courses_shows_both_sensors_off_together(tmp_path, capsys, off, effect):
+    ts, rs, gps = moving(tmp_path, off)
+    alone, notes = verdict_of(capsys, ts, rs)
+    assert of_motion(alone) is None and 'motion' not in alone['runs'][0]
+    assert not any('motion' in note for note in notes)
+    beside, notes = verdict_of(capsys, ts, rs, '--motion', gps)
+    assert of_motion(beside)['effect'] == effect
+    assert f'note: motion of the ship: course and speed of GPVTG in {gps} (900)' in notes
+    assert (beside['outcome'] == alone['outcome']) == (effect == 'holds')
+
+
+@pytest.mark.parametrize('off', [0.0, 180.0])
+def test_the_bag_of_logs_with_motion_gives_their_verdict(tmp_path, capsys, off):
+    ts, rs, gps = moving(tmp_path, off)
+    assert main(['import-nmea', '--ts', str(ts), '--rs', str(rs), '--motion', str(gps), '-o',
+                 str(tmp_path / 'bag'), '--quiet']) == 0
+    assert f'course and speed of GPVTG in {gps} (900)' in capsys.readouterr().out
+    by_bag, _ = verdict_of(capsys, tmp_path / 'bag')
+    by_logs, _ = verdict_of(capsys, ts, rs, '--motion', gps)
+    assert by_bag['headline'] == by_logs['headline']
+    ours, theirs = by_logs['runs'][0]['motion'], by_bag['runs'][0]['motion']
+    assert ours['legs'].pop('ts_deg') == pytest.approx(theirs['legs'].pop('ts_deg'), abs=1e-9)
+    assert ours['legs'].pop('rs_deg') == pytest.approx(theirs['legs'].pop('rs_deg'), abs=1e-9)
+    assert ours['legs'] == theirs['legs'] and ours['kind'] == theirs['kind']
+
+
+def test_the_motion_of_the_log_of_the_rs_is_found_without_an_option(tmp_path, capsys):
+    ts, rs, gps = moving(tmp_path, 180.0)
+    both = sorted(rs.read_text().splitlines()[:-1] + gps.read_text().splitlines())
+    rs.write_text('\n'.join(both) + '\n')
+    verdict, notes = verdict_of(capsys, ts, rs)
+    assert of_motion(verdict)['effect'] == 'void' and verdict['runs'][0]['reason'] == 'void.motion'
+    assert any(note.endswith(f'course and speed of GPVTG in {rs} (900)') for note in notes)
+    off, notes = verdict_of(capsys, ts, rs, '--set', 'motion.compare=false')
+    assert of_motion(off) is None and not any('motion of the ship' in note for note in notes)
+
+
+def test_a_motion_log_without_motion_is_refused_in_one_line(tmp_path, capsys):
+    ts, rs, _ = moving(tmp_path)
+    assert refused(capsys, ts, rs, '--motion', ts).startswith(
+        f'{ts}: has no motion of the ship: no VTG, RMC, GNS, GGA, GLL or ROT with a stamp')
+
+
+def test_a_motion_log_is_for_logs_only(tmp_path, capsys):
+    assert refused(capsys, tmp_path / 'bag', '--motion', 'gps.log') == (
+        '--motion gps.log: is for logs, and no INPUT is one; leave it out')
+
+
+@pytest.mark.parametrize('ts, rs, more, minutes, ts_deg, rs_deg, bound_deg', [
+    ('nbp1406/NBP1406_gyr1-2014-08-01', 'nbp1406/NBP1406_s330-2014-08-01', [],
+     10.0, -1.4, -1.4, 29.3),
+    ('nbp1406/NBP1406_seap-2014-08-01', 'nbp1406/NBP1406_s330-2014-08-01', [],
+     10.0, -0.6, -1.4, 29.3),
+    ('nbp1406/NBP1406_gyr1-2014-08-01', 'nbp1406/NBP1406_adcp-2014-08-01',
+     ['--checksum', 'if_present', '--motion', 'nbp1406/NBP1406_gp02-2014-08-01'],
+     16.6, -1.6, -0.7, 29.4),
+    ('nbp1700_replay/NBP1700_seap-2017-11-04', 'nbp1700_replay/NBP1700_s330-2017-11-04',
+     ['--time', 'validity'], 20.75, 6.0, 5.2, 26.5),
+    ('lmg1903/LMG1903_lgyr.d085', 'lmg1903/LMG1903_lsep.d085', [], 16.6, -1.5, -0.8, 24.3)])
+def test_sound_sensors_of_real_ships_raise_nothing(shared_data, capsys, ts, rs, more, minutes,
+                                                   ts_deg, rs_deg, bound_deg):
+    """The figures of docs/howto/check_against_motion.md."""
+    more = [str(shared_data / one) if '/' in one else one for one in more]
+    verdict, _ = verdict_of(capsys, shared_data / ts, shared_data / rs, *more)
+    found = verdict['runs'][0]['motion']
+    assert of_motion(verdict)['effect'] == 'holds' and found['kind'] == 'agrees'
+    assert (found['n_legs'], found['legs_s'] / 60.0) == (1, pytest.approx(minutes, abs=0.05))
+    assert found['least_bound_deg'] == pytest.approx(bound_deg, abs=0.05)
+    assert found['ts']['off_deg'] == pytest.approx(ts_deg, abs=0.05)
+    assert found['rs']['off_deg'] == pytest.approx(rs_deg, abs=0.05)

@@ -87,6 +87,13 @@ def test_tables_of_pairs_are_refused_with_what_to_do(trial, option, capsys, tmp_
     assert not (tmp_path / 'x.csv').exists()
 
 
+@pytest.mark.parametrize('option', [['--motion', 'gps.log'],
+                                    ['--rs-antennas', 'fore.log', 'aft.log']])
+def test_logs_for_two_sensors_are_refused_with_what_to_do(trial, option, capsys):
+    said = refused(capsys, 'analyze', trial / 'bag', '--config', trial / 'ship.yaml', *option)
+    assert f'{" ".join(option)}: is for two sensors; choose them with --ts NAME' in said
+
+
 def test_wrong_sensors_are_one_line(trial, capsys):
     assert 'sensors, has one sensor' in refused(
         capsys, 'analyze', trial / 'bag', '--set', 'sensors=gyro1 sigma_max_deg=1')

@@ -12,6 +12,7 @@ import pytest
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerSegment
+from heading_intercompare.core.records import Motion
 from heading_intercompare.core.verdict.validity import (
     CONDITIONS,
     DOUBTFUL,
@@ -20,6 +21,7 @@ from heading_intercompare.core.verdict.validity import (
     VOID_REASONS,
     worst_effect,
 )
+from heading_intercompare.core.verdict.verdict_document import Verdict
 
 N = 12_000
 STEP_NS = 10 ** 8
@@ -40,12 +42,12 @@ def pair(ship, rng):
     return ship + 0.1 * rng.standard_normal(N), ship + 0.05 * rng.standard_normal(N)
 
 
-def judged(ts_deg, rs_deg, stamps=STAMPS, rs_stamps=None, **settings):
+def judged(ts_deg, rs_deg, stamps=STAMPS, rs_stamps=None, motion=None, **settings):
     """Return the verdict on two streams of headings."""
     rs_stamps = stamps if rs_stamps is None else rs_stamps
     return analyze(Headings.as_sent(stamps, np.mod(ts_deg, 360.0)),
                    Headings.as_sent(rs_stamps, np.mod(rs_deg, 360.0)),
-                   Settings.from_mapping({'norms': NORMS, **settings}))
+                   Settings.from_mapping({'norms': NORMS, **settings}), motion=motion)
 
 
 def effects(verdict, run=0):
@@ -65,7 +67,8 @@ def test_a_sound_sensor_is_certified_and_says_what_that_covers(pair):
 
 def test_every_run_says_something_of_every_condition(pair):
     found = judged(*pair).runs[0].validity
-    assert tuple(f.condition for f in found) == CONDITIONS
+    assert tuple(f.condition for f in found) == tuple(
+        each for each in CONDITIONS if each != 'motion')
     assert all(f.evidence for f in found)
     assert all(bool(f.words) == (f.effect in (DOUBTFUL, VOID)) for f in found)
 
@@ -639,3 +642,128 @@ def test_a_bad_sensor_is_not_excused_by_a_skew(sigma_deg, late_s, rng):
     ts, rs = late_pair(rng, late_s)
     verdict = judged(ts + sigma_deg * rng.standard_normal(N), rs)
     assert effects(verdict) == {} and verdict.outcome is Outcome.NON_COMPLIANT
+
+
+# --- the motion of the ship ---
+
+def sailing(ship, speed_kn=10.0, drift_deg=4.0):
+    """Return the course over ground and the rate of turn of a ship, once a second."""
+    rows = slice(None, None, 10)
+    rate = np.gradient(np.unwrap(ship, period=360.0), T_S)[rows]
+    return (Motion.of_courses(STAMPS[rows], ship[rows] + drift_deg, np.full(N // 10, speed_kn))
+            + Motion.of_rates(STAMPS[rows], rate))
+
+
+def legged(ship):
+    """Return a ship that goes straight, turns by 120 degrees, and goes straight again."""
+    return ship - 40.0 * np.sin(2.0 * np.pi * T_S / 600.0) + np.interp(
+        T_S, [550.0, 650.0], [0.0, 120.0])
+
+
+def of_motion(verdict):
+    """Return the finding of the first run on the motion of the ship."""
+    return next(f for f in verdict.runs[0].validity if f.condition == 'motion')
+
+
+def test_without_motion_no_finding_and_no_key(pair):
+    run = judged(*pair).to_dict()['runs'][0]
+    assert 'motion' not in run and 'motion' not in {f['condition'] for f in run['validity']}
+    assert judged(*pair, motion=Motion.empty()).to_dict()['runs'][0] == run
+
+
+def test_sound_headings_keep_their_verdict_to_the_bit_beside_the_motion(pair, ship):
+    alone, beside = judged(*pair), judged(*pair, motion=sailing(ship))
+    assert tuple(f.condition for f in beside.runs[0].validity) == CONDITIONS
+    assert of_motion(beside).effect == HOLDS and beside.runs[0].motion.kind == 'agrees'
+    theirs, ours = (verdict.to_dict() for verdict in (alone, beside))
+    run = ours['runs'][0]
+    run['validity'] = [f for f in run['validity'] if f['condition'] != 'motion']
+    del run['motion']
+    assert ours == theirs
+
+
+def test_both_sensors_off_together_are_void_though_their_difference_is_sound(pair, ship):
+    ts, rs = (each - ship + legged(ship) for each in pair)
+    motion = sailing(legged(ship))
+    assert judged(ts, rs, motion=motion).outcome is Outcome.COMPLIANT
+    verdict = judged(ts + 180.0, rs + 180.0, motion=motion)
+    assert judged(ts + 180.0, rs + 180.0).outcome is Outcome.COMPLIANT
+    assert verdict.runs[0].reason == 'void.motion' and 'void.motion' in VOID_REASONS
+    assert verdict.headline.startswith(
+        'INDETERMINATE, VOID: TS and RS both point 176 deg off the course over ground (mounted '
+        'backwards, or the ship goes astern)')
+
+
+def test_the_motion_says_which_of_two_sensors_is_wrong(pair, ship):
+    ts, rs = (each - ship + legged(ship) for each in pair)
+    for change, words in ((lambda: (ts + 180.0, rs), 'the TS points'),
+                          (lambda: (ts, rs + 180.0), 'the RS points')):
+        verdict = judged(*change(), motion=sailing(legged(ship)))
+        assert effects(verdict)['convention'] == effects(verdict)['motion'] == VOID
+        assert words in verdict.headline and verdict.runs[0].reason == 'void.motion'
+
+
+def test_a_rejected_ts_that_contradicts_the_motion_stays_rejected(pair, ship, rng):
+    """Of 60 deg off the course for half of the time nobody acquits a sensor that is too noisy."""
+    ts, rs = (each - ship + legged(ship) for each in pair)
+    ts = ts + 60.0 * (T_S > 700.0) + 3.0 * rng.standard_normal(N)
+    verdict = judged(ts, rs, motion=sailing(legged(ship)), detectors={'mean_max_deg': 180.0})
+    assert judged(ts, rs, detectors={'mean_max_deg': 180.0}).outcome is Outcome.NON_COMPLIANT
+    if effects(verdict)['motion'] == DOUBTFUL:
+        assert verdict.outcome is Outcome.NON_COMPLIANT
+    assert 'the TS' in of_motion(verdict).words
+
+
+def test_an_rs_that_contradicts_the_motion_rejects_nobody(pair, ship, rng):
+    ts, rs = (each - ship + legged(ship) for each in pair)
+    verdict = judged(-ts, -rs + 3.0 * rng.standard_normal(N), motion=sailing(legged(ship)))
+    assert verdict.runs[0].reason == 'void.motion'
+    assert verdict.outcome is Outcome.INDETERMINATE
+
+
+def test_a_short_contradiction_is_a_doubt_and_decides_nothing(pair, ship):
+    ts, rs = (each - ship + legged(ship) for each in pair)
+    motion = sailing(legged(ship))
+    turned = np.where(motion.stamp_ns > STAMPS[-2500], np.radians(90.0), 0.0)
+    east = motion.east_m_s * np.cos(turned) + motion.north_m_s * np.sin(turned)
+    north = motion.north_m_s * np.cos(turned) - motion.east_m_s * np.sin(turned)
+    verdict = judged(ts, rs, motion=Motion.of_velocities(motion.stamp_ns, east, north))
+    assert effects(verdict) == {'motion': DOUBTFUL}
+    assert verdict.outcome is Outcome.COMPLIANT and verdict.validity_effect == DOUBTFUL
+    assert 'COMPLIANT, DOUBTFUL: TS and RS both do not follow the course' in verdict.headline
+
+
+def test_the_check_can_be_switched_off(pair, ship):
+    ts, rs = pair
+    motion = sailing(ship)
+    off = judged(ts + 180.0, rs + 180.0, motion=motion, **{'motion.compare': False})
+    assert off.outcome is Outcome.COMPLIANT and off.runs[0].motion is None
+
+
+def test_the_known_installation_offset_is_removed_from_the_ts_alone(pair, ship):
+    ts, rs = (each - ship + legged(ship) for each in pair)
+    verdict = judged(ts + 90.0, rs, motion=sailing(legged(ship)), installation_offset_deg=90.0)
+    assert of_motion(verdict).effect == HOLDS
+    assert verdict.runs[0].motion.ts.off_deg == pytest.approx(-4.0, abs=0.1)
+
+
+def test_a_slow_ship_is_not_testable(pair, ship):
+    slow = sailing(ship, speed_kn=1.0).velocities()
+    verdict = judged(*pair, motion=slow)
+    assert of_motion(verdict).effect == 'not_testable' and of_motion(verdict).evidence
+
+
+def test_the_motion_of_a_run_is_that_within_it(pair, ship):
+    """Two runs, parted by a silence; the second goes backwards."""
+    ts, rs = (each - ship + legged(ship) for each in pair)
+    motion = sailing(legged(ship))
+    keep = (T_S < 500.0) | (T_S > 700.0)
+    wrong = 180.0 * (T_S > 700.0)
+    verdict = judged((ts + wrong)[keep], (rs + wrong)[keep], STAMPS[keep], motion=motion)
+    assert [run.motion.kind for run in verdict.runs] == ['agrees', 'contradicts']
+    assert [run.motion.n_velocities for run in verdict.runs] == [500, 500]
+
+
+def test_a_verdict_with_motion_comes_back_from_its_json(pair, ship):
+    verdict = judged(*pair, motion=sailing(legged(ship)))
+    assert Verdict.from_dict(verdict.to_dict()).to_dict() == verdict.to_dict()

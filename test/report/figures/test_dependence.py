@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare import analyze, Headings, pair, Settings
+from heading_intercompare import analyze, Headings, Motion, pair, Settings
 from heading_intercompare.report import SeriesSketch
 from heading_intercompare.report.figures.drawing import LeftOut
 from heading_intercompare.report.figures.gallery import collect
@@ -102,3 +102,23 @@ def test_a_ship_that_does_not_turn_has_no_figure_of_its_rate(made, rng):
     sketch.update(pair(ts, rs, settings)[0], settings)
     (found,) = collect(sketch, analyze(ts, rs, settings), 'rate')
     assert isinstance(found, LeftOut) and 'does not turn' in found.reason
+
+
+def test_the_figure_says_whose_rate_of_turn_it_shows(late):
+    verdict, sketch = late
+    (drawing,) = collect(sketch, verdict, 'rate')
+    assert drawing.x_label == 'rate of turn of the RS, over 2 s [deg/s]'
+    t = np.arange(1200)
+    rates = Motion.of_rates(1_700_000_000 * 10 ** 9 + t * 10 ** 9, np.cos(t / 20.0))
+    measured = SeriesSketch()
+    measured.take_motion(rates)
+    stamps = 1_700_000_000 * 10 ** 9 + np.arange(6000) * 2 * 10 ** 8
+    true = 180.0 + 20.0 * np.sin(np.arange(6000) / 100.0)
+    headings = Headings.of(stamps, true - 0.4 * np.cos(np.arange(6000) / 100.0))
+    measured.update(pair(headings, Headings.of(stamps, true), verdict.settings)[0],
+                    verdict.settings)
+    (drawing,) = collect(measured, verdict, 'rate')
+    assert drawing.x_label == 'rate of turn as reported [deg/s]'
+    assert 'The rate of turn is that of a sensor of its own' in drawing.caption
+    rate, mean = line(axes_of(measured, verdict, 'rate'), 'mean in each')
+    assert np.polyfit(rate, mean, 1)[0] == pytest.approx(-0.4, abs=0.02)

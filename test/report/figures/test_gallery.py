@@ -26,7 +26,7 @@ def test_every_figure_is_drawn_with_caption_units_and_number_or_left_out_with_a_
             assert '[' in one.x_label or one.is_time and 'UTC' in one.x_label
             assert '[' in one.y_label or one.name in ('autocorrelation', 'histogram')
     assert [one for one in found if isinstance(one, LeftOut)] == [
-        LeftOut('track', 'Run 1: track, n = 600', 'the record has no positions')]
+        LeftOut('track', 'Run 1: track, n = 0', 'the record has no positions')]
 
 
 def test_a_page_gets_id_title_caption_and_svg(made):

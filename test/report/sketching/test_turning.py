@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from heading_intercompare.core.records import Motion
 from heading_intercompare.report.sketching.turning import Turning
 
 
@@ -41,3 +42,25 @@ def test_a_steady_turn_is_in_the_bin_of_its_rate():
 def test_there_is_no_rate_over_a_silence():
     stamps = 10 ** 18 + np.arange(10) * 20 * 10 ** 9
     assert turning_of(stamps, np.zeros(10), np.arange(10.0), 10).bins.n.sum() == 0
+
+
+@pytest.mark.parametrize('size', [1, 7, 200])
+def test_a_measured_rate_goes_before_that_of_the_rs(size):
+    """The RS stands still, and a sensor says 1.5 deg/s, with a silence of 10 s."""
+    stamps = 10 ** 18 + np.arange(200) * 250_000_000
+    seconds = 10 ** 18 + np.arange(50) * 10 ** 9
+    spoken = (np.arange(50) < 20) | (np.arange(50) > 30)
+    turning = Turning()
+    turning.take_rates(Motion.of_rates(seconds[spoken], np.full(39, 1.5)))
+    for lo in range(0, 200, size):
+        turning.update(stamps[lo:lo + size], np.full(200, 0.3)[lo:lo + size],
+                       np.zeros(200)[lo:lo + size])
+    (at,) = np.flatnonzero(turning.bins.n)
+    assert turning.measured and turning.bins.n[at] == 35
+    assert turning.rate_deg_s[at] == pytest.approx(1.5, abs=turning.width_deg_s)
+
+
+def test_rates_of_no_sensor_change_nothing():
+    turning = Turning()
+    turning.take_rates(Motion.empty())
+    assert not turning.measured

@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The headings of an RS that is two antennas, from the logs of their receivers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+import os
+from typing import Sequence
+
+from heading_intercompare.app.sources.file_hash import hash_files
+from heading_intercompare.core.motion.antennas import BaselineHeadings, find_baseline_headings
+from heading_intercompare.core.settings import Antennas
+from heading_intercompare.drivers.log_lines.log_files import LogFiles
+from heading_intercompare.drivers.motion.motion_log import read_log_motion
+from heading_intercompare.drivers.settings import DriverError, DriverSettings
+
+from .log_import import ImportedLog
+
+__all__ = ['describe_baseline', 'import_antennas']
+
+
+def import_antennas(paths: Sequence[str], driver: DriverSettings, rule: Antennas) -> ImportedLog:
+    """
+    Return the headings of the baseline between two antennas as if from one log.
+
+    Parameters
+    ----------
+    paths : sequence of two str
+        Logs of the fore and of the aft antenna.
+    driver : DriverSettings
+        How their lines are stamped.
+    rule : Antennas
+        Length and mounting of the baseline.
+
+    Raises
+    ------
+    OSError
+        If a log cannot be read.
+    DriverError
+        If a log has no position, or no two positions give a heading.
+
+    """
+    found = [read_log_motion(path, driver) for path in paths]
+    for path, each in zip(paths, found):
+        if 'position' not in each.rows:
+            lacking = ', '.join(f'{n} {why}' for why, n in each.not_taken.items())
+            raise DriverError(f'{path}: has no position: no GNS, GGA, RMC or GLL with a stamp'
+                              + (f' (not taken: {lacking})' if lacking else ''))
+    baseline = find_baseline_headings(found[0].rows['position'], found[1].rows['position'], rule)
+    name = ' and '.join(paths)
+    if not len(baseline.headings):
+        why = ', '.join(f'{n} {each}' for each, n in baseline.rejected.items())
+        raise DriverError(f'{name}: no heading from the two antennas ({why}): are the times and '
+                          'antennas.baseline_m right?')
+    files = [one for path in paths for one in LogFiles(path).paths]
+    sentences = ' - '.join(each.sentences['position'] for each in found)
+    return ImportedLog(name, baseline.headings, hash_files(files),
+                       sum(os.path.getsize(one) for one in files), sentences, baseline.rejected,
+                       replace(driver), len(files), [describe_baseline(baseline)])
+
+
+def describe_baseline(found: BaselineHeadings) -> str:
+    """Return length, scatter and uncertainty of a baseline, in words."""
+    words = f'baseline of {found.length_m or 0.0:.2f} m'
+    if found.scatter_m is not None:
+        words += f', which scatters by {found.scatter_m:.3f} m'
+    if found.sigma_deg is not None:
+        words += f': standard uncertainty of a heading {found.sigma_deg:.2g} deg'
+    return words

@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The motion of the ship for two logs: from a log of its own, or from those of the sensors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Mapping, Sequence
+
+from heading_intercompare.core.records import Motion
+from heading_intercompare.drivers.motion.motion_log import LoggedMotion, read_log_motion
+from heading_intercompare.drivers.settings import DriverError, DriverSettings
+from heading_intercompare.readers.registry import has_streams
+
+__all__ = ['find_motion', 'FoundMotion']
+
+_WORDS = {'course': 'course and speed', 'position': 'positions', 'rate': 'rate of turn'}
+
+
+@dataclass(frozen=True, slots=True)
+class FoundMotion:
+    """
+    The motion of the ship, and where it comes from.
+
+    Attributes
+    ----------
+    rows : Motion
+        In the order of the logs; empty if no log has any.
+    notes : tuple of str
+        What was used, and what else there was; empty without motion.
+    origin : mapping of str to object
+        The provenance as a bag keeps it.
+
+    """
+
+    rows: Motion = field(default_factory=Motion.empty)
+    notes: tuple[str, ...] = ()
+    origin: Mapping[str, Any] = field(default_factory=dict)
+
+
+def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
+                given: str | None = None) -> FoundMotion:
+    """
+    Read the motion of the ship.
+
+    Parameters
+    ----------
+    paths : mapping of {'ts', 'rs'} to str
+        The logs of the sensors. Courses, positions and rates are each taken from the log of the
+        RS, or from that of the TS if it has none.
+    drivers : mapping of {'ts', 'rs', 'motion'} to DriverSettings
+        How to read each log.
+    given : str, optional
+        A log of its own; then the other two are not searched.
+
+    Raises
+    ------
+    OSError
+        If a log cannot be read.
+    DriverError
+        If the log of its own has no motion.
+
+    """
+    sources: Sequence[tuple[str, str]] = [('motion', given)] if given is not None else [
+        (role, paths[role]) for role in ('rs', 'ts')]
+    chunks: list[Motion] = []
+    used: list[str] = []
+    unused: list[str] = []
+    origin: dict[str, Any] = {}
+    seen: set[str] = set()
+    for role, path in sources:
+        if path in seen:
+            continue
+        seen.add(path)
+        found = LoggedMotion() if has_streams(path) else read_log_motion(path, drivers[role])
+        if given is not None and not found.rows:
+            lacking = ', '.join(f'{n} {why}' for why, n in found.not_taken.items())
+            raise DriverError(f'{path}: has no motion of the ship: no VTG, RMC, GNS, GGA, GLL or '
+                              f'ROT with a stamp{f" (not taken: {lacking})" if lacking else ""}')
+        for what, rows in found.rows.items():
+            words = f'{_WORDS[what]} of {found.sentences[what]} in {path}'
+            if what in origin:
+                unused.append(words)
+                continue
+            origin[what] = f'{found.sentences[what]} {path}'
+            chunks.append(rows)
+            used.append(f'{words} ({len(rows)})')
+    notes = [f'motion of the ship: {", ".join(used)}'
+             + (f'; not used: {", ".join(unused)}' if unused else '')] if used else []
+    return FoundMotion(Motion.concatenate(chunks), tuple(notes), origin)

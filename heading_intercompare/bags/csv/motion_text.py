@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The motion of the ship as text and back, to the bit, for the account beside a csv of pairs."""
+
+from __future__ import annotations
+
+from base64 import b64decode, b64encode
+import binascii
+from typing import Mapping
+
+import numpy as np
+
+from heading_intercompare.core.records import Integers, Motion, Reals
+
+__all__ = ['motion_of_text', 'text_of_motion']
+
+#: Columns by what the rows tell.
+_COLUMNS = {'position': ('latitude_deg', 'longitude_deg'), 'velocity': ('east_m_s', 'north_m_s'),
+            'rate': ('rate_deg_s',)}
+
+
+def text_of_motion(motion: Motion) -> dict[str, str] | None:
+    """
+    Return the motion as text; None if there is none.
+
+    Parameters
+    ----------
+    motion : Motion
+
+    Returns
+    -------
+    dict of str to str, or None
+        Base64 of the columns, each little-endian and whole: the stamps as int64, then the reals
+        as float64; by what the rows tell: 'position', 'velocity', 'rate'.
+
+    """
+    parts = {'position': motion.positions(), 'velocity': motion.velocities(),
+             'rate': motion.rates()}
+    found = {}
+    for what, rows in parts.items():
+        if len(rows):
+            columns: list[Integers | Reals] = [rows.stamp_ns.astype('<i8')]
+            columns += [getattr(rows, name).astype('<f8') for name in _COLUMNS[what]]
+            found[what] = b64encode(b''.join(one.tobytes() for one in columns)).decode('ascii')
+    return found or None
+
+
+def motion_of_text(text: Mapping[str, str] | None) -> Motion:
+    """
+    Return the motion in a text of `text_of_motion`.
+
+    Raises
+    ------
+    ValueError
+        If the text is not one.
+
+    """
+    chunks = []
+    for what, columns in (text or {}).items():
+        names = _COLUMNS.get(what)
+        try:
+            data = b64decode(columns, validate=True)
+        except binascii.Error as error:
+            raise ValueError(f'motion.{what} is no base64: {error}') from None
+        if names is None or len(data) % (8 * (1 + len(names))):
+            raise ValueError(f'motion.{what} has {len(data)} bytes: must be whole rows')
+        size = len(data) // (1 + len(names))
+        stamps = np.frombuffer(data[:size], '<i8').astype(np.int64)
+        reals = [np.frombuffer(data[at:at + size], '<f8').astype(np.float64)
+                 for at in range(size, len(data), size)] if size else [np.zeros(0)] * len(names)
+        build = {'position': Motion.of_positions, 'velocity': Motion.of_velocities,
+                 'rate': Motion.of_rates}[what]
+        chunks.append(build(stamps, *reals))
+    return Motion.concatenate(chunks)

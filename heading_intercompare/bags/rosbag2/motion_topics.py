@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The motion of the ship in a recording: positions, velocities and rates of turn by topic."""
+
+from __future__ import annotations
+
+from typing import Mapping, NamedTuple, Sequence
+
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.core.records import Motion
+from heading_intercompare.core.settings import MotionRule
+from heading_intercompare.messages.motion.motion_messages import (
+    MOTION_TYPES,
+    read_motion_messages,
+)
+
+from .readable import Readable
+
+__all__ = ['BagMotion', 'motion_topics', 'read_bag_motion', 'read_fixes']
+
+_BATCH = 20_000
+_WORDS = {'fix': 'positions', 'velocity': 'velocity over ground', 'rate': 'rate of turn'}
+
+
+class BagMotion(NamedTuple):
+    """
+    The motion of the ship in a recording.
+
+    Attributes
+    ----------
+    rows : Motion
+        Without rows that tell nothing; in the order of the recording, topic by topic.
+    topics : dict of str to str
+        The topics read, by what they tell.
+    unreadable : int
+        Messages that could not be read.
+
+    """
+
+    rows: Motion
+    topics: dict[str, str]
+    unreadable: int
+
+
+def motion_topics(rule: MotionRule) -> dict[str, str]:
+    """Return the topics that settings name, by what they tell: 'fix', 'velocity', 'rate'."""
+    return {'fix': rule.fix_topic, 'velocity': rule.velocity_topic, 'rate': rule.rate_topic}
+
+
+def read_bag_motion(bag: Readable, rule: MotionRule) -> BagMotion:
+    """
+    Read the motion of the ship from a recording.
+
+    Parameters
+    ----------
+    bag : Readable
+    rule : MotionRule
+        Its topics. A topic with the default name may be absent, and then tells nothing.
+
+    Raises
+    ------
+    OSError, BagError
+        If the recording cannot be read, lacks a topic of another name than the default, or has
+        one of another type; one line that says which types are read.
+
+    """
+    wanted: dict[str, list[tuple[str, str]]] = {}
+    default = motion_topics(MotionRule())
+    found: dict[str, str] = {}
+    for what, topic in motion_topics(rule).items():
+        present = any(name.lstrip('/') == topic.lstrip('/') for name in bag.topics)
+        if not present and topic == default[what]:
+            continue
+        name = bag.resolve(topic)
+        kind = bag.topics[name].type_name
+        if kind not in MOTION_TYPES[what]:
+            raise BagError(f'topic {name} is {kind or "without a schema"}; the {_WORDS[what]} of '
+                           f'a ship are {", ".join(MOTION_TYPES[what])}; name another topic with '
+                           f'motion.{what}_topic', bag.path)
+        wanted.setdefault(name, []).append((what, kind))
+        found[what] = name
+    rows, unreadable = _read(bag, wanted)
+    return BagMotion(rows, found, unreadable)
+
+
+def read_fixes(bag: Readable, topic: str) -> tuple[Motion, int]:
+    """
+    Return the positions of one antenna, and the number of messages that could not be read.
+
+    Parameters
+    ----------
+    bag : Readable
+    topic : str
+        A topic of NavSatFix.
+
+    Raises
+    ------
+    OSError, BagError
+        If the recording cannot be read, or lacks the topic, or has it with another type.
+
+    """
+    name = bag.resolve(topic)
+    kind = bag.topics[name].type_name
+    if kind not in MOTION_TYPES['fix']:
+        raise BagError(f'topic {name} is {kind or "without a schema"}; the positions of an '
+                       f'antenna are {", ".join(MOTION_TYPES["fix"])}', bag.path)
+    return _read(bag, {name: [('fix', kind)]})
+
+
+def _read(bag: Readable, wanted: Mapping[str, Sequence[tuple[str, str]]]) -> tuple[Motion, int]:
+    """Return the rows of some topics, each with what to take and its type; count the others."""
+    if not wanted:
+        return Motion.empty(), 0
+    chunks: list[Motion] = []
+    unreadable = 0
+    waiting: dict[str, list[bytes]] = {name: [] for name in wanted}
+
+    def take(name: str) -> int:
+        refused: list[str] = []
+        for what, kind in wanted[name]:
+            rows, refused = read_motion_messages(kind, what, waiting[name])
+            chunks.append({'fix': rows.positions, 'velocity': rows.velocities,
+                           'rate': rows.rates}[what]())
+        waiting[name] = []
+        return len(refused)
+    for message in bag.messages(wanted):
+        waiting[message.topic].append(message.data)
+        if len(waiting[message.topic]) >= _BATCH:
+            unreadable += take(message.topic)
+    unreadable += sum(take(name) for name in wanted)
+    return Motion.concatenate(chunks), unreadable

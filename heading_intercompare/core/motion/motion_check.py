@@ -1,0 +1,281 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the headings of a run contradict the motion of the ship, and what is wrong if so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+import math
+from typing import Mapping, Sequence
+
+import numpy as np
+
+from heading_intercompare.core.angles import wrap180, wrap360
+from heading_intercompare.core.json_keys import leave_out_none
+from heading_intercompare.core.records import Integers, Motion, Reals
+from heading_intercompare.core.settings import MotionRule
+
+from .course_legs import CourseLegs, find_legs, largest_arc_deg, MOST_LEGS
+from .turn_rate import compare_turns, TurnRate
+
+__all__ = ['check_motion', 'is_scaled_alike', 'MotionCheck', 'SensorMotion']
+
+LEAST_AGAINST_S = 90.0
+"""A heading contradicts the course only if it does so for at least this time, seconds."""
+
+TURNED_DEG = 30.0
+"""From this angle between two legs on, a frozen or mirrored heading shows; degrees."""
+
+STILL_DEG = 2.0
+"""A heading that changes by less than this between such legs is frozen; degrees."""
+
+ASTERN_DEG = 15.0
+"""Two headings that agree within this, and point against the course, mean a ship going astern."""
+
+_SCALED_ALIKE = 0.2
+_SURE, _DOUBT, _NONE = 2, 1, 0
+_PATTERNS = ('frozen', 'mirrored')
+_FAULTY = ('against', 'scaled', 'astray')
+
+
+@dataclass(frozen=True, slots=True)
+class SensorMotion:
+    """
+    One heading against the motion of the ship; keys of the JSON.
+
+    Attributes
+    ----------
+    kind : {'agrees', 'off', 'mirrored', 'frozen', 'astray', 'not_testable'}
+        Against the course over ground. 'off': it points off the course by one angle. 'mirrored':
+        it turns against the course from leg to leg. 'frozen': it stays while the course changes.
+        'astray': it points off the course, by no angle in particular.
+    off_deg : float or None
+        Mean of heading - course over the legs by their time, on the circle; of their sum if
+        mirrored. Degrees.
+    largest_deg : float or None
+        The largest heading - course of a leg by size, degrees.
+    against_s : float
+        Time of the legs where the heading points further off the course than leeway and current
+        explain, seconds.
+    turns : TurnRate or None
+        Against the rate of turn; None if there is none.
+
+    """
+
+    kind: str = 'not_testable'
+    off_deg: float | None = None
+    largest_deg: float | None = None
+    against_s: float = 0.0
+    turns: TurnRate | None = leave_out_none()
+
+
+@dataclass(frozen=True, slots=True)
+class MotionCheck:
+    """
+    The headings of a run against the motion of the ship; keys of the JSON.
+
+    Attributes
+    ----------
+    kind : {'agrees', 'doubt', 'contradicts', 'not_testable'}
+        'contradicts': a heading is wrong by a gross error. 'doubt': it may be.
+    whose : {'', 'ts', 'rs', 'both'}
+        The sensors that contradict the motion, if any.
+    n_positions, n_velocities, n_rates : int
+        Rows of the motion within the run.
+    n_legs : int
+        Straight legs.
+    legs_s : float
+        Their time, seconds.
+    astern_s : float
+        Time of those on which the ship seems to go astern, which say nothing; seconds.
+    least_bound_deg : float or None
+        The least angle off the course that shows; None without a leg.
+    ts, rs : SensorMotion
+    legs : CourseLegs
+        The longest 64.
+
+    """
+
+    kind: str
+    whose: str
+    n_positions: int
+    n_velocities: int
+    n_rates: int
+    n_legs: int
+    legs_s: float
+    astern_s: float
+    least_bound_deg: float | None
+    ts: SensorMotion
+    rs: SensorMotion
+    legs: CourseLegs
+
+
+def check_motion(motion: Motion, stamp_ns: Integers, ts_deg: Reals, rs_deg: Reals,
+                 rule: MotionRule) -> MotionCheck:
+    """
+    Compare both headings of a run with the motion of the ship.
+
+    Parameters
+    ----------
+    motion : Motion
+        In any order; rows outside the pairs do not count.
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps of the pairs in increasing order, nanoseconds; n >= 0.
+    ts_deg, rs_deg : ndarray, shape (n,)
+        Headings, finite, the installation offset removed from the TS; degrees.
+    rule : MotionRule
+
+    Returns
+    -------
+    MotionCheck
+
+    Notes
+    -----
+    Leeway and current turn the course off the heading by amounts that nobody knows. So the
+    check sees gross errors only, and agreement proves nothing.
+
+    """
+    rows = motion.in_order()
+    if len(stamp_ns):
+        rows = rows[(rows.stamp_ns >= stamp_ns[0]) & (rows.stamp_ns <= stamp_ns[-1])]
+    else:
+        rows = Motion.empty()
+    legs = find_legs(rows, stamp_ns, ts_deg, rs_deg, rule)
+    turns = [compare_turns(rows, stamp_ns, heading) if len(rows.rates()) else None
+             for heading in (ts_deg, rs_deg)]
+    ahead = np.zeros(len(legs), bool)
+    ts, rs = _against_courses(legs, ahead, turns)
+    astern, is_unsure = _find_astern(legs), False
+    if astern.any():
+        with_astern = _against_courses(legs, astern, turns)
+        explains = all(each.kind in ('agrees', 'not_testable') for each in with_astern)
+        if not {ts.kind, rs.kind}.isdisjoint(_PATTERNS) and not (explains and _follow(turns)):
+            # A mirrored heading also points astern on some legs, but hardly on all others ahead.
+            astern, is_unsure = ahead, explains
+        else:
+            ts, rs = with_astern
+    duration = np.asarray(legs.duration_s, np.float64)
+    longest = np.sort(np.argsort(-duration, kind='stable')[:MOST_LEGS])
+    found = MotionCheck(
+        'not_testable', '', len(rows.positions()), len(rows.velocities()),
+        len(rows.rates()), len(legs), float(duration.sum()), float(duration[astern].sum()),
+        min(legs.bound_deg, default=None), ts, rs, legs.pick(longest.tolist()))
+    return _conclude(found, _tested_s(legs, astern), largest_arc_deg(legs.course_deg), is_unsure)
+
+
+def _follow(turns: Sequence[TurnRate | None]) -> bool:
+    """Tell whether all headings turn with the rate of turn, so that none can be mirrored."""
+    return all(each is not None and each.kind == 'follows' for each in turns)
+
+
+def _find_astern(legs: CourseLegs) -> np.ndarray:
+    """Tell of each leg whether the ship seems to go astern, although mostly it goes ahead."""
+    ts, rs = (np.asarray(each, np.float64) for each in (legs.ts_deg, legs.rs_deg))
+    bound, duration = (np.asarray(each, np.float64) for each in (legs.bound_deg,
+                                                                 legs.duration_s))
+    back = ((np.abs(wrap180(ts - 180.0)) <= bound) & (np.abs(wrap180(rs - 180.0)) <= bound)
+            & (np.abs(wrap180(ts - rs)) <= ASTERN_DEG)
+            & (np.abs(ts) > bound) & (np.abs(rs) > bound))
+    return back if duration[back].sum() < 0.5 * duration.sum() else np.zeros(len(legs), bool)
+
+
+def _against_courses(legs: CourseLegs, astern: np.ndarray,
+                     turns: Sequence[TurnRate | None]) -> tuple[SensorMotion, SensorMotion]:
+    return (_against_course(legs, np.asarray(legs.ts_deg, np.float64), astern, turns[0]),
+            _against_course(legs, np.asarray(legs.rs_deg, np.float64), astern, turns[1]))
+
+
+def _against_course(legs: CourseLegs, off: Reals, astern: np.ndarray,
+                    turns: TurnRate | None) -> SensorMotion:
+    """Judge one heading by its angles off the course, leg by leg."""
+    bound, duration = (np.asarray(each, np.float64)[~astern]
+                       for each in (legs.bound_deg, legs.duration_s))
+    course = np.asarray(legs.course_deg, np.float64)[~astern]
+    off = off[~astern]
+    shows = bound < 180.0
+    if not shows.any():
+        return SensorMotion(turns=turns)
+    bound, duration, course, off = (each[shows] for each in (bound, duration, course, off))
+    wrong = np.abs(off) > bound
+    against_s = float(duration[wrong].sum())
+    mean = _mean_deg(off, duration)
+    largest = float(off[np.argmax(np.abs(off))])
+    heading = wrap360(course + off)
+    kind = 'agrees'
+    if wrong.any():
+        spread = np.abs(wrap180(off - mean))
+        total = wrap180(course + heading)
+        sum_deg = _mean_deg(total, duration)
+        turned = largest_arc_deg(course.tolist())
+        if turned >= TURNED_DEG and largest_arc_deg(heading.tolist()) <= STILL_DEG:
+            kind = 'frozen'
+        elif turned >= TURNED_DEG and bool(
+                np.all(np.abs(wrap180(total - sum_deg)) <= bound)) and bool(
+                np.any(spread > bound)):
+            kind, mean = 'mirrored', sum_deg
+        elif bool(np.all(spread <= bound)):
+            kind = 'off'
+        else:
+            kind = 'astray'
+    return SensorMotion(kind, mean, largest, against_s, turns)
+
+
+def _mean_deg(angle_deg: Reals, weight: Reals) -> float:
+    """Return the weighted mean direction, degrees."""
+    angle = np.radians(angle_deg)
+    return math.degrees(math.atan2(float(weight @ np.sin(angle)), float(weight @ np.cos(angle))))
+
+
+def _tested_s(legs: CourseLegs, astern: np.ndarray) -> float:
+    """Return the time of the legs that can show an error, seconds."""
+    bound, duration = (np.asarray(each, np.float64) for each in (legs.bound_deg,
+                                                                 legs.duration_s))
+    return float(duration[(bound < 180.0) & ~astern].sum())
+
+
+def _conclude(found: MotionCheck, tested_s: float, arc_deg: float,
+              is_unsure: bool) -> MotionCheck:
+    """Return the check with its conclusion; if unsure, a ship going astern explains it, too."""
+    sensors = {'ts': found.ts, 'rs': found.rs}
+    grades = {name: min(_grade_course(sensor, tested_s), _DOUBT if is_unsure else _SURE)
+              for name, sensor in sensors.items()}
+    for name, grade in _grade_turns(sensors, arc_deg).items():
+        grades[name] = max(grades[name], grade)
+    worst = max(grades.values())
+    if worst == _NONE:
+        tested = any(sensor.kind != 'not_testable' or (
+            sensor.turns is not None and sensor.turns.kind != 'not_testable')
+            for sensor in sensors.values())
+        return replace(found, kind='agrees' if tested else 'not_testable')
+    whose = [name for name, grade in grades.items() if grade == worst]
+    return replace(found, kind='contradicts' if worst == _SURE else 'doubt',
+                   whose=whose[0] if len(whose) == 1 else 'both')
+
+
+def _grade_course(sensor: SensorMotion, tested_s: float) -> int:
+    if sensor.against_s < LEAST_AGAINST_S:
+        return _NONE
+    if sensor.kind in _PATTERNS:
+        # All legs fit, also those on which such a heading happens to lie near the course.
+        return _SURE
+    return _SURE if sensor.against_s >= 0.5 * tested_s else _DOUBT
+
+
+def _grade_turns(sensors: Mapping[str, SensorMotion], arc_deg: float) -> dict[str, int]:
+    """Grade the turns; a rate of turn that neither sensor follows may itself be wrong."""
+    turns = {name: sensor.turns for name, sensor in sensors.items() if sensor.turns is not None}
+    wrong = [name for name, each in turns.items() if each.kind in _FAULTY]
+    if any(each.kind == 'follows' for each in turns.values()):
+        return dict.fromkeys(wrong, _SURE)
+    if len(wrong) == 2 and is_scaled_alike(*turns.values()):
+        return {}
+    # One that follows the course through a turn is sound.
+    return {name: _DOUBT for name in wrong
+            if sensors[name].kind != 'agrees' or arc_deg < TURNED_DEG}
+
+
+def is_scaled_alike(one: TurnRate, other: TurnRate) -> bool:
+    """Tell whether both headings turn with the rate by one factor, as if of other units."""
+    if not one.kind == other.kind == 'scaled' or one.slope is None or other.slope is None:
+        return False
+    return abs(one.slope - other.slope) <= _SCALED_ALIKE * max(one.slope, other.slope)

@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Chunks of motion to messages and back.
+
+The axes are those of ROS: x to the east, y to the north, z up. So a turn to starboard is negative
+about z, and a velocity over ground has its eastern part in x.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Sequence
+
+import numpy as np
+
+from heading_intercompare.core.records import Integers, Motion
+from heading_intercompare.messages.byte_columns import (
+    align,
+    check_size,
+    decode_stamped,
+    end_of_strings,
+    gather,
+    read_sound,
+    read_stamps,
+    stamped_rows,
+)
+
+__all__ = ['decode_motion', 'encode_motion', 'FIX', 'FIX_TYPES', 'MOTION_TYPES', 'RATE_TYPES',
+           'read_motion_messages', 'VELOCITY', 'VELOCITY_TYPES']
+
+FIX = 'sensor_msgs/msg/NavSatFix'
+VELOCITY = 'geometry_msgs/msg/TwistStamped'
+_WITH_COVARIANCE = 'geometry_msgs/msg/TwistWithCovarianceStamped'
+_IMU = 'sensor_msgs/msg/Imu'
+
+FIX_TYPES = (FIX,)
+VELOCITY_TYPES = (VELOCITY, _WITH_COVARIANCE)
+RATE_TYPES = (VELOCITY, _WITH_COVARIANCE, _IMU)
+
+MOTION_TYPES = {'fix': FIX_TYPES, 'velocity': VELOCITY_TYPES, 'rate': RATE_TYPES}
+"""The types that are read, by what they tell."""
+
+_UNKNOWN = -1.0
+#: Latitude, longitude, altitude and covariance of a fix, and the byte with its kind.
+_FIX_REALS, _FIX_REST = 12, 1
+#: Orientation with covariance before the angular velocity of an Imu, and one covariance after it.
+_IMU_BEFORE = 8 * 13
+_TWIST = np.dtype(('<f8', 6))
+_IMU_RATE = np.dtype(('<f8', 4))
+_POSITION = np.dtype(('<f8', 2))
+
+
+def encode_motion(motion: Motion, what: str, frame_id: str) -> np.ndarray:
+    """
+    Return the rows of a motion that tell one thing, as messages.
+
+    Parameters
+    ----------
+    motion : Motion
+        All rows must tell it: see `Motion.positions`, `Motion.velocities` and `Motion.rates`.
+    what : {'fix', 'velocity', 'rate'}
+        A NavSatFix with a fix, without altitude; or a TwistStamped with the velocity over ground
+        in `linear`, m/s, or with minus the rate of turn in `angular.z`, rad/s.
+    frame_id : str
+        Frame of the header.
+
+    Returns
+    -------
+    ndarray of uint8, shape (n, size)
+        One CDR message per row.
+
+    Raises
+    ------
+    MessageError
+        If a stamp is beyond the range of builtin_interfaces/Time.
+
+    """
+    if what == 'fix':
+        fixes = np.zeros((len(motion), _FIX_REALS), '<f8')
+        fixes[:, 0], fixes[:, 1] = motion.latitude_deg, motion.longitude_deg
+        fixes[:, 2] = np.nan
+        # A status of 0 is a fix.
+        return stamped_rows(FIX, motion.stamp_ns, frame_id, fixes, _FIX_REST)
+    reals = np.zeros((len(motion), 6), '<f8')
+    if what == 'velocity':
+        reals[:, 0], reals[:, 1] = motion.east_m_s, motion.north_m_s
+    else:
+        reals[:, 5] = -np.radians(motion.rate_deg_s)
+    return stamped_rows(VELOCITY, motion.stamp_ns, frame_id, reals)
+
+
+def decode_motion(type_name: str, what: str, data: bytes, start: Integers,
+                  stop: Integers) -> Motion:
+    """
+    Return the motion in the messages that a stretch of bytes holds.
+
+    Parameters
+    ----------
+    type_name : str
+        One of `MOTION_TYPES` for `what`.
+    what : {'fix', 'velocity', 'rate'}
+        What is taken from the messages.
+    data : bytes
+        Any bytes that hold the messages.
+    start, stop : ndarray of int64, shape (n,)
+        First byte of each message, and the byte after its last.
+
+    Returns
+    -------
+    Motion
+        In the order of `start`; nan where a NavSatFix has no fix, and where an Imu has no angular
+        velocity.
+
+    Raises
+    ------
+    MessageError
+        If a message is too short for its type or does not start as CDR.
+
+    """
+    return decode_stamped(type_name, data, start, stop, partial(_motion, type_name, what))
+
+
+def _motion(type_name: str, what: str, data: bytes, start: Integers, size: Integers,
+            header: np.ndarray) -> Motion:
+    """Return the motion in messages of one byte order."""
+    sign, end = end_of_strings(header)
+    stamps = read_stamps(header)
+    if what == 'fix':
+        # Fields are aligned from the end of the first four bytes.
+        check_size(type_name, start, size, end + 5)
+        status = gather(data, 'i1', start + end + 4)
+        at = align(align(end + 1, 2) + 2, 8) + 4
+        kind = _POSITION.newbyteorder(sign)
+        check_size(type_name, start, size, at + kind.itemsize)
+        latitude, longitude = np.array(gather(data, kind, start + at).T, np.float64, order='C')
+        latitude[status < 0] = np.nan
+        return Motion.of_positions(stamps, latitude, longitude)
+    at = align(end, 8) + 4
+    if type_name == _IMU:
+        at = at + _IMU_BEFORE
+        kind = _IMU_RATE.newbyteorder(sign)
+        check_size(type_name, start, size, at + kind.itemsize)
+        _, _, about_up, known = np.array(gather(data, kind, start + at).T, np.float64, order='C')
+        about_up[known == _UNKNOWN] = np.nan
+        return Motion.of_rates(stamps, -np.degrees(about_up))
+    kind = _TWIST.newbyteorder(sign)
+    check_size(type_name, start, size, at + kind.itemsize)
+    east, north, _, _, _, about_up = np.array(gather(data, kind, start + at).T, np.float64,
+                                              order='C')
+    if what == 'velocity':
+        return Motion.of_velocities(stamps, east, north)
+    return Motion.of_rates(stamps, -np.degrees(about_up))
+
+
+def read_motion_messages(type_name: str, what: str,
+                         messages: Sequence[bytes]) -> tuple[Motion, list[str]]:
+    """Return the motion in single messages, and what is wrong with each unreadable one."""
+    return read_sound(partial(decode_motion, type_name, what), messages, Motion)

@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The choice of the log that tells the motion of the ship."""
+
+from __future__ import annotations
+
+from functools import reduce
+from operator import xor
+
+import pytest
+
+from heading_intercompare.app.logs.log_motion import find_motion
+from heading_intercompare.drivers.settings import DriverError, DriverSettings
+
+DRIVERS = dict.fromkeys(('ts', 'rs', 'motion'), DriverSettings())
+BODIES = {'HDT': 'HEHDT,1.0,T', 'VTG': 'GPVTG,90.0,T,,M,10.0,N', 'ROT': 'HEROT,6.0,A',
+          'GLL': 'GPGLL,5400.0,N,01000.0,E,000000,A'}
+
+
+@pytest.fixture
+def log(tmp_path):
+    """Return a function that writes a log with some kinds of sentences."""
+    def write(name, *kinds, n=3):
+        path = tmp_path / name
+        lines = [f'2024-05-01T00:00:{k:02d}Z ${body}*{reduce(xor, body.encode(), 0):02X}\n'
+                 for k in range(n) for body in (BODIES[kind] for kind in kinds)]
+        path.write_text(''.join(lines))
+        return str(path)
+    return write
+
+
+def test_each_part_comes_from_the_rs_or_else_from_the_ts(log):
+    ts, rs = log('ts', 'HDT', 'ROT', 'VTG', n=5), log('rs', 'HDT', 'VTG', 'GLL')
+    found = find_motion({'ts': ts, 'rs': rs}, DRIVERS)
+    assert [len(part()) for part in (found.rows.positions, found.rows.velocities,
+                                     found.rows.rates)] == [3, 3, 5]
+    assert found.notes == (
+        f'motion of the ship: positions of GPGLL in {rs} (3), course and speed of GPVTG in {rs} '
+        f'(3), rate of turn of HEROT in {ts} (5); not used: course and speed of GPVTG in {ts}',)
+    assert found.origin == {'position': f'GPGLL {rs}', 'course': f'GPVTG {rs}',
+                            'rate': f'HEROT {ts}'}
+
+
+def test_a_log_of_its_own_is_the_only_one(log):
+    ts, rs, own = log('ts', 'HDT', 'ROT'), log('rs', 'HDT', 'VTG'), log('own', 'GLL', n=7)
+    found = find_motion({'ts': ts, 'rs': rs}, DRIVERS, own)
+    assert len(found.rows) == 7 and found.origin == {'position': f'GPGLL {own}'}
+
+
+def test_a_log_of_its_own_must_tell_something(log):
+    ts, own = log('ts', 'HDT'), log('own', 'HDT')
+    with pytest.raises(DriverError, match=f'{own}: has no motion of the ship: no VTG, RMC'):
+        find_motion({'ts': ts, 'rs': ts}, DRIVERS, own)
+
+
+def test_a_file_of_another_form_tells_no_motion(log, tmp_path):
+    ts, streams = log('ts', 'HDT'), tmp_path / 'nav.csv'
+    streams.write_text('utc,heading_gyro,heading_gps\n2024-05-01T00:00:00Z,1.0,2.0\n')
+    assert len(find_motion({'ts': str(streams), 'rs': ts}, DRIVERS).rows) == 0
+    with pytest.raises(DriverError, match='has no motion of the ship'):
+        find_motion({'ts': ts, 'rs': ts}, DRIVERS, str(streams))
+
+
+def test_logs_without_motion_give_none_and_no_note(log):
+    ts, rs = log('ts', 'HDT'), log('rs', 'HDT')
+    found = find_motion({'ts': ts, 'rs': rs}, DRIVERS)
+    assert (len(found.rows), found.notes, found.origin) == (0, (), {})
+
+
+def test_one_log_of_both_sensors_is_read_once(log):
+    both = log('both', 'HDT', 'VTG')
+    found = find_motion({'ts': both, 'rs': both}, DRIVERS)
+    assert len(found.rows) == 3 and 'not used' not in found.notes[0]
