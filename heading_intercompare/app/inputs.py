@@ -51,7 +51,8 @@ from .sources.csv_source import has_pairs, judge_csv
 from .sources.file_hash import hash_files
 from .sources.found import Found, make_account
 
-__all__ = ['analyze_input', 'Analyzed', 'explain_no_run', 'load_config_or_journal', 'sha256']
+__all__ = ['analyze_input', 'Analyzed', 'explain_no_run', 'load_config_or_journal', 'read_motion',
+           'sha256']
 
 #: Its settings are at the start of a journal.
 _HEAD_BYTES = 1_000_000
@@ -294,7 +295,7 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
     problems: list[str] = []
     remarks: list[str] = []
     marks: list[tuple[str, int]] = []
-    motion = Motion.concatenate([_read_motion(reader, settings, problems) for reader in readers])
+    motion = Motion.concatenate([read_motion(reader, settings, problems) for reader in readers])
     comparison.take_motion(motion)
     take_motion(motion)
 
@@ -347,7 +348,7 @@ def _read_antennas(reader: Readable, settings: Settings, remarks: list[str]) -> 
     return found.headings
 
 
-def _read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Motion:
+def read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Motion:
     """Return the motion of the ship in a bag, and add what could not be read to the problems."""
     if not settings.motion.compare:
         return Motion.empty()

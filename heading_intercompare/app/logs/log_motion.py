@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The motion of the ship for two logs: from a log of its own, or from those of the sensors."""
+"""The motion of the ship beside logs: from a log of its own, or from those of the sensors."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
 
     Parameters
     ----------
-    paths : mapping of {'ts', 'rs'} to str
-        The logs of the sensors. Courses, positions and rates are each taken from the log of the
-        RS, or from that of the TS if it has none.
-    drivers : mapping of {'ts', 'rs', 'motion'} to DriverSettings
-        How to read each log.
+    paths : mapping of str to str
+        The logs of the sensors, by their names or 'ts' and 'rs'. Courses, positions and rates are
+        each taken from the last log that has them: that of the RS before that of the TS.
+    drivers : mapping of str to DriverSettings
+        How to read each log, and 'motion'.
     given : str, optional
         A log of its own; then the other two are not searched.
 
@@ -62,7 +62,7 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
 
     """
     sources: Sequence[tuple[str, str]] = [('motion', given)] if given is not None else [
-        (role, paths[role]) for role in ('rs', 'ts')]
+        *reversed([*paths.items()])]
     chunks: list[Motion] = []
     used: list[str] = []
     unused: list[str] = []

@@ -13,7 +13,7 @@ from heading_intercompare.app.job import explain_unreadable, UNREADABLE
 from heading_intercompare.app.run_table import assign_runs, read_run_table, RunTable
 from heading_intercompare.bags.rosbag2.trial_parts import find_parts
 from heading_intercompare.core.pipeline import join
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Motion
 from heading_intercompare.core.rows.sensor_table import find_reference
 from heading_intercompare.core.sensors.judging import judge_sensors
 from heading_intercompare.core.sensors.pair_settings import check_sensors, settings_of_pair
@@ -124,7 +124,7 @@ def judge_sensor_bags(paths: Sequence[str], settings: Settings, *,
 
 def judge_sensor_logs(logs: Mapping[str, str], settings: Settings,
                       drivers: DriverSettings | None = None, *,
-                      runs: str | None = None, sketched: bool = False,
+                      runs: str | None = None, motion: str | None = None, sketched: bool = False,
                       progress: Callable[[str], None] = lambda text: None) -> SensorsJudgement:
     """
     Judge several sensors, each from a log.
@@ -139,6 +139,8 @@ def judge_sensor_logs(logs: Mapping[str, str], settings: Settings,
         How to read the logs.
     runs : str, optional
         Table of runs, a csv file; its source is the first log.
+    motion : str, optional
+        A log with the motion of the ship.
     sketched, progress
         As for `judge_sensor_bags`.
 
@@ -155,11 +157,12 @@ def judge_sensor_logs(logs: Mapping[str, str], settings: Settings,
     if runs is not None:
         table, _ = assign_runs(read_run_table(runs), [next(iter(logs.values()))])
         spans = [(start, stop) for start, stop, _ in table]
-    return _conclude([compare_logs(logs, settings, drivers, spans, sketched=sketched,
-                                   progress=progress)], settings)
+    return _conclude([compare_logs(logs, settings, drivers, spans, motion=motion,
+                                   sketched=sketched, progress=progress)], settings)
 
 
-def analyze_sensors(headings: Mapping[str, Headings], settings: Settings) -> SensorsVerdict:
+def analyze_sensors(headings: Mapping[str, Headings], settings: Settings,
+                    motion: Motion | None = None) -> SensorsVerdict:
     """
     Judge several sensors from their readings.
 
@@ -169,6 +172,8 @@ def analyze_sensors(headings: Mapping[str, Headings], settings: Settings) -> Sen
         The readings of each sensor, by its name.
     settings : Settings
         With `sensors` and the norms.
+    motion : Motion, optional
+        The motion of the ship, against which the headings are checked.
 
     Returns
     -------
@@ -186,7 +191,8 @@ def analyze_sensors(headings: Mapping[str, Headings], settings: Settings) -> Sen
     for sensor in check_sensors(settings):
         if sensor.name not in headings:
             raise ValueError(f'headings: has no {sensor.name}; the setting sensors names it')
-    return _conclude([compare_headings(headings, settings, sketched=True)], settings).verdict
+    return _conclude([compare_headings(headings, settings, motion=motion,
+                                       sketched=True)], settings).verdict
 
 
 def _conclude(compared: Sequence[Compared], settings: Settings) -> SensorsJudgement:

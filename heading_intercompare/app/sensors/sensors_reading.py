@@ -8,8 +8,9 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Callable, Mapping, Sequence
 
-from heading_intercompare.app.inputs import explain_no_run, sha256
+from heading_intercompare.app.inputs import explain_no_run, read_motion, sha256
 from heading_intercompare.app.logs.log_import import import_log
+from heading_intercompare.app.logs.log_motion import find_motion, FoundMotion
 from heading_intercompare.bags.recording.bag_losses import BagLosses
 from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
 from heading_intercompare.bags.rosbag2.provenance import read_notes
@@ -17,7 +18,7 @@ from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pipeline import Intercomparison
-from heading_intercompare.core.records import Headings, Losses, Pairs
+from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
 from heading_intercompare.core.rows.sensor_table import find_reference, read_sensors, Sensor
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.settings import Settings
@@ -27,7 +28,8 @@ from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.readers.registry import open_recording
 from heading_intercompare.report import SeriesSketch
 
-__all__ = ['compare_headings', 'Compared', 'compare_bag', 'compare_logs', 'name_logs']
+__all__ = ['compare_bag', 'compare_headings', 'compare_logs', 'Compared', 'driver_of',
+           'name_logs']
 
 Names = tuple[str, str]
 Spans = Sequence[tuple[int, int]]
@@ -76,6 +78,13 @@ class _Feed:
         self._kept: dict[str, list[Headings]] = {one.name: [] for one in self.comparison.sensors}
         self._lost: list[tuple[str, LedgerKey, Losses]] = []
         self._source = source
+        self._motion = Motion.empty()
+
+    def take_motion(self, motion: Motion) -> None:
+        self.comparison.take_motion(motion)
+        self._motion = motion
+        for sketch in self.sketches.values():
+            sketch.take_motion(motion)
 
     def update(self, headings: Mapping[str, Headings]) -> None:
         if self._keeps:
@@ -110,7 +119,7 @@ class _Feed:
         lost = [(key if name == names[0] else LedgerKey(f'rs{key.value[2:]}'), losses)
                 for name, key, losses in self._lost if name in names]
         return judge_aligned(first, second, results, one.compliance.settings,
-                             source=self._source, lost=lost)
+                             source=self._source, lost=lost, motion=self._motion)
 
     def _draw(self, found: Mapping[str, Pairs]) -> None:
         for name, sketch in self.sketches.items():
@@ -163,6 +172,8 @@ def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, na
     readers = [open_recording(one) for one in (path, *parts)]
     notes: list[str] = []
     n = 0
+    feed.take_motion(Motion.concatenate(
+        [read_motion(reader, settings, notes) for reader in readers]))
     for reader in readers:
         if reader is not readers[0]:
             feed.begin_again()
@@ -240,7 +251,7 @@ def name_logs(inputs: Sequence[str], settings: Settings) -> dict[str, str] | Non
 
 def compare_logs(logs: Mapping[str, str], settings: Settings,
                  drivers: DriverSettings | None = None, table: Spans | None = None, *,
-                 sketched: bool = False,
+                 motion: str | None = None, sketched: bool = False,
                  progress: Callable[[str], None] = lambda text: None) -> Compared:
     """
     Compare the sensors of a trial, each from a log.
@@ -253,6 +264,9 @@ def compare_logs(logs: Mapping[str, str], settings: Settings,
         With `sensors`.
     drivers : DriverSettings, optional
         How to read the logs; a row of `sensors` chooses sentence, talker and instrument.
+    motion : str, optional
+        A log with the motion of the ship; by default that of the reference or of another sensor,
+        if it has any.
     table, sketched, progress
         As for `compare_bag`.
 
@@ -263,31 +277,40 @@ def compare_logs(logs: Mapping[str, str], settings: Settings,
 
     """
     sensors = read_sensors(settings.sensors)
-    imported = {one.name: import_log(
-        logs[one.name], _driver_of(one, drivers or DriverSettings()), progress,
-        role='rs' if one.is_reference else 'ts') for one in sensors}
+    shared = drivers or DriverSettings()
+    of = {one.name: driver_of(one, shared) for one in sensors}
+    imported = {one.name: import_log(logs[one.name], of[one.name], progress,
+                                     role='rs' if one.is_reference else 'ts') for one in sensors}
+    # The reference is searched first.
+    order = sorted(sensors, key=lambda one: one.is_reference)
+    moved = find_motion({one.name: logs[one.name] for one in order}, {**of, 'motion': shared},
+                        motion) if settings.motion.compare or motion else FoundMotion()
     described = tuple(Input(log.path, log.sha256, log.sentence or 'csv',
                             not_taken=dict(log.not_taken)) for log in imported.values())
     notes = [f'{name}: {log.path}, {len(log.headings)} headings of '
              f'{"; ".join((log.sentence or "a csv", *log.remarks))}; not taken: '
              f'{log.words_not_taken}' for name, log in imported.items()]
     found = compare_headings({name: log.headings for name, log in imported.items()}, settings,
-                             table, source=next(iter(logs.values())), sketched=sketched,
-                             progress=progress)
-    return replace(found, described=described, notes=notes + found.notes)
+                             table, source=next(iter(logs.values())), motion=moved.rows,
+                             sketched=sketched, progress=progress)
+    return replace(found, described=described, notes=[*notes, *moved.notes, *found.notes])
 
 
 def compare_headings(headings: Mapping[str, Headings], settings: Settings,
-                     table: Spans | None = None, *, source: str = '', sketched: bool = False,
+                     table: Spans | None = None, *, source: str = '',
+                     motion: Motion | None = None, sketched: bool = False,
                      progress: Callable[[str], None] = lambda text: None) -> Compared:
     """Compare sensors whose readings are in memory, by their names; see `compare_bag`."""
     feed = _Feed(settings, source, table, sketched, progress)
+    if motion is not None and settings.motion.compare:
+        feed.take_motion(motion)
     feed.update(headings)
     found = feed.finish()
     return replace(found, notes=feed.explain(table))
 
 
-def _driver_of(sensor: Sensor, drivers: DriverSettings) -> DriverSettings:
+def driver_of(sensor: Sensor, drivers: DriverSettings) -> DriverSettings:
+    """Return how to read the lines of a sensor, from how to read all logs."""
     chosen = {name: value for name in ('sentence', 'talker', 'instrument')
               if (value := getattr(sensor, name))}
     return replace(drivers, **chosen)

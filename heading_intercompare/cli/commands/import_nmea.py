@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``import-nmea``: the logs of two sensors into one bag."""
+"""The command ``import-nmea``: the logs of two or more sensors into one bag."""
 
 from __future__ import annotations
 
@@ -14,11 +14,16 @@ import numpy as np
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.logs.log_import import import_log
 from heading_intercompare.app.logs.log_motion import find_motion
+from heading_intercompare.app.logs.two_logs import ROLES
+from heading_intercompare.app.sensors.sensors_reading import driver_of, name_logs
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.bags.rosbag2.provenance import describe_origin, Notes, RECORD
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Headings, Integers, Motion
+from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.messages.motion.motion_messages import encode_motion, MOTION_TYPES
 
@@ -37,8 +42,10 @@ _PIECE = 20_000
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
+    parser.add_argument('logs', nargs='*', metavar='NAME=LOG',
+                        help='log of each sensor of the setting sensors, instead of --ts and --rs')
     for role, words in (('ts', 'tested'), ('rs', 'reference')):
-        parser.add_argument(f'--{role}', metavar='FILE', required=True,
+        parser.add_argument(f'--{role}', metavar='FILE',
                             help=f'log of the {words} sensor: a file, a folder, or a pattern in '
                             'quotes')
     add_log_arguments(parser)
@@ -50,18 +57,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Read both logs, write the bag, print the counts of headings and of rejected lines."""
+    """Read the logs, write the bag, print the counts of headings and of rejected lines."""
     settings = settings_for(load_config(arguments.config), arguments.set)
     notes = read_notes(arguments)
-    topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic}
-    drivers, logs = drivers_for(arguments), {}
-    for role in topics:
-        path = getattr(arguments, role)
+    paths, topics, drivers = _choose(arguments, settings)
+    logs = {}
+    for role, path in paths.items():
         with Progress(path, arguments.quiet) as progress:
             logs[role] = import_log(path, drivers[role], progress.show, role=role)
     origins = {role: log.origin for role, log in logs.items()}
     read = {role: log.headings for role, log in logs.items()}
-    moved = find_motion({role: log.path for role, log in logs.items()}, drivers, arguments.motion)
+    moved = find_motion(paths, drivers, arguments.motion)
     if moved.origin:
         origins['motion'] = dict(moved.origin)
     streams = [_of_headings(topics[role], headings, f'{role}_heading')
@@ -69,13 +75,41 @@ def run(arguments: argparse.Namespace) -> int:
     streams += _of_motion(moved.rows, motion_topics(settings.motion))
     _write(arguments.output, streams, describe_origin(settings.to_mapping(), origins), notes)
     for role in topics:
-        print(f'{role.upper()} {logs[role].path}: {len(read[role])} headings on '
+        shown = role.upper() if role in ROLES else role
+        print(f'{shown} {logs[role].path}: {len(read[role])} headings on '
               f'{"; ".join((topics[role], *logs[role].remarks))}; not taken: '
               f'{logs[role].words_not_taken}')
     for words in moved.notes:
         print(words)
     print(f'bag: {arguments.output}')
     return 0
+
+
+def _choose(arguments: argparse.Namespace, settings: Settings,
+            ) -> tuple[dict[str, str], dict[str, str], dict[str, DriverSettings]]:
+    """Return the path of each log, its topic, and how to read it, by the sensor's name or role."""
+    drivers = drivers_for(arguments)
+    if not arguments.logs:
+        for role in ROLES:
+            if getattr(arguments, role) is None:
+                raise ValueError(f'--{role}: is missing; give --ts FILE and --rs FILE, or '
+                                 'NAME=LOG for each sensor of the setting sensors')
+        return ({role: getattr(arguments, role) for role in ROLES},
+                {'ts': settings.ts_topic, 'rs': settings.rs_topic}, drivers)
+    if given := next((role for role in ROLES if getattr(arguments, role) is not None), None):
+        raise ValueError(f'--{given} {getattr(arguments, given)}: goes without NAME=LOG; give '
+                         'one or the other')
+    sensors = read_sensors(settings.sensors)
+    paths = name_logs(arguments.logs, settings)
+    if paths is None:
+        raise ValueError(f'{arguments.logs[0]}: must be NAME=LOG with a sensor of the setting '
+                         f'sensors: {", ".join(one.name for one in sensors) or "there are none"}')
+    # The motion of the ship is searched in the log of the reference first.
+    order = sorted(sensors, key=lambda one: one.is_reference)
+    return ({one.name: paths[one.name] for one in order},
+            {one.name: one.heading_topic for one in order},
+            {'motion': drivers['motion'],
+             **{one.name: driver_of(one, drivers['ts']) for one in order}})
 
 
 class _Stream(NamedTuple):

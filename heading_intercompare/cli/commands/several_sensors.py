@@ -31,7 +31,7 @@ from heading_intercompare.report.sensors_report import protocol_path, write_sens
 
 __all__ = ['choose_pair', 'deliver_sensors', 'run_sensors']
 
-_OF_PAIRS = ('csv', 'ensembles', 'runs_csv', 'dask', 'motion', 'rs_antennas')
+_OF_PAIRS = ('csv', 'ensembles', 'runs_csv', 'dask', 'rs_antennas')
 
 
 def choose_pair(settings: Settings, ts: str | None, rs: str | None) -> Settings:
@@ -83,6 +83,9 @@ def run_sensors(arguments: argparse.Namespace, settings: Settings, ship: str,
     inputs = arguments.inputs if logs is None else [*logs.values()]
     _check_outputs(arguments, settings, inputs)
     shared = drivers['ts']
+    if logs is None and arguments.motion:
+        raise ValueError(f'--motion {arguments.motion}: is for logs, and no INPUT is NAME=LOG; '
+                         'leave it out')
     if logs is None and drivers != dict.fromkeys(drivers, DriverSettings()):
         raise ValueError('options of logs: no INPUT is NAME=LOG; leave them out')
     if logs is not None and shared != drivers['rs']:
@@ -94,8 +97,8 @@ def run_sensors(arguments: argparse.Namespace, settings: Settings, ship: str,
         judged = judge_sensor_bags(
             inputs, settings, runs=arguments.runs or None, sketched=sketched,
             jobs=arguments.jobs, progress=progress.show) if logs is None else judge_sensor_logs(
-                logs, settings, shared, runs=arguments.runs or None, sketched=sketched,
-                progress=progress.show)
+                logs, settings, shared, runs=arguments.runs or None, motion=arguments.motion,
+                sketched=sketched, progress=progress.show)
     for note in judged.notes:
         print(f'note: {note}', file=sys.stderr)
     if book is not None:

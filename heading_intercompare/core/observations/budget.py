@@ -103,7 +103,7 @@ def make_budget(corrections: Corrections, *, common_u_deg: float, clock_u_s: flo
     The scatter of the observations says how far their independent errors reach, with n - 1
     degrees of freedom. Stated uncertainties can only widen it. Rounding counts as shared:
     alongside the TS shows one figure all the time. Slow errors add what a TS at its norm would:
-    sigma^2 times the mean of exp(-|t_i - t_j| / tau) over all pairs of instants.
+    sigma^2 times the mean of exp(-abs(t_i - t_j) / tau) over all pairs of instants.
 
     References
     ----------

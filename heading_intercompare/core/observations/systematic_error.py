@@ -132,7 +132,8 @@ def judge_corrections(corrections: Corrections, settings: Settings, *, common_u_
     Let m be the mean correction, u_A the uncertainty from the n observations, u_B that of what
     they share, and N the norm. The bound reaches r(p) = sqrt(t(p; n - 1)^2 u_A^2 + z(p)^2 u_B^2)
     beyond m, with the quantiles t of Student and z of the normal distribution. The TS complies if
-    |m| + r(1 - alpha_consumer) <= N. It breaks the norm if |m| - r(1 - alpha_producer / 2) > N.
+    abs(m) + r(1 - alpha_consumer) <= N. It breaks the norm if
+    abs(m) - r(1 - alpha_producer / 2) > N.
     That risk is halved because an error may exceed the norm on either side. A TS at its norm is
     certified with at most the probability alpha_consumer. With the effective degrees of freedom
     of Welch and Satterthwaite two observations certify it in 8 % of trials instead of 5 %, so

@@ -10,7 +10,7 @@ from typing import Callable, Mapping, Sequence
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pipeline import Intercomparison
-from heading_intercompare.core.records import Headings, Losses, Pairs
+from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
 from heading_intercompare.core.rows.sensor_table import find_reference
 from heading_intercompare.core.settings import Settings
 
@@ -86,6 +86,11 @@ class SensorsComparison:
         for (first, second), other in self.others.items():
             other.update(headings.get(first), headings.get(second), now_s)
         return found
+
+    def take_motion(self, motion: Motion) -> None:
+        """Take motion of the ship, before the runs that it belongs to end."""
+        for one in self._all:
+            one.take_motion(motion)
 
     def lose(self, name: str, key: LedgerKey, losses: Losses) -> None:
         """Count readings of a sensor that never came; `key` is that of a TS."""

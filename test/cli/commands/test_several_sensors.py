@@ -4,12 +4,23 @@
 
 from __future__ import annotations
 
+from functools import reduce
 import json
+import math
+from operator import xor
 
 import pytest
-from ship_of_sensors import make_three, TABLE, write_bag, write_log
+from ship_of_sensors import (
+    course_deg,
+    make_three,
+    START_NS,
+    TABLE,
+    write_bag,
+    write_log,
+)
 
 from heading_intercompare.cli import main
+from heading_intercompare.core.records import Headings
 
 
 @pytest.fixture(scope='module')
@@ -87,11 +98,65 @@ def test_tables_of_pairs_are_refused_with_what_to_do(trial, option, capsys, tmp_
     assert not (tmp_path / 'x.csv').exists()
 
 
-@pytest.mark.parametrize('option', [['--motion', 'gps.log'],
-                                    ['--rs-antennas', 'fore.log', 'aft.log']])
-def test_logs_for_two_sensors_are_refused_with_what_to_do(trial, option, capsys):
-    said = refused(capsys, 'analyze', trial / 'bag', '--config', trial / 'ship.yaml', *option)
-    assert f'{" ".join(option)}: is for two sensors; choose them with --ts NAME' in said
+def test_what_is_for_two_sensors_or_for_logs_is_refused_with_what_to_do(trial, capsys):
+    given = ['analyze', trial / 'bag', '--config', trial / 'ship.yaml']
+    assert '--rs-antennas fore.log aft.log: is for two sensors; choose them with --ts NAME' in (
+        refused(capsys, *given, '--rs-antennas', 'fore.log', 'aft.log'))
+    assert '--motion gps.log: is for logs' in refused(capsys, *given, '--motion', 'gps.log')
+
+
+@pytest.fixture
+def ship(trial, tmp_path):
+    """Return logs of sensors that agree and lie 180 deg off the course, and a log of that."""
+    logs = []
+    for name, readings in make_three().items():
+        turned = Headings.of(readings.stamp_ns, (readings.heading_deg + 180.0) % 360.0)
+        logs.append(f'{name}={write_log(tmp_path / f"{name}.log", turned, "HE")}')
+    lines = []
+    for at in range(1800):
+        body = f'GPVTG,{steady_deg(at) % 360.0:.1f},T,,M,12.0,N,22.2,K,A'
+        lines.append(f'{START_NS / 1e9 + at:.3f} ${body}*{reduce(xor, body.encode()):02X}')
+    (tmp_path / 'gps.log').write_text('\n'.join(lines) + '\n')
+    return [*logs, '--motion', str(tmp_path / 'gps.log'), '--config', str(trial / 'ship.yaml')]
+
+
+def steady_deg(t_s):
+    """Return the course, which does not yaw."""
+    return course_deg(t_s) - 3.0 * math.sin(2.0 * math.pi * t_s / 9.0)
+
+
+def test_the_course_contradicts_sensors_that_agree_with_each_other(ship, capsys):
+    """No pair of them shows it: all are turned round."""
+    assert main(['analyze', *ship, '--json', '-']) == 0
+    plain = json.loads(capsys.readouterr().out)
+    assert plain['vote']['wrong'] == [] and plain['validity_effect'] == 'void'
+    for verdict in plain['verdicts'].values():
+        assert verdict['runs'][0]['reason'] == 'void.motion'
+
+
+def test_logs_become_one_bag_with_the_same_verdict(ship, tmp_path, capsys):
+    bag, config = str(tmp_path / 'bag'), ship[ship.index('--config'):]
+    assert main(['import-nmea', *ship, '-o', bag]) == 0
+    out = capsys.readouterr().out
+    assert 'gyro1 ' in out and '9000 headings on /g1/imu' in out
+    assert 'course and speed of GPVTG' in out
+    found = []
+    for inputs in ([bag, *config], ship):
+        assert main(['analyze', *inputs, '--json', '-']) == 0
+        found.append(json.loads(capsys.readouterr().out))
+    of_bag, of_logs = found
+    assert of_bag['headline'] == of_logs['headline']
+    assert [pair['n'] for pair in of_bag['pairs']] == [pair['n'] for pair in of_logs['pairs']]
+
+
+def test_a_bag_of_logs_takes_two_logs_or_one_per_sensor(ship, tmp_path, capsys):
+    given = ['-o', tmp_path / 'bag']
+    assert '--ts: is missing; give --ts FILE and --rs FILE, or NAME=LOG' in refused(
+        capsys, 'import-nmea', *given)
+    assert '--ts a: goes without NAME=LOG' in refused(
+        capsys, 'import-nmea', *ship, '--ts', 'a', *given)
+    assert 'x=y: must be NAME=LOG with a sensor of the setting sensors: there are none' in refused(
+        capsys, 'import-nmea', 'x=y', *given)
 
 
 def test_wrong_sensors_are_one_line(trial, capsys):
