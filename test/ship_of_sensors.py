@@ -8,6 +8,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.rosbag2.provenance import RECORD
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 
@@ -47,10 +48,14 @@ def make_three(seed=0, **errors):
             for at, (name, sigma_deg) in enumerate(sigma.items())}
 
 
-def write_bag(path, headings, start_ns=START_NS):
+def write_bag(path, headings, start_ns=START_NS, *, stored=None, report=None):
     """Write a bag of the sensors of `TABLE`, in chunks of a minute as a recorder would."""
     topics = {'gyro1': '/g1/imu', 'gyro2': 'gyro2/heading', 'gnss': 'gnss/heading'}
     with BagWriter(path) as writer:
+        if stored:
+            writer.metadata(RECORD, stored)
+        if report:
+            writer.attachment('report.json', 'application/json', report.encode())
         for topic in topics.values():
             writer.add_topic(topic, IMU)
         for minute in range(30):

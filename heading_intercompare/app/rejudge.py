@@ -11,6 +11,8 @@ from typing import Any, Callable, Mapping, Sequence
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_texts, RECORD, REPORT_TOPIC
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.sensors.pair_settings import check_sensors
+from heading_intercompare.core.sensors.sensors_verdict import is_of_sensors, SensorsVerdict
 from heading_intercompare.core.settings import (
     leave_out_added,
     leave_out_gone,
@@ -24,6 +26,7 @@ from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictE
 from .analysis import judge_bags
 from .config import Config, settings_for
 from .job import explain_unreadable, UNREADABLE
+from .sensors.sensors_analysis import judge_sensor_bags
 
 __all__ = ['CHANGED', 'FormerVerdict', 'rejudge', 'rejudge_bag', 'Rejudged', 'SAME', 'UNJUDGED',
            'WITHOUT_REPORT']
@@ -186,13 +189,14 @@ def rejudge_bag(path: str, config: Config | None = None, assignments: Sequence[s
     stored = {} if config else _stored_settings(reader, report)
     kept, gone = leave_out_gone(stored)
     settings = _settings(config or Config(), kept, assignments)
-    judged = judge_bags([path], settings, jobs=jobs)
+    judged = (judge_bags([path], settings, jobs=jobs) if settings.sensors is None else
+              judge_sensor_bags([path], settings, jobs=jobs))
     notes += [note.removeprefix(f'{path}: ') for note in judged.notes]
     return _compare(path, None if report is None else _read_former(report), judged.verdict,
                     tuple(_find_changed(report, settings)), tuple(gone), tuple(notes))
 
 
-def _compare(path: str, former: FormerVerdict | None, verdict: Verdict,
+def _compare(path: str, former: FormerVerdict | None, verdict: Verdict | SensorsVerdict,
              changed: tuple[str, ...], gone: tuple[str, ...], notes: tuple[str, ...]) -> Rejudged:
     if former is None:
         status = WITHOUT_REPORT
@@ -227,7 +231,7 @@ def _read_report(reader: BagReader) -> tuple[Mapping[str, Any] | None, list[str]
 def _read_former(report: Any) -> FormerVerdict:
     """Return what all versions of a verdict have in common."""
     schema = report.get('schema') if isinstance(report, Mapping) else None
-    if not isinstance(schema, str) or not schema.startswith(_SCHEMA):
+    if not isinstance(schema, str) or not (schema.startswith(_SCHEMA) or is_of_sensors(report)):
         raise VerdictError('is not a verdict of heading_intercompare')
     try:
         outcome = Outcome(report.get('outcome'))
@@ -268,6 +272,9 @@ def _settings(config: Config, stored: Mapping[str, Any], assignments: Sequence[s
     except SettingsError as error:
         raise SettingsError(f'its settings: {str(error).removeprefix("--set ")}; give them with '
                             '--config') from error
+    if settings.sensors is not None:
+        check_sensors(settings)
+        return settings
     norms = settings.norms
     if norms.sigma_ref_max_deg is None or (norms.sigma_max_deg is None and norms.preset is None):
         raise SettingsError(

@@ -10,8 +10,9 @@ import shutil
 
 import numpy as np
 import pytest
+from ship_of_sensors import make_three, TABLE, write_bag
 
-from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare import analyze, analyze_sensors, Headings, Settings
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.provenance import describe_origin, RECORD, REPORT_TOPIC
 from heading_intercompare.cli import main
@@ -89,6 +90,22 @@ def test_other_settings_change_an_outcome_and_are_named(make_bag, told):
     assert lines[0].startswith(f'{bag}: COMPLIANT by rule {RULE_VERSION} -> ')
     assert lines[0].endswith(' (other settings: norms.sigma_max_deg)')
     assert told(bag, '--set', 'norms.sigma_max_deg=0.01')[0] == 0
+
+
+def test_a_bag_of_several_sensors_is_judged_with_all_of_them(told, tmp_path):
+    headings = make_three(gyro2=0.9)
+    settings = Settings.of(sensors=TABLE, slowest_error_s=60.0)
+    verdict = analyze_sensors(headings, settings)
+    bags = []
+    for name, changes in (('same', {}), ('changed', {'outcome': 'compliant'})):
+        bags.append(str(write_bag(tmp_path / name, headings, stored={
+            **describe_origin(settings.to_mapping())}, report=json.dumps(
+                {**verdict.to_dict(), **changes}))))
+    code, lines, _ = told(*bags, '--check')
+    assert code == 1
+    assert lines[0].startswith(f'{bags[1]}: COMPLIANT by rule {RULE_VERSION} -> gyro1 COMPLIANT; '
+                               'gyro2 NON-COMPLIANT')
+    assert lines[1].startswith(f'{bags[0]}: same: gyro1 COMPLIANT; gyro2 NON-COMPLIANT')
 
 
 def test_a_file_of_settings_takes_the_place_of_the_stored_ones(make_bag, told, tmp_path):
