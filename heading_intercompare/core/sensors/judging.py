@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Mapping, Sequence
 
+from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import decide_variance, variance_risk
 from heading_intercompare.core.outcome import Outcome, worst
@@ -26,6 +27,9 @@ from .vote import find_wrong, Vote
 __all__ = ['judge_sensors']
 
 Names = tuple[str, str]
+
+#: A pair may begin this much later than its sensors against the reference, seconds.
+_LATEST_S = 60.0
 
 
 def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
@@ -66,8 +70,8 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
     if reference is not None:
         runs |= {(name, reference.name): verdict.runs for name, verdict in verdicts.items()}
     runs |= {names: [one.verdict for one in found] for names, found in others.items()}
-    pairs = [_describe(names, some, settings, sensors, risk / len(runs))
-             for names, some in runs.items()]
+    pairs = [_add_missing(_describe(names, some, settings, sensors, risk / len(runs)),
+                          _missing_s(names, runs, reference)) for names, some in runs.items()]
     split = _split(sensors, pairs)
     norms = [_norm_of(one, sensors, settings) for one in sensors]
     vote = find_wrong([one.name for one in sensors],
@@ -122,6 +126,24 @@ def _describe(names: Names, runs: Sequence[RunVerdict], settings: Settings,
     return describe_pair(
         names, runs, _limits(first, second, settings).rejection_limit_deg2,
         of_reference=second.is_reference, risk=risk, consumer=settings.risk.alpha_consumer)
+
+
+def _missing_s(names: Names, runs: Mapping[Names, Sequence[RunVerdict]],
+               reference: Sensor | None) -> float:
+    """Return how much later a pair begins than both its sensors against the reference."""
+    if reference is None or reference.name in names or not runs[names]:
+        return 0.0
+    starts = [some[0].start_ns for name in names if (some := runs.get((name, reference.name)))]
+    return (runs[names][0].start_ns - max(starts)) / 1e9 if len(starts) == len(names) else 0.0
+
+
+def _add_missing(pair: PairFigures, missing_s: float) -> PairFigures:
+    """Return a pair with a doubt if its beginning is missing."""
+    if missing_s <= _LATEST_S:
+        return pair
+    words = f'its first {span_words(missing_s)} are missing, because its comparison began later'
+    return replace(pair, findings=(*pair.findings, words),
+                   validity_effect=gravest([pair.validity_effect, DOUBTFUL]))
 
 
 def _split(sensors: Sequence[Sensor],

@@ -11,6 +11,8 @@ from ship_of_sensors import make_sensor
 
 from heading_intercompare.app.sensors.sensors_analysis import analyze_sensors
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.sensors.comparison import SensorsComparison
+from heading_intercompare.core.sensors.judging import judge_sensors
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.typed_reader import VerdictError
@@ -118,6 +120,29 @@ def test_sound_sensors_are_not_named_and_sensors_at_their_norm_not_certified():
         certified += any(value == 'compliant'
                          for value in outcomes(judge(None, seed=seed, **NORMS)).values())
     assert (named, certified) == (0, 0)
+
+
+def test_a_pair_whose_beginning_is_missing_says_so():
+    """The node that compares the other pairs was started again 12 min into the trial."""
+    headings = {name: make_sensor(at, SOUND[name], phase_s=0.05 * at)
+                for at, name in enumerate(NAMES)}
+    rows = [f'{name} sigma_max_deg={NORMS[name]}{" rs" if name == "gnss" else ""}'
+            for name in NAMES]
+    settings = Settings.of(sensors='\n'.join(rows), slowest_error_s=60.0)
+    whole, late = SensorsComparison(settings), SensorsComparison(settings)
+    whole.update(headings)
+    late.update({name: readings[len(readings) * 720 // 1800:]
+                 for name, readings in headings.items()})
+    for one in (whole, late):
+        one.finish()
+    verdicts = {name: one.verdict() for name, one in whole.tested.items()}
+    for comparison, missing in ((whole, 0), (late, 3)):
+        verdict = judge_sensors(settings, verdicts, {
+            names: one.results() for names, one in comparison.others.items()})
+        said = [pair for pair in verdict.pairs
+                if any('first 12 min are missing' in words for words in pair.findings)]
+        assert len(said) == missing
+        assert all(pair.validity_effect == 'doubtful' for pair in said)
 
 
 def test_installation_angles_are_removed():
