@@ -13,7 +13,7 @@ import numpy as np
 
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.logs.log_import import import_log
-from heading_intercompare.app.logs.log_motion import find_motion
+from heading_intercompare.app.logs.log_motion import find_motion, FoundMotion
 from heading_intercompare.app.logs.two_logs import ROLES
 from heading_intercompare.app.sensors.sensors_reading import driver_of, name_logs
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
@@ -67,7 +67,9 @@ def run(arguments: argparse.Namespace) -> int:
             logs[role] = import_log(path, drivers[role], progress.show, role=role)
     origins = {role: log.origin for role, log in logs.items()}
     read = {role: log.headings for role, log in logs.items()}
-    moved = find_motion(paths, drivers, arguments.motion)
+    moved = FoundMotion()
+    if settings.motion.compare or arguments.motion:
+        moved = find_motion(paths, drivers, arguments.motion)
     if moved.origin:
         origins['motion'] = dict(moved.origin)
     streams = [_of_headings(topics[role], headings, f'{role}_heading')
