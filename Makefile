@@ -45,6 +45,10 @@ quick: .venv/.test
 	@.ci/step 'quick tests' $(BIN)/python $(TESTS) -q -m 'not (slow or ros or process)' test $(PYTEST)
 
 test: .venv/.test
+ifneq ($(PYTHON312),)
+	@# The environment of part 5 is made meanwhile; if that fails, part 5 says why.
+	@nice -n 10 $(MAKE) --no-print-directory .venv-pins/.test >/dev/null 2>&1 &
+endif
 	@.ci/step '1/5 form' $(BIN)/ruff check .
 	@if $(BIN)/python -c 'import numpy; numpy.strings.slice' 2>/dev/null; \
 		then .ci/step '2/5 types' $(BIN)/mypy; \
