@@ -64,7 +64,7 @@ else
 endif
 
 test-pins: .venv-pins/.test
-	.venv-pins/bin/python $(TESTS) -m 'not (slow or ros) or colcon' $(PYTEST)
+	.venv-pins/bin/python $(TESTS) -m 'not (slow or ros or process) or colcon' $(PYTEST)
 
 release: test
 	@.ci/step 'nodes with the versions of Ubuntu 24.04' .venv-pins/bin/python $(TESTS) -m 'not slow' test/nodes
