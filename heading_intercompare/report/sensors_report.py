@@ -13,11 +13,10 @@ from heading_intercompare.core.verdict.validity import VOID
 from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS
 
 from . import check_form, json, write
+from .contents.first_page import SIGNS
 from .series_sketch import SeriesSketch
 
 __all__ = ['protocol_path', 'write_sensors']
-
-_SIGNS = {'compliant': '✓', 'non_compliant': '✗', 'indeterminate': '?'}
 
 
 def protocol_path(path: str | Path, name: str) -> Path:
@@ -73,7 +72,7 @@ def _write_overview(verdict: SensorsVerdict, path: Path, progress: Callable[[str
     from .html import load_template
     own = {name: protocol_path(path, name).name for name in verdict.verdicts}
     text = load_template('sensors.html').render(
-        verdict=verdict, void=VOID, words=OUTCOME_WORDS, signs=_SIGNS, protocols=own,
+        verdict=verdict, void=VOID, words=OUTCOME_WORDS, signs=SIGNS, protocols=own,
         trial=verdict.settings.trial,
         sensors=[(one, split_words(one)) for one in verdict.sensors],
         matrices=[(title.strip(), matrix_of(verdict, text)) for title, text in SHOWN],

@@ -19,7 +19,7 @@ from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
-from heading_intercompare.core.rows.sensor_table import find_reference, read_sensors, Sensor
+from heading_intercompare.core.rows.sensor_table import describe_driver, read_sensors, Sensor
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
@@ -28,8 +28,8 @@ from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.readers.registry import open_recording
 from heading_intercompare.report import SeriesSketch
 
-__all__ = ['compare_bag', 'compare_headings', 'compare_logs', 'Compared', 'driver_of',
-           'name_logs']
+__all__ = ['compare_bag', 'compare_headings', 'compare_logs', 'Compared', 'name_logs',
+           'plan_logs']
 
 Names = tuple[str, str]
 Spans = Sequence[tuple[int, int]]
@@ -69,8 +69,6 @@ class _Feed:
                  progress: Callable[[str], None]) -> None:
         self.comparison = SensorsComparison(settings, source=source, table=table,
                                             progress=progress)
-        reference = find_reference(self.comparison.sensors)
-        self.reference = '' if reference is None else reference.name
         self.sketches = {name: SeriesSketch(source) for name in self.comparison.tested
                          if sketched}
         # Aligning a run needs all readings a second time.
@@ -102,21 +100,17 @@ class _Feed:
 
     def finish(self) -> Compared:
         self._draw(self.comparison.finish())
-        found = {names: self._align(names, one) for names, one in self._all().items()}
+        found = {names: self._align(names, one) for names, one in self.comparison.pairs.items()}
         earlier = {name: one.compliance.take_earlier()
                    for name, one in self.comparison.tested.items()}
         return Compared(found, earlier, (), sketches=self.sketches)
-
-    def _all(self) -> dict[Names, Intercomparison]:
-        return {**{(name, self.reference): one for name, one in self.comparison.tested.items()},
-                **self.comparison.others}
 
     def _align(self, names: Names, one: Intercomparison) -> list[RunResult]:
         results = one.results()
         if not self._keeps:
             return results
         first, second = (Headings.concatenate(self._kept[name]) for name in names)
-        lost = [(key if name == names[0] else LedgerKey(f'rs{key.value[2:]}'), losses)
+        lost = [(key if name == names[0] else key.of_stream('rs'), losses)
                 for name, key, losses in self._lost if name in names]
         return judge_aligned(first, second, results, one.compliance.settings,
                              source=self._source, lost=lost, motion=self._motion)
@@ -129,7 +123,8 @@ class _Feed:
         """Return why pairs have no run."""
         return [f'{" and ".join(names)}: no run: '
                 f'{explain_no_run(one.ledger, one.compliance.settings, table)}'
-                for names, one in self._all().items() if not one.compliance.finished_runs]
+                for names, one in self.comparison.pairs.items()
+                if not one.compliance.finished_runs]
 
 
 def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, name: str = '',
@@ -277,14 +272,11 @@ def compare_logs(logs: Mapping[str, str], settings: Settings,
 
     """
     sensors = read_sensors(settings.sensors)
-    shared = drivers or DriverSettings()
-    of = {one.name: driver_of(one, shared) for one in sensors}
+    paths, of = plan_logs(logs, settings, drivers or DriverSettings())
     imported = {one.name: import_log(logs[one.name], of[one.name], progress,
                                      role='rs' if one.is_reference else 'ts') for one in sensors}
-    # The reference is searched first.
-    order = sorted(sensors, key=lambda one: one.is_reference)
-    moved = find_motion({one.name: logs[one.name] for one in order}, {**of, 'motion': shared},
-                        motion) if settings.motion.compare or motion else FoundMotion()
+    moved = (find_motion(paths, of, motion) if settings.motion.compare or motion
+             else FoundMotion())
     described = tuple(Input(log.path, log.sha256, log.sentence or 'csv',
                             not_taken=dict(log.not_taken)) for log in imported.values())
     notes = [f'{name}: {log.path}, {len(log.headings)} headings of '
@@ -309,8 +301,14 @@ def compare_headings(headings: Mapping[str, Headings], settings: Settings,
     return replace(found, notes=feed.explain(table))
 
 
-def driver_of(sensor: Sensor, drivers: DriverSettings) -> DriverSettings:
-    """Return how to read the lines of a sensor, from how to read all logs."""
-    chosen = {name: value for name in ('sentence', 'talker', 'instrument')
-              if (value := getattr(sensor, name))}
-    return replace(drivers, **chosen)
+def plan_logs(logs: Mapping[str, str], settings: Settings, drivers: DriverSettings,
+              ) -> tuple[dict[str, str], dict[str, DriverSettings]]:
+    """
+    Return the log of each sensor, and how to read it and a log of the motion, by name.
+
+    The reference is last, so that `find_motion` searches its log first.
+    """
+    order = sorted(read_sensors(settings.sensors), key=lambda one: one.is_reference)
+    return ({one.name: logs[one.name] for one in order},
+            {'motion': drivers,
+             **{one.name: replace(drivers, **describe_driver(one)) for one in order}})

@@ -96,6 +96,18 @@ class LedgerKey(str, Enum):
         """Return the key of what the driver of a sensor tells, such as ``lost.at_source``."""
         return cls(f'{stream}_{lost_as}')
 
+    def of_stream(self, stream: str) -> 'LedgerKey':
+        """
+        Return the key of the same fate of readings of ``'ts'`` or ``'rs'``.
+
+        Examples
+        --------
+        >>> print(LedgerKey.TS_LOST_AT_SOURCE.of_stream('rs'))
+        rs_lost.at_source
+
+        """
+        return LedgerKey(f'{stream}{self.value[2:]}')
+
     @property
     def stream(self) -> str:
         """The sensor of these readings, ``'ts'`` or ``'rs'``; '' for pairs."""

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 from heading_intercompare.core.declared_settings import Checked, setting, SettingsError
 
@@ -138,7 +139,7 @@ def find_tested(sensors: tuple[Sensor, ...], name: str) -> tuple[Sensor, Sensor]
                         f'{", ".join(one.name for one in tested)}')
 
 
-def describe_driver(sensor: Sensor) -> dict[str, str]:
+def describe_driver(sensor: Sensor) -> dict[str, Any]:
     """Return the settings of a driver that the row of a sensor gives."""
     return {name: value for name in ('sentence', 'talker', 'instrument')
             if (value := getattr(sensor, name))}

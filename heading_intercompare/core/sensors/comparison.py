@@ -89,22 +89,18 @@ class SensorsComparison:
 
     def take_motion(self, motion: Motion) -> None:
         """Take motion of the ship, before the runs that it belongs to end."""
-        for one in self._all:
+        for one in self.pairs.values():
             one.take_motion(motion)
 
     def lose(self, name: str, key: LedgerKey, losses: Losses) -> None:
         """Count readings of a sensor that never came; `key` is that of a TS."""
-        of_reference = LedgerKey(f'rs{key.value[2:]}')
-        for tested, one in self.tested.items():
-            if name in (tested, self._reference):
-                one.lose(key if name == tested else of_reference, losses)
-        for names, other in self.others.items():
+        for names, one in self.pairs.items():
             if name in names:
-                other.lose(key if name == names[0] else of_reference, losses)
+                one.lose(key if name == names[0] else key.of_stream('rs'), losses)
 
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Start or stop a run of every pair."""
-        for one in self._all:
+        for one in self.pairs.values():
             one.mark(kind, stamp_ns)
 
     def begin_again(self) -> dict[str, Pairs]:
@@ -115,7 +111,7 @@ class SensorsComparison:
 
     def forget_earlier(self) -> None:
         """Join the segments of all ledgers that are too old for a verdict."""
-        for one in self._all:
+        for one in self.pairs.values():
             one.pairer.forget_earlier()
 
     def finish(self) -> dict[str, Pairs]:
@@ -126,11 +122,13 @@ class SensorsComparison:
         return found
 
     @property
-    def _all(self) -> tuple[Intercomparison, ...]:
-        return *self.tested.values(), *self.others.values()
+    def pairs(self) -> dict[tuple[str, str], Intercomparison]:
+        """All pairs by the names of their sensors; the reference is second in its pairs."""
+        return {**{(name, self._reference): one for name, one in self.tested.items()},
+                **self.others}
 
     @property
     def newest_ns(self) -> int | None:
         """The newest stamp in any ledger; None before the first reading."""
-        stamps = [one.pairer.ledger.newest_ns for one in self._all]
+        stamps = [one.pairer.ledger.newest_ns for one in self.pairs.values()]
         return max((stamp for stamp in stamps if stamp is not None), default=None)

@@ -93,6 +93,13 @@ class PairFigures:
         """The names of both sensors."""
         return self.first, self.second
 
+    @property
+    def share(self) -> float | None:
+        """Standard deviation as a share of what the norms of both explain."""
+        if self.variance_deg2 is None or not self.limit_deg2:
+            return None
+        return math.sqrt(self.variance_deg2 / self.limit_deg2)
+
 
 def describe_pair(names: tuple[str, str], runs: Sequence[RunVerdict], limit_deg2: float, *,
                   of_reference: bool, risk: float, consumer: float) -> PairFigures:

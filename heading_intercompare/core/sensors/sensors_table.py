@@ -15,8 +15,8 @@ __all__ = ['matrix_of', 'sensors_text', 'split_words', 'SHOWN']
 SHOWN: tuple[tuple[str, Callable[[PairFigures, float], str]], ...] = (
     ('standard deviation of the difference [deg]', lambda pair, sign: _number(pair.std_deg)),
     ('  as share of what both norms explain',
-     lambda pair, sign: '-' if pair.variance_deg2 is None or not pair.limit_deg2 else
-     f'{math.sqrt(pair.variance_deg2 / pair.limit_deg2):.2f}{" !" if pair.differs else ""}'),
+     lambda pair, sign: '-' if pair.share is None else
+     f'{pair.share:.2f}{" !" if pair.differs else ""}'),
     ('mean difference, row - column [deg]',
      lambda pair, sign: '-' if pair.mean_deg is None else f'{sign * pair.mean_deg:+.4f}'),
     ('age, row - column, and its standard uncertainty [s]',

@@ -23,10 +23,10 @@ from heading_intercompare.report.formatting import (
 
 from .holding import upper_bound_holds
 
-__all__ = ['compose_first_page', 'FirstPage']
+__all__ = ['compose_first_page', 'FirstPage', 'SIGNS']
 
 #: A letter tells the outcomes apart in black and white and for the colour-blind.
-_SIGNS = {Outcome.COMPLIANT: '✓', Outcome.NON_COMPLIANT: '✗', Outcome.INDETERMINATE: '?'}
+SIGNS = {Outcome.COMPLIANT: '✓', Outcome.NON_COMPLIANT: '✗', Outcome.INDETERMINATE: '?'}
 _MEANS = {
     Outcome.COMPLIANT: 'The tested sensor meets its norm.',
     Outcome.NON_COMPLIANT: 'The tested sensor does not meet its norm.',
@@ -76,7 +76,7 @@ def compose_first_page(verdict: Verdict) -> FirstPage:
         facts.append(('GK as printed', f'{outcome(verdict.paper_outcome)}; that rule makes no '
                       'allowance for the sampling error, and does not decide here'))
     return FirstPage(
-        'void' if void else verdict.outcome.value.replace('_', '-'), _SIGNS[verdict.outcome],
+        'void' if void else verdict.outcome.value.replace('_', '-'), SIGNS[verdict.outcome],
         OUTCOME_WORDS[verdict.outcome] + (', VOID' if void else ', DOUBTFUL' if doubtful else ''),
         means, verdict.headline, facts, _list_runs(verdict))
 
