@@ -14,11 +14,12 @@ from heading_intercompare.core.records import Headings
 from .bursts import BurstFinder
 from .framing import Frame, Framer
 from .log_lines.days import Days
-from .log_lines.line_stamps import find_date_order, LineStamps, read_offset, STAMP_REASONS
+from .log_lines.line_stamps import LineStamps, STAMP_REASONS
 from .log_lines.line_words import WordCounts
+from .log_lines.log_clocks import choose_time_sentences, start_stamps
 from .log_lines.log_files import LogFiles
 from .log_lines.log_order import open_log
-from .log_lines.stream_times import find_first_time, find_kind, StreamTimes, TIME_SENTENCES
+from .log_lines.stream_times import StreamTimes, TIME_SENTENCES
 from .log_lines.times import day_time_ns
 from .sentence_choice import accepts, choose_instrument, choose_sentence, find_sentence
 from .sentences import heading_of, identify, may_lack_checksum, Name, Rejected
@@ -123,16 +124,9 @@ class NmeaDecoder:
         self._late_s: dict[int, float] = {}
         self._in_read: Counter[tuple[Name | None, int | None]] = Counter()
         self._from_file = files is not None
-        zone = None if settings.stamp_zone is None else read_offset(settings.stamp_zone)
         self._chosen = None if files is None else find_sentence(files.bare_blocks(), settings)
         self._instrument = choose_instrument(settings)
-        if files is None:
-            self._days = Days(settings.date, zone=zone)
-            self._stamps = LineStamps(settings, self._days)
-        else:
-            self._days = Days(settings.date, lambda: find_first_time(files.bare_blocks()), zone)
-            self._stamps = LineStamps(settings, self._days,
-                                      lambda: find_date_order(files.bare_blocks()), of_log=True)
+        self._days, self._stamps = start_stamps(settings, files)
         self._times = StreamTimes(self._days, self._time_sentences(files))
         self._words = WordCounts()
         self._chosen_column = _Column()
@@ -149,8 +143,7 @@ class NmeaDecoder:
             return TIME_SENTENCES[:1]
         if not self._validity:
             return TIME_SENTENCES[:2]
-        kind = None if files is None else find_kind(files.bare_blocks())
-        return TIME_SENTENCES if kind is None else (kind,)
+        return choose_time_sentences(files, True)
 
     @property
     def counts(self) -> dict[str, int]:

@@ -9,10 +9,9 @@ from typing import Any, Callable
 
 from .csv_log import is_csv
 from .framing import Received, split
-from .log_lines.days import Days
-from .log_lines.line_stamps import find_date_order, LineStamps, read_offset
+from .log_lines.log_clocks import choose_time_sentences, start_stamps
 from .log_lines.log_order import open_log
-from .log_lines.stream_times import find_first_time, find_kind, StreamTimes, TIME_SENTENCES
+from .log_lines.stream_times import StreamTimes
 from .nmea import NmeaDecoder
 from .sentences import Rejected
 from .settings import DriverError, DriverSettings
@@ -112,11 +111,8 @@ class FileSource:
     def _rewind(self) -> None:
         """Begin with the first line."""
         settings, files = self._settings, self._files
-        zone = None if settings.stamp_zone is None else read_offset(settings.stamp_zone)
-        days = Days(settings.date, lambda: find_first_time(files.bare_blocks()), zone)
-        self._stamps = LineStamps(settings, days, lambda: find_date_order(files.bare_blocks()))
-        kind = find_kind(files.bare_blocks()) if settings.time == 'validity' else None
-        self._times = StreamTimes(days, TIME_SENTENCES if kind is None else (kind,))
+        days, self._stamps = start_stamps(settings, files, of_log=False)
+        self._times = StreamTimes(days, choose_time_sentences(files, settings.time == 'validity'))
         self._lines = files.lines()
 
     def _line(self) -> Received | None:

@@ -15,20 +15,10 @@ import numpy as np
 from heading_intercompare.core.records import Motion
 from heading_intercompare.drivers.csv_log import is_csv
 from heading_intercompare.drivers.framing import Framer
-from heading_intercompare.drivers.log_lines.days import Days
-from heading_intercompare.drivers.log_lines.line_stamps import (
-    find_date_order,
-    LineStamps,
-    read_offset,
-)
+from heading_intercompare.drivers.log_lines.log_clocks import choose_time_sentences, start_stamps
 from heading_intercompare.drivers.log_lines.log_files import LogFiles
 from heading_intercompare.drivers.log_lines.log_order import open_log
-from heading_intercompare.drivers.log_lines.stream_times import (
-    find_first_time,
-    find_kind,
-    StreamTimes,
-    TIME_SENTENCES,
-)
+from heading_intercompare.drivers.log_lines.stream_times import StreamTimes, TIME_SENTENCES
 from heading_intercompare.drivers.log_lines.times import day_time_ns, nearest_day_ns
 from heading_intercompare.drivers.sentences import Rejected
 from heading_intercompare.drivers.settings import DriverSettings
@@ -154,13 +144,9 @@ class _Reader:
         self._files, self._counts = files, counts
         self._lenient = rule.checksum == 'if_present'
         self._validity = rule.time == 'validity'
-        zone = None if rule.stamp_zone is None else read_offset(rule.stamp_zone)
-        self._days = Days(rule.date, lambda: find_first_time(files.bare_blocks()), zone)
-        self._stamps = LineStamps(rule, self._days, lambda: find_date_order(files.bare_blocks()),
-                                  of_log=True)
+        days, self._stamps = start_stamps(rule, files)
         self._no_stamps = rule.stamp_format == 'none'
-        kind = find_kind(files.bare_blocks()) if self._validity else None
-        self._times = StreamTimes(self._days, TIME_SENTENCES if kind is None else (kind,))
+        self._times = StreamTimes(days, choose_time_sentences(files, self._validity))
         self._last_ns: int | None = None
 
     def read(self) -> Iterator[tuple[str, int, Told]]:
