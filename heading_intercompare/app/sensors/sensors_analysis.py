@@ -113,6 +113,7 @@ def judge_sensor_bags(paths: Sequence[str], settings: Settings, *,
             why = explain_unreadable(error, path)
             compared.append(Compared({}, {}, (Input(path, error=why),),
                                      [f'{path}: not judged: {why}']))
+    compared = _drop_repeats(compared)
     if all(each.described[0].error for each in compared):
         first = compared[0].described[0]
         raise ValueError(f'none of the {len(paths)} inputs can be read: {first.path}: '
@@ -195,6 +196,25 @@ def analyze_sensors(headings: Mapping[str, Headings], settings: Settings,
                                        sketched=True)], settings).verdict
 
 
+def _drop_repeats(compared: Sequence[Compared]) -> list[Compared]:
+    """Drop the runs of recordings that have the same data as an earlier one."""
+    first: dict[str, str] = {}
+    found = []
+    for each in compared:
+        given = each.described[0]
+        same = first.setdefault(given.sha256, given.path) if given.sha256 else given.path
+        found.append(each if same == given.path else Compared(
+            {}, {}, (replace(given, same_as=same),),
+            [f'{given.path}: not judged again: it has the data of {same}']))
+    return found
+
+
+def _lacks_run(names: Names, compared: Sequence[Compared]) -> bool:
+    """Tell whether a pair has no run in an input, other than one that repeats another."""
+    return any(not each.results.get(names) for each in compared
+               if not any(given.same_as for given in each.described))
+
+
 def _conclude(compared: Sequence[Compared], settings: Settings) -> SensorsJudgement:
     """Join what was found in all inputs."""
     sensors = check_sensors(settings)
@@ -210,7 +230,7 @@ def _conclude(compared: Sequence[Compared], settings: Settings) -> SensorsJudgem
         if reference is None or sensor is reference:
             continue
         names = sensor.name, reference.name
-        incomplete = any(not each.results.get(names) for each in compared)
+        incomplete = _lacks_run(names, compared)
         verdict = join(results[names], settings_of_pair(settings, sensor, reference), inputs,
                        incomplete=incomplete)
         sketches[sensor.name] = tuple(
@@ -222,6 +242,7 @@ def _conclude(compared: Sequence[Compared], settings: Settings) -> SensorsJudgem
                for name in verdicts}
     others = {names: runs for names, runs in results.items()
               if reference is None or reference.name not in names}
-    return SensorsJudgement(judge_sensors(settings, verdicts, others, inputs),
+    lacking = [names for names in others if _lacks_run(names, compared)]
+    return SensorsJudgement(judge_sensors(settings, verdicts, others, inputs, incomplete=lacking),
                             tuple(note for each in compared for note in each.notes), sketches,
                             earlier)

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Mapping, Sequence
+from typing import Collection, Mapping, Sequence
 
 from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.decision.criteria import Limits
@@ -34,7 +34,8 @@ _LATEST_S = 60.0
 
 def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
                   others: Mapping[Names, Sequence[RunResult]],
-                  inputs: Sequence[Input] = ()) -> SensorsVerdict:
+                  inputs: Sequence[Input] = (), *,
+                  incomplete: Collection[Names] = ()) -> SensorsVerdict:
     """
     Judge several sensors.
 
@@ -47,6 +48,8 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
     others : mapping of (str, str) to sequence of RunResult
         The runs of each other pair, by the names of its sensors.
     inputs : sequence of Input
+    incomplete : collection of (str, str)
+        The other pairs that lack a run in an input; they certify nothing.
 
     Returns
     -------
@@ -87,7 +90,9 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
         elif reference is not None:
             outcome, effect, line = _judge_against(sensor, reference, verdicts[sensor.name], vote)
         else:
-            outcome, effect, line = _judge_alone(sensor, sensors, others, pairs, settings, vote)
+            outcome, effect, line = _judge_alone(sensor, sensors, {
+                names: some for names, some in others.items() if names not in incomplete},
+                pairs, settings, vote)
         found.append(SensorResult(
             name=sensor.name, role=sensor.role, topic=sensor.heading_topic,
             sigma_max_deg=norms[at], outcome=outcome, headline=line,
@@ -190,8 +195,8 @@ def _judge_alone(sensor: Sensor, sensors: Sequence[Sensor],
         return Outcome.INDETERMINATE, HOLDS, f'INDETERMINATE: {vote.words}'
     own = [pair for pair in pairs if sensor.name in pair.names]
     for pair in sorted(own, key=lambda one: one.validity_effect != HOLDS):
-        if pair.validity_effect == VOID or not _complies(sensor, pair, sensors,
-                                                         results[pair.names], settings):
+        if pair.validity_effect == VOID or not _complies(
+                sensor, pair, sensors, results.get(pair.names, ()), settings):
             continue
         other = pair.second if pair.first == sensor.name else pair.first
         line = (f'COMPLIANT, as its differences from {other} show; an error common to both is '

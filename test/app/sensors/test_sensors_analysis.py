@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+import shutil
 
 import pytest
 from ship_of_sensors import make_sensor, make_three, START_NS, TABLE, write_bag, write_log
@@ -82,6 +83,25 @@ def test_an_input_that_cannot_be_read_leaves_no_sensor_compliant(bag, tmp_path):
         judge_sensor_bags([str(tmp_path / 'none'), str(tmp_path / 'nil')], SETTINGS)
     with pytest.raises(OSError):
         judge_sensor_bags([str(tmp_path / 'none')], SETTINGS)
+
+
+def test_an_input_that_cannot_be_read_certifies_nothing_without_a_reference(bag, tmp_path):
+    free = Settings.of(sensors=TABLE.replace(' rs', ''), slowest_error_s=60.0)
+    alone = judge_sensor_bags([bag], free).verdict
+    assert Outcome.COMPLIANT in {one.outcome for one in alone.sensors}
+    judged = judge_sensor_bags([bag, str(tmp_path / 'none')], free).verdict
+    assert Outcome.COMPLIANT not in {one.outcome for one in judged.sensors}
+
+
+def test_a_bag_given_twice_counts_once(bag, tmp_path):
+    """Twice the same runs would look like more evidence than there is."""
+    shutil.copytree(bag, tmp_path / 'copy')
+    again = str(tmp_path / 'copy')
+    judged = judge_sensor_bags([bag, again], SETTINGS)
+    assert {pair.runs for pair in judged.verdict.pairs} == {1}
+    assert judged.verdict.inputs[1].same_as == bag
+    assert judged.notes == (f'{again}: not judged again: it has the data of {bag}',)
+    assert judged.verdict.outcome is judge_sensor_bags([bag], SETTINGS).verdict.outcome
 
 
 def test_a_topic_that_is_missing_is_named(bag):
