@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, Callable, Iterable, Mapping, NamedTuple, Sequence
 
 from heading_intercompare.bags.csv.pairs_account import PairsAccount
-from heading_intercompare.bags.mcap.mcap_file import mcap_files
 from heading_intercompare.bags.recording.bag_losses import BagLosses
 from heading_intercompare.bags.recording.journal import (
     is_journal,
@@ -28,6 +27,7 @@ from heading_intercompare.bags.recording.journal_reading import (
 )
 from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
 from heading_intercompare.bags.recording.recorder_losses import count_words
+from heading_intercompare.bags.rosbag2.bag_files import find_files
 from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion, read_fixes
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.bags.rosbag2.readable import Readable
@@ -324,6 +324,7 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
         told.read_told()
         told.finish(comparison.pairer.ledger.newest_ns)
         problems += find_problems(reader)
+        remarks += reader.oddities
         if isinstance(reader, StreamRecording) and reader.not_taken:
             problems.append(f'{reader.kind}: {reader.words_present}')
     hand_out(comparison.finish())
@@ -399,4 +400,4 @@ def _describe(bag: Readable, name: str, settings: Settings, digest: str) -> Inpu
 
 def sha256(path: str) -> str:
     """Return the SHA-256 of a file, or of the files of a bag in the order of their names."""
-    return hash_files(sorted(sources_of(path) or mcap_files(Path(path))))
+    return hash_files(sorted(sources_of(path) or find_files(Path(path)).paths))

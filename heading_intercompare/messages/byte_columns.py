@@ -22,7 +22,7 @@ from .cdr import encode
 from .errors import MessageError
 from .stamps import TIME_LIMIT_NS
 
-__all__ = ['align', 'check_size', 'decode_stamped', 'end_of_strings', 'gather', 'join_messages',
+__all__ = ['align', 'check_size', 'decode_readable', 'decode_stamped', 'end_of_strings', 'gather', 'join_messages',
            'read_sound', 'read_stamps', 'split_rows', 'stamped_rows']
 
 _SECOND_NS = 1_000_000_000
@@ -132,7 +132,7 @@ def check_size(type_name: str, start: Integers, size: Integers,
     if short.any():
         first = int(np.argmax(short))
         raise MessageError(f'{type_name} message of {size[first]} bytes is too short',
-                           offset=int(start[first]))
+                           offset=int(start[first]), offsets=start[short])
 
 
 def decode_stamped(type_name: str, data: bytes, start: Integers, stop: Integers,
@@ -147,7 +147,7 @@ def decode_stamped(type_name: str, data: bytes, start: Integers, stop: Integers,
     strange = ~little & (header['order'] != _BIG)
     if strange.any():
         raise MessageError(f'{type_name} message does not start as CDR',
-                           offset=int(start[np.argmax(strange)]))
+                           offset=int(start[np.argmax(strange)]), offsets=start[strange])
     which = np.flatnonzero(little), np.flatnonzero(~little)
     signs: tuple[_ByteOrder, _ByteOrder] = '<', '>'
     parts = [decode_one(data, start[at], size[at], header[at].view(_HEADER.newbyteorder(sign)))
@@ -169,6 +169,40 @@ def read_stamps(header: np.ndarray) -> Integers:
     stamp_ns: Integers = header['sec'].astype(np.int64) * _SECOND_NS
     stamp_ns += header['nanosec']
     return stamp_ns
+
+
+def decode_readable(decode: Callable[[Integers, Integers], _Chunk], start: Integers,
+                    stop: Integers) -> tuple[_Chunk, np.ndarray, list[str]]:
+    """
+    Return the chunk in the readable messages of a stretch of bytes.
+
+    Parameters
+    ----------
+    decode : callable
+        Returns the chunk of the messages between the given first and last bytes. If some are
+        unreadable, it raises MessageError with their offsets.
+    start, stop : ndarray of int64, shape (n,)
+        First byte of each message, and the byte after its last.
+
+    Returns
+    -------
+    chunk : Headings, Motion or Pairs
+        One row for each readable message.
+    readable : ndarray of bool, shape (n,)
+        Which messages these are.
+    problem : str
+        What is wrong with the first of the others; empty if there are none.
+
+    """
+    readable, problem = np.ones(len(start), bool), ''
+    while True:
+        try:
+            return decode(start[readable], stop[readable]), readable, problem
+        except MessageError as error:
+            if not len(error.offsets):
+                raise
+            readable &= ~np.isin(start, error.offsets)
+            problem = problem or error.problem
 
 
 def read_sound(decode: Callable[..., _Chunk], messages: Sequence[bytes],

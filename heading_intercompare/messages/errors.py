@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from typing import Sequence
+
 __all__ = ['MessageError']
 
 
@@ -17,10 +19,14 @@ class MessageError(ValueError):
         What is wrong, and what is allowed.
     offset : int, optional
         First byte of the message in the data that holds it.
+    offsets : sequence of int
+        The same of all messages with this problem, if there are several.
 
     """
 
-    def __init__(self, problem: str, offset: int | None = None) -> None:
+    def __init__(self, problem: str, offset: int | None = None,
+                 offsets: Sequence[int] = ()) -> None:
         super().__init__(problem + ('' if offset is None else f' (at byte {offset})'))
         self.problem = problem
         self.offset = offset
+        self.offsets = offsets

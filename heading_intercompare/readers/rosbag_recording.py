@@ -111,7 +111,7 @@ class RosbagRecording:
 
     Attributes
     ----------
-    topics, incomplete, recovered, start_ns, end_ns
+    topics, incomplete, oddities, recovered, start_ns, end_ns
         As of `BagReader`.
 
     Raises
@@ -131,6 +131,7 @@ class RosbagRecording:
         # Its headers have no number, which the conversion leaves out.
         self._store = get_typestore(Stores.ROS2_HUMBLE) if self.ros1 else None
         self.incomplete: str | None = None
+        self.oddities: list[str] = []
         paths = [self.path]
         if self.path.is_dir() and not (self.path / 'metadata.yaml').exists():
             paths = sorted(self.path.glob('*.db3'), key=natural_key)

@@ -82,7 +82,7 @@ class StreamRecording:
         All readings, by stream, in the order of the file.
     not_taken : mapping of str to int
         What gave no heading, by reason.
-    topics, incomplete, recovered, start_ns, end_ns
+    topics, incomplete, oddities, recovered, start_ns, end_ns
         As of `BagReader`; times are those of the stamps.
 
     Raises
@@ -100,6 +100,7 @@ class StreamRecording:
     def __init__(self, path: str | os.PathLike[str], kind: str,
                  read: Callable[[str], Collected]) -> None:
         self.path, self.kind = Path(path), kind
+        self.oddities: list[str] = []
         collected = read(os.fspath(path))
         self.streams = collected.streams()
         self.not_taken: Mapping[str, int] = dict(sorted(collected.not_taken.items()))

@@ -188,7 +188,7 @@ def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, na
     given = tuple(OperatorNote(note.stamp_ns, note.text) for note in read_notes(readers[0]))
     described = Input(name, sha256(path), notes=given or None,
                       ledger_problems=tuple(notes) or None)
-    notes += feed.explain(table)
+    notes += [*feed.explain(table), *(text for reader in readers for text in reader.oddities)]
     if not any(found.results.values()):
         described = replace(described, no_run='no pair of sensors has a run')
     return replace(found, described=(described,), notes=[f'{name}: {note}' for note in notes])

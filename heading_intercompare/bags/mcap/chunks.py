@@ -138,9 +138,19 @@ class Gathering:
     def __bool__(self) -> bool:
         return bool(self.end)
 
-    def take(self, file: BinaryIO, length: int, start_ns: int, stop_ns: int) -> bool:
+    def take(self, file: BinaryIO, length: int, start_ns: int, stop_ns: int,
+             indexed: tuple[int, int, int] | None = None) -> bool:
         """
         Take a chunk; the file stands at its content, which has this length.
+
+        Parameters
+        ----------
+        file : binary file
+        length : int
+        start_ns, stop_ns : int
+            Log times to read.
+        indexed : tuple of int, optional
+            What the index of the file says: first and last log time, and size of the records.
 
         Returns
         -------
@@ -150,12 +160,16 @@ class Gathering:
         Raises
         ------
         BagError
-            If the chunk is damaged; the chunks taken before stay usable.
+            If the chunk is damaged or is not the one in the index; the chunks taken before stay
+            usable.
 
         """
         at = file.tell()
         begun = file.read(min(CHUNK_HEAD.size + _LENGTH.size + 4, length))
         head, start = _read_head(begun, length)
+        if indexed is not None and indexed != (head.first_ns, head.last_ns, head.size):
+            raise BagError('the index of the file does not fit this chunk; `recover` copies all '
+                           'chunks and writes a new index')
         if head.first_ns >= stop_ns or head.last_ns < start_ns:
             return False
         file.seek(at + start)

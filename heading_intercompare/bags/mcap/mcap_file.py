@@ -14,6 +14,7 @@ from functools import partial
 import os
 from pathlib import Path
 import re
+import struct
 from typing import Callable, Iterator, NamedTuple, TypeVar
 import zlib
 
@@ -27,7 +28,7 @@ from .attachments import find_records, parse_attachment
 from .message_blocks import Block, HEAD, Record, walk
 from .record_stream import MAGIC, parse_record, RecordStream
 
-__all__ = ['mcap_files', 'natural_key', 'NeverBegun', 'Part', 'Stretch']
+__all__ = ['ChunkRow', 'mcap_files', 'natural_key', 'NeverBegun', 'Part', 'read_chunk_index', 'Stretch']
 
 _FOOTER = HEAD.size + 20
 _DATA_END = HEAD.pack(Opcode.DATA_END, 4)
@@ -35,6 +36,10 @@ _DATA_END = HEAD.pack(Opcode.DATA_END, 4)
 _DATA = (Opcode.HEADER, Opcode.MESSAGE, Opcode.CHUNK, Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT,
          Opcode.METADATA, Opcode.DATA_END)
 _BUFFER_BYTES = 131072
+#: First and last log time, offset and length of a chunk, and bytes of the places of its message
+#: indexes, each a channel and an offset; at the end the size of its records.
+_CHUNK_INDEX, _SIZE = struct.Struct('<QQQQI'), struct.Struct('<Q')
+_PLACE = 10
 #: Bytes of a block, and blocks of a stretch, at least; the last of a file may be smaller.
 _BLOCK_BYTES = 3145728
 _STRETCH_BLOCKS = 4
@@ -48,6 +53,22 @@ class Stretch(NamedTuple):
     begin: int
     end: int
     size: int
+
+
+class ChunkRow(NamedTuple):
+    """
+    What the index of a file says about a chunk, or a scan about a block.
+
+    `size` is that of its records when decompressed. The log times are those of its first and last
+    message, in nanoseconds. `channels` has the low and the high bytes of the numbers of its
+    channels; empty if unknown.
+    """
+
+    begin: int
+    size: int
+    first_ns: int
+    last_ns: int
+    channels: tuple[bytes, bytes]
 
 
 def natural_key(path: Path) -> list:
@@ -81,6 +102,17 @@ def mcap_files(path: Path) -> list[Path]:
 
 class NeverBegun(BagError):
     """The file is empty, not MCAP, or was never written."""
+
+
+def read_chunk_index(content: bytes) -> ChunkRow:
+    """Return the row of a chunk from the record in the index; BagError if it is cut."""
+    try:
+        first_ns, last_ns, begin, _, length = _CHUNK_INDEX.unpack_from(content)
+        size, = _SIZE.unpack_from(content, len(content) - _SIZE.size)
+    except struct.error:
+        raise BagError('a record of the index is cut') from None
+    places = content[_CHUNK_INDEX.size:_CHUNK_INDEX.size + length]
+    return ChunkRow(begin, size, first_ns, last_ns, (places[::_PLACE], places[1::_PLACE]))
 
 
 class Part:
@@ -144,8 +176,9 @@ class Part:
         #: The records lie between the first two; the dict has the offsets of the extras.
         self._begin = self.end = len(MAGIC)
         self._extras: dict[int, list[int]] = {Opcode.METADATA: [], Opcode.ATTACHMENT: []}
-        #: Offsets of the chunks, and their sizes when decompressed.
-        self._chunks: list[tuple[int, int]] = []
+        self._chunks: list[ChunkRow] = []
+        self._indexed = False
+        self._heads: dict[int, tuple[int, int, int]] | None = None
 
     def _read_summary(self, stream: RecordStream) -> bool:
         """Read the contents from the end of the file; False if that is incomplete."""
@@ -167,7 +200,7 @@ class Part:
             complete = self._take_summary(summary)
         except BagError:
             return False
-        self.end = footer.summary_start
+        self.end, self._indexed = footer.summary_start, True
         return complete
 
     def _take_summary(self, summary: bytes) -> bool:
@@ -184,8 +217,7 @@ class Part:
                 at = parse_record(mcap.AttachmentIndex, content).offset
                 self._extras[Opcode.ATTACHMENT].append(at)
             elif record.opcode == Opcode.CHUNK_INDEX:
-                self._chunks.append((int.from_bytes(content[16:24], 'little'),
-                                     int.from_bytes(content[-8:], 'little')))
+                self._chunks.append(read_chunk_index(content))
             else:
                 self._take_definition(record.opcode, content)
         if statistics is None:
@@ -267,18 +299,25 @@ class Part:
         return problem
 
     def _take_block(self, block: Block) -> None:
-        self._chunks.append((block.offset, len(block.data)))
         for record in block.others:
             content = bytes(block.data[record.start:record.start + record.length])
             self._take_definition(record.opcode, content)
         if not len(block.start):
             return
-        for channel, count in zip(*np.unique(block.heads['channel'], return_counts=True)):
-            self.counts[int(channel)] = self.counts.get(int(channel), 0) + int(count)
+        present, counts = np.unique(block.heads['channel'], return_counts=True)
+        for channel, count in zip(present.tolist(), counts.tolist()):
+            self.counts[channel] = self.counts.get(channel, 0) + count
         log = block.heads['log_time']
         first, last = int(log.min()), int(log.max())
+        self._chunks.append(ChunkRow(
+            block.offset, len(block.data), first, last,
+            ((present & 255).astype(np.uint8).tobytes(), (present >> 8).astype('u1').tobytes())))
         self.start_ns = first if self.start_ns is None else min(self.start_ns, first)
         self.end_ns = last if self.end_ns is None else max(self.end_ns, last)
+
+    def chunk_rows(self) -> list[ChunkRow]:
+        """Return what is known of the chunks without reading them, in file order."""
+        return sorted(self._chunks)
 
     def stretches(self) -> list[Stretch]:
         """
@@ -288,11 +327,11 @@ class Part:
         of the file is wrong, a stretch may begin or end within a record.
         """
         cuts, size = [(self._begin, 0)], 0
-        for begin, length in sorted(self._chunks):
-            if size >= _STRETCH_BLOCKS * _BLOCK_BYTES and cuts[-1][0] < begin < self.end:
-                cuts.append((begin, size))
+        for row in self.chunk_rows():
+            if size >= _STRETCH_BLOCKS * _BLOCK_BYTES and cuts[-1][0] < row.begin < self.end:
+                cuts.append((row.begin, size))
                 size = 0
-            size += length
+            size += row.size
         if not self._chunks:
             size = self.end - self._begin
         ends = [begin for begin, _ in cuts[1:]] + [self.end]
@@ -334,11 +373,19 @@ class Part:
         """
         try:
             end = self.end if end is None else end
-            for piece, _ in stream.pieces(begin, end, _BLOCK_BYTES, start_ns, stop_ns):
+            for piece, _ in stream.pieces(begin, end, _BLOCK_BYTES, start_ns, stop_ns,
+                                          self._find_heads()):
                 if isinstance(piece, Block):
                     yield piece
         except BagError as error:
             raise error.locate(self.path, error.offset) from None
+
+    def _find_heads(self) -> dict[int, tuple[int, int, int]]:
+        """Return what the index says of each chunk, by offset: its log times and its size."""
+        if self._heads is None:
+            rows = self._chunks if self._indexed else []
+            self._heads = {row.begin: (row.first_ns, row.last_ns, row.size) for row in rows}
+        return self._heads
 
     def check_count(self, count: int) -> None:
         """Raise BagError unless the message count matches the index of the file."""

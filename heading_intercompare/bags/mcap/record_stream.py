@@ -7,7 +7,7 @@ from __future__ import annotations
 from io import BytesIO
 import os
 import struct
-from typing import BinaryIO, Iterator, TypeVar
+from typing import BinaryIO, Iterator, Mapping, TypeVar
 
 from mcap import records as mcap
 from mcap.data_stream import ReadDataStream
@@ -28,6 +28,8 @@ _BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
 _BARE_BYTES = 1048576
 #: A record that claims to be larger is not read.
 _RECORD_LIMIT = 2**31
+#: No chunk is like this: its size is not possible.
+_UNKNOWN = (0, 0, -1)
 
 _AnyRecord = TypeVar('_AnyRecord', bound=mcap.McapRecord)
 
@@ -101,8 +103,9 @@ class RecordStream:
                 self._file.read(INDEX_LEAST)[2:], 'little') != size:
             raise BagError('message index damaged: its lengths do not agree', offset=at)
 
-    def pieces(self, at: int, end: int, least: int, start_ns: int = 0,
-               stop_ns: int = 2**64) -> Iterator[tuple[Block | Record, int]]:
+    def pieces(self, at: int, end: int, least: int, start_ns: int = 0, stop_ns: int = 2**64,
+               heads: Mapping[int, tuple[int, int, int]] | None = None,
+               ) -> Iterator[tuple[Block | Record, int]]:
         """
         Yield blocks and other records, each with the byte after it, up to the end of the data.
 
@@ -116,6 +119,9 @@ class RecordStream:
             Chunks are joined to a block until they have this many bytes, for speed.
         start_ns, stop_ns : int
             Chunks that lie outside [start, stop) in log time are skipped.
+        heads : mapping, optional
+            For each chunk in the index of the file, by offset: its first and last log time, and
+            the size of its records. Empty or None if there is no index.
 
         Raises
         ------
@@ -146,7 +152,8 @@ class RecordStream:
                 self._file.seek(start)
             if opcode == Opcode.CHUNK:
                 try:
-                    wanted = chunks.take(self._file, length, start_ns, stop_ns)
+                    wanted = chunks.take(self._file, length, start_ns, stop_ns,
+                                         heads.get(at, _UNKNOWN) if heads else None)
                 except BagError as error:
                     if chunks:
                         yield chunks.block(), chunks.end

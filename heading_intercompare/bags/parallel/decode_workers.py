@@ -40,8 +40,9 @@ _FEWEST = 12
 _MOST_BYTES = 2**27
 
 _COLUMNS = ('<i8', '<i2', '<u4', '<i8', '<f8')
-#: For each block, the number of messages, and the number of headings of each kind.
-_Layout = list[tuple[int, list[int]]]
+#: For each block, the number of messages, the number of headings of each kind, and what is
+#: unreadable of each kind.
+_Layout = list[tuple[int, list[int], list[tuple[int, str]]]]
 
 
 class Task(NamedTuple):
@@ -54,7 +55,7 @@ class Task(NamedTuple):
 def _places(layout: _Layout) -> Iterator[list[tuple[str, int, int]]]:
     """Yield, for each block and kind, the dtype, length and first byte of its columns."""
     at = 0
-    for _, lengths in layout:
+    for _, lengths, _ in layout:
         for length in lengths:
             columns = []
             for column in _COLUMNS:
@@ -65,12 +66,13 @@ def _places(layout: _Layout) -> Iterator[list[tuple[str, int, int]]]:
 
 def _size(layout: _Layout) -> int:
     return sum(-(-length * int(column[-1]) // 8) * 8
-               for _, lengths in layout for length in lengths for column in _COLUMNS)
+               for _, lengths, _ in layout for length in lengths for column in _COLUMNS)
 
 
 def _put(blocks: Sequence[Decoded], memory: memoryview) -> _Layout | None:
     """Write decoded blocks into memory and return their layout; None if they do not fit."""
-    layout = [(block.count, [len(each.place) for each in block.found]) for block in blocks]
+    layout = [(block.count, [len(each.place) for each in block.found],
+               [each.unreadable for each in block.found]) for block in blocks]
     if _size(layout) > len(memory):
         return None
     found = [each for block in blocks for each in block.found]
@@ -86,12 +88,12 @@ def _take(layout: _Layout, memory: bytes) -> list[Decoded]:
     """Read decoded blocks back from memory."""
     columns = _places(layout)
     blocks = []
-    for count, lengths in layout:
+    for count, _, unreadable in layout:
         found = []
-        for _ in lengths:
+        for lacking in unreadable:
             *head, stamp_ns, heading_deg = (np.frombuffer(memory, *each)
                                             for each in next(columns))
-            found.append(Found(*head, Headings(stamp_ns, heading_deg)))
+            found.append(Found(*head, Headings(stamp_ns, heading_deg), lacking))
         blocks.append(Decoded(count, found))
     return blocks
 

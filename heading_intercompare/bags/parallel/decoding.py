@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from typing import Iterator, Mapping, NamedTuple, Sequence
+from functools import partial
+from typing import Iterable, Iterator, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
@@ -14,10 +15,12 @@ from heading_intercompare.bags.mcap.mcap_file import Part, Stretch
 from heading_intercompare.bags.mcap.message_blocks import Block
 from heading_intercompare.bags.mcap.record_stream import RecordStream
 from heading_intercompare.core.records import Headings
-from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.byte_columns import decode_readable
 from heading_intercompare.messages.heading_messages import decode_headings
+from heading_intercompare.messages.schemas import layout_problem
 
-__all__ = ['Decoded', 'Decoder', 'Found', 'Kind']
+__all__ = ['add_unreadable', 'count_falls', 'Decoded', 'Decoder', 'find_channel_problem', 'Found',
+           'Kind', 'order_by_time']
 
 #: At most this many bytes of records, and this many messages, are decoded at once.
 _MOST_BYTES = 2**26
@@ -33,12 +36,62 @@ class Kind(NamedTuple):
 
 
 class Found(NamedTuple):
-    """Headings of a kind in file order: log time in ns, index of the topic, number, reading."""
+    """
+    Headings of a kind in file order: log time in ns, index of the topic, number, reading.
+
+    `unreadable` is the number of messages that cannot be read, and what is wrong with one.
+    """
 
     log_time_ns: np.ndarray
     place: np.ndarray
     sequence: np.ndarray
     headings: Headings
+    unreadable: tuple[int, str] = (0, '')
+
+    @classmethod
+    def concatenate(cls, parts: Sequence['Found']) -> 'Found':
+        """Return the headings of at least one part, one after the other."""
+        if len(parts) == 1:
+            return parts[0]
+        log_time_ns, place, sequence = (np.concatenate(column)
+                                        for column in list(zip(*parts))[:3])
+        return cls(log_time_ns, place, sequence,
+                   Headings.concatenate([part.headings for part in parts]),
+                   add_unreadable(part.unreadable for part in parts))
+
+    def take(self, rows: np.ndarray) -> 'Found':
+        """Return some of the headings."""
+        return self._replace(log_time_ns=self.log_time_ns[rows], place=self.place[rows],
+                             sequence=self.sequence[rows], headings=self.headings[rows])
+
+
+def add_unreadable(counts: Iterable[tuple[int, str]]) -> tuple[int, str]:
+    """Return a total number of unreadable messages, and what is wrong with the first."""
+    counts = list(counts)
+    return sum(n for n, _ in counts), next((problem for _, problem in counts if problem), '')
+
+
+def order_by_time(found: Found) -> Found:
+    """
+    Return headings with each topic in the order of its log times if more stamps rise in it.
+
+    The clock of a recorder may go back while those of the sensors go on. Then they stay as found.
+    """
+    log_time_ns, stamp_ns = found.log_time_ns, found.headings.stamp_ns
+    if (log_time_ns[1:] >= log_time_ns[:-1]).all():
+        return found
+    rows = np.arange(len(log_time_ns))
+    for place in np.unique(found.place):
+        mine = np.flatnonzero(found.place == place)
+        ordered = mine[np.argsort(log_time_ns[mine], kind='stable')]
+        if count_falls(stamp_ns[ordered]) < count_falls(stamp_ns[mine]):
+            rows[mine] = ordered
+    return found.take(rows)
+
+
+def count_falls(stamp_ns: np.ndarray) -> int:
+    """Return how many stamps are earlier than the one before."""
+    return int((stamp_ns[1:] < stamp_ns[:-1]).sum())
 
 
 class Decoded(NamedTuple):
@@ -48,17 +101,63 @@ class Decoded(NamedTuple):
     found: list[Found]
 
 
-def _find_headings(block: Block, kind: Kind, place_of: np.ndarray) -> Found:
-    """Return the headings in a block; `place_of` gives the topic index of a channel, or -1."""
+def find_channel_problem(part: Part, number: int, type_name: str) -> str | None:
+    """Return why the messages of a channel cannot be read as headings of a type; None if so."""
+    channel = part.channels[number]
+    if channel.message_encoding != 'cdr':
+        return f'its messages are encoded as {channel.message_encoding!r}, not cdr'
+    schema = part.schemas[channel.schema_id]
+    return layout_problem(type_name, schema.encoding, schema.data.decode(errors='replace'))
+
+
+def _find_headings(block: Block, kind: Kind, place_of: np.ndarray,
+                   strange: Mapping[int, str]) -> Found:
+    """
+    Return the headings in a block.
+
+    Parameters
+    ----------
+    block : Block
+    kind : Kind
+    place_of : ndarray of int16
+        The topic index of each channel, or -1.
+    strange : mapping of int to str
+        Channels of these topics that cannot be read, and why.
+
+    """
     place = place_of[block.heads['channel']]
     which = slice(None)
     if place.size and place.min() < 0:
         which = np.flatnonzero(place >= 0)
         place = place[which]
-    headings = decode_headings(kind.type_name, kind.convention, block.data, block.start[which],
-                               block.stop[which])
     heads = block.heads[which]
-    return Found(heads['log_time'].copy(), place, heads['sequence'].copy(), headings)
+    log_time_ns = heads['log_time'].copy()
+    headings, unreadable = _decode(block, kind, which, log_time_ns, strange)
+    return order_by_time(Found(log_time_ns, place, heads['sequence'].copy(), headings, unreadable))
+
+
+def _decode(block: Block, kind: Kind, which: slice | np.ndarray, log_time_ns: np.ndarray,
+            strange: Mapping[int, str]) -> tuple[Headings, tuple[int, str]]:
+    """
+    Return the readings in some messages of a block; count the unreadable ones, and say why.
+
+    An unreadable message is an invalid reading at its log time, which is all that is known of it.
+    """
+    start, stop = block.start[which], block.stop[which]
+    decode = partial(decode_headings, kind.type_name, kind.convention, block.data)
+    if not strange:
+        found, readable, problem = decode_readable(decode, start, stop)
+        if not problem:
+            return found, (0, '')
+    else:
+        readable = ~np.isin(block.heads['channel'][which], [*strange])
+        found, within, problem = decode_readable(decode, start[readable], stop[readable])
+        if not readable.all():
+            problem = problem or next(iter(strange.values()))
+        readable[readable] = within
+    stamp_ns, heading_deg = log_time_ns.copy(), np.full(len(log_time_ns), np.nan)
+    stamp_ns[readable], heading_deg[readable] = found.stamp_ns, found.heading_deg
+    return Headings(stamp_ns, heading_deg), (int((~readable).sum()), problem)
 
 
 class Decoder:
@@ -93,9 +192,13 @@ class Decoder:
             part = self.parts[number]
             self._stream = self._file.enter_context(part.open())
             self._places = [np.full(2**16, -1, np.int16) for _ in self._kinds]
+            self._strange: list[dict[int, str]] = [{} for _ in self._kinds]
             for channel in part.channels:
-                for kind, place_of in zip(self._kinds, self._places):
+                for kind, place_of, strange in zip(self._kinds, self._places, self._strange):
                     place_of[channel] = kind.places.get(part.channels[channel].topic, -1)
+                    if place_of[channel] >= 0 and (
+                            problem := find_channel_problem(part, channel, kind.type_name)):
+                        strange[channel] = problem
             self._number = number
         return self._stream
 
@@ -111,11 +214,8 @@ class Decoder:
         """
         part = self.parts[number]
         for block in part.blocks_of(self._open(number), begin, end):
-            try:
-                found = [_find_headings(block, *each) for each in zip(self._kinds, self._places)]
-            except MessageError as error:
-                raise BagError(error.problem, part.path, block.offset) from None
-            yield Decoded(len(block.start), found)
+            yield Decoded(len(block.start), [_find_headings(block, *each) for each in zip(
+                self._kinds, self._places, self._strange)])
 
     def stretch(self, number: int, stretch: Stretch) -> list[Decoded] | None:
         """Return the blocks of a stretch; None if it is damaged or too large to hold in memory."""

@@ -8,7 +8,6 @@ from collections import Counter
 from typing import Callable, Mapping
 
 from heading_intercompare.bags.checked_text import decimal
-from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.records import Losses
@@ -52,9 +51,10 @@ class BagLosses:
         Raises
         ------
         OSError, BagError
-            If the bag cannot be read, or a message is damaged.
+            If the bag cannot be read. An unreadable message is an oddity of it.
 
         """
+        problems: list[str] = []
         told: dict[str, list[str]] = {}
         for topic, stream in self._streams.items():
             name = lost_topic(self._reader.resolve(topic))
@@ -65,10 +65,15 @@ class BagLosses:
             try:
                 found = decode_losses(message.data)
             except ValueError as error:
-                raise BagError(f'topic {message.topic!r}: {error}', self._reader.path) from error
+                problems.append(f'topic {message.topic}: {error}')
+                continue
             for stream in told[message.topic]:
                 for lost_as, losses in found.items():
                     self._count(LedgerKey.of_told(stream, lost_as), losses)
+
+        words = f'{len(problems)} messages about losses cannot be read; the first: '
+        if problems and words + problems[0] not in self._reader.oddities:
+            self._reader.oddities.append(words + problems[0])
 
     def finish(self, newest_ns: int | None) -> None:
         """Take what the recorder missed after the last messages, given the newest stamp."""

@@ -37,7 +37,7 @@ class RecordedHeadings:
     notes : tuple of Note
         Notes of the operator, with `stamp_ns` and `text`.
     problems : tuple of str
-        What is missing from the recording, in words; empty if it is whole.
+        What is missing from the recording, or odd, in words; empty if it is whole.
 
     """
 
@@ -78,7 +78,7 @@ def read_bag(path: str | os.PathLike[str], settings: Settings | None = None) -> 
     reader = BagReader(path)
     topics = {rule.ts_topic: rule.ts_convention, rule.rs_topic: rule.rs_convention}
     chunks = list(reader.headings(topics))
-    problems = tuple(find_problems(reader))
+    problems = (*find_problems(reader), *reader.oddities)
     for problem in problems:
         warnings.warn(f'{reader.path}: {problem}', stacklevel=2)
     ts, rs = (Headings.concatenate([chunk[topic] for chunk in chunks])

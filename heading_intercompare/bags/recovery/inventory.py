@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from array import array
+from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
@@ -14,7 +15,9 @@ from mcap import records as mcap
 from mcap.opcode import Opcode
 import numpy as np
 
+from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.chunk_runs import Chunk, ChunkRun, count_messages, Counts
+from heading_intercompare.bags.mcap.mcap_file import ChunkRow, read_chunk_index
 from heading_intercompare.bags.mcap.message_blocks import (
     Block,
     ENTRY_BYTES,
@@ -168,6 +171,8 @@ class Inventory:
         Number of metadata records and attachments.
     earlier : list of dict
         The metadata records `recovery` in it, from earlier recoveries.
+    indexed : list of ChunkRow
+        What its index says of the chunks.
     doubtful : list
         Numbers, epochs and rows of pieces that are believed only if the file has no chunk.
 
@@ -186,12 +191,23 @@ class Inventory:
     begun: bool = False
     extras: int = 0
     earlier: list[dict[str, str]] = field(default_factory=list)
+    indexed: list[ChunkRow] = field(default_factory=list)
     doubtful: list[tuple[int, int, Chunk]] = field(default_factory=list)
 
     @property
     def closed(self) -> bool:
         """Whether the file, and each file appended to it, has an end."""
         return all(section.closed for section in self.sections)
+
+    def count_misplaced(self) -> int:
+        """Return how many chunks are not those that the index of the file names in their place."""
+        chunks = [piece.chunk for piece in self.pieces if piece.kind == Kind.CHUNK]
+        if len(self.indexed) != len(chunks) or len(self.sections) > 1:
+            # Something is missing, which is said elsewhere.
+            return 0
+        said = {row.begin: (row.first_ns, row.last_ns, row.size) for row in self.indexed}
+        return sum(said.get(chunk.start, ()) != (chunk.first_ns, chunk.last_ns, chunk.size)
+                   for chunk in chunks)
 
     def count(self, epoch: int, counts: Counts, sign: int = 1) -> None:
         """Add the messages of channels to the counts of an epoch."""
@@ -325,6 +341,9 @@ def _take(found: Inventory, item: Sound, salvage: Salvage) -> None:
         said = parse_record(mcap.Statistics, salvage.content(item.record))
         if said.channel_message_counts or not said.message_count:
             found.sections[-1].said.append(said.message_count)
+    elif opcode == Opcode.CHUNK_INDEX:
+        with suppress(BagError):
+            found.indexed.append(read_chunk_index(salvage.content(item.record)))
     elif opcode == Opcode.FOOTER:
         found.sections[-1].closed = True
     elif opcode in (Opcode.METADATA, Opcode.ATTACHMENT):

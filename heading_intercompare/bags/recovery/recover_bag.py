@@ -20,9 +20,9 @@ from typing import Callable
 from heading_intercompare.bags.checked_text import decimal
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.chunk_writer import COMPRESSIONS
-from heading_intercompare.bags.mcap.mcap_file import mcap_files
 from heading_intercompare.bags.recording.bag_writer import BagWriter
-from heading_intercompare.bags.rosbag2.bag_yaml import find_absent_parts
+from heading_intercompare.bags.rosbag2.bag_files import BagFiles, find_files, METADATA
+from heading_intercompare.bags.rosbag2.bag_yaml import list_parts
 from heading_intercompare.bags.settings import BagSettings
 
 from .copier import Transfer
@@ -86,15 +86,15 @@ class Recovered:
             self.notes.append(f'{path.name}: {text}')
 
 
-def _find_absent_parts(source: Path, total: Recovered) -> list[str]:
-    """Return the files that are missing; of metadata that cannot be read only a note remains."""
+def _find_files(source: Path) -> tuple[BagFiles, str]:
+    """Return the files of a bag, and why its metadata cannot be read: then all count."""
     try:
-        return find_absent_parts(source)
+        list_parts(source / METADATA)
     except BagError as error:
-        total.note(Path(error.path), error.problem.partition(';')[0])
+        return find_files(source, []), error.problem.partition(';')[0]
     except OSError as error:
-        total.note(source / 'metadata.yaml', error.strerror or str(error))
-    return []
+        return find_files(source, []), error.strerror or str(error)
+    return find_files(source), ''
 
 
 def _take_inventories(paths: list[Path], progress: Callable[[str], None]
@@ -123,6 +123,9 @@ def _sum_up(files: list[Inventory]) -> Recovered:
         for damage in found.damage[:_NOTES]:
             total.note(found.path, f'bytes {damage.start} to {damage.end}: {damage.fault}')
         _count(total, found)
+        if misplaced := found.count_misplaced():
+            total.note(found.path, f'{misplaced} chunks are not the chunks that its index names in '
+                       'their place')
         if not found.size:
             total.note(found.path, 'is empty (0 bytes)')
         elif not found.closed:
@@ -240,15 +243,19 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
     source, target = Path(source), Path(target)
     if target.exists():
         raise BagError('already exists; a bag is never overwritten', target)
-    paths = mcap_files(source)
+    listed, problem = _find_files(source)
     if source.resolve() in target.resolve().parents:
         raise BagError(f'lies inside the bag to recover; write it next to {source}', target)
-    files, others = _take_inventories(paths, progress)
+    files, others = _take_inventories(listed.paths, progress)
     total = _sum_up(files)
     for path, problem in others:
         total.note(path, problem)
         total.messages_known = False
-    for name in _find_absent_parts(source, total):
+    if problem:
+        total.note(source / METADATA, problem)
+    for oddity in listed.oddities:
+        total.note(source, oddity)
+    for name in listed.absent:
         total.note(source / name, 'is missing')
         total.messages_known = False
     if not total.messages and (total.messages_lost or not any(

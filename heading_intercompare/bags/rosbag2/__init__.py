@@ -9,8 +9,8 @@ from heading_intercompare._doors import door
 __getattr__, __dir__, __all__ = door(__name__, {
     'bag_check': ('BagCheck', 'check_bag'),
     'bag_reader': ('Attachment', 'BagReader'),
-    'bag_yaml': ('bag_metadata', 'find_absent_parts', 'metadata_file', 'PartInfo', 'Qos',
-                 'TopicRow'),
+    'bag_files': ('find_files',),
+    'bag_yaml': ('bag_metadata', 'list_parts', 'metadata_file', 'PartInfo', 'Qos', 'TopicRow'),
     'paced_replay': ('Replay',),
     'provenance': ('describe_origin', 'is_note', 'note_lines', 'NOTE_TOPIC', 'Notes',
                    'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC', 'TRUTH_TOPIC'),

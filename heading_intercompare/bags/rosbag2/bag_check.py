@@ -17,11 +17,12 @@ import numpy as np
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.checksum import crc32
 from heading_intercompare.bags.mcap.chunks import CHUNK_HEAD
-from heading_intercompare.bags.mcap.mcap_file import mcap_files, Part
+from heading_intercompare.bags.mcap.mcap_file import Part
 from heading_intercompare.bags.mcap.message_blocks import Block, HEAD, Record
 from heading_intercompare.bags.mcap.record_stream import MAGIC, parse_record, RecordStream
 
-from .bag_yaml import find_absent_parts
+from .bag_files import find_files
+from .index_check import find_index_faults
 from .sequence_gaps import Numbering
 
 __all__ = ['BagCheck', 'check_bag']
@@ -46,6 +47,8 @@ class BagCheck:
         further after its first fault.
     topics : dict of str to Numbering
         Sequence numbers of the messages, by topic.
+    late : dict of str to int
+        Messages that lie after one of their topic with a later log time, by topic.
 
     """
 
@@ -55,6 +58,15 @@ class BagCheck:
     unprotected: int = 0
     faults: list[str] = field(default_factory=list)
     topics: dict[str, Numbering] = field(default_factory=dict)
+    late: dict[str, int] = field(default_factory=dict)
+    _newest_ns: dict[str, int] = field(default_factory=dict)
+
+    def take_times(self, topic: str, log_time_ns: np.ndarray) -> None:
+        """Take the log times of messages of a topic, at least one, as they lie."""
+        before = np.maximum.accumulate(np.append(self._newest_ns.get(topic, 0), log_time_ns))
+        self._newest_ns[topic] = int(before[-1])
+        if late := int((log_time_ns < before[:-1]).sum()):
+            self.late[topic] = self.late.get(topic, 0) + late
 
 
 def check_bag(path: str | os.PathLike[str],
@@ -79,9 +91,9 @@ def check_bag(path: str | os.PathLike[str],
     """
     found = BagCheck()
     place = Path(path)
-    files = mcap_files(place)
-    found.faults += [f'{name} is missing' for name in find_absent_parts(place)]
-    for file in files:
+    files = find_files(place)
+    found.faults += [f'{name} is missing' for name in files.absent]
+    for file in files.paths:
         found.files += 1
         found.faults += _faults(file, found, progress)
     return found
@@ -104,6 +116,7 @@ def _faults(file: Path, found: BagCheck, progress: Callable[[str], None]) -> Ite
             pass
         with open(file, 'rb', _READ_BYTES) as stream:
             yield from _check_rest(RecordStream(stream), part, found)
+            yield from find_index_faults(stream, part)
     except BagError as error:
         yield f'{file.name}: {_text(error)}'
 
@@ -120,7 +133,9 @@ def _take(block: Block, part: Part, found: BagCheck) -> None:
             raise BagError(f'a message belongs to channel {number}, which is not defined',
                            offset=block.offset)
         topic = part.channels[number].topic
-        found.topics.setdefault(topic, Numbering()).take(numbers[channels == number])
+        mine = np.flatnonzero(channels == number)
+        found.topics.setdefault(topic, Numbering()).take(numbers[mine])
+        found.take_times(topic, block.heads['log_time'][mine])
 
 
 def _check_rest(stream: RecordStream, part: Part, found: BagCheck) -> Iterator[str]:

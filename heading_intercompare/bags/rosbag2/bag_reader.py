@@ -14,17 +14,33 @@ from typing import Callable, Iterable, Iterator, Mapping, NamedTuple, Sequence
 import numpy as np
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.mcap.mcap_file import mcap_files, NeverBegun, Part
+from heading_intercompare.bags.mcap.mcap_file import NeverBegun, Part
+from heading_intercompare.bags.mcap.message_blocks import Block
 from heading_intercompare.bags.parallel.by_minute import Window
 from heading_intercompare.bags.parallel.decode_workers import can_fork, decode_stretches, Task
-from heading_intercompare.bags.parallel.decoding import Decoded, Decoder, Found, Kind
+from heading_intercompare.bags.parallel.decoding import (
+    add_unreadable,
+    Decoded,
+    Decoder,
+    find_channel_problem,
+    Found,
+    Kind,
+)
 from heading_intercompare.bags.parallel.prefetch import run_ahead
+from heading_intercompare.bags.parallel.reading_order import (
+    cut_pieces,
+    is_in_order,
+    merge_by_time,
+    Piece,
+    read_by_time,
+    rises_by_time,
+)
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.fields import full_name
 from heading_intercompare.messages.heading_messages import HEADING_TYPES
-from heading_intercompare.messages.schemas import layout_problem
 
-from .bag_yaml import find_absent_parts, Qos
+from .bag_files import find_files
+from .bag_yaml import Qos
 from .provenance import RECORD
 from .sequence_gaps import Numbering
 
@@ -34,6 +50,8 @@ __all__ = ['Attachment', 'BagMessage', 'BagReader', 'TopicInfo']
 #: Records of the programs that keep the numbers of the publishers. Others may number the messages
 #: of all topics together, or in any other way.
 _NUMBERED_BY = (RECORD, 'rosbag2')
+_DISORDER = ('its chunks are not in the order of time; its readings are read in the order of their '
+             'log times')
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,12 +96,14 @@ class Attachment:
     data: bytes
 
 
-def _open_files(path: Path) -> tuple[list[Part], list[str]]:
-    """Return the files of a bag in order, and why some are missing."""
+def _open_files(path: Path, oddities: list[str]) -> tuple[list[Part], list[str]]:
+    """Return the files of a bag in order, and why some are missing; say what else is odd."""
+    files = find_files(path)
+    oddities += files.oddities
     if not path.is_dir():
         return [Part(path)], []
-    paths = mcap_files(path)
-    absent = [f'{name} is missing' for name in find_absent_parts(path)]
+    paths = files.paths
+    absent = [f'{name} is missing' for name in files.absent]
     parts, refused = [], []
     for each in paths:
         try:
@@ -128,6 +148,8 @@ class BagReader:
         is complete. The rest can still be read.
     start_ns, end_ns : int or None
         Smallest and largest log time; None without messages.
+    oddities : list of str
+        What is odd about the bag, and how it is read; more may be found while it is read.
 
     Raises
     ------
@@ -140,7 +162,8 @@ class BagReader:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
-        self._parts, absent = _open_files(self.path)
+        self.oddities: list[str] = []
+        self._parts, absent = _open_files(self.path, self.oddities)
         reasons = absent + [part.incomplete for part in self._parts if part.incomplete]
         self.incomplete = '; '.join(reasons) or None
         self._metadata: dict[str, dict[str, str]] | None = None
@@ -226,17 +249,12 @@ class BagReader:
         if kind not in HEADING_TYPES:
             raise BagError(f'topic {topic} is {kind or "without a schema"}; a heading is '
                            f'{", ".join(HEADING_TYPES)}', self.path)
-        for part in self._parts:
-            for channel in part.channels.values():
-                if channel.topic != topic:
-                    continue
-                schema = part.schemas[channel.schema_id]
-                text = schema.data.decode(errors='replace')
-                problem = layout_problem(kind, schema.encoding, text)
-                if channel.message_encoding != 'cdr':
-                    problem = f'its messages are encoded as {channel.message_encoding!r}, not cdr'
-                if problem:
-                    raise BagError(f'topic {topic} ({kind}) cannot be read: {problem}', part.path)
+        problems = {(part.path, find_channel_problem(part, number, kind)) for part in self._parts
+                    for number, channel in part.channels.items() if channel.topic == topic}
+        # The messages of one odd channel among others are unreadable readings.
+        if all(problem for _, problem in problems):
+            path, problem = min(problems)
+            raise BagError(f'topic {topic} ({kind}) cannot be read: {problem}', path)
 
     def _headings(self, conventions: Mapping[str, str], helpers: int,
                   lost: Callable[[str, Losses], None] | None) -> Iterator[dict[str, Headings]]:
@@ -267,17 +285,12 @@ class BagReader:
     def _minutes(self, wanted: Sequence[tuple[str, str]], helpers: int,
                  numbers: Sequence[Numbering] | None,
                  ) -> Iterator[tuple[list[Headings], list[tuple[int, Losses]]]]:
-        """
-        Yield the headings minute by minute, with the gaps found among their numbers.
-
-        Topics of one type and convention decode as one.
-        """
-        places: dict[tuple[str, str], dict[str, int]] = {}
-        for place, (topic, convention) in enumerate(wanted):
-            places.setdefault((self.topics[topic].type_name, convention), {})[topic] = place
+        """Yield the headings minute by minute, with the gaps found among their numbers."""
         window = Window(len(wanted))
         gaps: list[tuple[int, Losses]] = []
-        for block in self._decode([Kind(*alike, of) for alike, of in places.items()], helpers):
+        unreadable = 0, ''
+        for block in self._decode(self._kinds(wanted), helpers):
+            unreadable = add_unreadable([unreadable, *(each.unreadable for each in block.found)])
             if numbers is not None:
                 gaps += _find_gaps(block.found, numbers)
             for minute in window.add(block.found):
@@ -285,9 +298,26 @@ class BagReader:
                 gaps = []
         for minute in window.rest():
             yield minute, gaps
+        if unreadable[0]:
+            self.oddities.append(f'{unreadable[0]} messages cannot be read and count as invalid '
+                                 f'readings; the first: {unreadable[1]}')
+
+    def _kinds(self, wanted: Sequence[tuple[str, str]]) -> list[Kind]:
+        """Return what to decode as one: topics of one type and convention."""
+        places: dict[tuple[str, str], dict[str, int]] = {}
+        for place, (topic, convention) in enumerate(wanted):
+            places.setdefault((self.topics[topic].type_name, convention), {})[topic] = place
+        return [Kind(*alike, of) for alike, of in places.items()]
 
     def _decode(self, kinds: Sequence[Kind], helpers: int) -> Iterator[Decoded]:
-        """Yield the decoded blocks of all files."""
+        """Yield the decoded blocks of all files, in the order in which their stamps rise."""
+        topics = {topic for kind in kinds for topic in kind.places}
+        if not is_in_order(self._parts, topics):
+            pieces = cut_pieces(self._parts)
+            with Decoder(self._parts, kinds) as decoder:
+                if rises_by_time(decoder, pieces):
+                    yield from self._decode_by_time(decoder, pieces)
+                    return
         tasks = [Task(number, stretch) for number, part in enumerate(self._parts)
                  for stretch in part.stretches()]
         by_blocks: set[int] = set()
@@ -296,6 +326,15 @@ class BagReader:
             of_parts = groupby(zip(tasks, results), lambda found: found[0].number)
             for number, stretches in of_parts:
                 yield from self._decode_file(decoder, number, stretches, by_blocks)
+
+    def _decode_by_time(self, decoder: Decoder, pieces: Sequence[Piece]) -> Iterator[Decoded]:
+        """Yield the readings of all files in the order of their log times; say so."""
+        if _DISORDER not in self.oddities:
+            self.oddities.append(_DISORDER)
+        counts: dict[int, int] = {}
+        yield from read_by_time(decoder, pieces, counts)
+        for number, part in enumerate(self._parts):
+            part.check_count(counts.get(number, 0))
 
     def _decode_file(self, decoder: Decoder, number: int,
                      stretches: Iterable[tuple[Task, list[Decoded] | None]],
@@ -315,7 +354,7 @@ class BagReader:
         self._parts[number].check_count(count)
 
     def messages(self, topics: Iterable[str] | None = None, start_ns: int = 0,
-                 stop_ns: int = 2**64) -> Iterator[BagMessage]:
+                 stop_ns: int = 2**64, *, in_order: bool = False) -> Iterator[BagMessage]:
         """
         Return an iterator over messages as they are stored, in file order.
 
@@ -325,6 +364,8 @@ class BagReader:
             Topics to read; all by default.
         start_ns, stop_ns : int
             Log times to read: start <= log time < stop.
+        in_order : bool
+            In the order in which `headings` reads, instead of that of the files.
 
         Raises
         ------
@@ -333,28 +374,44 @@ class BagReader:
 
         """
         wanted = None if topics is None else {self.resolve(topic) for topic in topics}
-        return self._messages(wanted, start_ns, stop_ns)
+        span = start_ns, stop_ns
+        headings = [topic for topic in self.topics if (wanted is None or topic in wanted)
+                    and self.topics[topic].type_name in HEADING_TYPES] if in_order else []
+        if headings and not is_in_order(self._parts, headings):
+            pieces = cut_pieces(self._parts)
+            with Decoder(self._parts, self._kinds([(topic, 'enu') for topic in headings])
+                         ) as decoder:
+                if rises_by_time(decoder, pieces):
+                    return merge_by_time(pieces, lambda piece: self._in_piece(piece, wanted, span))
+        return (message for part in self._parts for block in part.blocks(*span)
+                for message in self._in_block(part, block, wanted, span))
 
-    def _messages(self, wanted: set[str] | None, start_ns: int,
-                  stop_ns: int) -> Iterator[BagMessage]:
-        for part in self._parts:
-            names = {number: (channel.topic, self._type_of(part, number))
-                     for number, channel in part.channels.items()
-                     if wanted is None or channel.topic in wanted}
-            for block in part.blocks(start_ns, stop_ns):
-                # Of many messages mostly a few are wanted.
-                channel = block.heads['channel']
-                kept = np.flatnonzero(np.isin(channel, [*names])
-                                      | ~np.isin(channel, [*part.channels]))
-                for head, lo, hi in zip(block.heads[kept].tolist(), block.start[kept].tolist(),
-                                        block.stop[kept].tolist()):
-                    _, _, number, sequence, log, publish = head
-                    if number not in part.channels:
-                        raise BagError(f'a message belongs to channel {number}, which is not '
-                                       'defined', part.path, block.offset)
-                    if start_ns <= log < stop_ns:
-                        yield BagMessage(*names[number], log, publish, sequence,
-                                         bytes(block.data[lo:hi]))
+    def _in_piece(self, piece: Piece, wanted: set[str] | None,
+                  span: tuple[int, int]) -> Iterator[tuple[int, BagMessage]]:
+        """Yield the messages of a piece, each with its log time."""
+        part, stretch = self._parts[piece.number], piece.stretch
+        with part.open() as stream:
+            for block in part.blocks_of(stream, stretch.begin, stretch.end, *span):
+                for message in self._in_block(part, block, wanted, span):
+                    yield message.log_time_ns, message
+
+    def _in_block(self, part: Part, block: Block, wanted: set[str] | None,
+                  span: tuple[int, int]) -> Iterator[BagMessage]:
+        """Yield the messages of a block; of many mostly a few are wanted."""
+        names = {number: (channel.topic, self._type_of(part, number))
+                 for number, channel in part.channels.items()
+                 if wanted is None or channel.topic in wanted}
+        channel = block.heads['channel']
+        kept = np.flatnonzero(np.isin(channel, [*names]) | ~np.isin(channel, [*part.channels]))
+        for head, lo, hi in zip(block.heads[kept].tolist(), block.start[kept].tolist(),
+                                block.stop[kept].tolist()):
+            _, _, number, sequence, log, publish = head
+            if number not in part.channels:
+                raise BagError(f'a message belongs to channel {number}, which is not defined',
+                               part.path, block.offset)
+            if span[0] <= log < span[1]:
+                yield BagMessage(*names[number], log, publish, sequence,
+                                 bytes(block.data[lo:hi]))
 
     @property
     def recovered(self) -> str | None:

@@ -14,7 +14,7 @@ from typing import Any, Iterator, Mapping, Sequence
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.yaml_file import load_yaml, YamlError
 
-__all__ = ['bag_metadata', 'find_absent_parts', 'list_parts', 'metadata_file', 'PartInfo', 'Qos',
+__all__ = ['bag_metadata', 'list_parts', 'metadata_file', 'PartInfo', 'Qos',
            'TopicRow']
 
 _VERSION = 9
@@ -258,17 +258,3 @@ def _make_error(path: Path, fault: YamlError) -> BagError:
     line = '' if fault.line is None else f'line {fault.line}: '
     return BagError(f'{line}{fault}; `recover` reads the bag without this file, and so do all '
                     'other commands once it is removed', path)
-
-
-def find_absent_parts(folder: Path) -> list[str]:
-    """
-    Return the names of the files that metadata.yaml lists but that do not exist.
-
-    Raises
-    ------
-    BagError
-        As `list_parts`.
-
-    """
-    return [name for name in list_parts(folder / 'metadata.yaml')
-            if not (folder / name).is_file()]

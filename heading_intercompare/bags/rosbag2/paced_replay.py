@@ -172,7 +172,7 @@ class Replay:
 
     def _open_round(self) -> None:
         self._messages: Iterator[BagMessage] = self._reader.messages(
-            self._topics, self._origin_ns, self._stop_ns)
+            self._topics, self._origin_ns, self._stop_ns, in_order=True)
         self._next = next(self._messages, None)
         self.shown_ns = self._origin_ns
         self.round += 1

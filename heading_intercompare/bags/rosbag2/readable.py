@@ -20,6 +20,7 @@ class Readable(Protocol):
     path: Path
     topics: dict[str, TopicInfo]
     incomplete: str | None
+    oddities: list[str]
     start_ns: int | None
     end_ns: int | None
 

@@ -137,6 +137,7 @@ def _whole(reader: Readable) -> Iterator[str]:
     why = '; '.join(filter(None, (reader.incomplete, reader.recovered,
                                   tell_missing(reader.metadata().get(RECORDING, {})))))
     yield f'complete: {f"no: {why}" if why else "yes"}'
+    yield from (f'note: {oddity}' for oddity in reader.oddities)
     span_s = _span_s(reader)
     if span_s is None:
         yield 'span: no message'
@@ -297,6 +298,8 @@ def _report_check(checked: BagCheck) -> Iterator[str]:
                'makes them unreadable')
     if checked.unprotected < checked.chunks and not checked.faults:
         yield '  every checksum is correct'
+    yield from (f'  {topic}: {count:,} messages lie after one with a later log time'
+                for topic, count in sorted(checked.late.items()))
     yield from (f'  wrong: {fault}' for fault in checked.faults)
     if checked.faults:
         yield '  `recover` copies the intact messages into a new bag'

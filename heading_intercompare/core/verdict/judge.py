@@ -57,7 +57,7 @@ from .conclusion import (
     with_looks,
 )
 from .headline import add_looks, compose_headline
-from .losses import find_losses
+from .losses import find_losses, warn_of_rejected
 from .prepare import HIGHEST_ORDER_REMOVED, prepare_run, PreparedRun
 from .validity import add_set_backs, examine, Examined, Finding, VOID
 from .verdict_document import Campaign, PairingFigures, RunVerdict
@@ -105,7 +105,8 @@ class RunResult:
         pairing = PairingFigures.of(share, old.mean_lag_s, old.max_lag_s,
                                     old.rs_variance_factor, old.ts_variance_factor)
         verdict = replace(self.verdict, pairing=pairing,
-                          warnings=(*self.verdict.warnings, *warnings))
+                          warnings=(*self.verdict.warnings, *warnings,
+                                    *warn_of_rejected(share)))
         whole = None if self.whole is None else self.whole.with_pairing(share, inside)
         return replace(self, whole=whole, verdict=_conclude(
             verdict, self.alone, (*(f for f in verdict.validity if f.condition != 'losses'),

@@ -12,7 +12,10 @@ from heading_intercompare.core.settings import Settings
 from .validity import DOUBTFUL, Finding, HOLDS, NOT_TESTABLE, VOID
 from .verdict_document import RunVerdict
 
-__all__ = ['find_losses', 'judge_losses']
+__all__ = ['find_losses', 'judge_losses', 'warn_of_rejected']
+
+#: A larger share of rejected readings is a warning of the run.
+_REJECTED_SHARE = 0.01
 
 
 def find_losses(run: RunVerdict, share: LedgerSegment | None, inside: LedgerSegment | None,
@@ -35,6 +38,19 @@ def find_losses(run: RunVerdict, share: LedgerSegment | None, inside: LedgerSegm
     if share is not None and inside is not None:
         shares += _ledger_shares(run, share, inside, settings)
     return judge_losses(shares, settings)
+
+
+def warn_of_rejected(share: LedgerSegment) -> list[str]:
+    """Return in words which sensors had more than 1 % of the readings of a run rejected."""
+    words = []
+    for stream in ('ts', 'rs'):
+        rejected, received = share.rejected(stream), share.received(stream)
+        n = sum(rejected.values())
+        if n > _REJECTED_SHARE * received:
+            why = ', '.join(f'{count} {reason}' for reason, count in rejected.items())
+            words.append(f'{100.0 * n / received:.2g} % of the {stream.upper()} readings were '
+                         f'rejected: {why}')
+    return words
 
 
 def _lost_shares(run: RunVerdict) -> Iterator[tuple[str, float]]:

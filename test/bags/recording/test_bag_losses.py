@@ -135,10 +135,23 @@ def test_what_a_driver_told_is_in_the_verdict(tmp_path, kind, words):
     assert run.pairing.rs_received == 6000 + (0 if 'lost' in kind else 1500)
 
 
-def test_a_damaged_message_of_losses_is_named(tmp_path):
+def test_a_damaged_message_of_losses_is_named_and_stops_nothing(tmp_path):
     path = write(tmp_path / 'bag', some(6000), told=[('/rs/heading/lost', b'\0\1\0\0')])
-    with pytest.raises(ValueError, match='/rs/heading/lost'):
-        judged(path)
+    found = judge_bags([path], SETTINGS)
+    assert any('1 messages about losses cannot be read; the first: topic /rs/heading/lost' in note
+               for note in found.notes)
+    assert found.verdict.runs[0].pairing.rs_received == 6000
+
+
+def test_rejected_readings_of_more_than_one_in_a_hundred_are_said(tmp_path):
+    """60 of 6000 are 1 %, and nothing to say."""
+    for n, said in ((60, False), (61, True)):
+        gap = Losses.of([STAMPS[3000]], [STAMPS[2999]], [n])
+        path = write(tmp_path / f'bag_{n}', np.delete(np.arange(6000), np.s_[50:50 + n]), told=[
+            ('/rs/heading/lost', encode_losses({'rejected.burst': gap}))])
+        run, losses = judged(path)
+        words = '1 % of the RS readings were rejected: 61 burst'
+        assert (words in run.warnings) == said and losses.effect == 'holds'
 
 
 def test_an_aligned_run_keeps_its_losses(tmp_path):

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import shutil
+import time
 
 from mcap.writer import CompressionType, IndexType, Writer
 import numpy as np
@@ -535,10 +536,42 @@ def test_a_heading_of_another_layout_is_refused(tmp_path, options, problem):
     assert f'topic /ts/heading ({IMU}) cannot be read' in str(caught.value)
 
 
-def test_a_message_too_short_for_its_type_is_an_error_with_its_place(tmp_path):
-    path = mcap_file(tmp_path / 'a.mcap', [('/ts', encode(IMU, {})), ('/ts', b'\0\1\0\0')], IMU)
-    with pytest.raises(BagError, match=rf'a\.mcap: {IMU} message of 4 bytes is too short'):
-        read(path, {'/ts': 'enu'})
+GOOD = encode(IMU, {'orientation': {'w': 1.0}})
+#: Too short, a name that reaches beyond the end, JSON, no bytes at all.
+BAD = [GOOD[:20], GOOD[:12] + b'\xff\xff\xff\x7f' + GOOD[16:], b'{"orientation": 1}', b'']
+
+
+@pytest.mark.parametrize('helpers', [0, 2])
+@pytest.mark.parametrize('bad', BAD)
+def test_an_unreadable_message_is_an_invalid_reading_at_its_log_time(tmp_path, bad, helpers):
+    path = mcap_file(tmp_path / 'a.mcap', [('/ts', GOOD)] * 3 + [('/ts', bad), ('/ts', GOOD)], IMU)
+    log = [message.log_time_ns for message in BagReader(path).messages()]
+    reader = BagReader(path)
+    chunks = list(reader.headings({'/ts': 'enu'}, helpers))
+    found = Headings.concatenate([chunk['/ts'] for chunk in chunks])
+    assert np.isnan(found.heading_deg).tolist() == [False] * 3 + [True, False]
+    assert found.stamp_ns[3] == log[3]
+    assert [text.partition(';')[0] for text in reader.oddities] == [
+        '1 messages cannot be read and count as invalid readings']
+
+
+def test_nothing_but_unreadable_messages_takes_no_time(tmp_path):
+    path = mcap_file(tmp_path / 'a.mcap', [('/ts', BAD[n % 4]) for n in range(40_000)], IMU)
+    began_s = time.process_time()
+    found = read(path, {'/ts': 'enu'})['/ts']
+    assert time.process_time() - began_s < 5.0
+    assert len(found) == 40_000 and np.isnan(found.heading_deg).all()
+
+
+def test_a_channel_in_another_encoding_is_unreadable_beside_a_sound_one(tmp_path):
+    """Its bytes are not taken for headings, even if they could be."""
+    (tmp_path / 'bag').mkdir()
+    mcap_file(tmp_path / 'bag' / 'a_0.mcap', [('/ts', GOOD)] * 2, IMU)
+    mcap_file(tmp_path / 'bag' / 'a_1.mcap', [('/ts', GOOD)] * 3, IMU, encoding='json')
+    reader = BagReader(tmp_path / 'bag')
+    found = Headings.concatenate([chunk['/ts'] for chunk in reader.headings({'/ts': 'enu'})])
+    assert np.isnan(found.heading_deg).sum() == 3 and len(found) == 5
+    assert 'encoded as' in reader.oddities[-1]
 
 
 def test_a_bag_that_is_moved_is_the_same_bag(write_bag, tmp_path):
