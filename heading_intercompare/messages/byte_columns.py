@@ -22,8 +22,8 @@ from .cdr import encode
 from .errors import MessageError
 from .stamps import TIME_LIMIT_NS
 
-__all__ = ['align', 'check_size', 'decode_readable', 'decode_stamped', 'end_of_strings', 'gather', 'join_messages',
-           'read_sound', 'read_stamps', 'split_rows', 'stamped_rows']
+__all__ = ['align', 'check_size', 'decode_readable', 'decode_stamped', 'end_of_strings', 'gather',
+           'join_messages', 'read_sound', 'read_stamps', 'split_rows', 'stamped_rows']
 
 _SECOND_NS = 1_000_000_000
 _HEADER = np.dtype([('order', '<u2'), ('options', '<u2'), ('sec', '<i4'), ('nanosec', '<u4'),

@@ -65,8 +65,8 @@ class Format:
 def _is_sqlite_bag(path: Path, head: bytes) -> bool:
     """Tell whether a path is a rosbag2 in SQLite, or one that is compressed by file."""
     if path.is_dir():
-        return not any(path.glob('*.mcap')) and any(
-            one for form in ('*.db3', '*.db3.zstd', '*.mcap.zstd') for one in path.glob(form))
+        return not any(path.glob('*.mcap*')) and any(
+            one for form in ('*.db3', '*.db3.zstd') for one in path.glob(form))
     return head.startswith(_SQLITE) and _TABLES <= _tables_of(path)
 
 
@@ -106,7 +106,7 @@ def _of_head(tell: Callable[[bytes], bool]) -> Callable[[Path, bytes], bool]:
 _LOG = Format('log of one sensor', lambda path, head: is_log(path), _read_log)
 
 FORMATS = (
-    Format('rosbag2, SQLite or compressed', _is_sqlite_bag, None, 'bags'),
+    Format('rosbag2, SQLite', _is_sqlite_bag, None, 'bags'),
     Format('ROS 1 bag', lambda path, head: head.startswith(_ROS1), None, 'bags'),
     Format('Parquet', lambda path, head: head.startswith(_PARQUET), _read_parquet, 'parquet'),
     Format('NMEA 2000, canboat JSON', _of_head(nmea2000.is_canboat_json),
@@ -175,7 +175,7 @@ def refuse_unreadable(path: str | os.PathLike[str]) -> None:
     """Raise ReaderError, with what to do, for a file in a known form that cannot be read."""
     place = Path(path)
     head, name = _head(place), place.name.lower()
-    for begin, end, problem in _UNREADABLE if head else ():
+    for begin, end, problem in _UNREADABLE if head and not name.endswith('.mcap.zstd') else ():
         if head.startswith(begin) and name.endswith(end):
             raise ReaderError(path, problem)
 
@@ -275,5 +275,5 @@ def sources_of(path: str | os.PathLike[str]) -> list[Path]:
     if not place.is_dir() or not _is_sqlite_bag(place, b''):
         return []
     return sorted((one for one in place.iterdir()
-                   if re.search(r'\.(db3|mcap)(\.zstd)?$', one.name)),
+                   if re.search(r'\.db3(\.zstd)?$', one.name)),
                   key=natural_key)

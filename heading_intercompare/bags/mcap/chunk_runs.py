@@ -17,6 +17,7 @@ import numpy as np
 import zstandard
 
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.packed_payloads import is_packed
 
 from .checksum import crc32
 from .chunks import CHUNK_HEAD, unpack
@@ -67,7 +68,8 @@ class Chunk(NamedTuple):
         The schemas and channels in it, as whole records.
     plain : bool
         It holds schemas and channels, then messages with valid times, and nothing else; the same
-        definitions may be repeated among the messages.
+        definitions may be repeated among the messages. The messages are not compressed one by
+        one.
     indexed : bool
         The message indexes after it are right.
     protected : bool
@@ -277,7 +279,9 @@ class ChunkRuns:
             chunks.append(Chunk(
                 part.start, part.start + HEAD.size + head.length, part.index_end, begin_ns, end_ns,
                 head.size, part.crc, head.compression, head.packed, counts,
-                self._intern(others.get(i, ())), bool(plain[i]), indexed[i], head.crc > 0))
+                self._intern(others.get(i, ())),
+                bool(plain[i]) and not is_packed(block.data, block.start[lo:hi]), indexed[i],
+                head.crc > 0))
         return chunks, untimed
 
     def _intern(self, records: list[bytes] | tuple[()]) -> frozenset[bytes]:

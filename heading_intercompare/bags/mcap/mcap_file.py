@@ -23,6 +23,7 @@ from mcap.opcode import Opcode
 import numpy as np
 
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.packed_files import PACKED, plain_name
 
 from .attachments import find_records, parse_attachment
 from .message_blocks import Block, HEAD, Record, walk
@@ -78,7 +79,7 @@ def natural_key(path: Path) -> list:
 
 def mcap_files(path: Path) -> list[Path]:
     """
-    Return the MCAP files of a bag in natural order of their names.
+    Return the MCAP files of a bag in natural order of their names; some may be compressed whole.
 
     Parameters
     ----------
@@ -93,7 +94,11 @@ def mcap_files(path: Path) -> list[Path]:
     """
     if not path.is_dir():
         return [path]
-    paths = sorted(filter(Path.is_file, path.glob('*.mcap')), key=natural_key)
+    plain = set(filter(Path.is_file, path.glob('*.mcap')))
+    # Where the compression was interrupted, both are there.
+    packed = {each for each in path.glob(f'*.mcap{PACKED}')
+              if each.is_file() and each.with_name(plain_name(each.name)) not in plain}
+    paths = sorted(plain | packed, key=natural_key)
     if not paths:
         raise BagError('holds no .mcap file (`ros2 bag convert` converts other storage formats)',
                        path)

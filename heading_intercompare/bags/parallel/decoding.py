@@ -14,6 +14,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import Part, Stretch
 from heading_intercompare.bags.mcap.message_blocks import Block
 from heading_intercompare.bags.mcap.record_stream import RecordStream
+from heading_intercompare.bags.packed_payloads import is_packed, unpack_payloads
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.byte_columns import decode_readable
 from heading_intercompare.messages.heading_messages import decode_headings
@@ -143,8 +144,10 @@ def _decode(block: Block, kind: Kind, which: slice | np.ndarray, log_time_ns: np
 
     An unreadable message is an invalid reading at its log time, which is all that is known of it.
     """
-    start, stop = block.start[which], block.stop[which]
-    decode = partial(decode_headings, kind.type_name, kind.convention, block.data)
+    data, start, stop = block.data, block.start[which], block.stop[which]
+    if is_packed(data, start):
+        data, start, stop = unpack_payloads(data, start, stop)
+    decode = partial(decode_headings, kind.type_name, kind.convention, data)
     if not strange:
         found, readable, problem = decode_readable(decode, start, stop)
         if not problem:

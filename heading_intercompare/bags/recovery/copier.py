@@ -24,6 +24,7 @@ from heading_intercompare.bags.mcap.index_records import message_index
 from heading_intercompare.bags.mcap.message_batch import Records
 from heading_intercompare.bags.mcap.message_blocks import Block, block_of, HEAD, MESSAGE_HEAD
 from heading_intercompare.bags.mcap.record_stream import parse_record
+from heading_intercompare.bags.packed_payloads import is_packed, unpack_payload
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.messages.fields import full_name
@@ -288,13 +289,30 @@ class _Copying:
             unsent = at[wanted & (publish < 0)]
             for byte in range(_PUBLISH_AT - _LOG_AT):
                 every[unsent + _PUBLISH_AT + byte] = every[unsent + _LOG_AT + byte]
-        records = Records(data, at[wanted], block.stop[wanted], new[wanted], log[wanted])
+        data, start, stop = _unpack(block, data, at[wanted], block.stop[wanted])
+        records = Records(data, start, stop, new[wanted], log[wanted])
         lo = 0
         while lo < len(records):
             chunks: ChunkWriter = self._bag.chunks
             lo = chunks.fill(records, lo)
             if not chunks.pending:
                 self._bag.split_if_due()
+
+
+def _unpack(block: Block, data: bytes, at: np.ndarray,
+            stop: np.ndarray) -> tuple[bytes, np.ndarray, np.ndarray]:
+    """Return message records with their payloads decompressed if these are packed one by one."""
+    if not is_packed(block.data, block.start):
+        return data, at, stop
+    records = []
+    for lo, hi in zip(at.tolist(), stop.tolist()):
+        begin = lo + MESSAGE_HEAD.size
+        payload = bytes(data[begin:hi])
+        payload = unpack_payload(payload) or payload
+        length = MESSAGE_HEAD.size - HEAD.size + len(payload)
+        records.append(HEAD.pack(Opcode.MESSAGE, length) + data[lo + HEAD.size:begin] + payload)
+    ends = np.cumsum([0, *map(len, records)], dtype=np.int64)
+    return b''.join(records), ends[:-1], ends[1:]
 
 
 def _indexes(run: ChunkRun, chunk: Chunk) -> bytes:

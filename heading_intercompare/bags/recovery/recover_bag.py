@@ -15,11 +15,13 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 import os
 from pathlib import Path
-from typing import Callable
+from tempfile import TemporaryDirectory
+from typing import Callable, Sequence
 
 from heading_intercompare.bags.checked_text import decimal
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.chunk_writer import COMPRESSIONS
+from heading_intercompare.bags.packed_files import PACKED, unpack_file
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_files import BagFiles, find_files, METADATA
 from heading_intercompare.bags.rosbag2.bag_yaml import list_parts
@@ -246,10 +248,29 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
     listed, problem = _find_files(source)
     if source.resolve() in target.resolve().parents:
         raise BagError(f'lies inside the bag to recover; write it next to {source}', target)
-    files, others = _take_inventories(listed.paths, progress)
+    with TemporaryDirectory(prefix='heading_bag_') as unpacked:
+        return _recover(source, target, settings, progress, listed, problem, Path(unpacked))
+
+
+def _unpack(paths: Sequence[Path], folder: Path) -> tuple[list[Path], list[tuple[Path, str]]]:
+    """Return files, unpacked if they are compressed whole; and why some are not all unpacked."""
+    found, problems = [], []
+    for path in paths:
+        if path.name.endswith(PACKED):
+            path, why = unpack_file(path, folder)
+            problems += [(path, why)] if why else []
+        found.append(path)
+    return found, problems
+
+
+def _recover(source: Path, target: Path, settings: BagSettings | None,
+             progress: Callable[[str], None], listed: BagFiles, problem: str,
+             unpacked: Path) -> Recovered:
+    paths, cut = _unpack(listed.paths, unpacked)
+    files, others = _take_inventories(paths, progress)
     total = _sum_up(files)
-    for path, problem in others:
-        total.note(path, problem)
+    for path, why in cut + others:
+        total.note(path, why)
         total.messages_known = False
     if problem:
         total.note(source / METADATA, problem)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from itertools import chain
 import os
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Callable, Iterator
 
 from mcap import records as mcap
@@ -20,6 +21,7 @@ from heading_intercompare.bags.mcap.chunks import CHUNK_HEAD
 from heading_intercompare.bags.mcap.mcap_file import Part
 from heading_intercompare.bags.mcap.message_blocks import Block, HEAD, Record
 from heading_intercompare.bags.mcap.record_stream import MAGIC, parse_record, RecordStream
+from heading_intercompare.bags.packed_files import PACKED, unpack_file
 
 from .bag_files import find_files
 from .index_check import find_index_faults
@@ -93,9 +95,13 @@ def check_bag(path: str | os.PathLike[str],
     place = Path(path)
     files = find_files(place)
     found.faults += [f'{name} is missing' for name in files.absent]
-    for file in files.paths:
-        found.files += 1
-        found.faults += _faults(file, found, progress)
+    with TemporaryDirectory(prefix='heading_bag_') as unpacked:
+        for file in files.paths:
+            found.files += 1
+            if file.name.endswith(PACKED):
+                file, problem = unpack_file(file, Path(unpacked))
+                found.faults += [problem] if problem else []
+            found.faults += _faults(file, found, progress)
     return found
 
 

@@ -9,6 +9,7 @@ import re
 from typing import NamedTuple
 
 from heading_intercompare.bags.mcap.mcap_file import mcap_files
+from heading_intercompare.bags.packed_files import plain_name
 
 from .bag_yaml import list_parts
 
@@ -19,7 +20,7 @@ METADATA = 'metadata.yaml'
 
 #: Names in a message.
 _MOST_NAMED = 5
-_NUMBERED = re.compile(r'(.*_)(?:0|[1-9]\d*)\.mcap')
+_NUMBERED = re.compile(r'(.*_)(?:0|[1-9]\d*)\.mcap(\.zstd)?')
 
 
 class BagFiles(NamedTuple):
@@ -80,8 +81,11 @@ def find_files(path: Path, listed: list[str] | None = None) -> BagFiles:
     if not path.is_dir():
         return BagFiles(everything, [], [])
     listed = list_parts(path / METADATA) if listed is None else listed
-    absent = [name for name in listed if not (path / name).is_file()]
-    known = [each for each in everything if each.name in listed]
+    there, wanted = ({plain_name(name) for name in names}
+                     for names in ([each.name for each in everything], listed))
+    absent = [name for name in listed if not (path / name).is_file()
+              and plain_name(name) not in there]
+    known = [each for each in everything if plain_name(each.name) in wanted]
     if not known:
         return BagFiles(everything, absent, [])
     stems = {_stem(name) for name in listed} - {None}

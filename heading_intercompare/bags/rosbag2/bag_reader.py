@@ -9,13 +9,18 @@ from dataclasses import dataclass
 from itertools import groupby
 import os
 from pathlib import Path
+import shutil
+from tempfile import mkdtemp
 from typing import Callable, Iterable, Iterator, Mapping, NamedTuple, Sequence
+import weakref
 
 import numpy as np
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import NeverBegun, Part
 from heading_intercompare.bags.mcap.message_blocks import Block
+from heading_intercompare.bags.packed_files import PACKED, unpack_file
+from heading_intercompare.bags.packed_payloads import is_packed, unpack_payload
 from heading_intercompare.bags.parallel.by_minute import Window
 from heading_intercompare.bags.parallel.decode_workers import can_fork, decode_stretches, Task
 from heading_intercompare.bags.parallel.decoding import (
@@ -96,14 +101,20 @@ class Attachment:
     data: bytes
 
 
-def _open_files(path: Path, oddities: list[str]) -> tuple[list[Part], list[str]]:
+def _open_files(path: Path, oddities: list[str],
+                make_folder: Callable[[], Path]) -> tuple[list[Part], list[str]]:
     """Return the files of a bag in order, and why some are missing; say what else is odd."""
     files = find_files(path)
     oddities += files.oddities
-    if not path.is_dir():
-        return [Part(path)], []
-    paths = files.paths
     absent = [f'{name} is missing' for name in files.absent]
+    paths = []
+    for each in files.paths:
+        if each.name.endswith(PACKED):
+            each, problem = unpack_file(each, make_folder())
+            absent += [problem] if problem else []
+        paths.append(each)
+    if not path.is_dir():
+        return [Part(paths[0])], absent
     parts, refused = [], []
     for each in paths:
         try:
@@ -163,7 +174,7 @@ class BagReader:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
         self.oddities: list[str] = []
-        self._parts, absent = _open_files(self.path, self.oddities)
+        self._parts, absent = _open_files(self.path, self.oddities, self._make_folder)
         reasons = absent + [part.incomplete for part in self._parts if part.incomplete]
         self.incomplete = '; '.join(reasons) or None
         self._metadata: dict[str, dict[str, str]] | None = None
@@ -181,6 +192,12 @@ class BagReader:
                                    self.path)
                 count = known.count + part.counts.get(number, 0)
                 self.topics[channel.topic] = TopicInfo(kind, count, known.qos)
+
+    def _make_folder(self) -> Path:
+        """Return a new folder that lasts as long as this reader."""
+        folder = mkdtemp(prefix='heading_bag_')
+        weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+        return Path(folder)
 
     @staticmethod
     def _type_of(part: Part, number: int) -> str:
@@ -401,6 +418,7 @@ class BagReader:
         names = {number: (channel.topic, self._type_of(part, number))
                  for number, channel in part.channels.items()
                  if wanted is None or channel.topic in wanted}
+        packed = is_packed(block.data, block.start)
         channel = block.heads['channel']
         kept = np.flatnonzero(np.isin(channel, [*names]) | ~np.isin(channel, [*part.channels]))
         for head, lo, hi in zip(block.heads[kept].tolist(), block.start[kept].tolist(),
@@ -410,8 +428,9 @@ class BagReader:
                 raise BagError(f'a message belongs to channel {number}, which is not defined',
                                part.path, block.offset)
             if span[0] <= log < span[1]:
+                data = bytes(block.data[lo:hi])
                 yield BagMessage(*names[number], log, publish, sequence,
-                                 bytes(block.data[lo:hi]))
+                                 (unpack_payload(data) or data) if packed else data)
 
     @property
     def recovered(self) -> str | None:

@@ -69,7 +69,7 @@ def add_to(place: int, n: int = 1) -> Callable[[bytearray], None]:
 
 
 def test_swapped_chunks_are_named_refused_and_recovered(file, tmp_path):
-    sound = [m for m in BagReader(file).messages()]
+    sound = list(BagReader(file).messages())
     swap_chunks(file)
     faults = check_bag(file).faults
     assert any('does not fit this chunk' in fault for fault in faults)

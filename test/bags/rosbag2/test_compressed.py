@@ -1,0 +1,156 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Bags that rosbag2 compressed by file or by message are read, checked and recovered."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import shutil
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import zstandard
+
+from heading_intercompare.bags import packed_files
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.mcap.mcap_file import mcap_files
+from heading_intercompare.bags.packed_payloads import unpack_payload
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.recovery.recover_bag import recover
+from heading_intercompare.bags.rosbag2.bag_check import check_bag
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.messages.heading_messages import encode_imu, IMU
+from heading_intercompare.readers.registry import open_recording
+
+TOPICS = ('/ts/heading', '/rs/heading')
+BOTH = dict.fromkeys(TOPICS, 'enu')
+
+
+def by_message(path: Path, two_sensors) -> Path:
+    """Write a bag as `ros2 bag record --compression-mode message` does."""
+    pack = zstandard.ZstdCompressor().compress
+    with BagWriter(path) as bag:
+        for topic, headings in zip(TOPICS, two_sensors):
+            bag.add_topic(topic, IMU)
+            for row, stamp in zip(encode_imu(headings, 'ts'), headings.stamp_ns.tolist()):
+                bag.write(topic, pack(row.tobytes()), stamp)
+    text = (path / 'metadata.yaml').read_text()
+    (path / 'metadata.yaml').write_text(text.replace(
+        "compression_format: \"\"", 'compression_format: zstd').replace(
+            "compression_mode: \"\"", 'compression_mode: MESSAGE'))
+    return path
+
+
+def by_file(path: Path) -> Path:
+    """Compress the files of a bag as `ros2 bag record --compression-mode file` does."""
+    for each in mcap_files(path):
+        each.with_name(each.name + '.zstd').write_bytes(
+            zstandard.ZstdCompressor().compress(each.read_bytes()))
+        each.unlink()
+    text = (path / 'metadata.yaml').read_text()
+    (path / 'metadata.yaml').write_text(text.replace('.mcap', '.mcap.zstd'))
+    return path
+
+
+@pytest.fixture(params=['by message', 'by file'])
+def packed(request, two_sensors, write_bag, tmp_path) -> Path:
+    if request.param == 'by message':
+        return by_message(tmp_path / 'packed', two_sensors)
+    return by_file(write_bag('packed', split_bytes=200_000))
+
+
+def columns(path: Path) -> list[list]:
+    chunks = list(open_recording(path).headings(BOTH))
+    return [np.concatenate([getattr(chunk[topic], name) for chunk in chunks]).tolist()
+            for topic in TOPICS for name in ('stamp_ns', 'heading_deg')]
+
+
+def test_a_compressed_bag_is_read_like_another(packed, write_bag):
+    np.testing.assert_array_equal(columns(packed)[0], columns(write_bag('plain'))[0])
+    for one, other in zip(columns(packed), columns(write_bag('again'))):
+        np.testing.assert_array_equal(one, other)
+    assert BagReader(packed).incomplete is None
+    assert check_bag(packed).faults == []
+
+
+def test_a_recovered_bag_is_one_that_everybody_can_read(packed, write_bag, tmp_path):
+    total = recover(packed, tmp_path / 'new')
+    assert total.messages == 3000 and not total.damaged
+    assert 'compression_mode: ""' in (tmp_path / 'new' / 'metadata.yaml').read_text()
+    from rosbags.rosbag2 import Reader
+    with Reader(tmp_path / 'new') as reader:
+        data = {raw[:4] for _, _, raw in reader.messages()}
+    assert data == {b'\0\1\0\0'}
+    assert check_bag(tmp_path / 'new').faults == []
+    for one, other in zip(columns(tmp_path / 'new'), columns(write_bag('plain'))):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_messages_come_unpacked(packed, write_bag):
+    plain = [message.data for message in BagReader(write_bag('plain')).messages(TOPICS[:1])]
+    assert [message.data for message in BagReader(packed).messages(TOPICS[:1])] == plain
+
+
+def test_a_file_beside_its_compressed_one_is_read_once(write_bag):
+    path = write_bag('trial')
+    shutil.copy(path / 'trial_0.mcap', path.parent / 'kept')
+    by_file(path)
+    (path.parent / 'kept').rename(path / 'trial_0.mcap')
+    assert [each.name for each in mcap_files(path)] == ['trial_0.mcap']
+    assert BagReader(path).incomplete is None and len(list(BagReader(path).messages())) == 3000
+
+
+def test_a_cut_compressed_file_is_read_up_to_the_cut_and_recovered(write_bag, tmp_path):
+    path = by_file(write_bag('trial', chunk_bytes=5000))
+    file = path / 'trial_0.mcap.zstd'
+    file.write_bytes(file.read_bytes()[:-file.stat().st_size // 3])
+    reader = BagReader(path)
+    count = len(list(reader.messages()))
+    assert 1000 < count < 3000 and 'was not closed' in reader.incomplete
+    assert recover(path, tmp_path / 'new').messages >= count
+
+
+def test_a_damaged_compressed_file_is_named(write_bag, tmp_path):
+    path = by_file(write_bag('trial', chunk_bytes=5000))
+    file = path / 'trial_0.mcap.zstd'
+    data = bytearray(file.read_bytes())
+    data[len(data) // 2:len(data) // 2 + 50] = bytes(50)
+    file.write_bytes(data)
+    try:
+        reader = BagReader(path)
+        assert 'is damaged' in reader.incomplete or 'was not closed' in reader.incomplete
+    except BagError as error:
+        assert 'trial_0.mcap' in str(error)
+
+
+def test_unpacked_files_last_as_long_as_their_reader(write_bag, monkeypatch, tmp_path):
+    (tmp_path / 'temp').mkdir()
+    monkeypatch.setattr('tempfile.tempdir', str(tmp_path / 'temp'))
+    path = by_file(write_bag('trial'))
+    reader = BagReader(path)
+    assert len(list((tmp_path / 'temp').iterdir())) == 1
+    del reader
+    recover(path, tmp_path / 'new')
+    assert list((tmp_path / 'temp').iterdir()) == []
+
+
+def test_a_file_that_unpacks_to_far_too_much_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(packed_files, '_MOST_BYTES', 2**22)
+    file = tmp_path / 'x.mcap.zstd'
+    file.write_bytes(zstandard.ZstdCompressor().compress(bytes(2**24)))
+    with pytest.raises(BagError, match='unpacks to more than 4194304 bytes'):
+        BagReader(file)
+
+
+def test_a_file_that_would_fill_the_disk_is_refused(write_bag, monkeypatch):
+    path = by_file(write_bag('trial'))
+    monkeypatch.setattr(packed_files.shutil, 'disk_usage', lambda _: SimpleNamespace(free=2**28))
+    with pytest.raises(BagError, match='set TMPDIR'):
+        BagReader(path)
+
+
+def test_a_message_that_claims_too_much_stays_packed():
+    data = zstandard.ZstdCompressor().compress(bytes(10_000))
+    assert unpack_payload(data) == bytes(10_000) and unpack_payload(data, 9_999) is None
+    assert unpack_payload(data[:-3]) is None and unpack_payload(b'\0\1\0\0') is None
