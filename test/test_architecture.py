@@ -71,8 +71,8 @@ ORDER = {
                 'sources'),
     'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'gimballed',
              'sensors', 'simulator'),
-    'bags': ('errors', 'checked_text', 'settings', 'packed_payloads', 'packed_files', 'mcap', 'parallel', 'rosbag2',
-             'recording', 'recovery', 'csv'),
+    'bags': ('errors', 'checked_text', 'settings', 'packed_payloads', 'packed_files', 'mcap',
+             'parallel', 'rosbag2', 'recording', 'recovery', 'csv'),
     'report': ('sketching', 'series_sketch', 'formatting', 'figures', 'contents', 'json',
                'json_schema', 'runs_csv', 'html', 'pdf', 'sensors_report'),
     'readers': ('errors', 'stream_recording', 'nmea2000', 'json_lines', 'tables', 'parquet',
@@ -107,7 +107,8 @@ MOST_MODULES = 12
 # data. Every other test module has the name and the place of the module it tests.
 TESTS_OF_SEVERAL = {
     'ahrs/test_commands', 'ahrs/test_pictures', 'ahrs/test_recovery', 'ahrs/test_scenarios',
-    'bags/rosbag2/test_compressed', 'bags/rosbag2/test_third_parties', 'bags/test_fuzz', 'cli/test_bag_commands',
+    'bags/rosbag2/test_compressed', 'bags/rosbag2/test_third_parties', 'bags/test_fuzz',
+    'cli/test_bag_commands',
     'cli/test_catalogue', 'cli/test_former_files', 'cli/test_origin', 'cli/test_outputs',
     'cli/test_real_logs', 'cli/test_usage', 'cli/test_without_extras',
     'core/test_pipeline_over_days', 'core/pairing/test_lost_readings',

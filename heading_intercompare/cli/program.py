@@ -10,6 +10,7 @@ import os
 import sys
 from typing import Any, NoReturn, Sequence
 
+from heading_intercompare.cli.terminal.printable import escape
 from heading_intercompare.cli.terminal.standard_streams import safe_stderr, safe_stdout
 from heading_intercompare.core.version import VERSION
 
@@ -140,7 +141,7 @@ def _refuse(error: Exception) -> int:
         text = f'{where}{error.strerror}'
     else:
         text = str(error)
-    sys.stderr.write(f'{PROGRAM}: error: {" ".join(text.split())}\n')
+    sys.stderr.write(f'{PROGRAM}: error: {escape(" ".join(text.split()))}\n')
     return 2
 
 

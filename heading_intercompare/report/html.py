@@ -45,7 +45,9 @@ from .series_sketch import SeriesSketch
 __all__ = ['load_template', 'render', 'write']
 
 #: Characters that HTML or UTF-8 cannot hold: control characters, undecodable bytes of a file name.
-_UNPRINTABLE = re.compile('[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]')
+#: Also what turns the direction of the text around it, and what has no width.
+_UNPRINTABLE = re.compile('[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e'
+                          '\u2060-\u206f\ufeff\ud800-\udfff\ufffe\uffff]')
 _LONGEST_HEAD = 80
 
 

@@ -29,7 +29,8 @@ from .attachments import find_records, parse_attachment
 from .message_blocks import Block, HEAD, Record, walk
 from .record_stream import MAGIC, parse_record, RecordStream
 
-__all__ = ['ChunkRow', 'mcap_files', 'natural_key', 'NeverBegun', 'Part', 'read_chunk_index', 'Stretch']
+__all__ = ['ChunkRow', 'mcap_files', 'natural_key', 'NeverBegun', 'Part', 'read_chunk_index',
+           'Stretch']
 
 _FOOTER = HEAD.size + 20
 _DATA_END = HEAD.pack(Opcode.DATA_END, 4)
@@ -267,15 +268,15 @@ class Part:
                     self._extras[piece.opcode].append(piece.start - HEAD.size)
                 self.end = end
                 finished = isinstance(piece, Record) and piece.opcode == Opcode.DATA_END
-            problem = 'it has no end'
+            problem, at = 'it has no end', self.end
         except BagError as error:
             if closed and stream.size > len(MAGIC):
                 raise error.locate(self.path, error.offset) from None
-            problem = error.problem
+            problem, at = error.problem, self.end if error.offset is None else error.offset
         if finished:
             problem = self._ending_problem(stream, closed)
         else:
-            problem = (f'was not closed: {problem} at byte {self.end} of {stream.size}; the data '
+            problem = (f'was not closed: {problem} at byte {at} of {stream.size}; the data '
                        'before that is read')
         self.incomplete = problem and f'{self.path.name} {problem}'
 

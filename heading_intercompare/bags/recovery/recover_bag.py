@@ -126,8 +126,8 @@ def _sum_up(files: list[Inventory]) -> Recovered:
             total.note(found.path, f'bytes {damage.start} to {damage.end}: {damage.fault}')
         _count(total, found)
         if misplaced := found.count_misplaced():
-            total.note(found.path, f'{misplaced} chunks are not the chunks that its index names in '
-                       'their place')
+            total.note(found.path, f'{misplaced} chunks are not the chunks that its index names '
+                       'in their place')
         if not found.size:
             total.note(found.path, 'is empty (0 bytes)')
         elif not found.closed:

@@ -55,8 +55,8 @@ __all__ = ['Attachment', 'BagMessage', 'BagReader', 'TopicInfo']
 #: Records of the programs that keep the numbers of the publishers. Others may number the messages
 #: of all topics together, or in any other way.
 _NUMBERED_BY = (RECORD, 'rosbag2')
-_DISORDER = ('its chunks are not in the order of time; its readings are read in the order of their '
-             'log times')
+_DISORDER = ('its chunks are not in the order of time; its readings are read in the order of '
+             'their log times')
 
 
 @dataclass(frozen=True, slots=True)

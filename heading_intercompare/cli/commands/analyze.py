@@ -19,7 +19,7 @@ from heading_intercompare.app.logs.two_logs import find_logs, judge_logs, ROLES
 from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
 from heading_intercompare.app.run_table import read_exclusion_table
 from heading_intercompare.cli.terminal.campaign_table import campaign_lines, is_campaign
-from heading_intercompare.cli.terminal.console import find_width, say, VERDICT_MARKS
+from heading_intercompare.cli.terminal.console import find_width, say, tell, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.outcome import Outcome
@@ -218,7 +218,7 @@ def run(arguments: argparse.Namespace) -> int:
         for table in tables:
             table.add_account(judged.account)
     for note in judged.notes:
-        print(f'note: {note}', file=sys.stderr)
+        tell(note)
     if book is not None:
         book.write(make_rows(judged.verdict, ship=_find_ship(arguments.ship, config),
                              earlier=judged.earlier, find_bag=os.path.abspath))

@@ -30,7 +30,8 @@ from heading_intercompare.bags.rosbag2.provenance import (
 )
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
-from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
+from heading_intercompare.cli.terminal.console import say_lines, VERDICT_MARKS
+from heading_intercompare.cli.terminal.printable import safe_name
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import VerdictError
@@ -84,7 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
         lines += ['', *_extract(attachments, Path(arguments.extract))]
     if checked is not None:
         lines += ['', *_report_check(checked)]
-    say('\n'.join(lines), _MARKS)
+    say_lines(lines, _MARKS)
     if checked is not None and checked.faults:
         raise BagError('; '.join(checked.faults), arguments.bag)
     return 0
@@ -103,7 +104,7 @@ def _show_recording(arguments: argparse.Namespace, form: Format) -> int:
     elif arguments.check:
         n = sum(1 for _ in reader.messages())
         lines += ['', f'check: all {n} messages can be read; this format has no checksums of them']
-    say('\n'.join(lines), _MARKS)
+    say_lines(lines, _MARKS)
     return 0
 
 
@@ -126,7 +127,7 @@ def _show_journal(arguments: argparse.Namespace) -> int:
              'settings:', *(f'  {name}: {"none" if value is None else value}'
                             for name, value in origin.settings.items()),
              '', f'to judge it: heading-intercompare analyze {shlex.quote(str(path))}']
-    say('\n'.join(lines), _MARKS)
+    say_lines(lines, _MARKS)
     if arguments.check and contents.torn:
         raise BagError(f'its last {contents.torn} bytes are of a record that was cut', path)
     return 0
@@ -280,9 +281,13 @@ def _verdict(text: str) -> Iterator[str]:
 def _extract(attachments: Sequence[Attachment], folder: Path) -> Iterator[str]:
     """Write the attachments, never over an existing file; yield their paths."""
     folder.mkdir(parents=True, exist_ok=True)
+    taken: set[str] = set()
     for number, attachment in enumerate(attachments, 1):
-        name = Path(attachment.name).name
-        place = folder / (name if name not in ('', '..') else f'attachment_{number}')
+        name = safe_name(attachment.name, number)
+        # Each file of a bag may have an attachment of this name.
+        name = f'{number}_{name}' if name in taken else name
+        taken.add(name)
+        place = folder / name
         with place.open('xb') as file:
             file.write(attachment.data)
         yield f'written: {place}'

@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
 from heading_intercompare.bags.recovery.recover_bag import recover, Recovered
+from heading_intercompare.cli.terminal.console import say_lines, tell
 from heading_intercompare.cli.terminal.progress import Progress
 
 __all__ = ['add_arguments', 'run']
@@ -26,13 +26,13 @@ def run(arguments: argparse.Namespace) -> int:
     with Progress(arguments.bag, arguments.quiet) as progress:
         total = recover(arguments.bag, arguments.output, progress=progress.show)
     for note in total.notes:
-        print(f'note: {note}', file=sys.stderr)
+        tell(note)
     for topic, count in sorted(total.counts.items()):
-        print(f'{topic}: {count} messages')
+        say_lines([f'{topic}: {count} messages'])
     print(f'kept: {total.messages} messages in {total.chunks} chunks of {total.files} files, '
           f'{total.bytes} bytes')
     print(f'lost: {_describe_losses(total)}')
-    print(f'bag: {arguments.output}')
+    say_lines([f'bag: {arguments.output}'])
     return 0
 
 

@@ -20,7 +20,7 @@ from heading_intercompare.app.rejudge import (
     UNJUDGED,
     WITHOUT_REPORT,
 )
-from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
+from heading_intercompare.cli.terminal.console import say_lines, tell, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.verdict.typed_reader import make_plain
 from heading_intercompare.core.verdict.verdict_document import Software
@@ -54,7 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
     with Progress(f'{len(arguments.bags)} bags', arguments.quiet) as progress:
         found = rejudge(arguments.bags, config, arguments.set, progress=progress.show)
     for note in _notes(found):
-        print(f'note: {note}', file=sys.stderr)
+        tell(note)
     if all(each.status == UNJUDGED for each in found):
         several = f'none of the {len(found)} bags can be judged: ' if len(found) > 1 else ''
         raise ValueError(f'{several}{found[0].path}: {found[0].error}')
@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json == '-':
         sys.stdout.write(_render(found))
     else:
-        say('\n'.join(each.line for each in found), VERDICT_MARKS)
+        say_lines([each.line for each in found], VERDICT_MARKS)
         print(f'of {len(found)}: ' + ', '.join(f'{counts[status]} {words}'
                                               for status, words in _WORDS.items()))
         if arguments.json:

@@ -17,7 +17,7 @@ from heading_intercompare.app.sensors.sensors_analysis import (
     SensorsJudgement,
 )
 from heading_intercompare.app.sensors.sensors_reading import name_logs
-from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
+from heading_intercompare.cli.terminal.console import say, tell, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.rows.sensor_table import read_sensors
 from heading_intercompare.core.sensors.pair_settings import check_sensors, settings_of_pair
@@ -100,7 +100,7 @@ def run_sensors(arguments: argparse.Namespace, settings: Settings, ship: str,
                 logs, settings, shared, runs=arguments.runs or None, motion=arguments.motion,
                 sketched=sketched, progress=progress.show)
     for note in judged.notes:
-        print(f'note: {note}', file=sys.stderr)
+        tell(note)
     if book is not None:
         _write_rows(book, judged, ship)
     return deliver_sensors(judged.verdict, arguments, judged.sketches)

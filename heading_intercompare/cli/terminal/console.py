@@ -7,9 +7,11 @@ from __future__ import annotations
 import os
 import re
 import sys
-from typing import Any, IO, Sequence
+from typing import Any, IO, Iterable, Sequence
 
-__all__ = ['find_width', 'open_console', 'say', 'VERDICT_MARKS']
+from .printable import escape, escape_lines
+
+__all__ = ['find_width', 'open_console', 'say', 'say_lines', 'tell', 'VERDICT_MARKS']
 
 # A pattern and the rich style of its matches, or of their first group.
 _Mark = tuple[str, str]
@@ -22,9 +24,6 @@ VERDICT_MARKS: tuple[_Mark, ...] = (
     *_WORDS, (r'(?m)^VERDICT: .*$', 'bold'),
     (r'\b(?:DOUBTFUL|VOID|NOT JUDGED|NO RUN)\b', 'yellow'),
     (r'(?m)^ +(?:run \d+ *)+$', 'bold'), (r'(?m)^  warning:', 'yellow'))
-
-#: Characters that would move the cursor or colour the screen; line ends and tabs stay.
-_CONTROL = re.compile('[\x00-\x08\x0b-\x1f\x7f-\x9f]')
 
 
 def open_console(stream: IO[str], *, colourless: bool = False) -> Any:
@@ -56,6 +55,16 @@ def find_width(stream: IO[str]) -> int | None:
         return None
 
 
+def say_lines(lines: Iterable[str], marks: Sequence[_Mark] = ()) -> None:
+    """Print lines on standard output; a line end within one is escaped, like in `say`."""
+    say('\n'.join(map(escape, lines)), marks)
+
+
+def tell(note: str) -> None:
+    """Print a note on standard error, in one line; what does not print is escaped."""
+    print(f'note: {escape(note)}', file=sys.stderr)
+
+
 def say(text: str, marks: Sequence[_Mark] = ()) -> None:
     """
     Print text on standard output.
@@ -63,19 +72,21 @@ def say(text: str, marks: Sequence[_Mark] = ()) -> None:
     Parameters
     ----------
     text : str
-        Printed as it is; nothing in it is treated as markup.
+        Nothing in it is treated as markup. What does not print is escaped, except line ends and
+        tabs: commands of a terminal, and characters that turn the direction of the text.
     marks : sequence of (str, str)
         Highlights on a terminal: a pattern, and the rich style of its matches or of their first
         group. Later marks override earlier ones.
 
     """
+    text = escape_lines(text)
     console = open_console(sys.stdout)
     if console is None:
         print(text)
         return
     from rich.text import Text
 
-    shown = Text(_CONTROL.sub('\ufffd', text))
+    shown = Text(text)
     for pattern, style in marks:
         for match in re.finditer(pattern, shown.plain):
             shown.stylize(style, *match.span(1 if match.re.groups else 0))

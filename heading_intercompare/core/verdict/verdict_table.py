@@ -142,6 +142,11 @@ def _reasons(verdict: Verdict) -> Iterator[tuple[str, list[str]]]:
         yield line, []
 
 
+def _in_one_line(text: str) -> str:
+    """Return foreign text without line ends, which could forge a line."""
+    return ' '.join(text.split()) if '\n' in text or not text.isprintable() else text
+
+
 def describe_together(verdict: Verdict) -> list[str]:
     """Return the rule for several runs and its reason in one line; none for one run."""
     if len(verdict.runs) < 2:
@@ -165,7 +170,7 @@ def verdict_text(verdict: Verdict) -> str:
     lines.append('')
     for line, found in _reasons(verdict):
         lines += [line, *(f'  {more}' for more in found)]
-    return '\n'.join(lines)
+    return '\n'.join(map(_in_one_line, lines))
 
 
 def _align(rows: Sequence[tuple[str, ...]]) -> list[str]:

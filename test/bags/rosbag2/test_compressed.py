@@ -16,7 +16,7 @@ from heading_intercompare.bags import packed_files
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import mcap_files
 from heading_intercompare.bags.packed_payloads import unpack_payload
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.recovery.recover_bag import recover
 from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
@@ -37,8 +37,8 @@ def by_message(path: Path, two_sensors) -> Path:
                 bag.write(topic, pack(row.tobytes()), stamp)
     text = (path / 'metadata.yaml').read_text()
     (path / 'metadata.yaml').write_text(text.replace(
-        "compression_format: \"\"", 'compression_format: zstd').replace(
-            "compression_mode: \"\"", 'compression_mode: MESSAGE'))
+        'compression_format: ""', 'compression_format: zstd').replace(
+            'compression_mode: ""', 'compression_mode: MESSAGE'))
     return path
 
 

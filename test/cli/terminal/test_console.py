@@ -77,7 +77,7 @@ def test_an_empty_no_color_asks_for_nothing(terminal, monkeypatch):
 
 def test_a_pipe_gets_plain_text_even_if_colours_are_forced(terminal, monkeypatch):
     monkeypatch.setenv('FORCE_COLOR', '1')
-    assert said(io.StringIO(), f'{TEXT} \x1b[1m', VERDICT_MARKS) == f'{TEXT} \x1b[1m\n'
+    assert said(io.StringIO(), f'{TEXT} \x1b[1m', VERDICT_MARKS) == f'{TEXT} \\u001b[1m\n'
 
 
 def test_without_rich_a_terminal_gets_plain_text(terminal, monkeypatch):
@@ -95,7 +95,7 @@ def test_foreign_words_are_no_markup_and_no_line_is_broken(terminal, name):
 
 def test_foreign_words_do_not_move_the_cursor(terminal):
     pytest.importorskip('rich')
-    assert said(terminal, 'a\x1b[2Jb\x07\rc\x9bd') == 'a\ufffd[2Jb\ufffd\ufffdc\ufffdd\n'
+    assert said(terminal, 'a\x1b[2Jb\x07\rc\x9bd') == 'a\\u001b[2Jb\\u0007\\u000dc\\u009bd\n'
 
 
 def on_terminal(*arguments, **variables):
