@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import struct
 from typing import Sequence
 import zlib
 
@@ -12,19 +13,40 @@ from mcap.opcode import Opcode
 
 from heading_intercompare.bags.errors import BagError
 
-from .record_stream import parse_record, RecordStream
+from .record_stream import RecordStream
 
 __all__ = ['find_records', 'parse_attachment']
+
+#: Log time and time of creation; length of a text, and of the data.
+_TIMES, _COUNT, _SIZE = struct.Struct('<QQ'), struct.Struct('<I'), struct.Struct('<Q')
 
 
 def parse_attachment(content: bytes) -> mcap.Attachment:
     """Return an attachment from the bytes after its head; BagError if it is damaged."""
-    found = parse_record(mcap.Attachment, content)
+    found = _read_attachment(content)
     crc = int.from_bytes(content[-4:], 'little')
     # The checksum covers all fields; pybag 0.13 computes it over the data only.
     if crc not in (0, zlib.crc32(content[:-4])) and crc != zlib.crc32(found.data):
         raise BagError('attachment damaged: its checksum does not match')
     return found
+
+
+def _read_attachment(content: bytes) -> mcap.Attachment:
+    """Return an attachment unchecked; what is no UTF-8 in its names is replaced."""
+    try:
+        log_time, create_time = _TIMES.unpack_from(content)
+        texts, at = [], _TIMES.size
+        for _ in ('name', 'media type'):
+            begin = at + _COUNT.size
+            at = begin + _COUNT.unpack_from(content, at)[0]
+            texts.append(content[begin:at].decode(errors='replace'))
+        begin = at + _SIZE.size
+        end = begin + _SIZE.unpack_from(content, at)[0]
+    except struct.error:
+        end = -1
+    if end + _COUNT.size != len(content):
+        raise BagError('a record of type Attachment is damaged')
+    return mcap.Attachment(create_time, content[begin:end], log_time, texts[1], texts[0])
 
 
 def find_records(stream: RecordStream, opcode: int, indexed: Sequence[int], begin: int,

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import struct
-from typing import BinaryIO, NamedTuple
+from typing import BinaryIO, Iterator, NamedTuple
 
 import lz4.frame
 import numpy as np
@@ -14,9 +14,9 @@ import zstandard
 from heading_intercompare.bags.errors import BagError
 
 from .checksum import crc32
-from .message_blocks import Block, block_of, HEAD
+from .message_blocks import Block, block_of, HEAD, measure_whole
 
-__all__ = ['CHUNK_HEAD', 'Gathering', 'unpack']
+__all__ = ['CHUNK_HEAD', 'find_large', 'Gathering', 'LargeChunk', 'UNFIT', 'unpack']
 
 #: First and last log time, size and checksum of the decompressed records, length of the
 #: compression's name.
@@ -27,6 +27,16 @@ _CHUNK_LIMIT = 2**31
 _NAME_LIMIT = 32
 #: One byte of lz4 decompresses to at most this many.
 _LZ4_MOST = 255
+#: The records of a chunk that has more are decompressed piece by piece.
+_LARGE_BYTES = 2**26
+_PIECE_BYTES, _PACKED_BYTES = 2**23, 2**18
+#: A record in such a chunk that claims more is not believed: memory would be filled by it.
+_RECORD_BYTES = 2**28
+
+
+UNFIT = ('the index of the file does not fit this chunk; `recover` copies all chunks and writes a '
+         'new index')
+"""What is wrong with a chunk that is not the one that its file's index names."""
 
 
 class _Head(NamedTuple):
@@ -106,6 +116,119 @@ def unpack(content: bytes, zstd: zstandard.ZstdDecompressor) -> bytes | memoryvi
     return found
 
 
+def find_large(file: BinaryIO, length: int) -> 'LargeChunk | None':
+    """
+    Return a chunk that is too large to decompress at once; None for another.
+
+    The file stands at its content, which has this length, and stays there.
+
+    Raises
+    ------
+    BagError
+        If the head of the chunk is damaged.
+
+    """
+    at = file.tell()
+    begun = file.read(min(CHUNK_HEAD.size + _LENGTH.size + _NAME_LIMIT, length))
+    file.seek(at)
+    if len(begun) < CHUNK_HEAD.size or CHUNK_HEAD.unpack_from(begun)[2] <= _LARGE_BYTES:
+        return None
+    head, start = _read_head(begun, length)
+    return LargeChunk(file, at, at + start, head)
+
+
+class LargeChunk:
+    """
+    A chunk of many records, which are decompressed and checked piece by piece.
+
+    A small file may unpack to gigabytes; memory stays that of a few pieces.
+    """
+
+    def __init__(self, file: BinaryIO, at: int, start: int, head: _Head) -> None:
+        self._file, self._at, self._start, self._head = file, at, start, head
+
+    @property
+    def said(self) -> tuple[int, int, int]:
+        """First and last log time, and size of the records, as its head says."""
+        return self._head.first_ns, self._head.last_ns, self._head.size
+
+    def verify(self) -> None:
+        """Raise BagError unless the records have the size and the checksum in the head."""
+        crc = size = 0
+        for piece in self._pieces():
+            crc, size = crc32(piece, crc), size + len(piece)
+            if size > self._head.size:
+                break
+        if size != self._head.size:
+            raise BagError('chunk damaged: it decompresses to another size than its head says')
+        if self._head.crc and crc != self._head.crc:
+            raise BagError('chunk damaged: its checksum does not match')
+
+    def blocks(self) -> Iterator[Block]:
+        """Yield its messages block by block; BagError if a record in it is damaged."""
+        rest = b''
+        for piece in self._pieces():
+            rest += piece
+            if len(rest) < _PIECE_BYTES:
+                continue
+            size = measure_whole(rest)
+            if size:
+                yield block_of(rest[:size], self._at - HEAD.size)
+                rest = rest[size:]
+            elif len(rest) >= HEAD.size and HEAD.unpack_from(rest)[1] > _RECORD_BYTES:
+                raise BagError('chunk damaged: a record in it claims more than '
+                               f'{_RECORD_BYTES} bytes')
+        yield block_of(rest, self._at - HEAD.size)
+
+    def _pieces(self) -> Iterator[bytes]:
+        """Yield the decompressed records in pieces of some megabytes."""
+        try:
+            yield from self._decompress()
+        except (zstandard.ZstdError, RuntimeError, MemoryError, EOFError) as error:
+            raise BagError(f'chunk damaged: {error}') from None
+
+    def _packed(self) -> Iterator[bytes]:
+        at, end = self._start, self._start + self._head.length
+        while at < end:
+            self._file.seek(at)
+            piece = self._file.read(min(_PACKED_BYTES, end - at))
+            if not piece:
+                raise BagError('chunk damaged: it ends early')
+            at += len(piece)
+            yield piece
+
+    def _decompress(self) -> Iterator[bytes]:
+        if not self._head.compression:
+            yield from self._packed()
+        elif self._head.compression == 'lz4':
+            frame = lz4.frame.LZ4FrameDecompressor()
+            for packed in self._packed():
+                while not frame.eof and (piece := frame.decompress(packed, _PIECE_BYTES)):
+                    yield piece
+                    packed = b''
+        elif self._head.compression == 'zstd':
+            source = _Span(self._file, self._start, self._start + self._head.length)
+            with zstandard.ZstdDecompressor().stream_reader(source) as reader:
+                while piece := reader.read(_PIECE_BYTES):
+                    yield piece
+        else:
+            raise BagError(f'chunk compressed with {self._head.compression!r}; known are zstd and '
+                           'lz4')
+
+
+class _Span:
+    """The bytes of a file between two places, to read in order."""
+
+    def __init__(self, file: BinaryIO, at: int, end: int) -> None:
+        self._file, self._next, self._end = file, at, end
+
+    def read(self, size: int) -> bytes:
+        self._file.seek(self._next)
+        found = self._file.read(min(size, self._end - self._next))
+        self._next += len(found)
+        return found
+
+
 class Gathering:
     """
     Collects chunks into one block, with the message indexes that follow them.
@@ -168,8 +291,7 @@ class Gathering:
         begun = file.read(min(CHUNK_HEAD.size + _LENGTH.size + 4, length))
         head, start = _read_head(begun, length)
         if indexed is not None and indexed != (head.first_ns, head.last_ns, head.size):
-            raise BagError('the index of the file does not fit this chunk; `recover` copies all '
-                           'chunks and writes a new index')
+            raise BagError(UNFIT)
         if head.first_ns >= stop_ns or head.last_ns < start_ns:
             return False
         file.seek(at + start)

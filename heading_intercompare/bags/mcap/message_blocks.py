@@ -98,13 +98,13 @@ def walk(data: bytes, begin: int, end: int) -> tuple[list[int], list[Record]]:
     return messages, others
 
 
-def measure_whole(data: bytes, opcodes: tuple[int, ...]) -> int:
-    """Return the size of the whole records of these opcodes at the start of the data."""
+def measure_whole(data: bytes, opcodes: tuple[int, ...] | None = None) -> int:
+    """Return the size of the whole records of some or all opcodes at the start of the data."""
     at = 0
     while at + HEAD.size <= len(data):
         opcode, length = HEAD.unpack_from(data, at)
         behind = at + HEAD.size + length
-        if opcode not in opcodes or behind > len(data):
+        if opcodes is not None and opcode not in opcodes or behind > len(data):
             break
         at = behind
     return at

@@ -151,6 +151,9 @@ class _Copying:
         self._found = found
         self._bag = bag
         self._numbers = numbers
+        self._of_epoch: dict[int, list[tuple[int, int]]] = {}
+        for (epoch, number), new in numbers.items():
+            self._of_epoch.setdefault(epoch, []).append((number, new))
         self.salvage = Salvage(file)
         self._runs = ChunkRuns(self._read, self.salvage.size)
         self._same: dict[object, bool] = {}
@@ -265,9 +268,8 @@ class _Copying:
         """Return the number in the new bag of each channel of an epoch, -1 for none."""
         if self._tables[0] != epoch:
             table = np.full(_CHANNELS, -1, np.int64)
-            for (each, number), new in self._numbers.items():
-                if each == epoch:
-                    table[number] = new
+            for number, new in self._of_epoch.get(epoch, ()):
+                table[number] = new
             self._tables = epoch, table
         return self._tables[1]
 

@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Chunks that unpack to gigabytes are read piece by piece, and only if they prove themselves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import tracemalloc
+
+from bags.mcap_bytes import channel, chunk, message, schema, write
+import numpy as np
+import pytest
+
+from heading_intercompare.bags.mcap import chunks
+from heading_intercompare.bags.rosbag2.bag_check import check_bag
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.core.records import Headings
+from heading_intercompare.messages.heading_messages import encode_imu, IMU
+from heading_intercompare.messages.schemas import shipped_schema
+
+TOPIC = '/ts/heading'
+START_NS = 10**18
+
+
+def bomb(path: Path, count: int, zeros: int, compression: str = 'zstd', **options) -> Path:
+    """Write a chunk of headings, each with zeros after it that nobody reads."""
+    rows = encode_imu(Headings.of(START_NS + np.arange(count), np.arange(count) % 360.0), 'x')
+    return write(path, chunk(
+        schema(1, IMU, shipped_schema(IMU).text.encode()), channel(1, TOPIC),
+        *(message(1, START_NS + at, row.tobytes() + bytes(zeros)) for at, row in enumerate(rows)),
+        compression=compression, **options))
+
+
+def read(path: Path) -> list[int]:
+    return [stamp for found in BagReader(path).headings({TOPIC: 'enu'})
+            for stamp in found[TOPIC].stamp_ns.tolist()]
+
+
+@pytest.fixture
+def small(monkeypatch) -> None:
+    """Let chunks of 100 kB count as large, and let pieces be small."""
+    monkeypatch.setattr(chunks, '_LARGE_BYTES', 100_000)
+    monkeypatch.setattr(chunks, '_PIECE_BYTES', 10_000)
+    monkeypatch.setattr(chunks, '_PACKED_BYTES', 777)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('compression', ['zstd', 'lz4'])
+def test_memory_is_that_of_a_few_pieces(tmp_path, compression):
+    path = bomb(tmp_path / 'x.mcap', 300, 2**20, compression)
+    assert path.stat().st_size < 2e6
+    tracemalloc.start()
+    try:
+        assert len(read(path)) == 300
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 100e6
+
+
+@pytest.mark.usefixtures('small')
+@pytest.mark.parametrize('compression', ['', 'lz4', 'zstd'])
+def test_pieces_give_the_same_readings(tmp_path, compression):
+    path = bomb(tmp_path / 'x.mcap', 500, 137, compression)
+    assert read(path) == [*range(START_NS, START_NS + 500)]
+    assert [m.log_time_ns for m in BagReader(path).messages(
+        [TOPIC], START_NS + 10, START_NS + 20)] == [*range(START_NS + 10, START_NS + 20)]
+    assert check_bag(path).messages == 500
+
+
+@pytest.mark.usefixtures('small')
+@pytest.mark.parametrize('compression', ['', 'lz4', 'zstd'])
+@pytest.mark.parametrize('options', [{'crc': 1}, {'size': 200_001}, {'size': 2**31 - 1}])
+def test_nothing_is_read_of_a_large_chunk_that_is_not_what_its_head_says(tmp_path, compression,
+                                                                        options):
+    sound = bomb(tmp_path / 'y.mcap', 500, 137, compression).read_bytes()
+    piece = bomb(tmp_path / 'x.mcap', 500, 137, compression, **options).read_bytes()[29:]
+    path = tmp_path / 'x.mcap'
+    path.write_bytes(sound + piece)
+    reader = BagReader(path)
+    assert 'chunk damaged' in reader.incomplete
+    assert read(path) == [*range(START_NS, START_NS + 500)]
+
+
+@pytest.mark.usefixtures('small')
+def test_a_record_that_claims_to_fill_the_memory_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(chunks, '_RECORD_BYTES', 50_000)
+    path = bomb(tmp_path / 'x.mcap', 3, 60_000)
+    assert 'a record in it claims more than 50000 bytes' in BagReader(path).incomplete
