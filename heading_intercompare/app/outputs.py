@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 import math
+import os
 from pathlib import Path
 from typing import Callable, Iterator, Sequence
 
@@ -72,19 +73,20 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
         If one cannot; one line with the command-line option, the file, and what is wrong.
 
     """
-    taken = {Path(path).resolve(): f'the file of --{option}'
+    taken = {Path(os.path.realpath(path)): f'the file of --{option}'
              for option, path in (('config', config), ('runs', runs)) if path}
     for given in map(Path, inputs):
-        taken[given.resolve()] = 'an INPUT'
-        for pattern in ('*.mcap', 'metadata.yaml'):
-            taken |= {file.resolve(): f'a file of {given}' for file in given.glob(pattern)}
+        taken[Path(os.path.realpath(given))] = 'an INPUT'
+        for pattern in ('*.mcap*', 'metadata.yaml'):
+            taken |= {Path(os.path.realpath(file)): f'a file of {given}'
+                      for file in given.glob(pattern)}
     beside = None if outputs.csv in (None, '', '-') else str(account_path(outputs.csv))
     for option, path in (('csv', outputs.csv), ('csv', beside), ('ensembles', outputs.ensembles),
                          ('runs-csv', outputs.runs_csv), ('report', outputs.report),
                          ('json', outputs.json)):
         if path is None or (option, path) == ('json', '-'):
             continue
-        place = Path(path).resolve()
+        place = Path(os.path.realpath(path))
         fault = ('name a file' if path in ('', '-') else
                  f'that is {taken[place]}; name another file' if place in taken else
                  'is a folder; name a file' if place.is_dir() else

@@ -132,7 +132,7 @@ def check_size(type_name: str, start: Integers, size: Integers,
     if short.any():
         first = int(np.argmax(short))
         raise MessageError(f'{type_name} message of {size[first]} bytes is too short',
-                           offset=int(start[first]), offsets=start[short])
+                           offset=int(start[first]), offsets=start[short].tolist())
 
 
 def decode_stamped(type_name: str, data: bytes, start: Integers, stop: Integers,
@@ -147,7 +147,7 @@ def decode_stamped(type_name: str, data: bytes, start: Integers, stop: Integers,
     strange = ~little & (header['order'] != _BIG)
     if strange.any():
         raise MessageError(f'{type_name} message does not start as CDR',
-                           offset=int(start[np.argmax(strange)]), offsets=start[strange])
+                           offset=int(start[np.argmax(strange)]), offsets=start[strange].tolist())
     which = np.flatnonzero(little), np.flatnonzero(~little)
     signs: tuple[_ByteOrder, _ByteOrder] = '<', '>'
     parts = [decode_one(data, start[at], size[at], header[at].view(_HEADER.newbyteorder(sign)))
@@ -172,7 +172,7 @@ def read_stamps(header: np.ndarray) -> Integers:
 
 
 def decode_readable(decode: Callable[[Integers, Integers], _Chunk], start: Integers,
-                    stop: Integers) -> tuple[_Chunk, np.ndarray, list[str]]:
+                    stop: Integers) -> tuple[_Chunk, np.ndarray, str]:
     """
     Return the chunk in the readable messages of a stretch of bytes.
 

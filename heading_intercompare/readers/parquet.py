@@ -133,6 +133,8 @@ class PairsParquet:
     ----------
     names : tuple of str
         The columns.
+    cut : str
+        Empty: a table that is cut cannot be read.
     ignored : tuple of str
         Those that are not read.
 
@@ -146,7 +148,7 @@ class PairsParquet:
     """
 
     def __init__(self, path: str) -> None:
-        self._path = path
+        self._path, self.cut = path, ''
         with _open(path) as file:
             self.names = tuple(file.schema_arrow.names)
             self._time = _time_column(path, file)

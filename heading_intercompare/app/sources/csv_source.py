@@ -49,6 +49,10 @@ class _Pairs(Protocol):
     names: tuple[str, ...]
     ignored: tuple[str, ...]
 
+    @property
+    def cut(self) -> str:
+        """Which line was left out because the file ends within it; empty if none."""
+
     def __iter__(self) -> Iterator[Pairs]:
         """Yield the pairs."""
 
@@ -133,6 +137,7 @@ def judge_csv(path: str, name: str, settings: Settings,
     for pairs in rows:
         judging.take(pairs)
     judging.end()
+    problems += [rows.cut] if rows.cut else []
     ledger, kept = judging.ledger, None
     if account is not None:
         problems += _compare_pairing(account.settings, settings.to_mapping())

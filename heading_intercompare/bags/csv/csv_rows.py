@@ -55,6 +55,8 @@ class CsvRows:
         The names of the header.
     line : int
         Number of the last line read, from 1.
+    cut : str
+        Which line was left out because the file ends within it; empty if none.
 
     Raises
     ------
@@ -69,10 +71,11 @@ class CsvRows:
     def __init__(self, path: str | os.PathLike[str], wanted: str) -> None:
         self.path = os.fspath(path)
         self._file = _open(self.path)
-        self._mark = ''
+        self._mark = self.cut = ''
+        self._ended = True
         try:
             self._before, header, separator = self._read_header(wanted)
-            self._rows = csv.reader(self._file, delimiter=separator)
+            self._rows = csv.reader(self._lines(), delimiter=separator)
             self.names = [name.strip() for name in
                           next(csv.reader([header], delimiter=separator), [])]
             while len(self.names) > 1 and not self.names[-1]:
@@ -108,6 +111,12 @@ class CsvRows:
                 return number, text, given or max(_SEPARATORS, key=text.count)
         raise BagError(f'is empty; must begin with a header with the columns {wanted}', self.path)
 
+    def _lines(self) -> Iterator[str]:
+        """Yield the lines, and note whether the newest one has an end."""
+        for line in self._file:
+            self._ended = line.endswith(('\n', '\r'))
+            yield line
+
     def _check_doubled(self) -> None:
         for at, name in enumerate(self.names):
             if name and name in self.names[:at]:
@@ -127,6 +136,10 @@ class CsvRows:
                         f'line {self.line} has {len(row)} columns, more than the header '
                         f'({width}); if its numbers have decimal commas, separate the columns by '
                         'semicolons', self.path)
+                if len(row) < width and not self._ended:
+                    self.cut = (f'line {self.line} was left out: the file ends within it, after '
+                                f'{len(row)} of {width} columns')
+                    return
                 yield row
         except csv.Error as error:
             raise BagError(f'line {self.line}: {error}', self.path) from None

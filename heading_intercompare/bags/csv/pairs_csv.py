@@ -106,6 +106,11 @@ class PairsCsv:
         read = {stamp, *_HEADINGS, *_FACTORS, 'difference_deg', *STAMP_COLUMNS, *_LAGS}
         self.ignored = tuple(name for name in names if name and name not in read)
 
+    @property
+    def cut(self) -> str:
+        """Which line was left out because the file ends within it; empty if none."""
+        return self._rows.cut
+
     def _find_columns(self, names: list[str]) -> str:
         """Return the name of the column of stamps; BagError if one is missing."""
         stamp = next((name for name in STAMP_COLUMNS if name in names), None)

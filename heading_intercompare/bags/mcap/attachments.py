@@ -46,7 +46,8 @@ def _read_attachment(content: bytes) -> mcap.Attachment:
         end = -1
     if end + _COUNT.size != len(content):
         raise BagError('a record of type Attachment is damaged')
-    return mcap.Attachment(create_time, content[begin:end], log_time, texts[1], texts[0])
+    return mcap.Attachment(create_time=create_time, log_time=log_time, name=texts[0],
+                           media_type=texts[1], data=content[begin:end])
 
 
 def find_records(stream: RecordStream, opcode: int, indexed: Sequence[int], begin: int,

@@ -246,7 +246,7 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
     if target.exists():
         raise BagError('already exists; a bag is never overwritten', target)
     listed, problem = _find_files(source)
-    if source.resolve() in target.resolve().parents:
+    if Path(os.path.realpath(source)) in Path(os.path.realpath(target)).parents:
         raise BagError(f'lies inside the bag to recover; write it next to {source}', target)
     with TemporaryDirectory(prefix='heading_bag_') as unpacked:
         return _recover(source, target, settings, progress, listed, problem, Path(unpacked))

@@ -8,8 +8,8 @@ from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'bag_check': ('BagCheck', 'check_bag'),
-    'bag_reader': ('Attachment', 'BagReader'),
     'bag_files': ('find_files',),
+    'bag_reader': ('Attachment', 'BagReader'),
     'bag_yaml': ('bag_metadata', 'list_parts', 'metadata_file', 'PartInfo', 'Qos', 'TopicRow'),
     'paced_replay': ('Replay',),
     'provenance': ('describe_origin', 'is_note', 'note_lines', 'NOTE_TOPIC', 'Notes',
@@ -20,10 +20,11 @@ __getattr__, __dir__, __all__ = door(__name__, {
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
     from .bag_check import BagCheck as BagCheck, check_bag as check_bag
+    from .bag_files import find_files as find_files
     from .bag_reader import Attachment as Attachment, BagReader as BagReader
     from .bag_yaml import (
         bag_metadata as bag_metadata,
-        find_absent_parts as find_absent_parts,
+        list_parts as list_parts,
         metadata_file as metadata_file,
         PartInfo as PartInfo,
         Qos as Qos,

@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import csv
 import json
+import os
 from pathlib import Path
 import sys
 from typing import Any, Sequence
@@ -97,10 +98,10 @@ def _check_options(arguments: argparse.Namespace) -> None:
         raise ValueError(f'--one-in {arguments.one_in:g}: must be from 2 to 1000000')
     if arguments.json == arguments.csv == '-':
         raise ValueError('--json - and --csv -: only one can be on standard output')
-    given = {Path(path).resolve() for path in arguments.logbooks}
+    given = {Path(os.path.realpath(path)) for path in arguments.logbooks}
     for option in ('json', 'csv', 'html'):
         path = getattr(arguments, option)
-        if path is not None and path != '-' and Path(path).resolve() in given:
+        if path is not None and path != '-' and Path(os.path.realpath(path)) in given:
             raise ValueError(f'--{option} {path}: that is a LOGBOOK; name another file')
     if arguments.html is not None:
         if Path(arguments.html).suffix != '.html':

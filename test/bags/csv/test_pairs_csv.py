@@ -215,3 +215,20 @@ def test_a_pipe_is_opened_once(tmp_path):
         pairs, = read_pairs_csv(pipe)
         assert written.result(30.0) == len(rows)
     assert pairs.ts_deg.tolist() == [1.0]
+
+
+@pytest.mark.parametrize('cut', [3, 14, 22])
+def test_a_last_line_that_is_cut_is_left_out_and_named(tmp_path, cut):
+    path = tmp_path / 'pairs.csv'
+    line = '1400000002000000000,10.25,11.5\n'
+    path.write_text('stamp_ns,ts_deg,rs_deg\n1400000001000000000,10.0,11.0\n' + line[:cut])
+    rows = PairsCsv(path)
+    assert [len(pairs) for pairs in rows] == [1]
+    assert rows.cut.startswith('line 3 was left out: the file ends within it')
+
+
+def test_a_last_line_without_end_that_is_whole_is_read(tmp_path):
+    path = tmp_path / 'pairs.csv'
+    path.write_text('stamp_ns,ts_deg,rs_deg\n1400000001000000000,10.0,11.0')
+    rows = PairsCsv(path)
+    assert [len(pairs) for pairs in rows] == [1] and rows.cut == ''

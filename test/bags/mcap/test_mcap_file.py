@@ -276,3 +276,20 @@ def test_what_does_not_fit_into_memory_is_an_error_with_its_place(tmp_path):
         stream = RecordStream(file)
         with pytest.raises(BagError, match=r'a record of 5 bytes does not fit.* \(at byte 17\)'):
             stream.content(Record(1, 17, 5))
+
+
+def test_a_name_of_an_attachment_that_is_no_utf8_costs_only_its_letters(tmp_path):
+    with BagWriter(tmp_path / 'bag') as bag:
+        bag.attachment('nameX.csv', 'text/csv', b'data')
+        bag.attachment('other', 'text/plain', b'more')
+    path = tmp_path / 'bag' / 'bag_0.mcap'
+    data = path.read_bytes()
+    at = data.index(b'nameX.csv')
+    begin = data.rindex(b'\x09', 0, at) + 9
+    changed = bytearray(data)
+    changed[at + 4] = 0xff
+    end = data.index(b'data', at) + 4
+    changed[end:end + 4] = zlib.crc32(changed[begin:end]).to_bytes(4, 'little')
+    path.write_bytes(changed)
+    assert [(one.name, one.data) for one in BagReader(tmp_path / 'bag').attachments()] == [
+        ('name\ufffd.csv', b'data'), ('other', b'more')]

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from pathlib import Path
 import shutil
+import time
 import tracemalloc
 import zlib
 
@@ -882,3 +883,25 @@ def test_a_message_index_that_is_taken_for_a_chunk_is_no_loss_by_the_summary(wri
     spoil(message_file(path), end, b'\x06')
     total = recover(path, tmp_path / 'new')
     assert (total.messages, total.messages_lost, total.damaged) == (3000, 0, True)
+
+
+@pytest.mark.parametrize('command', [recover, lambda source, target: BagReader(source)])
+def test_a_loop_of_links_is_one_clear_error(tmp_path, command):
+    (tmp_path / 'a').symlink_to(tmp_path / 'b')
+    (tmp_path / 'b').symlink_to(tmp_path / 'a')
+    with pytest.raises(OSError, match='symbolic links'):
+        command(tmp_path / 'a', tmp_path / 'new')
+
+
+def test_recovery_of_channels_that_are_defined_again_and_again_is_linear(tmp_path):
+    """Twice the records take about twice the time, not four times."""
+    def seconds(count: int) -> float:
+        records = [schema(1) + channel(1, f'/t{n % 50}') + message(1, 10**18 + n, b'\0\1\0\0')
+                   for n in range(count)]
+        path = write(tmp_path / 'x.mcap', *(chunk(*records[at:at + 500])
+                                            for at in range(0, count, 500)))
+        began_s = time.process_time()
+        assert recover(path, tmp_path / f'new_{count}').messages == count
+        return time.process_time() - began_s
+    seconds(500)
+    assert seconds(16_000) < 3.0 * seconds(8_000)
