@@ -107,8 +107,8 @@ MOST_MODULES = 12
 # data. Every other test module has the name and the place of the module it tests.
 TESTS_OF_SEVERAL = {
     'ahrs/test_commands', 'ahrs/test_pictures', 'ahrs/test_recovery', 'ahrs/test_scenarios',
-    'bags/rosbag2/test_compressed', 'bags/rosbag2/test_third_parties', 'bags/test_fuzz',
-    'cli/test_bag_commands',
+    'bags/mcap/test_large_chunks', 'bags/rosbag2/test_compressed',
+    'bags/rosbag2/test_third_parties', 'bags/test_fuzz', 'cli/test_bag_commands',
     'cli/test_catalogue', 'cli/test_former_files', 'cli/test_origin', 'cli/test_outputs',
     'cli/test_real_logs', 'cli/test_usage', 'cli/test_without_extras',
     'core/test_pipeline_over_days', 'core/pairing/test_lost_readings',

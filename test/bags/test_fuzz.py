@@ -18,6 +18,7 @@ import tempfile
 import time
 import tracemalloc
 from typing import Callable, Iterator
+import zlib
 
 import lz4.frame
 from mcap.opcode import Opcode
@@ -31,6 +32,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.recovery.recover_bag import recover
 from heading_intercompare.bags.recovery.scanner import Salvage, Sound
+from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.records import Headings
@@ -334,3 +336,76 @@ def test_many_small_gaps_do_not_take_forever(tmp_path):
     total = recover(path, tmp_path / 'new')
     assert time.monotonic() - began_s < 30.0
     assert total.messages == sum(messages(2).values()) and len(total.notes) == 100
+
+
+HOSTILE = ('swap chunks', 'cut payload', 'strange payload', 'long name', 'forged index',
+           'pasted twice', 'reversed chunks')
+
+
+def hostile(data: bytes, kind: str, rng: np.random.Generator) -> bytes:
+    """Return a file of this package changed by somebody who keeps every checksum right."""
+    spans = list(records_in(data))
+    begins = [at for at, _ in spans if data[at] == Opcode.CHUNK]
+    # A chunk with the message indexes after it, up to the next chunk or other record.
+    pieces = []
+    for at in begins:
+        end = next(stop for start, stop in spans if start == at)
+        while data[end] == Opcode.MESSAGE_INDEX:
+            end = next(stop for start, stop in spans if start == end)
+        pieces.append((at, end))
+    first, last = pieces[0][0], pieces[-1][1]
+    chunks = [data[lo:hi] for lo, hi in pieces]
+    if sum(map(len, chunks)) != last - first:
+        return data
+    if kind == 'swap chunks':
+        a, b = rng.choice(len(chunks), 2, replace=False)
+        chunks[a], chunks[b] = chunks[b], chunks[a]
+    elif kind == 'reversed chunks':
+        chunks.reverse()
+    elif kind == 'pasted twice':
+        return data + data
+    elif kind == 'forged index':
+        changed = bytearray(data)
+        place = int(rng.integers(last, len(data) - 8))
+        changed[place:place + 8] = rng.bytes(8)
+        return bytes(changed)
+    else:
+        bad = {'cut payload': b'\0\1\0\0', 'strange payload': b'{"a": 1}',
+               'long name': b'\0\1\0\0' + bytes(8) + b'\xff\xff\xff\x7f' + bytes(40)}[kind]
+        message = b'\x05' + struct.pack('<QHIQQ', 22 + len(bad), 1, 7, 10**18, 10**18) + bad
+        chunks.insert(int(rng.integers(len(chunks))), record(Chunk(
+            compression='', data=message, message_start_time=10**18, message_end_time=10**18,
+            uncompressed_crc=zlib.crc32(message), uncompressed_size=len(message))))
+        # Its index would name other places: leave the file without an end.
+        return data[:first] + b''.join(chunks)
+    return data[:first] + b''.join(chunks) + data[last:]
+
+
+def examine_hostile(count: int) -> None:
+    """Read, check and recover files with a fixed seed; nothing foreign comes in."""
+    for number in range(count):
+        rng = np.random.default_rng(number)
+        which, kind = number % 3, HOSTILE[number % len(HOSTILE)]
+        with tempfile.TemporaryDirectory(prefix='hostile_') as folder:
+            path = Path(folder, 'x.mcap')
+            path.write_bytes(hostile(originals()[which], kind, rng))
+            read_all(path)
+            assert all('\n' not in fault for fault in check_bag(path).faults)
+            found = Counter(message[1:] for message in recovered(path, Path(folder, 'new')))
+            foreign = found - messages(which) - (
+                messages(which) if kind == 'pasted twice' else Counter())
+            assert sum(foreign.values()) <= ('payload' in kind or kind == 'long name'), kind
+            if 'chunks' in kind:
+                assert found == messages(which)
+                chunks = list(BagReader(Path(folder, 'new')).headings({'/ts/heading': 'enu'}))
+                stamps = np.concatenate([chunk['/ts/heading'].stamp_ns for chunk in chunks])
+                assert (np.diff(stamps) > 0).all(), kind
+
+
+def test_hostile_bags_are_read_refused_or_recovered():
+    examine_hostile(2 * len(HOSTILE))
+
+
+@pytest.mark.slow
+def test_five_hundred_hostile_bags_are_read_refused_or_recovered():
+    examine_hostile(500)

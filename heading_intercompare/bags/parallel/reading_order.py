@@ -28,7 +28,7 @@ _SLACK_NS = 1_000_000_000
 _PIECE_BYTES = 12 * 2**20
 #: Readings that wait for earlier ones, at most.
 _MOST_WAITING = 2**20
-#: One reading of so many shows which order is right.
+#: One reading in eight shows which order is right.
 _SAMPLED = 8
 _NEVER_NS = 2**63 - 1
 
