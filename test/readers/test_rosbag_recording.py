@@ -117,7 +117,8 @@ KINDS = ('sqlite', 'alone', 'without metadata', 'by file', 'by message', 'mcap b
 
 @pytest.mark.parametrize('kind', KINDS)
 def test_a_bag_gives_the_verdict_of_the_same_messages_in_mcap(bags, capsys, kind):
-    assert find_format(bags[kind]) is not None
+    # The reader of MCAP reads its compressed files itself.
+    assert (find_format(bags[kind]) is None) == (kind == 'mcap by file')
     ours, _ = verdict_of(capsys, bags['ours'])
     theirs, notes = verdict_of(capsys, bags[kind])
     for one in (ours, theirs):
