@@ -205,6 +205,9 @@ class _Resumed:
         self._compliance.update(pairs)
         self._hand_out(pairs)
 
+    def take_motion(self, motion: Motion) -> None:
+        self._compliance.take_motion(motion)
+
     def mark(self, kind: str, stamp_ns: int) -> None:
         self._compliance.mark(kind, stamp_ns)
 

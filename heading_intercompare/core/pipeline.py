@@ -16,6 +16,7 @@ from heading_intercompare.core.decision.taken_out import (
     sum_stretches,
     TakenOut,
 )
+from heading_intercompare.core.motion.motion_record import RunMotion
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
@@ -69,6 +70,11 @@ class Compliance:
     progress : callable
         Called with the progress in words while a run is judged.
 
+    Attributes
+    ----------
+    motion : RunMotion
+        The motion of the ship during the run in progress.
+
     Raises
     ------
     SettingsError
@@ -101,12 +107,15 @@ class Compliance:
         self._n_short = self._n_earlier = 0
         self._earlier_ns: int | None = None
         self._rolling = Rolling(settings.window_s)
-        self._motion: Motion | None = None
+        self.motion = RunMotion(keeper)
 
     def take_motion(self, motion: Motion) -> None:
         """Take motion of the ship, before the run that it belongs to ends; in any order."""
-        if len(motion):
-            self._motion = motion if self._motion is None else self._motion + motion
+        self.motion.take(motion)
+
+    def forget_motion(self) -> None:
+        """Forget motion from long before a run; a live node calls this now and then."""
+        self.motion.forget(self.run_start_ns)
 
     def update(self, pairs: Pairs) -> None:
         """Take pairs in stamp order; judge the runs that end with them."""
@@ -171,6 +180,8 @@ class Compliance:
         self._finished = [(one.result(self.settings), one.cut_ns) for one in state.finished]
         self._earlier = [one.result(self.settings) for one in state.earlier]
         self._n_earlier, self._n_short = state.n_earlier, state.n_short
+        for run, _ in self._finished:
+            self.motion.end_run(run.verdict.end_ns)
         cut_ns = state.cutter.cut_ns
         if state.in_run and cut_ns is not None:
             differences = self._subtract(pairs)
@@ -186,6 +197,7 @@ class Compliance:
     def preview(self, ledger: Ledger | None = None) -> Verdict:
         """Return the verdict that a stop now would give; nothing changes by that."""
         stopped = copy(self)
+        stopped.motion = copy(self.motion)
         stopped._finished, stopped._earlier = [*self._finished], []
         stopped._end_run()
         verdict = stopped.verdict(ledger)
@@ -195,8 +207,7 @@ class Compliance:
     def _look(self, run: RunSeries, look: Look, looks: int) -> None:
         """Judge the run in progress; the last look of a plan is the end of the run."""
         if look.index < looks - 1:
-            self._looks.append(look_at(run, look, looks, self.settings,
-                                       self._motion))
+            self._looks.append(look_at(run, look, looks, self.settings, self.motion.rows))
 
     @property
     def early(self) -> LookVerdict | None:
@@ -218,11 +229,10 @@ class Compliance:
             return
         number = len(self._finished) + 1
         result = judge_run(
-            run, self.settings, number, self._source, looks=looks, motion=self._motion,
+            run, self.settings, number, self._source, looks=looks, motion=self.motion.rows,
             told=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
         self._limits = result.limits
-        if self._motion is not None:
-            self._motion = self._motion[self._motion.stamp_ns > run.end_ns]
+        self.motion.end_run(run.end_ns)
         self._finished.append((result, run.cut_ns))
 
     @property

@@ -14,6 +14,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'antennas': ('BaselineHeadings', 'find_baseline_headings'),
     'course_legs': ('CourseLegs', 'find_legs'),
     'motion_check': ('check_motion', 'MotionCheck', 'SensorMotion'),
+    'motion_record': ('find_newest', 'leave_out_known', 'MotionRecord', 'RunMotion'),
     'motion_words': ('describe_motion', 'explain_motion'),
     'tangent_plane': ('radii_m', 'steps_m'),
     'turn_rate': ('compare_turns', 'TurnRate'),

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
+    'motion_decoder': ('MotionDecoder',),
+    'motion_lines': ('MotionLines',),
     'motion_log': ('LoggedMotion', 'read_log_motion'),
     'motion_sentences': ('MOTION_KINDS', 'parse_motion'),
 })
