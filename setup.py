@@ -11,7 +11,7 @@ NAME = 'heading_intercompare'
 VERSION = re.search(r"^VERSION = '([^']+)'", Path(NAME, 'core', 'version.py').read_text('utf-8'),
                     re.MULTILINE)[1]
 NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'recorder', 'replayer',
-         'dashboard', 'sensors_watch')
+         'dashboard', 'sensors_watch', 'motion_driver')
 
 
 def list_shared(*folders):

@@ -9,6 +9,9 @@ Compare two sensors live, or several: drivers, synchronizer, compliance, recorde
 A sensor without a driver section in the parameter file is heard on its topic, `ts_topic` or
 `rs_topic`: somebody else publishes it.
 
+A section `motion_driver` names a source of its own for the motion of the ship. Without it the
+drivers of the sensors publish what their sentences tell of it.
+
 With the setting `sensors` the sections of the drivers are NAME_driver. Each tested sensor has a
 synchronizer and a compliance node in a namespace NAME, and `sensors_watch` joins them.
 """
@@ -27,8 +30,9 @@ from launch_ros.actions import Node
 import yaml
 
 from heading_intercompare.core.rows.sensor_table import describe_driver, list_tested, read_sensors
-from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.settings import MotionRule, Settings
 from heading_intercompare.nodes.sensors.places import (
+    count_motion_subscribers,
     count_subscribers,
     further_subscribers,
     remap_rules,
@@ -69,7 +73,12 @@ def drivers(namespace, parameters, sensors, recorded):
         for role in ('ts', 'rs')}
     n = count_subscribers(sensors, recorded)
     further = further_subscribers(Settings(sensors=shared.get('sensors')))
-    made = []
+    made, alone = [], 'motion_driver' in sections
+    if alone:
+        live = not str(sections['motion_driver'].get('source', '')).startswith('file:')
+        made.append(node('motion_driver', 'motion_driver', namespace, parameters,
+                         {'subscribers': count_motion_subscribers(sensors, recorded)},
+                         respawn=live, respawn_delay=2.0))
     for driver, (topic, given) in topics.items():
         if driver in sections:
             # A live driver that dies starts again; a log that was played is through.
@@ -78,9 +87,17 @@ def drivers(namespace, parameters, sensors, recorded):
             # Headings wait for all that hear them.
             made.append(node('nmea_driver', driver, namespace, parameters,
                              {'topic': sections[driver].get('topic', topic), **own,
-                              'subscribers': n + further.get(topic, 0)},
+                              'subscribers': n + further.get(topic, 0),
+                              **({'motion': False} if alone else {})},
                              respawn=live, respawn_delay=2.0))
     return made
+
+
+def motion_rule(shared):
+    """Return the topics of the motion of the ship that a parameter file names."""
+    given = {name.removeprefix('motion.'): value for name, value in shared.items()
+             if name.startswith('motion.')} | (shared.get('motion') or {})
+    return MotionRule(**given)
 
 
 def nodes(context):
@@ -104,7 +121,7 @@ def nodes(context):
         judging['journal'] = f'{named}{namespace.rstrip("/").replace("/", ".")}.journal'
     # One that is killed starts again, and the trial goes on.
     again = {'respawn': True, 'respawn_delay': 1.0}
-    remaps = [*remap_rules(sensors, namespace).items()]
+    remaps = [*remap_rules(sensors, namespace, motion_rule(shared)).items()]
     for name in [one.name for one in list_tested(sensors)] if sensors else ['']:
         place = f'{namespace.rstrip("/")}/{name}' if name else namespace
         own = {'sensor': name} if name else {}

@@ -81,7 +81,7 @@ ORDER = {
             'server'),
     'nodes': ('settings', 'ros', 'runtime', 'taking', 'alarms', 'judging', 'sensors',
               'synchronizer', 'compliance', 'sensors_watch', 'recorder', 'replayer', 'nmea_driver',
-              'sensor_simulator', 'dashboard', 'watcher', 'graph'),
+              'motion_driver', 'sensor_simulator', 'dashboard', 'watcher', 'graph'),
     'cli': ('terminal', 'completion', 'node_command', 'commands', 'program'),
 }
 
@@ -98,7 +98,8 @@ LOADED_BY = {
 }
 
 # They take headings and pass them on, and start as fast as a plain node.
-NEED_NO_SCIPY = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'recorder', 'replayer')
+NEED_NO_SCIPY = ('nmea_driver', 'motion_driver', 'sensor_simulator', 'synchronizer', 'recorder',
+                 'replayer')
 
 # A reader who looks for something in a room reads the names of its modules.
 MOST_MODULES = 12

@@ -28,7 +28,7 @@ from heading_intercompare import __version__
 ROOT = Path(__file__).resolve().parent.parent
 NAME = 'heading_intercompare'
 NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'recorder', 'replayer',
-         'dashboard', 'sensors_watch')
+         'dashboard', 'sensors_watch', 'motion_driver')
 IN_CI = os.environ.get('CI', '').lower() not in ('', '0', 'false')
 
 

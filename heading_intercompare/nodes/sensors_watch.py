@@ -30,6 +30,7 @@ from heading_intercompare.nodes.sensors.headings_intake import HeadingsIntake
 from heading_intercompare.nodes.sensors.now_publisher import NowPublisher
 from heading_intercompare.nodes.sensors.sensors_reporting import SensorsReporting
 from heading_intercompare.nodes.taking.mark_intake import MarkIntake
+from heading_intercompare.nodes.taking.motion_intake import MotionIntake
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
 from .settings import SensorsNode, Taking
@@ -57,6 +58,8 @@ class SensorsWatch(Node):
         self._comparison = SensorsComparison(settings, source='live', only_others=True)
         self._headings = HeadingsIntake(self, self.health, taking, self._comparison.sensors,
                                         self._comparison.lose)
+        self._motion = MotionIntake(self, self.health, taking, settings.motion,
+                                    (self._comparison,))
         self._now = NowPublisher(self, self.health, settings, self._comparison, taking.stale_s)
         self._reporting = SensorsReporting(self, self.health, settings, own, self._comparison,
                                            lambda: self._headings.newest_ns)
@@ -86,6 +89,7 @@ class SensorsWatch(Node):
     def _drain(self) -> None:
         if self._finished:
             return
+        self._motion.pass_on()
         self._comparison.update(self._headings.take(), self._awake.now_s())
         if self._end_s is not None:
             self._finish_if_quiet(self._end_s)
@@ -134,6 +138,7 @@ class SensorsWatch(Node):
         if now_s < min(end_s, self._seen_s + _QUIET_S):
             return
         self._finished = True
+        self._motion.pass_on()
         self._comparison.update(self._headings.take())
         self._comparison.finish()
         self._beat()

@@ -49,6 +49,9 @@ class DriverNode(Checked):
     origin_ns: int | None = setting(
         None, 'log time at which a file starts to play, UTC [ns]; give the drivers of two logs '
         'the same one to play them in step; none: the first stamp of the log', 0)
+    motion: bool = setting(
+        True, 'publish what the sentences tell of the motion of the ship, unless another node '
+        'does')
 
 
 @dataclass(frozen=True, slots=True)

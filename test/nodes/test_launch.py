@@ -105,6 +105,17 @@ def test_drivers_of_live_sources_and_the_recorder_start_again(config):
     assert not by_name(FILES[0], config=config)['ts_driver'].respawn, 'a log ends'
 
 
+def test_a_source_of_its_own_for_the_motion_replaces_that_of_the_sensors(config):
+    given = yaml.safe_load(Path(config).read_text())
+    assert 'motion' not in own(by_name(FILES[0], config=config)['ts_driver'])
+    given['motion_driver'] = {'ros__parameters': {'source': 'udp://127.0.0.1:20112'}}
+    Path(config).write_text(yaml.dump(given))
+    made = by_name(FILES[0], config=config)
+    assert made['motion_driver'].executable == 'motion_driver' and made['motion_driver'].respawn
+    assert own(made['motion_driver'])['subscribers'] == 2
+    assert [own(made[f'{role}_driver'])['motion'] for role in ('ts', 'rs')] == [False, False]
+
+
 def test_a_sensor_without_a_driver_section_is_heard_on_its_topic(config):
     given = yaml.safe_load(Path(config).read_text())
     del given['rs_driver']

@@ -132,15 +132,14 @@ def test_logs_over_udp_give_the_verdict_of_their_import(ship, shared_data, tmp_p
     live = read(report)
     imported = tmp_path / 'imported'
     assert main(['import-nmea', '--ts', str(shared_data / logs['ts']), '--rs',
-                 str(shared_data / logs['rs']), '-o', str(imported),
-                 # Live there is no check against the motion of the ship.
-                 '--set', 'motion.compare=false']) == 0
+                 str(shared_data / logs['rs']), '-o', str(imported)]) == 0
     norms = [word for p in NORMS for word in ('--set', p.replace(':=', '='))]
     for bag in (imported, tmp_path / 'bag'):
         capsys.readouterr()
         assert main(['analyze', str(bag), *norms, '--json', '-']) == 0
         offline = parse(capsys.readouterr().out)
         assert sum(run.n for run in offline.runs) == n
+        assert [run.motion.kind for run in offline.runs] == ['agrees']
         assert list(find_differences(live, offline)) == []
 
 

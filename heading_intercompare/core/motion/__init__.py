@@ -31,6 +31,12 @@ if TYPE_CHECKING:
         MotionCheck as MotionCheck,
         SensorMotion as SensorMotion,
     )
+    from .motion_record import (
+        find_newest as find_newest,
+        leave_out_known as leave_out_known,
+        MotionRecord as MotionRecord,
+        RunMotion as RunMotion,
+    )
     from .motion_words import describe_motion as describe_motion, explain_motion as explain_motion
     from .tangent_plane import radii_m as radii_m, steps_m as steps_m
     from .turn_rate import compare_turns as compare_turns, TurnRate as TurnRate

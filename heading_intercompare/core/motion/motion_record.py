@@ -129,8 +129,7 @@ def find_newest(motion: Motion) -> dict[str, int]:
     {'rate': 5}
 
     """
-    parts = {'fix': motion.positions(), 'velocity': motion.velocities(), 'rate': motion.rates()}
-    return {what: int(rows.stamp_ns.max()) for what, rows in parts.items() if len(rows)}
+    return {what: int(rows.stamp_ns.max()) for what, rows in motion.split().items() if len(rows)}
 
 
 def leave_out_known(motion: Motion, newest_ns: Mapping[str, int]) -> Motion:

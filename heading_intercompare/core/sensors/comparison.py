@@ -110,9 +110,10 @@ class SensorsComparison:
         return {name: one.begin_again() for name, one in self.tested.items()}
 
     def forget_earlier(self) -> None:
-        """Join the segments of all ledgers that are too old for a verdict."""
+        """Join the segments of all ledgers too old for a verdict; forget motion that is."""
         for one in self.pairs.values():
             one.pairer.forget_earlier()
+            one.compliance.forget_motion()
 
     def finish(self) -> dict[str, Pairs]:
         """End all streams; return the last pairs of each tested sensor."""

@@ -14,5 +14,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
 })
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
+    from .motion_decoder import MotionDecoder as MotionDecoder
+    from .motion_lines import MotionLines as MotionLines
     from .motion_log import LoggedMotion as LoggedMotion, read_log_motion as read_log_motion
     from .motion_sentences import MOTION_KINDS as MOTION_KINDS, parse_motion as parse_motion

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the lines of a source tell of the motion of the ship, with their stamps: live or of a log."""
+"""What the lines of a stream or a log tell of the motion of the ship, with their stamps."""
 
 from __future__ import annotations
 

@@ -12,14 +12,16 @@ from rclpy.node import Node
 
 from heading_intercompare.bags.recording.journal_reading import Kept, Numbers
 from heading_intercompare.bags.recording.run_journal import RunJournal
+from heading_intercompare.bags.recording.spool import Spool
 from heading_intercompare.core.pipeline import Compliance
-from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.records import Motion, Pairs
+from heading_intercompare.core.runs.growing_columns import Keep
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import ComplianceNode
 
-__all__ = ['TrialJournal']
+__all__ = ['open_spool', 'TrialJournal']
 
 _NONE = '-'
 
@@ -80,6 +82,11 @@ class TrialJournal:
         if self._journal is not None:
             self._journal.add(pairs, numbers)
 
+    def take_motion(self, motion: Motion) -> None:
+        """Keep motion of the ship, before it is judged."""
+        if self._journal is not None:
+            self._journal.add_motion(motion)
+
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Keep a mark, before it takes effect."""
         if self._journal is not None:
@@ -107,6 +114,12 @@ class TrialJournal:
         if self._journal is not None:
             self._journal.close(over=True)
             self._journal = None
+
+
+def open_spool(health: Health) -> Keep:
+    """Return a store for the pages of a run; what cannot be stored is shown, and stays."""
+    return Spool(lambda why: health.note(
+        'run', WARN, f'the run in progress stays in memory: {why}', latch=True)).keep
 
 
 def _find_path(own: ComplianceNode, name: str) -> Path | None:

@@ -42,6 +42,8 @@ class Reception:
         Relative or absolute name.
     group : Unwatched
         Callback group of the subscriptions.
+    whole : bool
+        Take also what was sent before the first message that was taken.
 
     Attributes
     ----------
@@ -61,8 +63,8 @@ class Reception:
 
     """
 
-    def __init__(self, node: Node, topic: str, group: Unwatched) -> None:
-        self._node, self._topic, self._group = node, topic, group
+    def __init__(self, node: Node, topic: str, group: Unwatched, *, whole: bool = False) -> None:
+        self._node, self._topic, self._group, self._whole = node, topic, group, whole
         self._current: Subscription | None = None
         self._successor: Subscription | None = None
         self._left: list[Message] = []
@@ -166,6 +168,8 @@ class Reception:
 
     def _is_earlier(self, message: Message) -> bool:
         """Tell whether a message was sent before the first one taken, or the time of `open`."""
+        if self._whole:
+            return False
         number, info = number_of(message), message[1]
         if self._since_ns:
             return (info['source_timestamp'] < self._since_ns

@@ -13,6 +13,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from heading_intercompare.bags.recording.published_headings import PublishedHeadings
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
+from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.bags.rosbag2.part_states import DIAGNOSTICS_TOPIC, PartStates
 from heading_intercompare.bags.rosbag2.provenance import (
     NOTE_TOPIC,
@@ -39,6 +40,7 @@ from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import Taking
 
 from .intake import Intake
+from .motion_intake import make_motion_intake
 
 __all__ = ['ALARMS_TOPIC', 'make_intakes', 'Recorded', 'report_files', 'text_of']
 
@@ -159,7 +161,10 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, health: Health,
         rows.insert(0, (TRUTH_TOPIC, TRUTH_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, False))
     rows += [(lost_topic(resolve_topic(node, topic)), STATUS_TYPES, qos.LOST, qos.LOST, False)
              for topic in headings]
-    found = {topic: Recorded(_offer(offered), Intake(
+    motion = motion_topics(settings.motion) if settings.motion.compare else {}
+    recorded = {topic: Recorded(_offer(qos.HEADINGS_OUT), make_motion_intake(
+        node, health, what, topic, taking), False) for what, topic in motion.items()}
+    found = recorded | {topic: Recorded(_offer(offered), Intake(
         node, topic, types, heard, health, first_wait_s=taking.first_wait_s, sole=False,
         needed=expected, **_keep(heard)), expected)
         for topic, types, heard, offered, expected in rows}

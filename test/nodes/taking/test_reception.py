@@ -43,6 +43,18 @@ class Line:
         self.ros.spin_until(lambda: self.publisher.get_subscription_count() == 1)
 
 
+def test_a_whole_reception_takes_what_was_sent_before_the_first_message_that_came():
+    """What a publisher keeps may come after what it sends now."""
+    def message(number):
+        return b'', {'publication_sequence_number': number, 'source_timestamp': number,
+                     'received_timestamp': 0}
+    kept, whole = (Reception(None, 's', None, whole=whole) for whole in (False, True))
+    for one, numbers in ((kept, [3, 4]), (whole, [3, 4, 1, 2])):
+        taken = one._once([message(3), message(4)]) + one._once(
+            [message(1), message(2), message(3)])
+        assert [info['publication_sequence_number'] for _, info in taken] == numbers
+
+
 @pytest.fixture
 def line(ros):
     """Return a line."""

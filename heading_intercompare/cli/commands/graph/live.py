@@ -9,7 +9,7 @@ import os
 from pathlib import Path
 import sys
 import time
-from typing import Any
+from typing import Any, Mapping
 
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.bags.recording.journal import name_journal
@@ -62,10 +62,12 @@ def run(arguments: argparse.Namespace) -> int:
     drivers = {name: {**given, **config.sections[name]}
                for name, given in usual.items() if name in config.sections}
     for name, driver in drivers.items():
-        if driver.get('source') is None:
-            raise SettingsError(f'{arguments.config}: section {name!r}: source is missing, e.g. '
-                                'source: udp://239.192.0.3:60003; without the section '
-                                f'{driver["topic"]} is heard as a topic')
+        _check_source(driver, arguments.config, name, f'{driver["topic"]} is heard as a topic')
+    moved = config.sections.get('motion_driver')
+    if moved is not None:
+        _check_source(moved, arguments.config, 'motion_driver', 'the drivers of the sensors tell '
+                      'the motion of the ship')
+        drivers = {name: {**driver, 'motion': False} for name, driver in drivers.items()}
     recorder = {**config.sections.get('recorder', {}), **(
         {'parameter_file': arguments.config} if arguments.config else {})}
     if notes := read_notes(arguments):
@@ -85,6 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
         output = name_next(output)
 
     from heading_intercompare.nodes.graph import intercompare, Source
+    from heading_intercompare.nodes.motion_driver import MotionDriver
     from heading_intercompare.nodes.nmea_driver import NmeaDriver
 
     if before is not None:
@@ -98,7 +101,8 @@ def run(arguments: argparse.Namespace) -> int:
     with LiveView(f'heading-intercompare live: {output}', 'Ctrl-C ends the trial',
                   arguments.quiet) as shown:
         verdict = intercompare(
-            [Source(NmeaDriver, name, driver) for name, driver in drivers.items()],
+            [*(Source(NmeaDriver, name, driver) for name, driver in drivers.items()),
+             *([Source(MotionDriver, 'motion_driver', moved)] if moved is not None else [])],
             {k: v for k, v in settings.to_mapping().items() if v is not None},
             output=output, report_dir=config.sections.get('compliance', {}).get('report_dir'),
             own={**config.sections, 'compliance': own, 'recorder': recorder},
@@ -106,6 +110,13 @@ def run(arguments: argparse.Namespace) -> int:
             show=None if arguments.quiet else shown.show,
             tell=None if arguments.quiet else shown.tell)
     return conclude(verdict, arguments)
+
+
+def _check_source(driver: Mapping[str, Any], config: str, name: str, otherwise: str) -> None:
+    """Raise SettingsError if the section of a driver names no source."""
+    if driver.get('source') is None:
+        raise SettingsError(f'{config}: section {name!r}: source is missing, e.g. '
+                            f'source: udp://239.192.0.3:60003; without the section {otherwise}')
 
 
 def _describe_drivers(settings: Settings) -> dict[str, dict[str, Any]]:

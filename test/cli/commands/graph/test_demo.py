@@ -85,15 +85,14 @@ def test_real_logs_played_live_give_the_verdict_of_their_import(ts, rs, n, share
     live, bag, imported = (str(tmp_path / name) for name in ('live.json', 'bag', 'imported'))
     assert main(['live', '--config', str(config), '-o', bag, '--json', live]) == 0
     assert main(['import-nmea', '--ts', str(shared_data / ts), '--rs', str(shared_data / rs),
-                 '-o', imported,
-                 # Live there is no check against the motion of the ship.
-                 '--set', 'motion.compare=false']) == 0
+                 '-o', imported]) == 0
     capfd.readouterr()
     verdicts = [read(live)]
     for path in (bag, imported):
         assert main(['analyze', path, '--config', str(config), '--json', '-']) == 0
         verdicts.append(parse(capfd.readouterr().out))
     assert sum(run.n for run in verdicts[0].runs) == n
+    assert [run.motion.kind for run in verdicts[0].runs] == ['agrees']
     for other in verdicts[1:]:
         assert list(find_differences(verdicts[0], other)) == []
 
