@@ -355,6 +355,8 @@ def read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Mo
     """Return the motion of the ship in a bag, and add what could not be read to the problems."""
     if not settings.motion.compare:
         return Motion.empty()
+    if isinstance(reader, StreamRecording):
+        return Motion.concatenate([rows for _, rows in reader.choose_motion().values()])
     found = read_bag_motion(reader, settings.motion)
     if found.unreadable:
         problems.append(f'{found.unreadable} messages of the motion of the ship cannot be read')
