@@ -76,7 +76,7 @@ ORDER = {
     'report': ('sketching', 'series_sketch', 'formatting', 'figures', 'contents', 'json',
                'json_schema', 'runs_csv', 'html', 'pdf', 'sensors_report'),
     'readers': ('errors', 'stream_recording', 'nmea2000_motion', 'nmea2000', 'json_lines',
-                'tables', 'parquet', 'rosbag_recording', 'registry'),
+                'motion_columns', 'tables', 'parquet', 'rosbag_recording', 'registry'),
     'web': ('figures', 'bridge', 'controls', 'guard', 'palettes', 'trend_picture', 'page',
             'server'),
     'nodes': ('settings', 'ros', 'runtime', 'taking', 'alarms', 'judging', 'sensors',

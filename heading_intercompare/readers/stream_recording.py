@@ -43,6 +43,7 @@ class Collected:
     _chunks: dict[str, list[Headings]] = field(default_factory=dict)
     _moved: dict[tuple[int, str, str], tuple['array[int]', 'array[float]', 'array[float]']] = (
         field(default_factory=dict))
+    _moved_chunks: dict[tuple[str, str], list[Motion]] = field(default_factory=dict)
 
     def add(self, stream: str, kind: str, stamp_ns: int, heading_deg: float) -> None:
         """Take a reading: nanoseconds UTC and degrees, in any turn."""
@@ -81,6 +82,13 @@ class Collected:
         for column, value in zip(columns, (stamp_ns, first, second)):
             column.append(value)
 
+    def add_motion_chunk(self, what: str, stream: str, rows: Motion, wrong: int) -> None:
+        """Take many rows that tell one thing, and the number of values out of range."""
+        if len(rows):
+            self._moved_chunks.setdefault((what, stream), []).append(rows)
+        if wrong:
+            self.not_taken[f'{stream}.out_of_range'] += wrong
+
     def motion(self) -> dict[str, dict[str, Motion]]:
         """Return the motion by what it tells, then by stream: the preferred one first."""
         found: dict[str, dict[str, Motion]] = {}
@@ -91,6 +99,8 @@ class Collected:
                     Motion.of_positions(stamps, first, second) if what == 'fix' else
                     Motion.of_velocities(stamps, first, second))
             found.setdefault(what, {})[stream] = rows
+        for (what, stream), chunks in self._moved_chunks.items():
+            found.setdefault(what, {})[stream] = Motion.concatenate(chunks)
         return found
 
     def streams(self) -> dict[str, Headings]:

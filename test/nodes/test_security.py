@@ -44,8 +44,8 @@ from .lines import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 POLICY = ElementTree.parse(ROOT / 'security' / 'heading_intercompare.policy.xml').getroot()
-NODES = ('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'sensors_watch', 'recorder',
-         'dashboard', 'watcher')
+NODES = ('ts_driver', 'rs_driver', 'motion_driver', 'synchronizer', 'compliance', 'sensors_watch',
+         'recorder', 'dashboard', 'watcher')
 #: Made by rclpy only with `use_sim_time`; while a node looks for another of its name.
 EXEMPT = {'/clock', '/diagnostics'}
 
@@ -209,6 +209,8 @@ def test_the_replayer_does_what_its_policy_allows_and_nothing_else(ros, tmp_path
         for topic in ('/ts/heading', '/rs/heading'):
             bag.add_topic(topic, 'sensor_msgs/msg/Imu')
             bag.write(topic, bytes(324), 5)
+        for what, topic in motion_topics(MotionRule()).items():
+            bag.add_topic(topic, PUBLISHED_TYPES[what])
         bag.add_topic('/compliance/marker', 'diagnostic_msgs/msg/DiagnosticArray')
     check(ros, ros.ours(Replayer, bag=str(tmp_path / 'bag'), subscribers=50))
 
