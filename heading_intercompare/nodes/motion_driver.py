@@ -41,7 +41,7 @@ class MotionDriver(Node):
             self._motion.open()
             if own.origin_ns is not None:
                 self.play_from(own.origin_ns)
-        wanted = sending.subscribers if self._reading.from_file else 0
+        wanted = sending.subscribers if self._motion.publishers else 0
         self._audience = Audience(self, self._motion.publishers, wanted, self.health)
         self._flushed = self._ending = False
         self._newest_s, self._n_before = time.monotonic(), 0

@@ -21,9 +21,9 @@ from heading_intercompare.app.logs.two_logs import judge_logs
 from heading_intercompare.core.records import KNOT_M_S, Motion, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
-from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from heading_intercompare.messages.heading_messages import pair_messages
-from heading_intercompare.messages.motion.motion_messages import motion_messages
+from heading_intercompare.messages.motion.motion_messages import split_motion
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.graph import intercompare, Source
 from heading_intercompare.nodes.motion_driver import MotionDriver
@@ -140,7 +140,7 @@ class Ship:
 
     def play(self, seconds, since=0, **kwargs):
         """Publish courses and pairs of some seconds, and wait until they are taken."""
-        for message in motion_messages(rows(seconds, since=since), 'velocity', 'ship'):
+        for message in split_motion(rows(seconds, since=since), 'velocity', 'ship'):
             self.course.publish(message)
         before = self.node.n_pairs
         for message in pair_messages(pairs(seconds, self.rng, since=since, **kwargs), '1'):
@@ -205,7 +205,7 @@ def test_motion_after_the_end_of_its_run_is_counted_and_said(ros):
     end = int(np.ceil((first_ns - START_NS) / S)) + 400
     ship.play(end, since=40)
     assert ship.node._compliance.finished_runs >= 1
-    for message in motion_messages(late, 'velocity', 'ship'):
+    for message in split_motion(late, 'velocity', 'ship'):
         ship.course.publish(message)
     ros.spin_until(lambda: ship.node._compliance.motion.late == 60)
     ros.end(ship.node)
@@ -218,8 +218,8 @@ def test_only_one_driver_publishes_what_several_hear(ros):
     heard = ros.listen(TwistStamped, 'ship/velocity', qos.HEADINGS_KEPT)
     nodes = {}
     for role in ('ts', 'rs'):
-        nodes[role] = ros.ours(NmeaDriver, name=f'{role}_driver', source=f'udp://127.0.0.1:{free_port()}',
-                               topic=f'{role}/heading', learn_s=0.0)
+        nodes[role] = ros.ours(NmeaDriver, name=f'{role}_driver', topic=f'{role}/heading',
+                               source=f'udp://127.0.0.1:{free_port()}', learn_s=0.0)
         nodes[role]._motion.feed((line(START_NS, 'GPVTG,90.0,T,,M,10.0,N,,K,A').partition(' ')[2]
                                   .encode(), START_NS))
     ros.spin_until(lambda: len(heard) == 1)
@@ -246,8 +246,23 @@ def test_a_sensors_watch_hears_the_motion_for_the_pairs_without_the_reference(ro
                     'c sigma_max_deg=0.1 rs')
     course = ros.plain.create_publisher(TwistStamped, 'ship/velocity', qos.HEADINGS_OUT)
     ros.spin_until(lambda: course.get_subscription_count() == 1)
-    for message in motion_messages(rows(30), 'velocity', 'ship'):
+    for message in split_motion(rows(30), 'velocity', 'ship'):
         course.publish(message)
     (other,) = node._comparison.others.values()
     ros.spin_until(lambda: other.compliance.motion.rows is not None
                    and len(other.compliance.motion.rows) == 30)
+
+
+def test_a_log_without_motion_is_refused_in_one_line(ros, tmp_path):
+    path = tmp_path / 'gyro.log'
+    path.write_text(line(START_NS, 'HEHDT,10.0,T'))
+    with pytest.raises(DriverError, match='gyro.log: has no motion of the ship: no VTG'):
+        ros.ours(MotionDriver, source=f'file:{path}')
+
+
+def test_a_driver_that_is_told_to_publishes_no_motion(ros):
+    node = ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{free_port()}', learn_s=0.0, motion=False)
+    told = line(START_NS, 'GPVTG,90.0,T,,M,10.0,N,,K,A').partition(' ')[2].encode()
+    node._motion.feed((told, START_NS))
+    node._motion.flush()
+    assert node._motion.n_published == 0 and node._motion.publishers == []

@@ -144,8 +144,8 @@ def leave_out_known(motion: Motion, newest_ns: Mapping[str, int]) -> Motion:
 
     Notes
     -----
-    A publisher sends its newest messages again to whoever begins to listen. So a node that was
-    started again, and a recording that goes on, get some rows for a second time.
+    A publisher sends its newest messages again to a new subscription. So a node that was started
+    again gets some rows for a second time.
 
     """
     known = np.zeros(len(motion), bool)

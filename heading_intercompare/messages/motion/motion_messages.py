@@ -28,8 +28,8 @@ from heading_intercompare.messages.byte_columns import (
 )
 from heading_intercompare.messages.stamps import TIME_LIMIT_NS
 
-__all__ = ['decode_motion', 'encode_motion', 'FIX', 'FIX_TYPES', 'motion_messages',
-           'MOTION_TYPES', 'PUBLISHED_TYPES', 'RATE_TYPES', 'read_motion_messages', 'read_told',
+__all__ = ['decode_motion', 'encode_motion', 'FIX', 'FIX_TYPES', 'MOTION_TYPES',
+           'PUBLISHED_TYPES', 'RATE_TYPES', 'read_motion_messages', 'read_told', 'split_motion',
            'VELOCITY', 'VELOCITY_TYPES']
 
 FIX = 'sensor_msgs/msg/NavSatFix'
@@ -96,7 +96,7 @@ def encode_motion(motion: Motion, what: str, frame_id: str) -> np.ndarray:
     return stamped_rows(VELOCITY, motion.stamp_ns, frame_id, reals)
 
 
-def motion_messages(motion: Motion, what: str, frame_id: str) -> list[bytes]:
+def split_motion(motion: Motion, what: str, frame_id: str) -> list[bytes]:
     """
     Return the messages of `encode_motion` one by one, for publishing.
 

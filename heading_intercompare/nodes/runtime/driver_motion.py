@@ -13,7 +13,7 @@ from heading_intercompare.core.rows.sensor_table import read_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.framing import Received
 from heading_intercompare.drivers.motion.motion_decoder import MotionDecoder
-from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from heading_intercompare.messages.status_messages import OK
 from heading_intercompare.nodes.settings import DriverNode
 
@@ -57,7 +57,7 @@ class DriverMotion:
             analysis.ts_topic, analysis.rs_topic]
         before = 0 if alone or driver.topic not in topics else [*reversed(topics)].index(
             driver.topic)
-        self._health = health
+        self._health, self._path = health, driver.address.path
         self._sender = MotionSender(node, health, analysis.motion, after_s=before * _TURN_S)
         if self._wanted:
             self._decoder = MotionDecoder(driver)
@@ -74,7 +74,18 @@ class DriverMotion:
         return sum(self._sender.published.values())
 
     def open(self) -> None:
-        """Make the publishers of what a log tells, before it is played."""
+        """
+        Make the publishers of what a log tells, before it is played.
+
+        Raises
+        ------
+        DriverError
+            If it tells nothing.
+
+        """
+        if self._wanted and not self._decoder.chosen:
+            raise DriverError(f'{self._path}: has no motion of the ship: no VTG, RMC, GNS, GGA, '
+                              'GLL or ROT with a stamp')
         for what in self._decoder.chosen if self._wanted else ():
             self._sender.open({'position': 'fix', 'course': 'velocity'}.get(what, what))
 

@@ -13,7 +13,7 @@ from rclpy.publisher import Publisher
 from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.core.records import Motion
 from heading_intercompare.core.settings import MotionRule
-from heading_intercompare.messages.motion.motion_messages import motion_messages, PUBLISHED_TYPES
+from heading_intercompare.messages.motion.motion_messages import PUBLISHED_TYPES, split_motion
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_types import MOTION_TYPES
 from heading_intercompare.nodes.ros.parameters import resolve_topic
@@ -41,7 +41,7 @@ class MotionSender:
     after_s : float
         How long to wait, from the first row that tells a thing, for another node to publish it.
     is_first : bool
-        Make all publishers at once, whoever else may have some.
+        Make all publishers at once, even where another node has one.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class MotionSender:
         return [*self._publishers.values()]
 
     def open(self, what: str) -> None:
-        """Make the publisher of one thing, whoever else may have one."""
+        """Make the publisher of one thing, even where another node has one."""
         topic = self._topics[what]
         self._publishers[what] = self._node.create_publisher(
             MOTION_TYPES[what][PUBLISHED_TYPES[what]], topic, qos.HEADINGS_OUT,
@@ -133,7 +133,7 @@ class MotionSender:
                    for info in self._node.get_publishers_info_by_topic(topic))
 
     def _add(self, what: str, rows: Motion) -> None:
-        messages = motion_messages(rows, what, _FRAME)
+        messages = split_motion(rows, what, _FRAME)
         self._backlogs[what].add(messages)
         self.published[what] += len(messages)
         self.left_out += len(rows) - len(messages)

@@ -11,7 +11,7 @@ from sensor_msgs.msg import Imu, NavSatFix
 
 from heading_intercompare.core.records import Motion
 from heading_intercompare.core.settings import MotionRule
-from heading_intercompare.messages.motion.motion_messages import motion_messages
+from heading_intercompare.messages.motion.motion_messages import split_motion
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import Taking
@@ -47,7 +47,7 @@ def fixes(n):
 
 def test_what_was_sent_before_the_node_was_there_comes_too(ros):
     publisher = ros.plain.create_publisher(NavSatFix, 'ship/fix', qos.HEADINGS_OUT)
-    for message in motion_messages(fixes(50), 'fix', 'ship'):
+    for message in split_motion(fixes(50), 'fix', 'ship'):
         publisher.publish(message)
     intake, taker = make(ros)
     until(ros, intake, lambda: len(taker.rows) == 50)
@@ -56,7 +56,7 @@ def test_what_was_sent_before_the_node_was_there_comes_too(ros):
 
 def test_what_an_earlier_process_took_is_left_out(ros):
     publisher = ros.plain.create_publisher(NavSatFix, 'ship/fix', qos.HEADINGS_OUT)
-    for message in motion_messages(fixes(50), 'fix', 'ship'):
+    for message in split_motion(fixes(50), 'fix', 'ship'):
         publisher.publish(message)
     intake, taker = make(ros, known_ns={'fix': 40 * S})
     until(ros, intake, lambda: len(taker.rows) == 10)
@@ -79,7 +79,7 @@ def test_a_best_effort_publisher_of_another_type_is_heard(ros):
 def test_without_the_comparison_nothing_is_subscribed(ros):
     publisher = ros.plain.create_publisher(NavSatFix, 'ship/fix', qos.HEADINGS_OUT)
     intake, taker = make(ros, MotionRule(compare=False))
-    for message in motion_messages(fixes(5), 'fix', 'ship'):
+    for message in split_motion(fixes(5), 'fix', 'ship'):
         publisher.publish(message)
     for _ in range(5):
         intake.pass_on()
@@ -89,6 +89,6 @@ def test_without_the_comparison_nothing_is_subscribed(ros):
 
 def test_messages_that_cannot_be_read_are_counted(ros):
     publisher = ros.plain.create_publisher(NavSatFix, 'ship/fix', qos.HEADINGS_OUT)
-    publisher.publish(motion_messages(fixes(1), 'fix', 'ship')[0][:30])
+    publisher.publish(split_motion(fixes(1), 'fix', 'ship')[0][:30])
     intake, _ = make(ros)
     until(ros, intake, lambda: intake._intakes['fix'].refused == 1)

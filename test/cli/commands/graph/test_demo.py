@@ -134,6 +134,8 @@ def test_the_tutorials_of_the_live_graph_run_as_printed(page, tmp_path, capfd, m
 
 @pytest.mark.parametrize('text, words', [
     ('ts_driver: {ros__parameters: {topic: gyro}}', "section 'ts_driver': source is missing"),
+    ('motion_driver: {ros__parameters: {speed: 1.0}}',
+     "section 'motion_driver': source is missing"),
     ('ts_driver: {ros__parameters: {source: "ftp://x"}}\n'
      'rs_driver: {ros__parameters: {source: "udp://:1"}}', 'must be file:PATH'),
     ('ts_driver: {ros__parameters: {source: "file:nowhere.log"}}\n'
