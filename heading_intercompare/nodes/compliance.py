@@ -101,8 +101,8 @@ class Compliance(Node):
     def _drain(self) -> None:
         if self.ended:
             return
-        self._motion.pass_on()
         pairs = self._pairs.read()
+        self._motion.pass_on()  # What was sent before these pairs is there by now.
         self._journal.add(pairs, self._pairs.numbers)
         self._compliance.update(pairs)
         self._journal.tick(self.sole.clear)

@@ -89,8 +89,9 @@ class SensorsWatch(Node):
     def _drain(self) -> None:
         if self._finished:
             return
+        headings = self._headings.take()
         self._motion.pass_on()
-        self._comparison.update(self._headings.take(), self._awake.now_s())
+        self._comparison.update(headings, self._awake.now_s())
         if self._end_s is not None:
             self._finish_if_quiet(self._end_s)
 
@@ -138,8 +139,9 @@ class SensorsWatch(Node):
         if now_s < min(end_s, self._seen_s + _QUIET_S):
             return
         self._finished = True
+        headings = self._headings.take()
         self._motion.pass_on()
-        self._comparison.update(self._headings.take())
+        self._comparison.update(headings)
         self._comparison.finish()
         self._beat()
         self._reporting.close()

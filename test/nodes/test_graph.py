@@ -19,9 +19,10 @@ from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import MotionRule, Settings, SettingsError
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.messages.status_messages import decode_statuses
@@ -45,6 +46,7 @@ def offline(path, **settings):
     """Return the verdict on a bag."""
     comparison = Intercomparison(Settings.from_mapping({**NORMS, **settings}))
     conventions = {'ts/heading': 'enu', 'rs/heading': 'enu'}
+    comparison.take_motion(read_bag_motion(BagReader(path), MotionRule()).rows)
     for chunk in BagReader(path).headings(conventions):
         comparison.update(ts=chunk['ts/heading'], rs=chunk['rs/heading'])
     comparison.finish()

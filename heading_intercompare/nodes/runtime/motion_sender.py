@@ -85,12 +85,13 @@ class MotionSender:
         self._backlogs[what] = Backlog(self._publishers[what], self._health)
 
     def take(self, motion: Motion) -> None:
-        """Take rows to publish, or to hold until it is known that nobody else publishes them."""
+        """Publish rows, or hold them until it is known that nobody else publishes them."""
         if not (len(motion) and self._topics):
             return
         for what, rows in motion.split().items():
             if what in self._publishers:
                 self._add(what, rows)
+                self._backlogs[what].publish()
             elif len(rows):
                 self._since_s.setdefault(what, time.monotonic())
                 held = self._held.get(what, Motion.empty()) + rows
