@@ -26,13 +26,13 @@ from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.remapping import published_names
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.loss_publisher import ReplayedLosses
 from heading_intercompare.nodes.runtime.publishing import (
     Allowance,
     Audience,
     await_acknowledgement,
     FlowControl,
 )
+from heading_intercompare.nodes.runtime.replayed_losses import ReplayedLosses
 from heading_intercompare.nodes.sensors import places
 
 from .settings import ReplayerNode, Sending

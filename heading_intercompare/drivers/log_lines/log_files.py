@@ -16,8 +16,6 @@ import re
 from typing import Any, BinaryIO, Callable, Iterator
 import zlib
 
-import zstandard
-
 from heading_intercompare.drivers.settings import DriverError
 
 __all__ = ['head_of', 'is_pattern', 'LogFiles']
@@ -26,7 +24,7 @@ _BLOCK = 1 << 20
 _LONGEST_LINE = 1 << 16
 _HEAD_BYTES = 1 << 16
 _UTF16 = {b'\xff\xfe': 'utf-16-le', b'\xfe\xff': 'utf-16-be'}
-_DAMAGED = (gzip.BadGzipFile, zlib.error, zstandard.ZstdError, lzma.LZMAError)
+_DAMAGED = (gzip.BadGzipFile, zlib.error, lzma.LZMAError)
 _DIGITS = re.compile(r'(\d+)')
 
 
@@ -193,18 +191,32 @@ def head_of(path: str) -> bytes:
 
 
 class _ZstdReader:
-    """Reads a zstd file of any number of frames; EOFError if the last one is cut."""
+    """
+    Reads a zstd file of any number of frames.
+
+    EOFError if the last one is cut, zlib.error if the file is damaged.
+    """
 
     def __init__(self, file: BinaryIO) -> None:
+        try:
+            # A driver of a line needs it not.
+            import zstandard
+        except ModuleNotFoundError as error:
+            raise DriverError(f'{file.name}: reading zstd needs the module zstandard: python3 -m '
+                              'pip install zstandard; or decompress it with zstd -d') from error
         self._file, self._unused, self._open = file, b'', False
-        self._frame = zstandard.ZstdDecompressor().decompressobj()
+        self._begin = zstandard.ZstdDecompressor().decompressobj
+        self._frame, self._damaged = self._begin(), zstandard.ZstdError
 
     def read1(self, size: int) -> bytes:
         """Return some of the decompressed bytes; none at the end."""
         while data := self._unused or self._file.read(max(1, size // 8)):
             if self._frame.eof:
-                self._frame = zstandard.ZstdDecompressor().decompressobj()
-            text = self._frame.decompress(data)
+                self._frame = self._begin()
+            try:
+                text = self._frame.decompress(data)
+            except self._damaged as error:
+                raise zlib.error(str(error)) from error
             self._unused, self._open = self._frame.unused_data, not self._frame.eof
             if text:
                 return text

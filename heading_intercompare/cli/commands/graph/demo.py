@@ -24,9 +24,9 @@ from heading_intercompare.report import check_form, SeriesSketch, write
 
 from .web_option import add_web_argument, read_web
 
-__all__ = ['add_arguments', 'run']
+__all__ = ['add_arguments', 'NORMS', 'run']
 
-_SETTINGS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
+NORMS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
 _MADE = ('bag', 'live', 'replayed', 'offline.json', 'report.html')
 #: Files in a folder are only removed if this file is there too.
 _MARK = '.heading_intercompare_demo'
@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
         live = intercompare(
             [Source(SensorSimulator, 'sensor_simulator',
                     {**scenario.to_mapping(), 'speed': arguments.speed, 'stamps': 'scenario'})],
-            _SETTINGS, output=bag, report_dir=str(out / 'live'), private=True, page=page,
+            NORMS, output=bag, report_dir=str(out / 'live'), private=True, page=page,
             served=addresses.append,
             progress=lambda n: progress.show(f'{min(n, expected):,} of {expected:,} pairs'))
     paired = sum(run.pairing.paired for run in live.runs)
@@ -77,10 +77,10 @@ def run(arguments: argparse.Namespace) -> int:
     with Progress('replayed', arguments.quiet) as progress:
         replayed = intercompare(
             [Source(Replayer, 'replayer', {'bag': bag, 'rate': 1.0})],
-            _SETTINGS, report_dir=str(out / 'replayed'), private=True,
+            NORMS, report_dir=str(out / 'replayed'), private=True,
             progress=lambda n: progress.show(f'{min(n, paired):,} of {paired:,} pairs'))
     tell(f'3. offline: analyze {bag}\n')
-    settings = Settings.from_mapping(_SETTINGS)
+    settings = Settings.from_mapping(NORMS)
     with Progress(bag, arguments.quiet) as progress:
         sketch = SeriesSketch(bag)
         found = analyze_input(

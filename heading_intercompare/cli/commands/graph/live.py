@@ -24,9 +24,8 @@ from heading_intercompare.cli.commands.note import add_note_argument, read_notes
 from heading_intercompare.cli.commands.several_sensors import choose_pair
 from heading_intercompare.cli.terminal.live_view import LiveView
 from heading_intercompare.core.decision.coverage import least_duration_words
-from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.rows.sensor_table import describe_driver, list_tested, read_sensors
-from heading_intercompare.core.sensors.pair_settings import check_sensors, settings_of_tested
+from heading_intercompare.core.sensors.pair_settings import check_norms, settings_of_tested
 from heading_intercompare.core.settings import from_mapping, Settings, SettingsError
 from heading_intercompare.nodes.settings import ComplianceNode
 
@@ -53,11 +52,8 @@ def run(arguments: argparse.Namespace) -> int:
     config = load_config(arguments.config)
     settings = choose_pair(settings_for(config, arguments.set, ts_topic=arguments.ts,
                                         rs_topic=arguments.rs), arguments.ts, arguments.rs)
+    check_norms(settings)
     sensors = read_sensors(settings.sensors)
-    if sensors:
-        check_sensors(settings)
-    else:
-        Limits.of(settings.norms, settings.model)
     usual = _describe_drivers(settings)
     drivers = {name: {**given, **config.sections[name]}
                for name, given in usual.items() if name in config.sections}
