@@ -36,6 +36,8 @@ from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.taking.judged_headings import JudgedHeadings
+from heading_intercompare.nodes.taking.reception import Message
 from heading_intercompare.nodes.taking.recorded_topics import make_intakes, report_files, text_of
 
 from .settings import RecorderNode, Taking
@@ -69,6 +71,7 @@ class Recorder(Node):
         self.state_sources({})
         for copy in copies:
             self._bag.attachment(*copy)
+        self._judged = JudgedHeadings(self._topics)
         self._notes = Notes(self._bag.metadata)
         self._notes.add(self._own.note or '', time.time_ns())
         self._state = self._report = ''
@@ -89,27 +92,36 @@ class Recorder(Node):
     def _drain(self) -> None:
         if self.ended:
             return
-        rows = []
-        for topic, (offered, intake, *_) in self._topics.items():
-            taken = intake.take()
+        rows: list[tuple[str, Message]] = []
+        now_s, graph = time.monotonic(), any(
+            one.intake.publishers for one in self._topics.values() if one.is_ledger)
+        for topic, one in self._topics.items():
+            taken = one.intake.take()
             if taken:
-                self._bag.add_topic(intake.full_name, intake.type_name, offered)
+                self._bag.add_topic(one.intake.full_name, one.intake.type_name, one.offered)
                 if topic in (REPORT_TOPIC, SENSORS_REPORT_TOPIC):
                     self._report = text_of(taken[-1][0])
+            if one.is_heading:
+                taken = self._judged.take(topic, taken, now_s, graph=graph,
+                                          ending=self.health.ending)
             for data, info in taken if topic == NOTE_TOPIC else ():
                 for note in self._notes.add(text_of(data), info['received_timestamp']):
                     self.get_logger().info(f'note: {note.text}')
-            rows += [(info['received_timestamp'], intake.full_name, data, info)
-                     for data, info in taken]
-        for received_ns, name, data, info in sorted(rows, key=lambda row: row[0]):
-            self._bag.write(name, data, received_ns, info['source_timestamp'],
-                            info['publication_sequence_number'])
-        self._bag.tick(time.monotonic())
+            rows += [(topic, message) for message in taken]
+        self._write(rows)
+        self._bag.tick(now_s)
         if (state := self._bag.fault + self._bag.remark) != self._state:
             self._state = state
             self._note()
         if self._end_s is not None:
             self._close_if_quiet(self._end_s)
+
+    def _write(self, rows: Sequence[tuple[str, Message]]) -> None:
+        """Write messages of topics in the order of their receipt."""
+        for topic, (data, info) in sorted(rows, key=lambda row: row[1][1]['received_timestamp']):
+            self._bag.write(self._topics[topic].intake.full_name, data,
+                            info['received_timestamp'], info['source_timestamp'],
+                            info['publication_sequence_number'])
 
     def _note(self) -> None:
         bag, lost = self._bag, sum(self._bag.lost.values())
@@ -130,11 +142,15 @@ class Recorder(Node):
 
     def _close_if_quiet(self, end_s: float) -> None:
         now_s = time.monotonic()
-        if any(self.count_publishers(one.intake.full_name)
-               for one in self._topics.values() if one.expected):
+        # The publishers of headings may never end.
+        if self._judged.may_come() or any(
+                self.count_publishers(one.intake.full_name)
+                for one in self._topics.values() if one.expected and not one.is_heading):
             self._quiet_s = now_s + _QUIET_S
         if now_s < min(self._quiet_s, end_s):
             return
+        self._write([(topic, message) for topic, one in self._topics.items() if one.is_heading
+                     for message in self._judged.release(topic)])
         self._bag.settle()
         for file in report_files(self._report) if self._report else ():
             self._bag.attachment(*file)
@@ -148,8 +164,9 @@ class Recorder(Node):
 
     def _losses(self) -> dict[str, int]:
         """Return the counts of messages received and lost, by topic."""
-        topics = {one.intake.full_name: Counts(one.intake.received, one.lost,
-                                               self._bag.lost.get(one.intake.full_name, 0))
+        topics = {one.intake.full_name: Counts(
+            one.intake.received - self._judged.left_out[one.intake.full_name], one.lost,
+            self._bag.lost.get(one.intake.full_name, 0))
                   for one in self._topics.values()
                   if one.expected or (one.intake.received and one.intake.counted)}
         return loss_record(self._bag.faults, self._bag.absent, topics)

@@ -30,8 +30,10 @@ from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.drivers.logs import read_log
 from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.report.json import read
 
 from . import launch_files
 from .conftest import NORMS
@@ -514,6 +516,62 @@ def write_udp_config(folder, rule):
             name: {'ros__parameters': {'source': f'udp://127.0.0.1:{port}', 'sentence': 'HDT'}}
             for name, port in zip(('ts_driver', 'rs_driver'), ports)}}))
     return config, ports
+
+
+SENSORS = """
+import rclpy, sys
+from rclpy.node import Node
+from sensor_msgs.msg import Imu
+rclpy.init()
+node = Node('other_sensors')
+publishers = [node.create_publisher(Imu, f'{name}/imu', 10) for name in ('gyro', 'compass')]
+def publish():
+    for publisher in publishers:
+        message = Imu()
+        message.header.stamp = node.get_clock().now().to_msg()
+        message.orientation.w = 1.0
+        publisher.publish(message)
+node.create_timer(0.02, publish)
+rclpy.spin(node)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('how', ['live', 'launch'])
+def test_sensors_that_go_on_when_the_graph_ends_do_not_hold_it_up(processes, tmp_path, how):
+    """What they publish after the last verdict is not in the bag, which says the same as live."""
+    config = tmp_path / 'config.yaml'
+    config.write_text(yaml.dump({'/**': {'ros__parameters': {
+        **NORMS, 'ts_topic': 'gyro/imu', 'rs_topic': 'compass/imu'}}}))
+    bag, report = tmp_path / 'trial', tmp_path / 'verdict.json'
+    processes.running['sensors'] = subprocess.Popen(
+        [sys.executable, '-c', SENSORS],
+        env=make_environment(DOMAIN, 'UDPv4' if how == 'launch' else ''),
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    if how == 'live':
+        names = ['live']
+        start_live(processes, tmp_path, config, 'live')
+    else:
+        made = plan_trial(str(config), bag, tmp_path / 'reports')
+        names = [*made]
+        for node in made.values():
+            processes.start(node)
+    wait_for(lambda: count_recorded(bag, '/gyro/imu') >= 200)
+    began_s = time.monotonic()
+    for name in names:
+        processes.running[name].send_signal(signal.SIGINT)
+    for name in names:
+        assert processes.running[name].wait(30.0) == 0, (tmp_path / f'{name}.log').read_text()
+    assert time.monotonic() - began_s < 9.0, 'nobody waits for sensors that never end'
+    assert processes.running['sensors'].poll() is None
+    if how == 'launch':
+        report, = (tmp_path / 'reports').glob('verdict_*.json')
+    live = read(report)
+    assert live.runs[0].n >= 190
+    assert BagReader(bag).incomplete is None
+    again = judge_bags([str(bag)], Settings.from_mapping(
+        {**NORMS, 'ts_topic': 'gyro/imu', 'rs_topic': 'compass/imu'})).verdict
+    assert list(find_differences(live, again)) == []
 
 
 @pytest.mark.slow

@@ -59,6 +59,13 @@ class Recorded(NamedTuple):
         It belongs to every recording, and at the end the recorder waits for its publishers.
     count_published : callable
         Returns how many messages others have counted; 0 if nobody counts them.
+    is_heading : bool
+        It comes from a sensor, whose publisher may go on when the graph ends.
+    is_ledger : bool
+        A synchronizer says in it which headings it took.
+    spans : tuple of callable
+        Each returns the numbers of the first and the last message that a synchronizer took; None
+        where it does not know yet.
 
     """
 
@@ -66,6 +73,19 @@ class Recorded(NamedTuple):
     intake: Intake
     expected: bool
     count_published: Callable[[], int] = int
+    is_heading: bool = False
+    is_ledger: bool = False
+    spans: tuple[Callable[[], tuple[int | None, int | None]], ...] = ()
+
+    @property
+    def first_judged(self) -> int | None:
+        """The number of the first message that somebody took; None as long as nobody has."""
+        return min((first for find in self.spans if (first := find()[0])), default=None)
+
+    @property
+    def last_judged(self) -> int | None:
+        """The number of the last message that somebody took; None as long as nobody ended."""
+        return max((last for find in self.spans if (last := find()[1])), default=None)
 
     @property
     def lost(self) -> int:
@@ -161,17 +181,19 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, health: Health,
              for topic in headings]
     found = {topic: Recorded(_offer(offered), Intake(
         node, topic, types, heard, health, first_wait_s=taking.first_wait_s, sole=False,
-        needed=expected, **_keep(heard)), expected)
+        needed=expected, **_keep(heard)), expected, is_heading=topic in headings)
         for topic, types, heard, offered, expected in rows}
     reference = find_reference(sensors)
     tested = [one.heading_topic for one in list_tested(sensors)]
     for at, place in enumerate(places):
         ledgers = _Ledgers(node, health, taking.first_wait_s, f'{place}pairs/ledger')
-        found[f'{place}pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True)
+        found[f'{place}pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True,
+                                                   is_ledger=True)
         counted = [tested[at], reference.heading_topic] if reference is not None else headings
         for stream, topic in zip(('ts', 'rs'), counted):
             found[topic] = found[topic]._replace(
-                count_published=partial(ledgers.headings.count, stream))
+                count_published=partial(ledgers.headings.count, stream),
+                spans=(*found[topic].spans, partial(ledgers.headings.find_span, stream)))
     found[ALARMS_TOPIC] = Recorded(_offer(qos.ALARMS), _Alarms(node, health), False)
     if states.kept:
         found[DIAGNOSTICS_TOPIC] = Recorded(_offer(qos.STATUS), _Diagnostics(node, health, states),
