@@ -44,10 +44,10 @@ class JudgedHeadings:
         self._held: dict[str, list[Message]] = {}
         self.left_out: Counter[str] = Counter()
 
-    def take(self, topic: str, messages: Sequence[Message], now_s: float, *, graph: bool,
+    def take(self, topic: str, messages: Sequence[Message], now_s: float,
              ending: bool) -> list[Message]:
         """
-        Take the next headings of a topic.
+        Take the next headings of a topic; messages of another one pass.
 
         Parameters
         ----------
@@ -55,8 +55,6 @@ class JudgedHeadings:
         messages : sequence of Message
         now_s : float
             Steady time, seconds.
-        graph : bool
-            A synchronizer is there.
         ending : bool
             The graph ends: headings are kept until `release`.
 
@@ -66,6 +64,8 @@ class JudgedHeadings:
             What is to be recorded now.
 
         """
+        if not self._topics[topic].is_heading:
+            return [*messages]
         held = self._held.setdefault(topic, [])
         held += messages
         if ending or not held:
@@ -73,6 +73,7 @@ class JudgedHeadings:
         if topic not in self._begun:
             first = self._topics[topic].first_judged
             since_s = self._since_s.setdefault(topic, now_s)
+            graph = any(one.intake.publishers for one in self._topics.values() if one.is_ledger)
             if first is None and now_s < since_s + (_BEGINS_S if graph else _COMES_S):
                 return []
             self._begun.add(topic)
@@ -81,11 +82,16 @@ class JudgedHeadings:
         self._held[topic] = []
         return held
 
-    def release(self, topic: str) -> list[Message]:
-        """Return the headings kept at the end, up to the last one judged; all if none was."""
-        one = self._topics[topic]
-        first = 0 if topic in self._begun else one.first_judged or 0
-        return self._keep(topic, self._held.pop(topic, []), first, one.last_judged)
+    def release(self) -> list[tuple[str, Message]]:
+        """Return the headings kept at the end, with their topics, up to the last one judged."""
+        kept = []
+        for topic, held in self._held.items():
+            one = self._topics[topic]
+            first = 0 if topic in self._begun else one.first_judged or 0
+            kept += [(topic, message) for message in self._keep(topic, held, first,
+                                                                one.last_judged)]
+        self._held = {}
+        return kept
 
     def _keep(self, topic: str, messages: Sequence[Message], first: int,
               last: int | None) -> list[Message]:

@@ -12,6 +12,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from heading_intercompare.bags.recording.published_headings import PublishedHeadings
+from heading_intercompare.bags.recording.recorder_losses import Counts
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.rosbag2.part_states import DIAGNOSTICS_TOPIC, PartStates
 from heading_intercompare.bags.rosbag2.provenance import (
@@ -40,7 +41,7 @@ from heading_intercompare.nodes.settings import Taking
 
 from .intake import Intake
 
-__all__ = ['ALARMS_TOPIC', 'make_intakes', 'Recorded', 'report_files', 'text_of']
+__all__ = ['ALARMS_TOPIC', 'count_messages', 'make_intakes', 'Recorded', 'report_files', 'text_of']
 
 ALARMS_TOPIC = 'compliance/alarms'
 
@@ -199,6 +200,16 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, health: Health,
         found[DIAGNOSTICS_TOPIC] = Recorded(_offer(qos.STATUS), _Diagnostics(node, health, states),
                                             False)
     return found
+
+
+def count_messages(topics: Mapping[str, Recorded], not_written: Mapping[str, int],
+                   left_out: Mapping[str, int]) -> dict[str, Counts]:
+    """Return the counts of messages received and lost, by full name of their topic."""
+    return {one.intake.full_name: Counts(
+        one.intake.received - left_out.get(one.intake.full_name, 0), one.lost,
+        not_written.get(one.intake.full_name, 0))
+        for one in topics.values()
+        if one.expected or (one.intake.received and one.intake.counted)}
 
 
 def text_of(data: bytes) -> str:
