@@ -115,9 +115,12 @@ def nodes(context):
                  node('compliance', 'compliance', place, parameters, {**judging, **own},
                       on_exit=end_with('the compliance node'), **several, **again)]
     if sensors:
-        reports = report_dir or sections.get('compliance', {}).get('report_dir')
-        made.append(node('sensors_watch', 'sensors_watch', namespace, parameters,
-                         {'report_dir': reports} if reports else {},
+        given = {**sections.get('compliance', {}), **judging}
+        shared = {name: given[name] for name in ('report_dir', 'journal', 'resume_within_s')
+                  if name in given and name not in sections.get('sensors_watch', {})}
+        if report_dir:
+            shared['report_dir'] = report_dir
+        made.append(node('sensors_watch', 'sensors_watch', namespace, parameters, shared,
                          on_exit=end_with('the node sensors_watch'), **again))
     if record == 'true':
         # The trial goes on without it; it starts again with a new bag.

@@ -420,6 +420,8 @@ class Intercomparison:
         self._table = table or ()
         self._sampler = sampler
         self._before = Incarnations()
+        self._keep: Callable[[Pairs], None] = lambda pairs: None
+        self._from_ns: int | None = None
         self._begin()
 
     def _begin(self) -> None:
@@ -439,6 +441,22 @@ class Intercomparison:
         self._before.take(self.pairer.ledger, False, len(self._before))
         self._begin()
         return pairs
+
+    def keep_with(self, keep: Callable[[Pairs], None]) -> None:
+        """
+        Go on after the pairs that `compliance` has, and keep those to come.
+
+        Parameters
+        ----------
+        keep : callable
+            Called with each chunk of the pairs to judge, before it is judged.
+
+        """
+        self._keep, newest_ns = keep, self.compliance.newest_ns
+        if newest_ns is not None:
+            # Readings that come again make pairs again.
+            self._from_ns = newest_ns + 1 if self._sampler is None else \
+                self._sampler.end_ns(newest_ns)
 
     @property
     def ledger(self) -> Ledger:
@@ -461,7 +479,13 @@ class Intercomparison:
         return pairs
 
     def _judge(self, pairs: Pairs) -> None:
-        self.compliance.update(pairs if self._sampler is None else self._sampler.update(pairs))
+        if self._from_ns is not None:
+            pairs = pairs[pairs.stamp_ns >= self._from_ns]
+        self._judge_chosen(pairs if self._sampler is None else self._sampler.update(pairs))
+
+    def _judge_chosen(self, pairs: Pairs) -> None:
+        self._keep(pairs)
+        self.compliance.update(pairs)
 
     def lose(self, key: LedgerKey, losses: Losses) -> None:
         """Count readings that never came; see `Pairer.lose`."""
@@ -477,7 +501,7 @@ class Intercomparison:
         pairs = self.pairer.flush()
         self._judge(pairs)
         if self._sampler is not None:
-            self.compliance.update(self._sampler.flush())
+            self._judge_chosen(self._sampler.flush())
         self.compliance.finish()
         return pairs
 

@@ -40,6 +40,11 @@ class PairSampler:
         self._open = pairs[last:]
         return _choose(pairs[:last])
 
+    @staticmethod
+    def end_ns(stamp_ns: int) -> int:
+        """Return the stamp at which the half second of a pair is over."""
+        return (stamp_ns // _STEP_NS + 1) * _STEP_NS
+
     def flush(self) -> Pairs:
         """Return the pair kept of the last half second."""
         found, self._open = _choose(self._open), Pairs.empty()
