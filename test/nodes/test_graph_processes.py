@@ -142,7 +142,7 @@ def run_live(processes, config, order, number, timeout_s):
 
 
 def count_recorded(bag, topic='/ts/heading') -> int:
-    """Return how many headings, of the TS by default, are in a bag that may be open."""
+    """Return how many messages of a topic are in a bag that may be open."""
     try:
         info = BagReader(bag).topics.get(topic)
     except (OSError, ValueError):
@@ -323,11 +323,13 @@ def test_a_synchronizer_that_the_middleware_had_given_up_misses_nothing(
     """
     Synchronizer and recorder stand still for longer than the lease of the middleware.
 
-    So they are gone for the drivers, as after a cut of the network. The lease is 3 s here.
+    So they are gone for the drivers, as after a cut of the network. The lease is 3 s here. Two
+    processes of which only one has given up the other may need half a minute to connect again.
+    What is published meanwhile comes later.
     """
     monkeypatch.setattr(launch_files, 'LOOPBACK', short_lease(tmp_path / 'lease.xml', 3))
-    config = config_of(tmp_path, log(tmp_path / 'ts.log', 3000, 0.0, 90.0),
-                       log(tmp_path / 'rs.log', 3000, 0.05, 90.1), 10.0)
+    config = config_of(tmp_path, log(tmp_path / 'ts.log', 1200, 0.0, 90.0),
+                       log(tmp_path / 'rs.log', 1200, 0.05, 90.1), 10.0)
     bag, reports = tmp_path / 'bag', tmp_path / 'reports'
     for node in plan_trial(config, bag, reports).values():
         processes.start(node)
@@ -339,23 +341,24 @@ def test_a_synchronizer_that_the_middleware_had_given_up_misses_nothing(
     wait_for(lambda: time.monotonic() > began_s + 7.0)
     for process in stopped:
         process.send_signal(signal.SIGCONT)
+    processes.wait('ts_driver', 'rs_driver', timeout_s=60.0)
+    wait_for(lambda: count_recorded(bag, '/pairs') >= 1198, timeout_s=120.0)
     end_trial(processes)
     written, = reports.iterdir()
     report = json.loads(written.read_text('utf-8'))
     run, = report['runs']
     assert (run['n'], run['pairing']['ts_received'], run['pairing']['rs_received']) == (
-        2999, 3000, 3000)
+        1199, 1200, 1200)
     assert report['ledger_problems'] == []
-    topics = BagReader(bag).topics
-    assert [topics[name].count for name in ('/ts/heading', '/rs/heading', '/pairs')] == [
-        3000, 3000, 2999]
+    assert [count_recorded(bag, name) for name in ('/ts/heading', '/rs/heading', '/pairs')] == [
+        1200, 1200, 1199]
 
 
 @pytest.mark.slow
 def test_a_recorder_that_is_killed_leaves_all_but_the_last_second(processes, tmp_path):
     """Started again by the launch file, it records the rest beside it, as the same trial."""
-    config = config_of(tmp_path, log(tmp_path / 'ts.log', 3000, 0.0, 90.0),
-                       log(tmp_path / 'rs.log', 3000, 0.05, 90.1), 20.0)
+    config = config_of(tmp_path, log(tmp_path / 'ts.log', 2000, 0.0, 90.0),
+                       log(tmp_path / 'rs.log', 2000, 0.05, 90.1), 20.0)
     bag = tmp_path / 'bag'
     made = plan_trial(config, bag, tmp_path / 'reports')
     for node in made.values():
@@ -417,8 +420,8 @@ def test_graphs_in_several_namespaces_of_one_domain_do_not_mix(processes, tmp_pa
 def test_a_second_graph_in_one_namespace_is_refused_and_the_first_goes_on(processes, tmp_path):
     """Its nodes end with exit code 2 and one line each; before, the verdict mixed both."""
     # Long enough that the first graph still publishes when the second is up on a busy computer.
-    config = config_of(tmp_path, log(tmp_path / 'ts.log', 800, 0.0, 90.0),
-                       log(tmp_path / 'rs.log', 800, 0.05, 90.1), 4.0)
+    config = config_of(tmp_path, log(tmp_path / 'ts.log', 2000, 0.0, 90.0),
+                       log(tmp_path / 'rs.log', 2000, 0.05, 90.1), 4.0)
     bag, reports = tmp_path / 'bag', tmp_path / 'reports'
     first = start_graph(processes, config, '/', bag, reports)
     wait_for(lambda: count_recorded(bag) >= 20)
@@ -434,7 +437,8 @@ def test_a_second_graph_in_one_namespace_is_refused_and_the_first_goes_on(proces
         said = (tmp_path / f'{name}.log').read_text()
         line, = [line for line in said.splitlines() if 'error:' in line]
         assert 'also publishes' in line and 'namespace' in line and 'Traceback' not in said
-    processes.wait('ts_driver_', 'rs_driver_', timeout_s=60.0)
+    before = count_recorded(bag)
+    wait_for(lambda: count_recorded(bag) >= before + 20)
     processes.signal(signal.SIGINT)
     processes.wait(*first, timeout_s=20.0)
     written, = reports.iterdir()
@@ -442,7 +446,7 @@ def test_a_second_graph_in_one_namespace_is_refused_and_the_first_goes_on(proces
     expected, = offline(bag)['runs']
     # On a busy computer the second drivers may be late to see the first ones. What they publish
     # until then is older, and rejected.
-    assert run['n'] == run['pairing']['paired'] == 799
+    assert run['n'] == run['pairing']['paired'] == expected['n'] > before
     assert (run['mean_deg'], run['std_deg']) == pytest.approx(
         (expected['mean_deg'], expected['std_deg']), rel=1e-9)
 

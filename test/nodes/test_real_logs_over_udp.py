@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The whole graph as processes, fed with real logs over UDP at twenty times their speed.
+The whole graph as processes, fed with real logs over UDP at fifty times their speed.
 
 Datagrams are those of IEC 61162-450, the time of the log in their TAG blocks, milliseconds.
 """
@@ -31,7 +31,7 @@ pytestmark = pytest.mark.process
 
 pytest.importorskip('rclpy')
 
-SPEED = 20.0
+SPEED = 50.0
 NORMS = ['norms.sigma_max_deg:=0.2', 'norms.sigma_ref_max_deg:=0.1', 'norms.m_low:=0.9']
 SHIPS = {
     'nbp': ({'ts': 'nbp1406/NBP1406_gyr1-2014-08-01', 'rs': 'nbp1406/NBP1406_s330-2014-08-01'},

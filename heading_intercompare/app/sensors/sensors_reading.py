@@ -323,9 +323,9 @@ def compare_logs(logs: Mapping[str, str], settings: Settings,
     feed = _Feed(settings, next(iter(logs.values())), table, sketched, takers, progress)
     found = _compare(feed, {name: log.headings for name, log in imported.items()},
                      moved.rows if settings.motion.compare else None, table)
-    of = dict(zip(imported, described))
-    accounts = feed.make_accounts(found, lambda ts, rs: (
-        of[ts.name], replace(of[rs.name], ts_topic=None, rs_topic=of[rs.name].ts_topic)), table)
+    given = dict(zip(imported, described))
+    accounts = feed.make_accounts(found, lambda ts, rs: (given[ts.name], replace(
+        given[rs.name], ts_topic=None, rs_topic=given[rs.name].ts_topic)), table)
     return replace(found, described=described, accounts=accounts,
                    notes=[*notes, *moved.notes, *found.notes])
 
