@@ -13,8 +13,6 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from heading_intercompare.bags.rosbag2.provenance import SENSORS_REPORT_TOPIC
-from heading_intercompare.core.pairing.ledger import LedgerKey
-from heading_intercompare.core.records import Losses
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
@@ -30,9 +28,8 @@ from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
 from heading_intercompare.nodes.sensors.now_publisher import NowPublisher
 from heading_intercompare.nodes.sensors.pair_journals import PairJournals
+from heading_intercompare.nodes.sensors.sensors_intake import SensorsIntake
 from heading_intercompare.nodes.sensors.sensors_reporting import SensorsReporting
-from heading_intercompare.nodes.sensors.stream_watches import StreamWatches
-from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
 from heading_intercompare.nodes.taking.mark_intake import MarkIntake
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
@@ -59,15 +56,12 @@ class SensorsWatch(Node):
         settings, taking, own = declare(self, Settings, Taking, SensorsNode)
         self.health = Health(self)
         self._comparison = SensorsComparison(settings, source='live', only_others=True)
-        streams = {one.name: (one.heading_topic, one.convention)
-                   for one in self._comparison.sensors}
-        self._headings = HeadingsIntake(self, self.health, taking, streams, self._lose)
-        self._watches = StreamWatches(streams, taking.stale_s)
+        self._headings = SensorsIntake(self, self.health, taking, self._comparison)
         self._journals = PairJournals(self, self.health, settings, own, self._comparison,
-                                      self._headings)
+                                      self._headings.heard)
         self._now = NowPublisher(self, self.health, settings, self._comparison, taking.stale_s)
         self._reporting = SensorsReporting(self, self.health, settings, own, self._comparison,
-                                           self._journals, self._watches)
+                                           self._journals, self._headings)
         self.alarms = self._now
         self.sole = SoleNode(self, [SENSORS_REPORT_TOPIC], self.health)
         self._marks = MarkIntake(self.health, self._journals.marks)
@@ -94,25 +88,17 @@ class SensorsWatch(Node):
     def _drain(self) -> None:
         if self._finished:
             return
-        self._take(self._awake.now_s())
+        self._headings.update(self._awake.now_s())
         self._journals.tick(self.sole.clear)
         if self._end_s is not None:
             self._finish_if_quiet(self._end_s)
 
-    def _take(self, now_s: float | None = None, *, last: bool = False) -> None:
-        headings = self._headings.take(last=last)
-        self._watches.take(headings, self._headings.received_ns)
-        self._comparison.update(headings, now_s)
-
-    def _lose(self, name: str, lost_as: str, losses: Losses) -> None:
-        self._comparison.lose(name, LedgerKey.of_told('ts', lost_as), losses)
-
     def _beat(self) -> None:
         self._comparison.forget_earlier()
         verdict = self._reporting.verdict
-        self._now.look(self._watches.view(), self._watches.newest_ns,
+        self._now.look(self._headings.view(), self._headings.newest_ns,
                        None if verdict is None else verdict.vote)
-        self._journals.look(self._watches.newest_ns)
+        self._journals.look(self._headings.newest_ns)
         if self._end_s is None:
             self._reporting.look()
 
@@ -125,7 +111,7 @@ class SensorsWatch(Node):
     def _command(self, kind: str, response: Trigger.Response) -> Trigger.Response:
         """Set a mark that acts on the runs of all pairs, a second after the newest reading."""
         self._drain()
-        newest_ns = self._watches.newest_ns
+        newest_ns = self._headings.newest_ns
         stamp_ns = 0 if newest_ns is None else newest_ns + _AHEAD_NS
         self._mark([(kind, stamp_ns)])
         self._marker.publish(encode_mark(kind, stamp_ns))
@@ -149,12 +135,12 @@ class SensorsWatch(Node):
     def _finish_if_quiet(self, end_s: float) -> None:
         now_s = time.monotonic()
         if self._reporting.awaited or (now_s < self._headings_s
-                                        and self._headings.count_publishers()):
+                                        and self._headings.heard.count_publishers()):
             self._seen_s = now_s
         if now_s < min(end_s, self._seen_s + _QUIET_S):
             return
         self._finished = True
-        self._take(last=True)
+        self._headings.update(last=True)
         self._comparison.finish()
         self._beat()
         self._reporting.close()

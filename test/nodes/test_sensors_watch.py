@@ -251,7 +251,7 @@ def test_what_nobody_sends_again_is_counted_and_said(ros, tmp_path):
 
     def start():
         watch = ros.add(SensorsWatch, parameter_overrides=make_overrides(settings))
-        ros.spin_until(lambda: watch._headings.take() and all(
+        ros.spin_until(lambda: watch._headings.heard.count_publishers() and all(
             one.get_subscription_count() == 1 for one in publishers.values()))
         return watch
 

@@ -10,8 +10,8 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'now_publisher': ('NowPublisher',),
     'pair_journals': ('PairJournals',),
     'places': ('called', 'choose_streams', 'count_subscribers', 'place_files', 'remap_rules'),
+    'sensors_intake': ('SensorsIntake',),
     'sensors_reporting': ('SensorsReporting',),
-    'stream_watches': ('StreamWatches',),
 })
 
 if TYPE_CHECKING:
@@ -25,5 +25,5 @@ if TYPE_CHECKING:
         place_files as place_files,
         remap_rules as remap_rules,
     )
+    from .sensors_intake import SensorsIntake as SensorsIntake
     from .sensors_reporting import SensorsReporting as SensorsReporting
-    from .stream_watches import StreamWatches as StreamWatches

@@ -36,8 +36,8 @@ from heading_intercompare.nodes.taking.raw_subscription import subscribe
 from heading_intercompare.report.json import parse, render
 
 from .pair_journals import PairJournals
+from .sensors_intake import SensorsIntake
 from .sensors_messages import encode_sensors_verdict, SENSORS_VERDICT_TOPIC
-from .stream_watches import StreamWatches
 
 __all__ = ['SensorsReporting']
 
@@ -57,7 +57,7 @@ class SensorsReporting:
         Has the pairs without the reference.
     journals : PairJournals
         Have the runs of these pairs, and what they missed.
-    watches : StreamWatches
+    headings : SensorsIntake
         Have the newest stamp.
 
     Attributes
@@ -69,9 +69,9 @@ class SensorsReporting:
 
     def __init__(self, node: Node, health: Health, settings: Settings, own: SensorsNode,
                  comparison: SensorsComparison, journals: PairJournals,
-                 watches: StreamWatches) -> None:
+                 headings: SensorsIntake) -> None:
         self._node, self._health, self._settings, self._own = node, health, settings, own
-        self._comparison, self._journals, self._watches = comparison, journals, watches
+        self._comparison, self._journals, self._headings = comparison, journals, headings
         self._tested = [one.name for one in list_tested(comparison.sensors)]
         self._reports: dict[str, Verdict] = {}
         self._finished = 0
@@ -123,7 +123,7 @@ class SensorsReporting:
                           verdict.headline, log=False)
         self._node.get_logger().info(f'verdict on {len(verdict.sensors)} sensors: '
                                      f'{verdict.headline}')
-        self._verdict.publish(encode_sensors_verdict(verdict, self._watches.newest_ns or 0))
+        self._verdict.publish(encode_sensors_verdict(verdict, self._headings.newest_ns or 0))
         self._report.publish(encode_text(report))
         self._write(verdict, report)
 
@@ -135,7 +135,7 @@ class SensorsReporting:
     def _write(self, verdict: SensorsVerdict, report: str) -> None:
         if self._own.report_dir is None:
             return
-        newest_ns = self._watches.newest_ns
+        newest_ns = self._headings.newest_ns
         moment = datetime.fromtimestamp(time.time() if newest_ns is None else newest_ns / 1e9,
                                         timezone.utc)
         path = Path(self._own.report_dir, f'sensors_{moment:%Y%m%dT%H%M%S}Z.json')

@@ -37,8 +37,8 @@ class HeadingsIntake:
     streams : mapping of str to (str, str)
         Topic and convention of each stream, by its name.
     lose : callable
-        Called with the name of a stream, what became of the readings (`LOST_AS`), and how many
-        there are: lost on the way, and what a driver tells of those that it never published.
+        Called with the name of a stream, the fate of some readings (`LOST_AS`), and how many there
+        are: lost on the way, and those that a driver says it never published.
     arrivals : Unwatched, optional
         As for `Intake`.
 
