@@ -110,15 +110,16 @@ def run(arguments: argparse.Namespace) -> int:
     protocol = _write_protocol(report, draw)
     print()
     code = _compare({'live': live, 'replayed': replayed}, offline)
-    print(f'protocol: {protocol}\n{_describe_page(addresses)}')
+    print(f'protocol: {protocol}\n{_describe_page(addresses, several)}')
     return code
 
 
-def _describe_page(addresses: Sequence[str]) -> str:
+def _describe_page(addresses: Sequence[str], several: bool) -> str:
     """Return the address of the live page, or how to get it."""
     if addresses:
         return f'page: {addresses[0]} showed step 1; heading-intercompare live --web shows a trial'
-    return ('page: http://127.0.0.1:8080/ shows step 1 of heading-intercompare demo --web, and a '
+    demo = 'demo --sensors --web' if several else 'demo --web'
+    return (f'page: http://127.0.0.1:8080/ shows step 1 of heading-intercompare {demo}, and a '
             'trial of heading-intercompare live --web')
 
 

@@ -52,9 +52,10 @@ def test_the_demo_of_four_sensors_ends_with_the_protocol_and_the_page(tmp_path, 
                  '60']) == 0
     text = capfd.readouterr().out
     assert 'VERDICT on 4 sensors: ' in text and 'replayed and offline verdicts agree: ' in text
-    assert 'gyro2 differs from gyro1, ins and gnss' in text
+    assert 'who is wrong: ' in text
     *_, protocol, page = text.splitlines()
-    assert protocol == f'protocol: {out / "report.html"}' and page.startswith('page: http://')
+    assert protocol == f'protocol: {out / "report.html"}'
+    assert 'heading-intercompare demo --sensors --web' in page
     assert {path.name for path in out.glob('report*')} == {
         'report.html', 'report-gyro1.html', 'report-gyro2.html', 'report-ins.html'}
 
