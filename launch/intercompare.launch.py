@@ -151,9 +151,12 @@ def nodes(context):
                  plan.node('compliance', 'compliance', {**judging, **own}, place,
                            on_exit=end_with('the compliance node'), **several, **again)]
     if plan.sensors:
-        reports = plan.report_dir or plan.section('compliance').get('report_dir')
-        made.append(plan.node('sensors_watch', 'sensors_watch',
-                              {'report_dir': reports} if reports else {},
+        given = {**plan.section('compliance'), **judging}
+        shared = {name: given[name] for name in ('report_dir', 'journal', 'resume_within_s')
+                  if name in given and name not in plan.section('sensors_watch')}
+        if plan.report_dir:
+            shared['report_dir'] = plan.report_dir
+        made.append(plan.node('sensors_watch', 'sensors_watch', shared,
                               on_exit=end_with('the node sensors_watch'), **again))
     if plan.record:
         # The trial goes on without it; it starts again with a new bag.

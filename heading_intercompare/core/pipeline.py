@@ -417,9 +417,10 @@ class Intercomparison:
                  progress: Callable[[str], None] = lambda text: None,
                  sampler: PairSampler | None = None) -> None:
         self.compliance = Compliance(settings, source=source, table=table, progress=progress)
-        self._table = table or ()
-        self._sampler = sampler
+        self._table, self._sampler = table or (), sampler
         self._before = Incarnations()
+        self._keep: Callable[[Pairs], None] = lambda pairs: None
+        self._from_ns = 0
         self._begin()
 
     def _begin(self) -> None:
@@ -439,6 +440,13 @@ class Intercomparison:
         self._before.take(self.pairer.ledger, False, len(self._before))
         self._begin()
         return pairs
+
+    def keep_with(self, keep: Callable[[Pairs], None]) -> None:
+        """Go on after the pairs that `compliance` has; hand all that follow to `keep` first."""
+        self._keep, newest_ns = keep, self.compliance.newest_ns
+        if newest_ns is not None:
+            # Readings that come again make pairs again.
+            self._from_ns = self._sampler.end_ns(newest_ns) if self._sampler else newest_ns + 1
 
     @property
     def ledger(self) -> Ledger:
@@ -460,8 +468,12 @@ class Intercomparison:
         self._judge(pairs)
         return pairs
 
-    def _judge(self, pairs: Pairs) -> None:
-        self.compliance.update(pairs if self._sampler is None else self._sampler.update(pairs))
+    def _judge(self, pairs: Pairs, end: bool = False) -> None:
+        if self._from_ns:
+            pairs = pairs[pairs.stamp_ns >= self._from_ns]
+        chosen = pairs if self._sampler is None else self._sampler.update(pairs, end)
+        self._keep(chosen)
+        self.compliance.update(chosen)
 
     def lose(self, key: LedgerKey, losses: Losses) -> None:
         """Count readings that never came; see `Pairer.lose`."""
@@ -475,9 +487,7 @@ class Intercomparison:
     def finish(self) -> Pairs:
         """End both streams and the run in progress; return the last pairs."""
         pairs = self.pairer.flush()
-        self._judge(pairs)
-        if self._sampler is not None:
-            self.compliance.update(self._sampler.flush())
+        self._judge(pairs, end=True)
         self.compliance.finish()
         return pairs
 

@@ -48,13 +48,12 @@ _QUIET_S, _DRAIN_S = 0.3, 0.2
 class Recorder(Node):
     """Record headings, pairs, ledger, marks, verdicts and reports, at most a second late."""
 
-    done = False
+    done = ended = False
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('recorder', **OVERRIDES, **kwargs)
         self._settings, taking, bag_settings, self._own = declare(
             self, Settings, Taking, BagSettings, RecorderNode)
-        self.ended = False
         self.health = Health(self)
         self.path, self._before = self._own.output or name_first(), self._own.continues
         if self._own.go_on:
@@ -72,8 +71,7 @@ class Recorder(Node):
         self._judged = JudgedHeadings(self._topics)
         self._notes = Notes(self._bag.metadata)
         self._notes.add(self._own.note or '', time.time_ns())
-        self._state = self._report = ''
-        self._quiet_s, self._end_s = 0.0, None
+        self._state, self._report, self._quiet_s, self._end_s = '', '', 0.0, None
         self.health.add_refresher(self._note)
         every(self, max(taking.drain_period_s, _DRAIN_S), self._drain)
 
@@ -127,8 +125,10 @@ class Recorder(Node):
 
     def end(self) -> None:
         """Keep recording until the other nodes are gone or time is up, for the last verdict."""
-        now_s = time.monotonic()
-        self._quiet_s, self._end_s = now_s + _QUIET_S, now_s + self._own.end_wait_s
+        for one in self._topics.values():
+            one.intake.bring_back()
+        self._quiet_s, self._end_s = (time.monotonic() + s
+                                      for s in (_QUIET_S, self._own.end_wait_s))
 
     def _close_if_quiet(self, end_s: float) -> None:
         now_s = time.monotonic()

@@ -24,11 +24,14 @@ from ros_domain import DOMAIN
 import yaml
 
 from heading_intercompare.app.analysis import judge_bags
+from heading_intercompare.app.sensors.sensors_analysis import judge_sensor_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.cli import main
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
+from heading_intercompare.core.sensors.compare_sensors import find_sensor_differences
+from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.drivers.logs import read_log
@@ -494,6 +497,44 @@ def test_a_compliance_that_is_killed_goes_on_and_the_verdict_is_that_of_the_bag(
     assert report['ledger_problems'] == []
     assert report['runs'][0]['n'] == report['runs'][0]['pairing']['paired'] == 1199
     assert_same(report, offline(bag))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('word', [' rs', ''], ids=['reference', 'free'])
+def test_sensors_watch_that_is_killed_goes_on_and_the_verdict_is_that_of_the_bag(
+        processes, tmp_path, word):
+    """Killed twice within 2 min of three logs: nothing is missing, and nothing counts twice."""
+    rows = f'a sigma_max_deg=0.3; b sigma_max_deg=0.3; c sigma_max_deg=0.3{word}'
+    rule = {'sensors': rows, 'pairing.method': 'interpolate', 'risk.min_duration_s': 60.0}
+    config = tmp_path / 'config.yaml'
+    config.write_text(yaml.dump({'/**': {'ros__parameters': rule}, **{
+        f'{name}_driver': {'ros__parameters': {
+            'source': log(tmp_path / f'{name}.log', 900, 0.05 * at, 90.0 + 0.1 * at),
+            'speed': 5.0}} for at, name in enumerate('abc')}}))
+    bag, reports = tmp_path / 'bag', tmp_path / 'reports'
+    made = nodes('intercompare.launch.py', config=str(config), output=str(bag),
+                 report_dir=str(reports))
+    for node in made:
+        node.file = f'{node.namespace.strip("/")}{node.name}'
+        processes.start(node)
+    watch = next(node for node in made if node.name == 'sensors_watch')
+    for n in (300, 600):
+        wait_for(lambda n=n: count_recorded(bag, '/a/heading') >= n, 90.0)
+        assert (reports / 'sensors_watch.a.b.journal').exists()
+        processes.running['sensors_watch'].kill()
+        processes.running['sensors_watch'].wait()
+        processes.start(watch)
+    processes.wait('a_driver', 'b_driver', 'c_driver', timeout_s=90.0)
+    # In this order, so that a busy computer does not decide who is late.
+    judges = [name for name in processes.running if name[1:] in ('synchronizer', 'compliance')]
+    for name in (*sorted(judges, reverse=True), 'sensors_watch', 'recorder'):
+        processes.running[name].send_signal(signal.SIGINT)
+        processes.wait(name, timeout_s=20.0)
+    written, = reports.glob('sensors_*.json')
+    found = SensorsVerdict.from_dict(json.loads(written.read_text('utf-8')))
+    whole = judge_sensor_bags([str(bag)], Settings.from_mapping(rule)).verdict
+    assert [*find_sensor_differences(found, whole)] == []
+    assert not [*tmp_path.rglob('*.journal*')]
 
 
 def start_live(processes, folder, config, name):

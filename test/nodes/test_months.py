@@ -21,5 +21,6 @@ def test_thirty_days_of_the_nodes_take_no_more_memory_than_ten(tmp_path):
     assert [day.runs for day in days[1:]] == [*range(1, 30)]
     rss_mb = [day.rss_mb for day in days]
     assert max(rss_mb[20:]) - max(rss_mb[9:12]) < 8.0
-    assert max(day.journal_mb for day in days[20:]) < 1.2 * max(
+    # A journal holds the run in progress: its size depends on when it is looked at.
+    assert max(day.journal_mb for day in days[20:]) < 2.0 * max(
         day.journal_mb for day in days[5:12])

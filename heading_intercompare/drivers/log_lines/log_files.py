@@ -12,11 +12,11 @@ import gzip
 from itertools import chain
 import lzma
 import os
-import re
 from typing import Any, BinaryIO, Callable, Iterator
 import zlib
 
 from heading_intercompare.drivers.settings import DriverError
+from heading_intercompare.natural_order import natural_key
 
 __all__ = ['head_of', 'is_pattern', 'LogFiles']
 
@@ -25,17 +25,11 @@ _LONGEST_LINE = 1 << 16
 _HEAD_BYTES = 1 << 16
 _UTF16 = {b'\xff\xfe': 'utf-16-le', b'\xfe\xff': 'utf-16-be'}
 _DAMAGED = (gzip.BadGzipFile, zlib.error, lzma.LZMAError)
-_DIGITS = re.compile(r'(\d+)')
 
 
 def is_pattern(path: str) -> bool:
     """Tell whether a path that names no file is a pattern of file names, such as `gyro*.log`."""
     return not os.path.lexists(path) and glob.has_magic(path)
-
-
-def _natural(path: str) -> list[tuple[int, str]]:
-    """Return a key that puts `gyro_9.log` before `gyro_10.log`."""
-    return [(int(part), '') if part.isdigit() else (-1, part) for part in _DIGITS.split(path)]
 
 
 class LogFiles:
@@ -96,7 +90,7 @@ class LogFiles:
         else:
             os.stat(self.path)
             return [self.path]
-        filled = sorted((path for path in found if os.path.getsize(path)), key=_natural)
+        filled = sorted((path for path in found if os.path.getsize(path)), key=natural_key)
         if not filled:
             raise DriverError(f'{self.path}: no file with anything in it')
         return filled

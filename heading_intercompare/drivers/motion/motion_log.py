@@ -13,7 +13,7 @@ from typing import Iterable, Iterator, Mapping
 import numpy as np
 
 from heading_intercompare.core.records import Motion
-from heading_intercompare.drivers.csv_log import is_csv
+from heading_intercompare.drivers.csv_log import is_csv_file, open_csv
 from heading_intercompare.drivers.framing import Framer
 from heading_intercompare.drivers.log_lines.log_clocks import choose_time_sentences, start_stamps
 from heading_intercompare.drivers.log_lines.log_files import LogFiles
@@ -108,7 +108,8 @@ def read_log_motion(path: str | os.PathLike[str],
 
     """
     rule = settings or DriverSettings()
-    files = open_log(os.fspath(path), rule)
+    name = os.fspath(path)
+    files = open_csv(name, rule) or open_log(name, rule)
     if not _has_motion(files):
         return LoggedMotion()
     columns: dict[tuple[str, str], _Columns] = {}
@@ -126,11 +127,11 @@ def read_log_motion(path: str | os.PathLike[str],
 
 def _has_motion(files: LogFiles) -> bool:
     """Tell whether a log may have such a sentence; a csv has none."""
-    tail, first = b'', True
+    if is_csv_file(files.paths[0]):
+        return False
+    tail = b''
     for block in files.bare_blocks():
-        if first and is_csv(block.partition(b'\n')[0]):
-            return False
-        text, first = tail + block, False
+        text = tail + block
         if any(token in text for token in _TOKENS):
             return True
         tail = block[-4:]

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
+    'headings_intake': ('HeadingsIntake',),
     'intake': ('Intake',),
     'raw_subscription': ('subscribe',),
     'recorded_topics': ('make_intakes', 'report_files', 'text_of'),
 })
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
+    from .headings_intake import HeadingsIntake as HeadingsIntake
     from .intake import Intake as Intake
     from .raw_subscription import subscribe as subscribe
     from .recorded_topics import (
