@@ -113,10 +113,6 @@ class Compliance:
         """Take motion of the ship, before the run that it belongs to ends; in any order."""
         self.motion.take(motion)
 
-    def forget_motion(self) -> None:
-        """Forget motion from long before a run; a live node calls this now and then."""
-        self.motion.forget(self.run_start_ns)
-
     def update(self, pairs: Pairs) -> None:
         """Take pairs in stamp order; judge the runs that end with them."""
         if not len(pairs):
@@ -197,8 +193,8 @@ class Compliance:
     def preview(self, ledger: Ledger | None = None) -> Verdict:
         """Return the verdict that a stop now would give; nothing changes by that."""
         stopped = copy(self)
-        stopped.motion = copy(self.motion)
-        stopped._finished, stopped._earlier = [*self._finished], []
+        stopped.motion, stopped._finished, stopped._earlier = (
+            copy(self.motion), [*self._finished], [])
         stopped._end_run()
         verdict = stopped.verdict(ledger)
         return replace(verdict, intermediate=True,
@@ -427,28 +423,30 @@ class Intercomparison:
                  progress: Callable[[str], None] = lambda text: None,
                  sampler: PairSampler | None = None) -> None:
         self.compliance = Compliance(settings, source=source, table=table, progress=progress)
-        self._table = table or ()
-        self._sampler = sampler
+        self._table, self._sampler = table or (), sampler
         self._before = Incarnations()
+        self._keep: Callable[[Pairs], None] = lambda pairs: None
+        self._from_ns = 0
         self._begin()
 
     def _begin(self) -> None:
         self.pairer = Pairer(self.compliance.settings)
-        for start_ns, stop_ns in self._table:
-            self.pairer.ledger.cut_run(start_ns)
-            self.pairer.ledger.cut_run(stop_ns)
+        for cut_ns in (each for span in self._table for each in span):
+            self.pairer.ledger.cut_run(cut_ns)
 
     def begin_again(self) -> Pairs:
-        """
-        Go on as after a restart of both nodes; return the last pairs before it.
-
-        Further readings are paired on their own, and belong to the runs so far.
-        """
-        pairs = self.pairer.flush()
-        self._judge(pairs)
+        """Go on with the runs as after a restart of both nodes; return the last pairs before."""
+        self._judge(pairs := self.pairer.flush())
         self._before.take(self.pairer.ledger, False, len(self._before))
         self._begin()
         return pairs
+
+    def keep_with(self, keep: Callable[[Pairs], None]) -> None:
+        """Go on after the pairs that `compliance` has; hand all that follow to `keep` first."""
+        self._keep, newest_ns = keep, self.compliance.newest_ns
+        if newest_ns is not None:
+            # Readings that come again make pairs again.
+            self._from_ns = self._sampler.end_ns(newest_ns) if self._sampler else newest_ns + 1
 
     @property
     def ledger(self) -> Ledger:
@@ -470,8 +468,12 @@ class Intercomparison:
         self._judge(pairs)
         return pairs
 
-    def _judge(self, pairs: Pairs) -> None:
-        self.compliance.update(pairs if self._sampler is None else self._sampler.update(pairs))
+    def _judge(self, pairs: Pairs, end: bool = False) -> None:
+        if self._from_ns:
+            pairs = pairs[pairs.stamp_ns >= self._from_ns]
+        chosen = pairs if self._sampler is None else self._sampler.update(pairs, end)
+        self._keep(chosen)
+        self.compliance.update(chosen)
 
     def lose(self, key: LedgerKey, losses: Losses) -> None:
         """Count readings that never came; see `Pairer.lose`."""
@@ -485,9 +487,7 @@ class Intercomparison:
     def finish(self) -> Pairs:
         """End both streams and the run in progress; return the last pairs."""
         pairs = self.pairer.flush()
-        self._judge(pairs)
-        if self._sampler is not None:
-            self.compliance.update(self._sampler.flush())
+        self._judge(pairs, end=True)
         self.compliance.finish()
         return pairs
 

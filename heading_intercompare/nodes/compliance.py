@@ -114,7 +114,7 @@ class Compliance(Node):
 
     def _beat(self) -> None:
         self.alarms.look()
-        self._compliance.forget_motion()
+        self._compliance.motion.forget(self._compliance.run_start_ns)
         self._figures.compute()
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:

@@ -55,6 +55,8 @@ _RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
 _SHOW_S = 0.3
 
 _JUDGES = (Compliance, SensorsWatch)
+#: What those that judge have in common.
+_OF_JUDGES = ('journal', 'resume_within_s', 'bag')
 
 
 class Source(NamedTuple):
@@ -104,8 +106,10 @@ def _plan_judging(settings: Settings, own: Mapping[str, Mapping[str, Any]],
         planned += [_Planned(Compliance, 'compliance', {**judging_own, **named}, sensor),
                     _Planned(Synchronizer, 'synchronizer', {**pairing_own, **named}, sensor)]
     if sensors:
+        shared = {name: judging_own[name] for name in _OF_JUDGES if name in judging_own}
         planned.append(_Planned(SensorsWatch, 'sensors_watch', {
-            **own.get('sensors_watch', {}), 'report_dir': judging_own.get('report_dir')}))
+            **shared, **own.get('sensors_watch', {}),
+            'report_dir': judging_own.get('report_dir')}))
     return planned
 
 

@@ -25,15 +25,14 @@ from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.remapping import published_names
 from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.runtime import replayed_beside as beside
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.loss_publisher import ReplayedLosses
 from heading_intercompare.nodes.runtime.publishing import (
     Allowance,
     Audience,
     await_acknowledgement,
     FlowControl,
 )
-from heading_intercompare.nodes.runtime.replayed_beside import publish_marks, ReplayedMotion
 from heading_intercompare.nodes.sensors import places
 
 from .settings import ReplayerNode, Sending
@@ -56,7 +55,7 @@ class Replayer(Node):
             raise SettingsError('bag is required: an .mcap file or a rosbag2 folder')
         self.done = self.ended = self._begun = False
         self.health, self._reader = Health(self), BagReader(own.bag)
-        self._motion = ReplayedMotion(self._reader, settings.motion)
+        self._motion = beside.ReplayedMotion(self._reader, settings.motion)
         topics = [*(heard := places.heading_topics(settings)), MARKER_TOPIC, *self._motion.topics]
         names = published_names(self, topics + ['/clock'] * own.clock, remapped)
         # This reads nothing yet, but rejects a topic that is not a heading.
@@ -67,7 +66,7 @@ class Replayer(Node):
             self._headings[in_bag] = self.create_publisher(
                 HEADING_TYPES[self._reader.topics[in_bag].type_name], topic, qos.HEADINGS_OUT,
                 event_callbacks=self.health.of_publisher(name))
-        self._lost = ReplayedLosses(self, self._reader, dict(zip(self._headings, names)))
+        self._lost = beside.ReplayedLosses(self, self._reader, dict(zip(self._headings, names)))
         self._replay = Replay(
             self._reader, [*self._lost.topics, *self._motion.in_bag], rate=own.rate,
             start_s=own.start_s, duration_s=own.duration_s, loop=own.loop,
@@ -80,7 +79,7 @@ class Replayer(Node):
         self._allowance = Allowance(sending.max_rate_hz)
         self._flow = FlowControl(self._headings.values(), self.health)
         # Before any heading: they act by stamp, and a late one would not.
-        self.published, self._marks = 0, publish_marks(self._reader, self._marker)
+        self.published, self._marks = 0, beside.publish_marks(self._reader, self._marker)
         self._heard_s: float | None = None
         for name, wanted in _PAUSED_BY.items():
             self.create_service(Trigger, f'~/{name}', partial(self._serve, wanted))

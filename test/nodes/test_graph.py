@@ -11,6 +11,7 @@ import signal
 import threading
 import time
 
+from checksums import with_checksum
 import pytest
 from ros_domain import take_domain
 from sensor_msgs.msg import Imu
@@ -248,11 +249,8 @@ def log(path, n, first_s, heading_deg):
     lines = []
     for i in range(n):
         body = f'HEHDT,{heading_deg + 0.02 * (i * 7 % 11):.2f},T'
-        checksum = 0
-        for character in body.encode():
-            checksum ^= character
         minutes, seconds = divmod(first_s + i / 5, 60)
-        lines.append(f'2014-08-01T00:{minutes:02.0f}:{seconds:09.6f}Z ${body}*{checksum:02X}\n')
+        lines.append(f'2014-08-01T00:{minutes:02.0f}:{seconds:09.6f}Z {with_checksum(body)}\n')
     path.write_text(''.join(lines))
     return f'file:{path}'
 

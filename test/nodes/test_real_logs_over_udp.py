@@ -16,6 +16,7 @@ import subprocess
 import sys
 import time
 
+from checksums import checksum_of
 import pytest
 from ros_domain import DOMAIN
 
@@ -40,10 +41,7 @@ SHIPS = {
 
 
 def checksum(text: bytes) -> bytes:
-    total = 0
-    for byte in text:
-        total ^= byte
-    return b'%02X' % total
+    return b'%02X' % checksum_of(text.decode())
 
 
 def datagrams(log: Path, form: str) -> list[tuple[float, bytes]]:

@@ -336,12 +336,12 @@ class Journal:
 
 def name_journal(journal: str, sensor: str) -> str:
     """
-    Return the journal of a sensor, given that of the graph.
+    Return the journal of a sensor, or of a pair of them, given that of the graph.
 
     Examples
     --------
-    >>> name_journal('trial.journal', 'gyro1')
-    'trial.gyro1.journal'
+    >>> name_journal('trial.journal', 'gyro1'), name_journal('trial.journal', 'gyro1.ins')
+    ('trial.gyro1.journal', 'trial.gyro1.ins.journal')
 
     """
     path = Path(journal)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple, Sequence
+from typing import Mapping, NamedTuple, Sequence, TYPE_CHECKING
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.records import Motion
@@ -14,7 +14,8 @@ from heading_intercompare.messages.motion.motion_messages import (
     read_told,
 )
 
-from .readable import Readable
+if TYPE_CHECKING:
+    from .readable import Readable
 
 __all__ = ['BagMotion', 'find_motion_topics', 'motion_topics', 'read_bag_motion', 'read_fixes']
 

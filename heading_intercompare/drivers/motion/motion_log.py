@@ -10,7 +10,7 @@ import os
 from typing import Iterator, Mapping
 
 from heading_intercompare.core.records import Motion
-from heading_intercompare.drivers.csv_log import is_csv
+from heading_intercompare.drivers.csv_log import is_csv_file, open_csv
 from heading_intercompare.drivers.log_lines.log_files import LogFiles
 from heading_intercompare.drivers.log_lines.log_order import open_log
 from heading_intercompare.drivers.settings import DriverSettings
@@ -77,7 +77,8 @@ def read_log_motion(path: str | os.PathLike[str],
 
     """
     rule = settings or DriverSettings()
-    files = open_log(os.fspath(path), rule)
+    name = os.fspath(path)
+    files = open_csv(name, rule) or open_log(name, rule)
     if not _has_motion(files):
         return LoggedMotion()
     columns: dict[tuple[str, str], MotionColumns] = {}
@@ -103,11 +104,11 @@ def _read_lines(lines: MotionLines, files: LogFiles) -> Iterator[MotionLine]:
 
 def _has_motion(files: LogFiles) -> bool:
     """Tell whether a log may have such a sentence; a csv has none."""
-    tail, first = b'', True
+    if is_csv_file(files.paths[0]):
+        return False
+    tail = b''
     for block in files.bare_blocks():
-        if first and is_csv(block.partition(b'\n')[0]):
-            return False
-        text, first = tail + block, False
+        text = tail + block
         if any(token in text for token in _TOKENS):
             return True
         tail = block[-4:]

@@ -142,6 +142,10 @@ class Intake:
         self._opened_ns, self._parted = 0, False
         health.add_refresher(self._note)
 
+    def bring_back(self) -> None:
+        """Take what a subscription held that was set aside; call it before the last `take`."""
+        self._reception.bring_back()
+
     def take(self) -> list[Message]:
         """Return the messages since the last call, each with its info."""
         self._notice_standstill()

@@ -4,11 +4,10 @@
 
 from __future__ import annotations
 
-from functools import reduce
 import json
 import math
-from operator import xor
 
+from checksums import with_checksum
 import numpy as np
 import pytest
 
@@ -39,8 +38,7 @@ def positions(rng):
 
 def line(second, body):
     """Return a line of a log from noon on."""
-    return (f'2024-05-01T12:{second // 60:02d}:{second % 60:02d}Z ${body}*'
-            f'{reduce(xor, body.encode(), 0):02X}\n')
+    return f'2024-05-01T12:{second // 60:02d}:{second % 60:02d}Z {with_checksum(body)}\n'
 
 
 def angle(value, digits, sides):

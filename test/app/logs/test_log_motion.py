@@ -4,11 +4,10 @@
 
 from __future__ import annotations
 
-from functools import reduce
 import json
 import math
-from operator import xor
 
+from checksums import with_checksum
 import pytest
 
 from heading_intercompare.app.logs.log_motion import find_motion
@@ -25,7 +24,7 @@ def log(tmp_path):
     """Return a function that writes a log with some kinds of sentences."""
     def write(name, *kinds, n=3):
         path = tmp_path / name
-        lines = [f'2024-05-01T00:00:{k:02d}Z ${body}*{reduce(xor, body.encode(), 0):02X}\n'
+        lines = [f'2024-05-01T00:00:{k:02d}Z {with_checksum(body)}\n'
                  for k in range(n) for body in (BODIES[kind] for kind in kinds)]
         path.write_text(''.join(lines))
         return str(path)

@@ -24,9 +24,12 @@ from heading_intercompare.cli.commands.note import add_note_argument, read_notes
 from heading_intercompare.cli.commands.several_sensors import choose_pair
 from heading_intercompare.cli.terminal.live_view import LiveView
 from heading_intercompare.core.decision.coverage import least_duration_words
-from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.rows.sensor_table import describe_driver, list_tested, read_sensors
-from heading_intercompare.core.sensors.pair_settings import check_sensors, settings_of_tested
+from heading_intercompare.core.sensors.pair_settings import (
+    check_norms,
+    settings_of_others,
+    settings_of_tested,
+)
 from heading_intercompare.core.settings import from_mapping, Settings, SettingsError
 from heading_intercompare.nodes.settings import ComplianceNode
 
@@ -53,11 +56,8 @@ def run(arguments: argparse.Namespace) -> int:
     config = load_config(arguments.config)
     settings = choose_pair(settings_for(config, arguments.set, ts_topic=arguments.ts,
                                         rs_topic=arguments.rs), arguments.ts, arguments.rs)
+    check_norms(settings)
     sensors = read_sensors(settings.sensors)
-    if sensors:
-        check_sensors(settings)
-    else:
-        Limits.of(settings.norms, settings.model)
     usual = _describe_drivers(settings)
     drivers = {name: {**given, **config.sections[name]}
                for name, given in usual.items() if name in config.sections}
@@ -132,8 +132,12 @@ def _describe_drivers(settings: Settings) -> dict[str, dict[str, Any]]:
 def _find_former(journal: str, settings: Settings, within_s: float) -> str | None:
     """Return the newest recording of the trial that the journals go on with, if there is one."""
     sensors = read_sensors(settings.sensors)
-    trials = [(name_journal(journal, one.name), settings_of_tested(settings, one.name))
-              for one in list_tested(sensors)] if sensors else [(journal, settings)]
+    trials = [(journal, settings)]
+    if sensors:
+        trials = [(name_journal(journal, one.name), settings_of_tested(settings, one.name))
+                  for one in list_tested(sensors)]
+        trials += [(name_journal(journal, '.'.join(names)), own)
+                   for names, own in settings_of_others(settings).items()]
     found = (find_bag(Path(path), own, within_s=within_s, now_ns=time.time_ns())
              for path, own in trials)
     return next((bag for bag in found if bag is not None), None)
