@@ -4,14 +4,18 @@
 
 from pathlib import Path
 import re
+import sys
 
 from setuptools import find_packages, setup
 
 NAME = 'heading_intercompare'
 VERSION = re.search(r"^VERSION = '([^']+)'", Path(NAME, 'core', 'version.py').read_text('utf-8'),
                     re.MULTILINE)[1]
+# colcon and the build farm put the executables of the nodes where `ros2 run` looks (setup.cfg).
+# pip would put them on everybody's PATH.
+FOR_ROS = {'install', 'develop'} & {*sys.argv[1:]}
 NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'recorder', 'replayer',
-         'dashboard', 'sensors_watch')
+         'dashboard', 'sensors_watch', 'motion_driver')
 
 
 def list_shared(*folders):
@@ -64,7 +68,7 @@ setup(
     entry_points={
         'console_scripts': [
             f'heading-intercompare = {NAME}.cli:main',
-            *(f'{node} = {NAME}.nodes.{node}:main' for node in NODES),
+            *(f'{node} = {NAME}.node_executables:{node}' for node in NODES if FOR_ROS),
         ],
     },
 )

@@ -109,7 +109,8 @@ SECTIONS = (
             {'output': 'trial_2', 'continues': 'trial_1', 'note': 'MV Example, trial 1',
              'parameter_file': 'mine.yaml'}),
     Section('sensors_watch', (SensorsNode, Taking),
-            'The node that compares several sensors.', {}, {'report_dir': 'reports'}),
+            'The node that compares several sensors.', {},
+            {'report_dir': 'reports', 'bag': 'trial_1', 'journal': 'trial_1.journal'}),
     Section('dashboard', (DashboardNode, Taking), 'The live page.', {},
             {'token': 'choose-your-own'}),
     Section('replayer', (ReplayerNode, Sending), 'The replayer of bags.', {},
@@ -120,8 +121,8 @@ SECTIONS = (
 
 CHAPTERS = (
     ('The analysis', 'Section `/**`, for every node and for the command line.', Settings),
-    ('Drivers', 'Sections `ts_driver` and `rs_driver`; some are options of `import-nmea`.',
-     DriverSettings),
+    ('Drivers', 'Sections `ts_driver`, `rs_driver` and `motion_driver`; some are options of '
+     '`import-nmea`.', DriverSettings),
     ('Drivers as nodes', 'In the same sections.', DriverNode),
     ('Synchronizer', 'Section `synchronizer`.', SynchronizerNode),
     ('Compliance', 'Section `compliance`.', ComplianceNode),

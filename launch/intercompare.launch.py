@@ -4,16 +4,21 @@
 Compare two sensors live, or several: drivers, synchronizer, compliance, recorder.
 
     ros2 launch heading_intercompare intercompare.launch.py config:=FILE
-        [record:=false] [dashboard:=true] [output:=BAG] [report_dir:=DIR] [namespace:=/ship1]
+        [record:=false] [drivers:=false] [dashboard:=true] [output:=BAG] [report_dir:=DIR]
+        [namespace:=/ship1] [respawn:=false] [log_level:=debug] [use_sim_time:=true]
 
 A sensor without a driver section in the parameter file is heard on its topic, `ts_topic` or
-`rs_topic`: somebody else publishes it.
+`rs_topic`: somebody else publishes it. With drivers:=false that holds for all sensors.
+
+A section `motion_driver` names a source of its own for the motion of the ship. Without it the
+drivers of the sensors publish what their sentences tell of it.
 
 With the setting `sensors` the sections of the drivers are NAME_driver. Each tested sensor has a
 synchronizer and a compliance node in a namespace NAME, and `sensors_watch` joins them.
 """
 
 import os
+from pathlib import Path
 
 from launch import LaunchDescription
 from launch.actions import (
@@ -24,31 +29,77 @@ from launch.actions import (
 )
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
-import yaml
 
+from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.core.rows.sensor_table import describe_driver, list_tested, read_sensors
-from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.sensors.pair_settings import check_norms
+from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.nodes.ros.launch_arguments import (
+    check_path,
+    common_arguments,
+    read_namespace,
+    read_switch,
+)
 from heading_intercompare.nodes.sensors.places import (
+    count_motion_subscribers,
     count_subscribers,
     further_subscribers,
     remap_rules,
 )
 
+TEMPLATE = Path(__file__).resolve().parent.parent / 'config' / 'heading_intercompare.yaml'
+NO_CONFIG = ('there is no parameter file: copy {template}, enter the norms and the sources of the '
+             'sensors, and give config:=FILE; for simulated sensors use '
+             'ros2 launch heading_intercompare demo.launch.py')
 
-def enclave(name):
-    """Return the enclave of a node under ROS security, as the policy names it."""
-    if os.environ.get('ROS_SECURITY_ENABLE') != 'true':
-        return {}
-    return {'ros_arguments': ['--enclave', f'/heading_intercompare/{name}']}
+# How an argument is written, what it means, and its default.
+ARGUMENTS = {
+    'config': ('', 'ROS parameter file with the norms, and the sections ts_driver and rs_driver, '
+               'or NAME_driver, of sensors with a driver'),
+    'record': ('true', 'record a bag: true or false'),
+    'drivers': ('true', 'start the drivers that the parameter file names: true or false; false: '
+                'the headings come from other nodes'),
+    'dashboard': ('false', 'serve the live page: true or false'),
+    'output': ('', 'the bag; empty: that of the parameter file, or heading_<UTC>'),
+    'report_dir': ('', 'folder for the reports; empty: that of the parameter file, or none'),
+    'namespace': ('/', 'of all nodes and topics: one for each graph in a ROS domain'),
+    'respawn': ('true', 'start a node again that was killed: true or false'),
+    'log_level': ('info', 'least level that the nodes log: debug, info, warn, error or fatal'),
+    'use_sim_time': ('false', 'the clock of the nodes is /clock: true or false'),
+}
 
 
-def node(executable, name, namespace, parameters, own, **kwargs):
-    """Return a node; its own section and `own` hold in any namespace, unlike the file's."""
-    file, sections = parameters
-    given = [values for values in (sections.get(name, {}), own) if values]
-    return Node(package='heading_intercompare', executable=executable, name=name,
-                namespace=namespace, parameters=[file, *given], output='screen',
-                **enclave(name), **kwargs)
+class Plan:
+    """What the arguments and the parameter file ask for."""
+
+    def __init__(self, context):
+        given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+        for name in ('record', 'drivers', 'dashboard', 'respawn', 'use_sim_time'):
+            setattr(self, name, read_switch(name, given[name]))
+        if not given['config']:
+            raise SettingsError(NO_CONFIG.format(template=TEMPLATE))
+        self.config = given['config']
+        check_path('config', self.config, 'a ROS parameter file')
+        self.output, self.report_dir = given['output'], given['report_dir']
+        self.namespace, self.log_level = read_namespace(given['namespace']), given['log_level']
+        self.file = load_config(self.config)
+        settings = settings_for(self.file)
+        check_norms(settings)
+        self.settings, self.sensors = settings, read_sensors(settings.sensors)
+
+    def section(self, name):
+        """Return the section of a node in the parameter file."""
+        return self.file.sections.get(name, {})
+
+    def node(self, executable, name, own, namespace=None, **kwargs):
+        """Return a node; its own section and `own` hold in any namespace, unlike the file's."""
+        common, shared = common_arguments(executable, self.log_level, self.use_sim_time)
+        given = [dict(values) for values in (self.section(name), {**own, **shared}) if values]
+        if not self.respawn:
+            kwargs = {key: value for key, value in kwargs.items() if 'respawn' not in key}
+        return Node(package='heading_intercompare', executable=executable, name=name,
+                    namespace=namespace or self.namespace, parameters=[self.config, *given],
+                    output='screen', **common, **kwargs)
 
 
 def end_with(name):
@@ -59,75 +110,73 @@ def end_with(name):
     return act
 
 
-def drivers(namespace, parameters, sensors, recorded):
+def drivers(plan):
     """Return the drivers that the parameter file has sections for."""
-    _, sections = parameters
-    shared = sections.get('**', {})
     topics = {f'{one.name}_driver': (one.heading_topic, describe_driver(one))
-              for one in sensors} or {
-        f'{role}_driver': (shared.get(f'{role}_topic', f'{role}/heading'), {})
-        for role in ('ts', 'rs')}
-    n = count_subscribers(sensors, recorded)
-    further = further_subscribers(Settings(sensors=shared.get('sensors')))
-    made = []
-    for driver, (topic, given) in topics.items():
-        if driver in sections:
+              for one in plan.sensors} or {
+        'ts_driver': (plan.settings.ts_topic, {}), 'rs_driver': (plan.settings.rs_topic, {})}
+    n = count_subscribers(plan.sensors, plan.record)
+    further = further_subscribers(plan.settings)
+    made, alone = [], 'motion_driver' in plan.file.sections
+    if alone:
+        live = not str(plan.section('motion_driver').get('source', '')).startswith('file:')
+        made.append(plan.node('motion_driver', 'motion_driver', {
+            'subscribers': count_motion_subscribers(plan.sensors, plan.record)},
+            respawn=live, respawn_delay=2.0))
+    for name, (topic, given) in topics.items():
+        section = plan.section(name)
+        if name in plan.file.sections:
             # A live driver that dies starts again; a log that was played is through.
-            live = not str(sections[driver].get('source', '')).startswith('file:')
-            own = {name: value for name, value in given.items() if name not in sections[driver]}
+            live = not str(section.get('source', '')).startswith('file:')
+            own = {key: value for key, value in given.items() if key not in section}
             # Headings wait for all that hear them.
-            made.append(node('nmea_driver', driver, namespace, parameters,
-                             {'topic': sections[driver].get('topic', topic), **own,
-                              'subscribers': n + further.get(topic, 0)},
-                             respawn=live, respawn_delay=2.0))
+            made.append(plan.node('nmea_driver', name,
+                                  {'topic': section.get('topic', topic), **own,
+                                   'subscribers': n + further.get(topic, 0),
+                                   **({'motion': False} if alone else {})},
+                                  respawn=live, respawn_delay=2.0))
     return made
 
 
 def nodes(context):
     """Return the nodes; no heading is lost, in whatever order they start."""
-    config, record, page, output, report_dir, namespace = (
-        LaunchConfiguration(name).perform(context)
-        for name in ('config', 'record', 'dashboard', 'output', 'report_dir', 'namespace'))
-    with open(config, encoding='utf-8') as file:
-        sections = yaml.safe_load(file)
-    sections = {name.lstrip('/'): (section or {}).get('ros__parameters') or {}
-                for name, section in sections.items()}
-    parameters = config, sections
-    shared = sections.get('**', {})
-    sensors = read_sensors(shared.get('sensors'))
-    heard = {'subscribers': 2 if record == 'true' else 1}
-    made = drivers(namespace, parameters, sensors, record == 'true')
+    plan = Plan(context)
+    heard = {'subscribers': 2 if plan.record else 1}
+    made = drivers(plan) if plan.drivers else []
     # Without a folder for reports, the run in progress is kept beside the bag.
-    judging = {'report_dir': report_dir} if report_dir else {}
-    if not {'report_dir', 'journal'} & {*judging, *sections.get('compliance', {})}:
-        named = output or sections.get('recorder', {}).get('output') or 'heading'
-        judging['journal'] = f'{named}{namespace.rstrip("/").replace("/", ".")}.journal'
+    judging = {'report_dir': plan.report_dir} if plan.report_dir else {}
+    if not {'report_dir', 'journal'} & {*judging, *plan.section('compliance')}:
+        named = plan.output or plan.section('recorder').get('output') or 'heading'
+        judging['journal'] = f'{named}{plan.namespace.rstrip("/").replace("/", ".")}.journal'
     # One that is killed starts again, and the trial goes on.
     again = {'respawn': True, 'respawn_delay': 1.0}
-    remaps = [*remap_rules(sensors, namespace).items()]
-    for name in [one.name for one in list_tested(sensors)] if sensors else ['']:
-        place = f'{namespace.rstrip("/")}/{name}' if name else namespace
+    remaps = [*remap_rules(plan.sensors, plan.namespace, plan.settings.motion).items()]
+    for name in [one.name for one in list_tested(plan.sensors)] if plan.sensors else ['']:
+        place = f'{plan.namespace.rstrip("/")}/{name}' if name else plan.namespace
         own = {'sensor': name} if name else {}
         several = {'remappings': remaps} if name else {}
         # Pairs wait for compliance and the recorder.
-        made += [node('synchronizer', 'synchronizer', place, parameters, {**heard, **own},
-                      on_exit=end_with('the synchronizer'), **several, **again),
-                 node('compliance', 'compliance', place, parameters, {**judging, **own},
-                      on_exit=end_with('the compliance node'), **several, **again)]
-    if sensors:
-        reports = report_dir or sections.get('compliance', {}).get('report_dir')
-        made.append(node('sensors_watch', 'sensors_watch', namespace, parameters,
-                         {'report_dir': reports} if reports else {},
-                         on_exit=end_with('the node sensors_watch'), **again))
-    if record == 'true':
+        made += [plan.node('synchronizer', 'synchronizer', {**heard, **own}, place,
+                           on_exit=end_with('the synchronizer'), **several, **again),
+                 plan.node('compliance', 'compliance', {**judging, **own}, place,
+                           on_exit=end_with('the compliance node'), **several, **again)]
+    if plan.sensors:
+        given = {**plan.section('compliance'), **judging}
+        shared = {name: given[name] for name in ('report_dir', 'journal', 'resume_within_s')
+                  if name in given and name not in plan.section('sensors_watch')}
+        if plan.report_dir:
+            shared['report_dir'] = plan.report_dir
+        made.append(plan.node('sensors_watch', 'sensors_watch', shared,
+                              on_exit=end_with('the node sensors_watch'), **again))
+    if plan.record:
         # The trial goes on without it; it starts again with a new bag.
-        made.append(node('recorder', 'recorder', namespace, parameters,
-                         {'parameter_file': config, 'go_on': True,
-                          **({'output': output} if output else {})},
-                         respawn=True, respawn_delay=2.0))
-    if page == 'true':
+        made.append(plan.node('recorder', 'recorder',
+                              {'parameter_file': plan.config, 'go_on': True,
+                               **({'output': plan.output} if plan.output else {})},
+                              respawn=True, respawn_delay=2.0))
+    if plan.dashboard:
         # The trial goes on without it.
-        made.append(node('dashboard', 'dashboard', namespace, parameters, {}))
+        made.append(plan.node('dashboard', 'dashboard', {}))
     return made
 
 
@@ -139,18 +188,7 @@ def generate_launch_description():
     """Return the graph."""
     return LaunchDescription([
         SetEnvironmentVariable(TRANSPORTS, os.environ.get(TRANSPORTS, 'UDPv4')),
-        DeclareLaunchArgument('config', description='ROS parameter file with the norms, and '
-                              'the sections ts_driver and rs_driver, or NAME_driver, of '
-                              'sensors with a driver'),
-        DeclareLaunchArgument('record', default_value='true', choices=['true', 'false'],
-                              description='record a bag'),
-        DeclareLaunchArgument('dashboard', default_value='false', choices=['true', 'false'],
-                              description='serve the live page'),
-        DeclareLaunchArgument('output', default_value='', description='the bag; empty: that of '
-                              'the parameter file, or heading_<UTC>'),
-        DeclareLaunchArgument('report_dir', default_value='', description='folder for the '
-                              'reports; empty: that of the parameter file, or none'),
-        DeclareLaunchArgument('namespace', default_value='/', description='of all nodes and '
-                              'topics: one for each graph in a ROS domain'),
+        *(DeclareLaunchArgument(name, default_value=default, description=words)
+          for name, (default, words) in ARGUMENTS.items()),
         OpaqueFunction(function=nodes),
     ])

@@ -5,90 +5,91 @@ Compare two sensors again from a bag, or several: replayer, synchronizer, compli
 
     ros2 launch heading_intercompare replay.launch.py bag:=BAG config:=FILE
         [rate:=20.0] [start:=0.0] [duration:=60.0] [start_paused:=true] [clock:=true]
-        [report_dir:=DIR] [namespace:=/again]
+        [report_dir:=DIR] [namespace:=/again] [log_level:=debug] [use_sim_time:=true]
 
 All nodes end at the end of the bag.
 """
-
-import os
 
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
-import yaml
 
+from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.core.rows.sensor_table import list_tested, read_sensors
+from heading_intercompare.core.sensors.pair_settings import check_norms
+from heading_intercompare.nodes.ros.launch_arguments import (
+    check_path,
+    common_arguments,
+    read_namespace,
+    read_number,
+    read_switch,
+)
 from heading_intercompare.nodes.sensors.places import count_subscribers, remap_rules
 
-
-def enclave(name):
-    """Return the enclave of a node under ROS security, as the policy names it."""
-    if os.environ.get('ROS_SECURITY_ENABLE') != 'true':
-        return {}
-    return {'ros_arguments': ['--enclave', f'/heading_intercompare/{name}']}
-
-
-def node(name, namespace, parameters, own, reason, **kwargs):
-    """Return a node whose end ends all; its section and `own` hold in any namespace."""
-    file, sections = parameters
-    given = [values for values in (sections.get(name, {}), own) if values]
-    return Node(package='heading_intercompare', executable=name, name=name, namespace=namespace,
-                parameters=[file, *given], output='screen', on_exit=Shutdown(reason=reason),
-                **enclave(name), **kwargs)
+# Default and meaning of each argument.
+ARGUMENTS = {
+    'bag': ('', '.mcap file or rosbag2 folder'),
+    'config': ('', 'ROS parameter file with the norms'),
+    'rate': ('1.0', 'speed relative to the recording; 0.0: as fast as possible'),
+    'start': ('0.0', 'seconds to skip at the start'),
+    'duration': ('', 'seconds to replay; empty: to the end'),
+    'start_paused': ('false', 'wait for the service /replayer/resume: true or false'),
+    'clock': ('false', 'publish /clock: true or false'),
+    'report_dir': ('', 'folder for the report; empty: that of the parameter file, or none'),
+    'namespace': ('/', 'of all nodes and topics; not that of a graph that runs'),
+    'log_level': ('info', 'least level that the nodes log: debug, info, warn, error or fatal'),
+    'use_sim_time': ('false', 'the clock of the nodes is /clock: true or false'),
+}
 
 
 def nodes(context):
     """Return the nodes; no heading is lost, in whatever order they start."""
-    bag, config, rate, start, duration, start_paused, clock, report_dir, namespace = (
-        LaunchConfiguration(name).perform(context) for name in (
-            'bag', 'config', 'rate', 'start', 'duration', 'start_paused', 'clock', 'report_dir',
-            'namespace'))
-    with open(config, encoding='utf-8') as file:
-        sections = yaml.safe_load(file)
-    sections = {name.lstrip('/'): (section or {}).get('ros__parameters') or {}
-                for name, section in sections.items()}
-    parameters = config, sections
-    sensors = read_sensors(sections.get('**', {}).get('sensors'))
-    replayed = {'bag': bag, 'rate': float(rate), 'start_s': float(start),
-                'start_paused': start_paused == 'true', 'clock': clock == 'true',
-                'subscribers': count_subscribers(sensors, False),
-                **({'duration_s': float(duration)} if duration else {})}
-    made = [node('replayer', namespace, parameters, replayed, 'the bag has been replayed')]
-    written = {'report_dir': report_dir} if report_dir else {}
-    remaps = [*remap_rules(sensors, namespace).items()]
+    given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    check_path('bag', given['bag'], 'a bag')
+    check_path('config', given['config'], 'a ROS parameter file with the norms')
+    file = load_config(given['config'])
+    settings = settings_for(file)
+    check_norms(settings)
+    sensors, namespace = read_sensors(settings.sensors), read_namespace(given['namespace'])
+    sim_time = read_switch('use_sim_time', given['use_sim_time'])
+
+    def node(name, own, reason, place=namespace, **kwargs):
+        """Return a node whose end ends all; its section and `own` hold in any namespace."""
+        common, shared = common_arguments(name, given['log_level'], sim_time)
+        parameters = [dict(values) for values in (
+            file.sections.get(name, {}), {**own, **shared}) if values]
+        return Node(package='heading_intercompare', executable=name, name=name, namespace=place,
+                    parameters=[given['config'], *parameters], output='screen',
+                    on_exit=Shutdown(reason=reason), **common, **kwargs)
+
+    replayed = {
+        'bag': given['bag'], 'subscribers': count_subscribers(sensors, False),
+        'rate': read_number('rate', given['rate']),
+        'start_s': read_number('start', given['start']),
+        **{name: read_switch(name, given[name]) for name in ('start_paused', 'clock')},
+        **({'duration_s': read_number('duration', given['duration'])} if given['duration']
+           else {})}
+    made = [node('replayer', replayed, 'the bag has been replayed')]
+    written = {'report_dir': given['report_dir']} if given['report_dir'] else {}
+    remaps = [*remap_rules(sensors, namespace, settings.motion).items()]
     for name in [one.name for one in list_tested(sensors)] if sensors else ['']:
         place = f'{namespace.rstrip("/")}/{name}' if name else namespace
         own = {'sensor': name} if name else {}
         several = {'remappings': remaps} if name else {}
-        made += [node('synchronizer', place, parameters, {'subscribers': 1, **own},
-                      'the synchronizer has ended', **several),
-                 node('compliance', place, parameters, {**written, **own},
-                      'the compliance node has ended', **several)]
+        made += [node('synchronizer', {'subscribers': 1, **own}, 'the synchronizer has ended',
+                      place, **several),
+                 node('compliance', {**written, **own}, 'the compliance node has ended', place,
+                      **several)]
     if sensors:
-        made.append(node('sensors_watch', namespace, parameters, written,
-                         'the node sensors_watch has ended'))
+        made.append(node('sensors_watch', written, 'the node sensors_watch has ended'))
     return made
 
 
 def generate_launch_description():
     """Return the graph."""
     return LaunchDescription([
-        DeclareLaunchArgument('bag', description='.mcap file or rosbag2 folder'),
-        DeclareLaunchArgument('config', description='ROS parameter file with the norms'),
-        DeclareLaunchArgument('rate', default_value='1.0', description='speed relative to the '
-                              'recording; 0.0: as fast as possible'),
-        DeclareLaunchArgument('start', default_value='0.0',
-                              description='seconds to skip at the start'),
-        DeclareLaunchArgument('duration', default_value='',
-                              description='seconds to replay; empty: to the end'),
-        DeclareLaunchArgument('start_paused', default_value='false', choices=['true', 'false'],
-                              description='wait for the service /replayer/resume'),
-        DeclareLaunchArgument('clock', default_value='false', choices=['true', 'false'],
-                              description='publish /clock'),
-        DeclareLaunchArgument('report_dir', default_value='', description='folder for the '
-                              'report; empty: that of the parameter file, or none'),
-        DeclareLaunchArgument('namespace', default_value='/', description='of all nodes and '
-                              'topics; not that of a graph that runs'),
+        *(DeclareLaunchArgument(name, default_value=default, description=words)
+          for name, (default, words) in ARGUMENTS.items()),
         OpaqueFunction(function=nodes),
     ])

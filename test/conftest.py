@@ -15,8 +15,16 @@ from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 
-os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'
-os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'OFF')
+# Whatever the user's own graph needs would reach into it, or out of the tests.
+for name in ('ROS_DOMAIN_ID', 'ROS_LOCALHOST_ONLY', 'ROS_STATIC_PEERS', 'ROS_DISCOVERY_SERVER',
+             'ROS_SUPER_CLIENT', 'ROS_NAMESPACE', 'ROS_SECURITY_ENABLE', 'ROS_SECURITY_STRATEGY',
+             'ROS_SECURITY_KEYSTORE', 'ROS_SECURITY_ENCLAVE_OVERRIDE', 'RMW_IMPLEMENTATION',
+             'RMW_FASTRTPS_USE_QOS_FROM_XML', 'FASTRTPS_DEFAULT_PROFILES_FILE',
+             'FASTDDS_DEFAULT_PROFILES_FILE', 'FASTDDS_BUILTIN_TRANSPORTS',
+             'RCUTILS_CONSOLE_OUTPUT_FORMAT', 'RCUTILS_LOGGING_USE_STDOUT',
+             'RCUTILS_COLORIZED_OUTPUT', 'RCUTILS_LOGGING_BUFFERED_STREAM'):
+    os.environ.pop(name, None)
+os.environ |= {'ROS_PYTHON_CHECK_FIELDS': '1', 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'OFF'}
 os.environ.setdefault('ROS_LOG_DIR', tempfile.mkdtemp(prefix='heading_intercompare_log_'))
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from checksums import with_checksum
 import numpy as np
 from scipy.signal import lfilter
 
@@ -73,9 +74,6 @@ def write_log(path, readings, talker):
     lines = []
     for stamp_ns, heading_deg in zip(readings.stamp_ns.tolist(), readings.heading_deg.tolist()):
         body = f'{talker}HDT,{heading_deg:.3f},T'
-        check = 0
-        for char in body:
-            check ^= ord(char)
-        lines.append(f'{stamp_ns / 1e9:.3f} ${body}*{check:02X}')
+        lines.append(f'{stamp_ns / 1e9:.3f} {with_checksum(body)}')
     path.write_text('\n'.join(lines) + '\n')
     return path

@@ -36,14 +36,17 @@ class Allowed(NamedTuple):
 ALLOWED = {
     '__init__': Allowed({'core', 'bags', 'app'}, set()),
     '_doors': Allowed(set(), set()),
+    'natural_order': Allowed(set(), set()),
     'yaml_file': Allowed({'core'}, {'yaml'}),
+    'missing_module': Allowed(set(), set()),
+    'node_executables': Allowed({'nodes', 'missing_module'}, set()),
     'core': Allowed(set(), {'numpy', 'scipy', 'pandas'}),
-    'drivers': Allowed({'core'}, {'numpy', 'serial', 'zstandard'}),
+    'drivers': Allowed({'core', 'natural_order'}, {'numpy', 'serial', 'zstandard'}),
     'ahrs': Allowed({'core'}, {'numpy'}),
     'messages': Allowed({'core'}, {'numpy'}),
-    'bags': Allowed({'core', 'messages', 'yaml_file'},
+    'bags': Allowed({'core', 'messages', 'natural_order', 'yaml_file'},
                     {'numpy', 'mcap', 'lz4', 'zstandard', 'isal'}),
-    'readers': Allowed({'core', 'drivers', 'messages', 'bags'},
+    'readers': Allowed({'core', 'drivers', 'messages', 'bags', 'natural_order'},
                        {'numpy', 'rosbags', 'apsw', 'pyarrow'}),
     'report': Allowed({'core'}, {'numpy', 'jinja2', 'matplotlib', 'weasyprint'}),
     'logbook': Allowed({'core'}, {'numpy', 'scipy'}),
@@ -54,7 +57,7 @@ ALLOWED = {
                     'yaml_file'},
                    {'numpy', 'distributed', 'threadpoolctl', 'ephem'}),
     'cli': Allowed({'app', 'core', 'drivers', 'ahrs', 'messages', 'bags', 'readers', 'report',
-                    'logbook', 'nodes', 'web'},
+                    'logbook', 'nodes', 'web', 'missing_module'},
                    {'numpy', 'yaml', 'rich', 'argcomplete'}),
     '__main__': Allowed({'cli'}, set()),
 }
@@ -70,18 +73,18 @@ ORDER = {
                 'csv_log', 'nmea', 'refused_lines', 'logs', 'motion', 'datagrams', 'playback',
                 'sources'),
     'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'gimballed',
-             'sensors', 'simulator'),
+             'sensors', 'told_motion', 'simulator'),
     'bags': ('errors', 'checked_text', 'settings', 'packed_payloads', 'packed_files', 'mcap',
              'parallel', 'rosbag2', 'recording', 'recovery', 'csv'),
     'report': ('sketching', 'series_sketch', 'formatting', 'figures', 'contents', 'json',
                'json_schema', 'runs_csv', 'html', 'pdf', 'sensors_report'),
-    'readers': ('errors', 'stream_recording', 'nmea2000', 'json_lines', 'tables', 'parquet',
-                'rosbag_recording', 'registry'),
+    'readers': ('errors', 'stream_recording', 'nmea2000_motion', 'nmea2000', 'json_lines',
+                'motion_columns', 'tables', 'parquet', 'rosbag_recording', 'registry'),
     'web': ('figures', 'bridge', 'controls', 'guard', 'palettes', 'trend_picture', 'page',
             'server'),
     'nodes': ('settings', 'ros', 'runtime', 'taking', 'alarms', 'judging', 'sensors',
               'synchronizer', 'compliance', 'sensors_watch', 'recorder', 'replayer', 'nmea_driver',
-              'sensor_simulator', 'dashboard', 'watcher', 'graph'),
+              'motion_driver', 'sensor_simulator', 'dashboard', 'watcher', 'graph'),
     'cli': ('terminal', 'completion', 'node_command', 'commands', 'program'),
 }
 
@@ -98,7 +101,8 @@ LOADED_BY = {
 }
 
 # They take headings and pass them on, and start as fast as a plain node.
-NEED_NO_SCIPY = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'recorder', 'replayer')
+NEED_NO_SCIPY = ('nmea_driver', 'motion_driver', 'sensor_simulator', 'synchronizer', 'recorder',
+                 'replayer')
 
 # A reader who looks for something in a room reads the names of its modules.
 MOST_MODULES = 12
@@ -115,11 +119,13 @@ TESTS_OF_SEVERAL = {
     'drivers/test_floods', 'messages/test_against_rclpy',
     'nodes/test_alarms_on_the_graph', 'nodes/test_displays', 'nodes/test_graph_processes',
     'nodes/test_launch', 'nodes/test_real_logs_over_udp',
-    'nodes/test_months', 'nodes/test_recorder_process', 'nodes/test_security', 'nodes/test_soak',
+    'nodes/test_months', 'nodes/test_motion_on_the_graph', 'nodes/test_recorder_process',
+    'nodes/test_security', 'nodes/test_soak',
     'nodes/test_soak_with_faults',
     'report/test_in_browser',
     'web/test_in_browser',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_documented_commands',
+    'test_environment',
     'test_equations', 'test_examples', 'test_packaging', 'test_plain_english', 'test_settings',
     'test_procedures', 'test_site',
 }

@@ -22,13 +22,14 @@ import time
 from xml.etree import ElementTree
 
 import pytest
+import yaml
 
-from heading_intercompare import __version__
+from heading_intercompare import __version__, node_executables as executables
 
 ROOT = Path(__file__).resolve().parent.parent
 NAME = 'heading_intercompare'
 NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'recorder', 'replayer',
-         'dashboard', 'sensors_watch')
+         'dashboard', 'sensors_watch', 'motion_driver')
 IN_CI = os.environ.get('CI', '').lower() not in ('', '0', 'false')
 
 
@@ -69,6 +70,55 @@ def test_the_version_is_the_same_everywhere():
                      changelog, re.MULTILINE)
 
 
+#: Keys of rosdistro, looked up in August 2026, and the module of each; None: not in wheels.
+KEYS = {
+    'python3-numpy': 'numpy', 'python3-scipy': 'scipy', 'python3-yaml': 'yaml',
+    'python3-jinja2': 'jinja2', 'python3-matplotlib': 'matplotlib', 'python3-serial': 'serial',
+    'python3-pytest': 'pytest', 'python3-pytest-timeout': 'pytest_timeout',
+    'python3-pytest-xdist': 'xdist', 'python3-hypothesis': 'hypothesis',
+    'python3-jsonschema': 'jsonschema', 'mcap-ros2-support': 'mcap_ros2',
+    'ros2launch': None, 'launch': None, 'launch_ros': None,
+    **{name: name for name in ('rclpy', 'rcl_interfaces', 'rosgraph_msgs', 'diagnostic_msgs',
+                               'geometry_msgs', 'nav_msgs', 'sensor_msgs', 'std_msgs',
+                               'std_srvs')}}
+
+
+def dependencies(*kinds: str) -> set[str]:
+    """Return the dependencies of package.xml, of some kinds."""
+    return {element.text for kind in kinds for element in manifest().iter(kind)}
+
+
+def test_every_dependency_has_a_key_of_rosdistro_and_a_wheel():
+    asked = dependencies('depend', 'build_depend', 'exec_depend', 'test_depend')
+    assert asked <= KEYS.keys()
+    need('rclpy')
+    missing = {key for key in asked if KEYS[key] and find_spec(KEYS[key]) is None}
+    assert not missing
+
+
+def test_what_every_bag_needs_is_a_dependency_and_so_is_each_library_that_pip_installs():
+    setup = (ROOT / 'setup.py').read_text('utf-8')
+    required = re.search(r'install_requires=\[([^]]*)\]', setup)[1]
+    keys = {'numpy': 'python3-numpy', 'scipy': 'python3-scipy', 'pyyaml': 'python3-yaml',
+            # It brings the three of them.
+            **dict.fromkeys(('mcap', 'lz4', 'zstandard'), 'mcap-ros2-support')}
+    assert {keys[name] for name in re.findall(r"'([a-z0-9]+)", required)} <= dependencies(
+        'exec_depend')
+
+
+def test_libraries_without_a_key_have_a_rule_beside_the_package():
+    rules = yaml.safe_load((ROOT / 'rosdep' / f'{NAME}.yaml').read_text('utf-8'))
+    named = {name.removeprefix('python3-').removesuffix('-pip') for name in rules}
+    assert {'mcap', 'lz4', 'zstandard', 'nicegui', 'pyarrow', 'ephem', 'isal', 'distributed',
+            'threadpoolctl'} == named
+    assert not rules.keys() & KEYS.keys()
+    for name, rule in rules.items():
+        assert rule.keys() == {'debian', 'ubuntu'}, name
+        for one in rule.values():
+            assert one == [name] or list(one['pip']['packages']) == [
+                name.removeprefix('python3-').removesuffix('-pip')]
+
+
 def test_the_changelog_is_in_catkin_form():
     lines = (ROOT / 'CHANGELOG.rst').read_text('utf-8').splitlines()
     assert lines[1] == f'Changelog for package {NAME}'
@@ -106,6 +156,7 @@ def test_every_message_package_that_nodes_import_is_a_dependency():
 def test_every_executable_has_a_module_with_main(node):
     tree = ast.parse((ROOT / NAME / 'nodes' / f'{node}.py').read_text('utf-8'))
     assert 'main' in {n.name for n in tree.body if isinstance(n, ast.FunctionDef)}
+    assert callable(getattr(executables, node)) and set(executables.__all__) == {*NODES}
 
 
 def test_type_checkers_are_told_that_the_package_has_types():
@@ -161,7 +212,8 @@ def test_pip_installs_the_command_line_without_ros(source, tmp_path):
     assert template.read_bytes() == (ROOT / NAME / 'report' / 'templates' / 'protocol.html'
                                      ).read_bytes()
     assert place.startswith(str(tmp_path)) and version == __version__ and rclpy == 'None'
-    assert {node for node in NODES if not (bin_folder / node).is_file()} == set()
+    assert (bin_folder / 'heading-intercompare').is_file()
+    assert not {node for node in NODES if (bin_folder / node).exists()}, 'general names on a PATH'
     share = tmp_path / 'venv' / 'share' / NAME
     assert (share / 'package.xml').is_file()
     assert (share / 'config' / f'{NAME}.yaml').is_file()

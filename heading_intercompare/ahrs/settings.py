@@ -194,6 +194,9 @@ class Scenario(Checked):
     longitude_deg: float = setting(0.0, 'longitude of the start [deg]', -180.0, 180.0)
     seaway: str = setting('calm', 'state of the sea', choices=tuple(SEAWAYS))
     legs: str = setting('0 0 0', "course plan 't_s course_deg speed_kn; ...'")
+    motion_hz: float = setting(
+        1.0, 'rate at which the ship tells position, velocity and rate of turn; 0: not at all '
+        '[Hz]', 0.0, 100.0)
     ts: Sensor = field(default_factory=Sensor)
     rs: Sensor = field(default_factory=Sensor)
     others: str = setting(

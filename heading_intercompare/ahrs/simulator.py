@@ -12,12 +12,13 @@ import numpy as np
 
 from heading_intercompare.ahrs.gimballed.modes import AhrsStatus
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Motion
 
 from .faults import Fault, FAULTS, Faults
 from .plans import EVENTS, parse_faults, parse_legs, parse_utc
 from .sensors import Readings, SimulatedSensor
 from .settings import Scenario, Sensor
+from .told_motion import ToldMotion
 
 __all__ = ['SimulatedChunk', 'Simulation', 'Trial']
 
@@ -43,6 +44,8 @@ class SimulatedChunk:
         Statuses of a gimballed AHRS; empty for other models.
     others : mapping of str to (Readings, tuple of AhrsStatus)
         Readings and statuses of the further sensors, by name.
+    motion : Motion
+        What the ship tells of its motion.
 
     """
 
@@ -53,6 +56,7 @@ class SimulatedChunk:
     ts_statuses: tuple[AhrsStatus, ...]
     rs_statuses: tuple[AhrsStatus, ...]
     others: Mapping[str, tuple[Readings, tuple[AhrsStatus, ...]]]
+    motion: Motion
 
     @property
     def sent(self) -> dict[str, tuple[Readings, tuple[AhrsStatus, ...]]]:
@@ -148,6 +152,7 @@ class Trial:
         self.now_s = 0.0
         self._last_s = s.duration_s + max(one.latency_s for one in s.sensors.values())
         self._true = _Truth(ship, start_ns, s)
+        self._told = ToldMotion(ship, start_ns, s.seed, s.motion_hz, s.duration_s)
         self._senders = {
             role: _Sender(SimulatedSensor(sensor, ship, start_ns, s.seed, role), sensor,
                           s.duration_s)
@@ -164,7 +169,8 @@ class Trial:
                 for name, sender in self._senders.items()}
         self.now_s = end_s
         (ts, ts_said), (rs, rs_said) = made.pop('ts'), made.pop('rs')
-        return SimulatedChunk(end_s, self._true.take(end_s), ts, rs, ts_said, rs_said, made)
+        return SimulatedChunk(end_s, self._true.take(end_s), ts, rs, ts_said, rs_said, made,
+                              self._told.take(end_s))
 
     def command(self, role: str, kind: str, t_s: float | None = None) -> float:
         """

@@ -14,6 +14,7 @@ from heading_intercompare.logbook.history import History, Point
 __all__ = ['write_page']
 
 _DAY_NS = 86_400_000_000_000
+_MARKERS, _DASHES = 'osv^D', ('-', '--', ':', '-.')
 _NAMES = {'mean': 'mean difference', 'sd': 'standard deviation'}
 _HEAD = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>Heading sensors over time</title>
@@ -26,6 +27,8 @@ padding: 0 1em } svg { width: 100%; height: auto }</style></head><body>
 def write_page(histories: Sequence[History], path: str, since_ns: int | None = None) -> None:
     """
     Write the charts of mean and standard deviation, with their limits.
+
+    A ship with several sensors also has a picture of all of them.
 
     Parameters
     ----------
@@ -44,6 +47,10 @@ def write_page(histories: Sequence[History], path: str, since_ns: int | None = N
 
     """
     parts = [_HEAD]
+    for number, (ship, sensors) in enumerate(_group(histories).items()):
+        parts.append(f'<h2>{escape(ship)}: {len(sensors)} sensors</h2>\n')
+        parts += [_draw_together(sensors, figure, f's{number}{figure}', since_ns) + '\n'
+                  for figure in _NAMES]
     for number, history in enumerate(histories):
         parts.append(f'<h2>{escape(history.ship or "(no ship)")}, settings '
                      f'{history.settings_sha256[:8]}</h2>\n')
@@ -52,6 +59,41 @@ def write_page(histories: Sequence[History], path: str, since_ns: int | None = N
         points = history.list_since(since_ns)
         parts += [_draw(points, figure, f'h{number}{figure}') + '\n' for figure in _NAMES]
     Path(path).write_text(''.join(parts) + '</body></html>\n', 'utf-8')
+
+
+def _group(histories: Sequence[History]) -> dict[str, list[History]]:
+    """Return the histories of ships with several sensors, called SHIP/SENSOR, by the ship."""
+    found: dict[str, list[History]] = {}
+    for history in histories:
+        ship, has_name, _ = history.ship.rpartition('/')
+        if has_name:
+            found.setdefault(ship, []).append(history)
+    return {ship: some for ship, some in found.items() if len({one.ship for one in some}) > 1}
+
+
+def _draw_together(histories: Sequence[History], figure: str, name: str,
+                   since_ns: int | None) -> str:
+    """Return one figure of all sensors of a ship as SVG."""
+    from heading_intercompare.report.figures.style import draw, GREY, INK
+
+    runs = [(history, [p for p in history.list_since(since_ns)
+                       if getattr(p.row, f'{figure}_deg') is not None]) for history in histories]
+    start_ns = min((p.row.start_ns for _, some in runs for p in some), default=0)
+
+    def fill(axes: Any) -> None:
+        for at, (history, some) in enumerate(runs):
+            # Legible in black and white: each sensor has a mark and a dash of its own.
+            axes.plot([(p.row.start_ns - start_ns) / _DAY_NS for p in some],
+                      [getattr(p.row, f'{figure}_deg') for p in some],
+                      color=(INK, GREY)[at // len(_MARKERS) % 2], linewidth=0.8,
+                      marker=_MARKERS[at % len(_MARKERS)], markersize=4.0,
+                      linestyle=_DASHES[at % len(_DASHES)],
+                      label=f'{history.ship.rpartition("/")[2]}, settings '
+                            f'{history.settings_sha256[:8]}')
+
+    n = sum(len(some) for _, some in runs)
+    return draw(fill, name=name, title=f'{_NAMES[figure].capitalize()} of each sensor, {n} runs',
+                x_label=f'days since {utc(start_ns)[:16]} UTC', y_label=f'{_NAMES[figure]} [deg]')
 
 
 def _draw(points: Sequence[Point], figure: str, name: str) -> str:

@@ -205,6 +205,9 @@ class _Resumed:
         self._compliance.update(pairs)
         self._hand_out(pairs)
 
+    def take_motion(self, motion: Motion) -> None:
+        self._compliance.take_motion(motion)
+
     def mark(self, kind: str, stamp_ns: int) -> None:
         self._compliance.mark(kind, stamp_ns)
 
@@ -353,6 +356,8 @@ def read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Mo
     """Return the motion of the ship in a bag, and add what could not be read to the problems."""
     if not settings.motion.compare:
         return Motion.empty()
+    if isinstance(reader, StreamRecording):
+        return Motion.concatenate([rows for _, rows in reader.choose_motion().values()])
     found = read_bag_motion(reader, settings.motion)
     if found.unreadable:
         problems.append(f'{found.unreadable} messages of the motion of the ship cannot be read')

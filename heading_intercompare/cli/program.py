@@ -13,6 +13,7 @@ from typing import Any, NoReturn, Sequence
 from heading_intercompare.cli.terminal.printable import escape
 from heading_intercompare.cli.terminal.standard_streams import safe_stderr, safe_stdout
 from heading_intercompare.core.version import VERSION
+from heading_intercompare.missing_module import explain_missing
 
 __all__ = ['main']
 
@@ -130,10 +131,10 @@ def _run(argv: Sequence[str]) -> int:
 
 def _refuse(error: Exception) -> int:
     if isinstance(error, ModuleNotFoundError):
-        if error.name not in _WITH_ROS:
+        explained = explain_missing(error)
+        if explained is None:
             raise error
-        text = (f'this command needs ROS 2 (no module {error.name}): install '
-                'heading_intercompare[ros], or source a ROS 2 Jazzy environment')
+        text = explained
     elif isinstance(error, MemoryError):
         text = 'there is not enough memory for this: end other programs, or give less data at once'
     elif isinstance(error, OSError) and error.strerror:
@@ -150,6 +151,3 @@ def _crash(*error: Any) -> NoReturn:
     sys.__excepthook__(*error)
     sys.exit(_CRASHED)
 
-
-_WITH_ROS = {'rclpy', 'sensor_msgs', 'geometry_msgs', 'nav_msgs', 'std_msgs', 'std_srvs',
-             'diagnostic_msgs', 'rosgraph_msgs', 'rcl_interfaces', 'builtin_interfaces'}

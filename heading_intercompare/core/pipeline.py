@@ -16,6 +16,7 @@ from heading_intercompare.core.decision.taken_out import (
     sum_stretches,
     TakenOut,
 )
+from heading_intercompare.core.motion.motion_record import RunMotion
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
@@ -69,6 +70,11 @@ class Compliance:
     progress : callable
         Called with the progress in words while a run is judged.
 
+    Attributes
+    ----------
+    motion : RunMotion
+        The motion of the ship during the run in progress.
+
     Raises
     ------
     SettingsError
@@ -101,12 +107,11 @@ class Compliance:
         self._n_short = self._n_earlier = 0
         self._earlier_ns: int | None = None
         self._rolling = Rolling(settings.window_s)
-        self._motion: Motion | None = None
+        self.motion = RunMotion(keeper)
 
     def take_motion(self, motion: Motion) -> None:
         """Take motion of the ship, before the run that it belongs to ends; in any order."""
-        if len(motion):
-            self._motion = motion if self._motion is None else self._motion + motion
+        self.motion.take(motion)
 
     def update(self, pairs: Pairs) -> None:
         """Take pairs in stamp order; judge the runs that end with them."""
@@ -171,6 +176,8 @@ class Compliance:
         self._finished = [(one.result(self.settings), one.cut_ns) for one in state.finished]
         self._earlier = [one.result(self.settings) for one in state.earlier]
         self._n_earlier, self._n_short = state.n_earlier, state.n_short
+        for run, _ in self._finished:
+            self.motion.end_run(run.verdict.end_ns)
         cut_ns = state.cutter.cut_ns
         if state.in_run and cut_ns is not None:
             differences = self._subtract(pairs)
@@ -186,7 +193,8 @@ class Compliance:
     def preview(self, ledger: Ledger | None = None) -> Verdict:
         """Return the verdict that a stop now would give; nothing changes by that."""
         stopped = copy(self)
-        stopped._finished, stopped._earlier = [*self._finished], []
+        stopped.motion, stopped._finished, stopped._earlier = (
+            copy(self.motion), [*self._finished], [])
         stopped._end_run()
         verdict = stopped.verdict(ledger)
         return replace(verdict, intermediate=True,
@@ -195,8 +203,7 @@ class Compliance:
     def _look(self, run: RunSeries, look: Look, looks: int) -> None:
         """Judge the run in progress; the last look of a plan is the end of the run."""
         if look.index < looks - 1:
-            self._looks.append(look_at(run, look, looks, self.settings,
-                                       self._motion))
+            self._looks.append(look_at(run, look, looks, self.settings, self.motion.rows))
 
     @property
     def early(self) -> LookVerdict | None:
@@ -218,11 +225,10 @@ class Compliance:
             return
         number = len(self._finished) + 1
         result = judge_run(
-            run, self.settings, number, self._source, looks=looks, motion=self._motion,
+            run, self.settings, number, self._source, looks=looks, motion=self.motion.rows,
             told=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
         self._limits = result.limits
-        if self._motion is not None:
-            self._motion = self._motion[self._motion.stamp_ns > run.end_ns]
+        self.motion.end_run(run.end_ns)
         self._finished.append((result, run.cut_ns))
 
     @property
@@ -417,28 +423,30 @@ class Intercomparison:
                  progress: Callable[[str], None] = lambda text: None,
                  sampler: PairSampler | None = None) -> None:
         self.compliance = Compliance(settings, source=source, table=table, progress=progress)
-        self._table = table or ()
-        self._sampler = sampler
+        self._table, self._sampler = table or (), sampler
         self._before = Incarnations()
+        self._keep: Callable[[Pairs], None] = lambda pairs: None
+        self._from_ns = 0
         self._begin()
 
     def _begin(self) -> None:
         self.pairer = Pairer(self.compliance.settings)
-        for start_ns, stop_ns in self._table:
-            self.pairer.ledger.cut_run(start_ns)
-            self.pairer.ledger.cut_run(stop_ns)
+        for cut_ns in (each for span in self._table for each in span):
+            self.pairer.ledger.cut_run(cut_ns)
 
     def begin_again(self) -> Pairs:
-        """
-        Go on as after a restart of both nodes; return the last pairs before it.
-
-        Further readings are paired on their own, and belong to the runs so far.
-        """
-        pairs = self.pairer.flush()
-        self._judge(pairs)
+        """Go on with the runs as after a restart of both nodes; return the last pairs before."""
+        self._judge(pairs := self.pairer.flush())
         self._before.take(self.pairer.ledger, False, len(self._before))
         self._begin()
         return pairs
+
+    def keep_with(self, keep: Callable[[Pairs], None]) -> None:
+        """Go on after the pairs that `compliance` has; hand all that follow to `keep` first."""
+        self._keep, newest_ns = keep, self.compliance.newest_ns
+        if newest_ns is not None:
+            # Readings that come again make pairs again.
+            self._from_ns = self._sampler.end_ns(newest_ns) if self._sampler else newest_ns + 1
 
     @property
     def ledger(self) -> Ledger:
@@ -460,8 +468,12 @@ class Intercomparison:
         self._judge(pairs)
         return pairs
 
-    def _judge(self, pairs: Pairs) -> None:
-        self.compliance.update(pairs if self._sampler is None else self._sampler.update(pairs))
+    def _judge(self, pairs: Pairs, end: bool = False) -> None:
+        if self._from_ns:
+            pairs = pairs[pairs.stamp_ns >= self._from_ns]
+        chosen = pairs if self._sampler is None else self._sampler.update(pairs, end)
+        self._keep(chosen)
+        self.compliance.update(chosen)
 
     def lose(self, key: LedgerKey, losses: Losses) -> None:
         """Count readings that never came; see `Pairer.lose`."""
@@ -475,9 +487,7 @@ class Intercomparison:
     def finish(self) -> Pairs:
         """End both streams and the run in progress; return the last pairs."""
         pairs = self.pairer.flush()
-        self._judge(pairs)
-        if self._sampler is not None:
-            self.compliance.update(self._sampler.flush())
+        self._judge(pairs, end=True)
         self.compliance.finish()
         return pairs
 

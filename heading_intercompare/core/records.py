@@ -312,6 +312,10 @@ class Motion(_Columns):
         """Return the rows with a rate of turn."""
         return self[np.isfinite(self.rate_deg_s)]
 
+    def split(self) -> dict[str, 'Motion']:
+        """Return the rows by what they tell: 'fix', 'velocity', 'rate'."""
+        return {'fix': self.positions(), 'velocity': self.velocities(), 'rate': self.rates()}
+
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Pairs(_Columns):

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Csv of headings, as decoders of NMEA 2000 (PGN 127250) write them.
+Csv of headings, as decoders of NMEA 2000 (PGN 127250) write them: one file, or many of a log.
 
 A header, then one row per reading. Columns `t_ns` (integer nanoseconds UTC) and `heading_deg` are
 required. `deviation_deg`, `variation_deg` (east positive), `reference_0true_1mag` and `src` are
@@ -14,16 +14,19 @@ from __future__ import annotations
 
 from array import array
 from collections import Counter
+import os
 
 import numpy as np
 
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings
 
+from .log_lines.log_files import head_of, is_pattern, LogFiles
+from .log_lines.log_order import holds_sentences
 from .sentences import Rejected
 from .settings import DriverError, DriverSettings
 
-__all__ = ['CsvDecoder', 'is_csv']
+__all__ = ['CsvDecoder', 'is_csv_file', 'open_csv']
 
 _NEEDED = ('t_ns', 'heading_deg')
 
@@ -32,9 +35,40 @@ def _cells(line: bytes) -> list[str]:
     return [cell.strip() for cell in line.decode('utf-8', 'replace').lstrip('\ufeff').split(',')]
 
 
-def is_csv(first_line: bytes) -> bool:
-    """Tell whether this line is the header of a csv of headings."""
-    return b'heading_deg' in first_line and 'heading_deg' in _cells(first_line)
+def is_csv_file(path: str) -> bool:
+    """Tell whether a file begins with the header of a csv of headings."""
+    first = head_of(path).partition(b'\n')[0]
+    return b'heading_deg' in first and 'heading_deg' in _cells(first)
+
+
+def open_csv(path: str, settings: DriverSettings) -> LogFiles | None:
+    """
+    Return the csv files of a folder or a pattern of names, in order of their first stamps.
+
+    Returns
+    -------
+    LogFiles or None
+        None for a single file, and where a file has sentences or none is a csv of headings.
+
+    Raises
+    ------
+    OSError
+        If a folder or a file in it cannot be read.
+    DriverError
+        If a csv lacks a required column.
+
+    """
+    if not os.path.isdir(path) and not is_pattern(path):
+        return None
+    files = LogFiles(path)
+    if any(map(holds_sentences, files.paths)) or not any(map(is_csv_file, files.paths)):
+        return None
+
+    def first_ns(name: str) -> int | None:
+        stamp_ns = CsvDecoder(name, settings).feed(head_of(name)).stamp_ns
+        return int(stamp_ns[0]) if len(stamp_ns) else None
+    files.keep(is_csv_file, first_ns)
+    return files
 
 
 def _number(cell: str) -> float:
@@ -51,9 +85,7 @@ class CsvDecoder:
     Parameters
     ----------
     path : str
-        Path of the log, for errors.
-    header : bytes
-        Its first line.
+        The file, or the first of several.
     settings : DriverSettings
         Only `talker` is used.
 
@@ -64,16 +96,21 @@ class CsvDecoder:
 
     """
 
-    def __init__(self, path: str, header: bytes, settings: DriverSettings) -> None:
+    def __init__(self, path: str, settings: DriverSettings) -> None:
+        self._src = settings.talker
+        self._counts: Counter[str] = Counter()
+        self._open = b''
+        self.begin_file(path)
+
+    def begin_file(self, path: str) -> None:
+        """Go on with another file of the same log; its columns may have another order."""
+        header = head_of(path).partition(b'\n')[0]
         self._columns = {name: i for i, name in enumerate(_cells(header))}
         missing = [name for name in _NEEDED if name not in self._columns]
         if missing:
             raise DriverError(f'{path}: column {missing[0]} is missing; a csv of headings must '
                               f'have the columns {" and ".join(_NEEDED)}')
-        self._src = settings.talker
-        self._counts: Counter[str] = Counter()
         self._in_header = True
-        self._open = b''
 
     @property
     def counts(self) -> dict[str, int]:
@@ -101,7 +138,7 @@ class CsvDecoder:
         return Headings(np.array(stamps, np.int64), wrap360(np.array(headings)))
 
     def flush(self) -> Headings:
-        """Return the last headings at the end of the log."""
+        """Return the last headings at the end of a file."""
         return self.feed(b'\n')
 
     def _read(self, row: list[str]) -> tuple[int, float]:

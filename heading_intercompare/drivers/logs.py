@@ -11,8 +11,8 @@ from typing import Iterator
 
 from heading_intercompare.core.records import Headings
 
-from .csv_log import CsvDecoder, is_csv
-from .log_lines.log_files import head_of, is_pattern, LogFiles
+from .csv_log import CsvDecoder, is_csv_file, open_csv
+from .log_lines.log_files import is_pattern, LogFiles
 from .log_lines.log_order import holds_sentences, open_log
 from .nmea import NmeaDecoder
 from .settings import DriverError, DriverSettings
@@ -24,8 +24,8 @@ def is_log(path: str | PathLike) -> bool:
     """
     Tell whether a path names a log: its beginning has an NMEA sentence or is a csv of headings.
 
-    A folder or a pattern of names is a log if one of its files has a sentence and none is part of
-    a bag. An MCAP file, also under another name, and a file that does not exist are none.
+    A folder or a pattern of names is a log if one of its files is one and none is part of a bag.
+    An MCAP file, also under another name, and a file that does not exist are none.
     """
     name = os.fspath(path)
     if os.path.isdir(name) or is_pattern(name):
@@ -36,10 +36,10 @@ def is_log(path: str | PathLike) -> bool:
         if any(each.endswith('.mcap') or os.path.basename(each) == 'metadata.yaml'
                for each in paths):
             return False
-        return any(holds_sentences(each) for each in paths)
+        return any(holds_sentences(each) or is_csv_file(each) for each in paths)
     if not os.path.isfile(name) or name.endswith('.mcap'):
         return False
-    return is_csv(head_of(name).partition(b'\n')[0]) or holds_sentences(name)
+    return is_csv_file(name) or holds_sentences(name)
 
 
 class LogReader:
@@ -49,8 +49,8 @@ class LogReader:
     Parameters
     ----------
     path : path-like
-        A log of NMEA sentences: a file, a folder of files, or a pattern of names (`LogFiles`). Or
-        a csv of headings (`csv_log`).
+        A log of NMEA sentences, or a csv of headings (`csv_log`): a file, a folder of files, or a
+        pattern of names (`LogFiles`).
     settings : DriverSettings, optional
         `source` and `speed` are ignored.
     block_bytes : int
@@ -75,15 +75,13 @@ class LogReader:
                  block_bytes: int = 1 << 20) -> None:
         self._path, self._block_bytes = os.fspath(path), block_bytes
         settings = settings or DriverSettings()
-        self._files = open_log(self._path, settings)
+        self._files = open_csv(self._path, settings) or open_log(self._path, settings)
         self.size = self._files.size
-        head = next(self._files.bare_blocks(), b'')
-        if not head:
+        if not next(self._files.bare_blocks(), b''):
             raise DriverError(f'{self._path}: no lines')
-        first = head.partition(b'\n')[0]
         self._nmea: NmeaDecoder | None = None
-        if is_csv(first):
-            self._csv = CsvDecoder(self._path, first, settings)
+        if is_csv_file(self.paths[0]):
+            self._csv = CsvDecoder(self.paths[0], settings)
         else:
             self._nmea = NmeaDecoder(
                 dataclasses.replace(settings, source=f'file:{self._path}'), self._files)
@@ -126,7 +124,10 @@ class LogReader:
     def __iter__(self) -> Iterator[Headings]:
         """Yield the chunks, in the order of the log."""
         if self._nmea is None:
-            for _, block in self._files.blocks(self._block_bytes):
+            for begins, block in self._files.blocks(self._block_bytes):
+                if begins not in (None, self.paths[0]):
+                    yield self._csv.flush()
+                    self._csv.begin_file(begins)
                 yield self._csv.feed(block)
             yield self._csv.flush()
             return

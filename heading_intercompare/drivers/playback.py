@@ -7,7 +7,7 @@ from __future__ import annotations
 import time
 from typing import Any, Callable
 
-from .csv_log import is_csv
+from .csv_log import is_csv_file, open_csv
 from .framing import Received, split
 from .log_lines.log_clocks import choose_time_sentences, start_stamps
 from .log_lines.log_order import open_log
@@ -52,9 +52,9 @@ class FileSource:
         self._path = settings.address.path
         self._clock, self._wait = clock, wait
         self._speed, self._settings = settings.speed, settings
-        self._files = open_log(self._path, settings)
+        self._files = open_csv(self._path, settings) or open_log(self._path, settings)
         head = next(self._files.bare_blocks(), b'')
-        if not head or is_csv(head.partition(b'\n')[0]):
+        if not head or is_csv_file(self._files.paths[0]):
             raise DriverError(f'{self._path}: no lines' if not head else
                               f'{self._path}: a csv cannot be played, only imported; must be a '
                               'log of NMEA sentences')

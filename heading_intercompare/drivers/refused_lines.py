@@ -8,7 +8,7 @@ import dataclasses
 import os
 from typing import Mapping
 
-from .csv_log import CsvDecoder, is_csv
+from .csv_log import CsvDecoder, is_csv_file, open_csv
 from .framing import split
 from .log_lines.days import Days
 from .log_lines.line_stamps import LineStamps
@@ -118,17 +118,17 @@ def _chief_reason(counts: Mapping[str, int]) -> str | None:
 
 def _first_line(path: str, settings: DriverSettings, reason: str) -> tuple[bytes, bool]:
     """Return the first line that was counted for a reason, and whether it is of a csv."""
-    files = open_log(path, settings)
-    first = next((line for _, line in files.lines()), b'')
-    of_csv = is_csv(first)
-    decoder = (CsvDecoder(path, first, settings) if of_csv else
-               NmeaDecoder(dataclasses.replace(settings, source=f'file:{path}'), files))
+    files = open_csv(path, settings) or open_log(path, settings)
+    csv = CsvDecoder(files.paths[0], settings) if is_csv_file(files.paths[0]) else None
+    decoder = csv or NmeaDecoder(dataclasses.replace(settings, source=f'file:{path}'), files)
     line = b''
-    for _, line in files.lines():
+    for begins, line in files.lines():
+        if csv is not None and begins not in (None, files.paths[0]):
+            csv.begin_file(begins)
         decoder.feed(line, None)
         if decoder.counts.get(reason):
             break
-    return line, of_csv
+    return line, csv is not None
 
 
 def _recognise(line: bytes, settings: DriverSettings) -> str:

@@ -11,7 +11,6 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from heading_intercompare.bags.recording.spool import Spool
 from heading_intercompare.core.decision.coverage import least_duration_words
 from heading_intercompare.core.pipeline import Compliance as PureCompliance
 from heading_intercompare.core.sensors.pair_settings import settings_of_tested
@@ -19,11 +18,10 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.messages.ledger_messages import decode_ledger
 from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKER_TOPIC
-from heading_intercompare.messages.status_messages import WARN
 from heading_intercompare.nodes.alarms.comparison_alarms import ComparisonAlarms
 from heading_intercompare.nodes.judging.pair_intake import PairIntake
 from heading_intercompare.nodes.judging.reporting import Reporting
-from heading_intercompare.nodes.judging.trial_journal import TrialJournal
+from heading_intercompare.nodes.judging.trial_journal import open_spool, TrialJournal
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import Arrivals
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
@@ -34,6 +32,7 @@ from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
 from heading_intercompare.nodes.sensors.places import called, place_files
 from heading_intercompare.nodes.taking.mark_intake import MarkIntake
+from heading_intercompare.nodes.taking.motion_intake import MotionIntake
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
 from .settings import ComplianceNode, Taking
@@ -58,13 +57,15 @@ class Compliance(Node):
         self._settings, self._own = settings_of_tested(settings, own.sensor), place_files(own)
         self.health = Health(self, called(self, own.sensor))
         self._compliance = PureCompliance(self._settings, source='live',
-                                          keeper=lambda: Spool(self._warn_of_memory).keep)
+                                          keeper=lambda: open_spool(self.health))
         self.get_logger().info(least_duration_words(self._settings.risk))
         self._pairs = PairIntake(self, self.health, taking, self._settings.pairing,
                                  Arrivals(self, self._drain, _HOLD_OFF_S))
         self.alarms = ComparisonAlarms(self, self.health, self._settings)
         self._journal = TrialJournal(self, self._compliance, self._own, self.health)
         self._pairs.go_on(self._journal.kept.numbers, self._compliance.newest_ns)
+        self._motion = MotionIntake(self, self.health, taking, self._settings.motion, (
+            self._journal, self._compliance, self.alarms), self._journal.kept.motion_ns)
         self._marks = MarkIntake(self.health, self._journal.kept.marks)
         self._reporting = Reporting(self, self._compliance, self._own, self.health, self._pairs,
                                     self._journal)
@@ -101,6 +102,7 @@ class Compliance(Node):
         if self.ended:
             return
         pairs = self._pairs.read()
+        self._motion.pass_on()  # What was sent before these pairs is there by now.
         self._journal.add(pairs, self._pairs.numbers)
         self._compliance.update(pairs)
         self._journal.tick(self.sole.clear)
@@ -110,11 +112,9 @@ class Compliance(Node):
         if self._end_s is not None:
             self._finish_if_complete()
 
-    def _warn_of_memory(self, why: str) -> None:
-        self.health.note('run', WARN, f'the run in progress stays in memory: {why}', latch=True)
-
     def _beat(self) -> None:
         self.alarms.look()
+        self._compliance.motion.forget(self._compliance.run_start_ns)
         self._figures.compute()
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:

@@ -34,6 +34,7 @@ from heading_intercompare.nodes.ros.process import end, settle_memory, spin_node
 from heading_intercompare.nodes.ros.security import check_security, say_security_errors
 from heading_intercompare.nodes.ros.transports import prefer_udp, set_variable
 from heading_intercompare.nodes.sensors.places import (
+    count_motion_subscribers,
     count_subscribers,
     further_subscribers,
     remap_rules,
@@ -42,6 +43,7 @@ from heading_intercompare.web.bridge.bridge_view import BridgeView
 
 from .compliance import Compliance
 from .dashboard import Dashboard
+from .motion_driver import MotionDriver
 from .recorder import Recorder
 from .sensors_watch import SensorsWatch
 from .synchronizer import Synchronizer
@@ -53,6 +55,8 @@ _RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
 _SHOW_S = 0.3
 
 _JUDGES = (Compliance, SensorsWatch)
+#: What those that judge have in common.
+_OF_JUDGES = ('journal', 'resume_within_s', 'bag')
 
 
 class Source(NamedTuple):
@@ -62,7 +66,7 @@ class Source(NamedTuple):
     Attributes
     ----------
     make : type
-        `NmeaDriver`, `SensorSimulator` or `Replayer`.
+        `NmeaDriver`, `MotionDriver`, `SensorSimulator` or `Replayer`.
     name : str
         Name of the node.
     settings : mapping
@@ -102,8 +106,10 @@ def _plan_judging(settings: Settings, own: Mapping[str, Mapping[str, Any]],
         planned += [_Planned(Compliance, 'compliance', {**judging_own, **named}, sensor),
                     _Planned(Synchronizer, 'synchronizer', {**pairing_own, **named}, sensor)]
     if sensors:
+        shared = {name: judging_own[name] for name in _OF_JUDGES if name in judging_own}
         planned.append(_Planned(SensorsWatch, 'sensors_watch', {
-            **own.get('sensors_watch', {}), 'report_dir': judging_own.get('report_dir')}))
+            **shared, **own.get('sensors_watch', {}),
+            'report_dir': judging_own.get('report_dir')}))
     return planned
 
 
@@ -188,7 +194,7 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     Parameters
     ----------
     sources : sequence of Source
-        The nodes that publish the headings; a sensor without one is heard on its topic.
+        The nodes that publish headings and motion; a sensor without one is heard on its topic.
     settings : mapping
         Settings of the analysis, by dotted name.
     output : str, optional
@@ -227,7 +233,7 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     whole = Settings.from_mapping({k: v for k, v in settings.items() if v is not None})
     sensors = read_sensors(whole.sensors)
     heard, further = count_subscribers(sensors, output is not None), further_subscribers(whole)
-    remaps = remap_rules(sensors, namespace)
+    remaps = remap_rules(sensors, namespace, whole.motion)
     own = own or {}
     judging_own = {**own.get('compliance', {}), 'report_dir': report_dir}
     if output is not None:
@@ -239,9 +245,10 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         first.append(_Planned(Dashboard, 'dashboard', page))
     if show is not None:
         first.append(_Planned(Watcher, 'watcher', {}))
+    moved = count_motion_subscribers(sensors, output is not None)
     then = [_Planned(s.make, s.name, {
-        'subscribers': heard + further.get(s.settings.get('topic', ''), 0), **s.settings})
-        for s in sources]
+        'subscribers': moved if s.make is MotionDriver else heard + further.get(
+            s.settings.get('topic', ''), 0), **s.settings}) for s in sources]
     if output is not None:
         then.insert(0, _Planned(Recorder, 'recorder',
                                 {**own.get('recorder', {}), 'output': output}))

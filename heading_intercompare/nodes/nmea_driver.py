@@ -21,6 +21,7 @@ from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolve_topic
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.runtime.driver_motion import DriverMotion
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.loss_publisher import LossPublisher
 from heading_intercompare.nodes.runtime.publishing import (
@@ -42,31 +43,28 @@ class NmeaDriver(Node):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('nmea_driver', **OVERRIDES, **kwargs)
-        _, settings, sending, self._taking, own = declare(
+        analysis, settings, sending, self._taking, own = declare(
             self, Settings, DriverSettings, Sending, Taking, DriverNode)
-        self.done = self.ended = False
+        self.done = self.ended = self._flushed = self._ending = False
         self._frame_id = own.frame_id or settings.topic.strip('/').replace('/', '_')
         self._lost = LossPublisher(self, resolve_topic(self, settings.topic))
-        self._decoder = NmeaDecoder(settings)
+        self._decoder, self.health = NmeaDecoder(settings), Health(self)
         wake = self.create_guard_condition(self._pass_on)
         self._reading = Reading(settings, sending.max_rate_hz, wake.trigger)
-        self.health = Health(self)
+        self._motion = DriverMotion(self, self.health, analysis, settings, own)
         self.alarms = SentenceAlarms(self, self.health, settings.talker)
         self._publisher = self.create_publisher(
             Imu, settings.topic, qos.HEADINGS_OUT,
             event_callbacks=self.health.of_publisher(settings.topic))
         if self._reading.from_file and own.origin_ns is not None:
             self.play_from(own.origin_ns)
-        self._audience = Audience(self, [self._publisher],
-                                  sending.subscribers if self._reading.from_file else 0,
-                                  self.health)
+        wanted = sending.subscribers if self._reading.from_file else 0
+        self._audience = Audience(self, [self._publisher], wanted, self.health)
         # Headings held until the sentence was chosen would overrun subscribers all at once.
-        self._waiting = HeadingQueue()
-        self._allowance = Allowance(sending.max_rate_hz)
+        self._waiting, self._allowance = HeadingQueue(), Allowance(sending.max_rate_hz)
         # A live source does not wait for anybody.
         self._flow = FlowControl([self._publisher] * self._reading.from_file, self.health)
         self._later = every(self, 0.01, self._pass_on)
-        self._flushed = self._ending = False
         self._published = self._beyond = self._published_before = 0
         self._newest_s = self._beat_s = time.monotonic()
         self.health.add_refresher(self._note)
@@ -92,18 +90,20 @@ class NmeaDriver(Node):
             return
         for received in self._reading.take():
             self._take(self._decoder.feed(*received))
+            self._motion.feed(received)
         if self._reading.over and not self._flushed:
             self._flushed = True
             self._take(self._decoder.flush())
-        while (self._waiting and self._allowance.has_left() and self._flow.has_room()
-               and (self._audience.sole.clear or self._ending)):
+            self._motion.flush()
+        clear = self._audience.sole.clear or self._ending
+        while self._waiting and clear and self._allowance.has_left() and self._flow.has_room():
             self._publish(self._waiting.popleft())
-        if self._waiting:
+        if self._motion.publish() or self._waiting:
             self._later.reset()
             return
         self._later.cancel()
         if (self._flushed and not self.done) or self._ending:
-            await_acknowledgement([self._publisher])
+            await_acknowledgement([self._publisher, *self._motion.publishers])
             self.done, self.ended = self._flushed, self._ending
 
     def _take(self, headings: Headings) -> None:
@@ -133,14 +133,14 @@ class NmeaDriver(Node):
         allowed_s = self._taking.stale_s if self._published else self._taking.first_wait_s
         silent = self._reading.started and not self.done and age_s > allowed_s
         rate_hz = (self._published - self._published_before) / max(now_s - self._beat_s, 1e-3)
+        counts = {**self._reading.source.counts, **self._decoder.counts}
         self._beat_s, self._published_before = now_s, self._published
         words = f'no heading for more than {allowed_s:g} s; ' if silent else ''
         self.health.note('source', WARN if silent else OK, words + self._reading.source.status,
                           sentence=self._decoder.chosen, published=self._published,
                           rate_hz=rate_hz, age_s=age_s, stamp_beyond_2038=self._beyond or None,
-                          overrun=self._waiting.overrun or None,
-                          **self._reading.source.counts, **self._decoder.counts)
-        self.alarms.look({**self._reading.source.counts, **self._decoder.counts}, self._published)
+                          overrun=self._waiting.overrun or None, **counts)
+        self.alarms.look(counts, self._published)
 
     def end(self) -> None:
         """Stop reading; `ended` becomes True once everything received is published."""

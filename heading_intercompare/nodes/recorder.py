@@ -10,14 +10,7 @@ from typing import Any, Mapping, Sequence
 
 from rclpy.node import Node
 
-from heading_intercompare.bags.recording.recorder_losses import (
-    count_words,
-    Counts,
-    loss_record,
-    loss_words,
-    RECORDING,
-    tell_missing,
-)
+from heading_intercompare.bags.recording import recorder_losses
 from heading_intercompare.bags.recording.resilient_recording import Recording
 from heading_intercompare.bags.rosbag2.part_states import PartStates, STATES
 from heading_intercompare.bags.rosbag2.provenance import (
@@ -31,48 +24,54 @@ from heading_intercompare.bags.rosbag2.provenance import (
 from heading_intercompare.bags.rosbag2.trial_parts import find_place, name_first
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.taking.recorded_topics import make_intakes, report_files, text_of
+from heading_intercompare.nodes.taking.judged_headings import JudgedHeadings
+from heading_intercompare.nodes.taking.reception import Message
+from heading_intercompare.nodes.taking.recorded_topics import (
+    count_messages,
+    make_intakes,
+    report_files,
+    text_of,
+)
 
 from .settings import RecorderNode, Taking
 
 __all__ = ['main', 'Recorder']
 
-_QUIET_S = 0.3
 # Nobody waits for what is recorded, and its subscriptions hold more than a second at 1 kHz.
-_DRAIN_S = 0.2
+_QUIET_S, _DRAIN_S = 0.3, 0.2
 
 
 class Recorder(Node):
     """Record headings, pairs, ledger, marks, verdicts and reports, at most a second late."""
 
-    done = False
+    done = ended = False
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('recorder', **OVERRIDES, **kwargs)
         self._settings, taking, bag_settings, self._own = declare(
             self, Settings, Taking, BagSettings, RecorderNode)
-        self.ended = False
         self.health = Health(self)
         self.path, self._before = self._own.output or name_first(), self._own.continues
         if self._own.go_on:
             self.path, self._before = find_place(self.path)
-        copies = [(Path(file).name, 'application/yaml', Path(file).read_bytes())
-                  for file in [self._own.parameter_file] if file is not None]
+        file = self._own.parameter_file and Path(self._own.parameter_file)
+        copy = file and (file.name, 'application/yaml', file.read_bytes())
         self._states = PartStates(self._own.diagnostics_period_s)
         self._topics = make_intakes(self, self._settings, taking, self.health, self._states)
         self._bag = Recording(self.path, bag_settings)
         self.state_sources({})
-        for copy in copies:
+        if copy:
             self._bag.attachment(*copy)
+        self._awaited = [one.intake.full_name for one in self._topics.values()
+                         if one.expected and not one.is_heading]
+        self._judged = JudgedHeadings(self._topics)
         self._notes = Notes(self._bag.metadata)
         self._notes.add(self._own.note or '', time.time_ns())
-        self._state = self._report = ''
-        self._quiet_s, self._end_s = 0.0, None
+        self._state, self._report, self._quiet_s, self._end_s = '', '', 0.0, None
         self.health.add_refresher(self._note)
         every(self, max(taking.drain_period_s, _DRAIN_S), self._drain)
 
@@ -83,76 +82,76 @@ class Recorder(Node):
 
     def state_sources(self, sources: Mapping[str, Mapping[str, Any]]) -> None:
         """Record where the headings come from: the settings of each source, by node name."""
-        self._bag.metadata(RECORD, describe_origin(
-            self._settings.to_mapping(), sources, self._before))
+        origin = describe_origin(self._settings.to_mapping(), sources, self._before)
+        self._bag.metadata(RECORD, origin)
 
     def _drain(self) -> None:
         if self.ended:
             return
-        rows = []
-        for topic, (offered, intake, *_) in self._topics.items():
-            taken = intake.take()
+        rows: list[tuple[str, Message]] = []
+        now_s = time.monotonic()
+        for topic, one in self._topics.items():
+            taken = one.intake.take()
             if taken:
-                self._bag.add_topic(intake.full_name, intake.type_name, offered)
+                self._bag.add_topic(one.intake.full_name, one.intake.type_name, one.offered)
                 if topic in (REPORT_TOPIC, SENSORS_REPORT_TOPIC):
                     self._report = text_of(taken[-1][0])
             for data, info in taken if topic == NOTE_TOPIC else ():
                 for note in self._notes.add(text_of(data), info['received_timestamp']):
                     self.get_logger().info(f'note: {note.text}')
-            rows += [(info['received_timestamp'], intake.full_name, data, info)
-                     for data, info in taken]
-        for received_ns, name, data, info in sorted(rows, key=lambda row: row[0]):
-            self._bag.write(name, data, received_ns, info['source_timestamp'],
-                            info['publication_sequence_number'])
-        self._bag.tick(time.monotonic())
+            rows += [(topic, message) for message in self._judged.take(
+                topic, taken, now_s, self.health.ending)]
+        self._write(rows)
+        self._bag.tick(now_s)
         if (state := self._bag.fault + self._bag.remark) != self._state:
             self._state = state
             self._note()
         if self._end_s is not None:
             self._close_if_quiet(self._end_s)
 
+    def _write(self, rows: Sequence[tuple[str, Message]]) -> None:
+        """Write messages of topics in the order of their receipt."""
+        for topic, (data, info) in sorted(rows, key=lambda row: row[1][1]['received_timestamp']):
+            self._bag.write(
+                self._topics[topic].intake.full_name, data, info['received_timestamp'],
+                info['source_timestamp'], info['publication_sequence_number'])
+
     def _note(self) -> None:
-        bag, lost = self._bag, sum(self._bag.lost.values())
-        gone = tell_missing({'not_written': lost, 'absent': bag.absent})
-        state = (bag.remark if bag.remark else f'recording to {self.path}' if not bag.faults else
-                 f'recording again after {count_words(bag.faults, "fault")}')
-        level = ERROR if bag.fault else WARN if bag.remark or bag.faults or gone else OK
-        self.health.note('bag', level, bag.fault or (f'{state}; {gone}' if gone else state),
-                          messages=bag.written, waiting=bag.waiting, lost=lost, faults=bag.faults,
-                          absent=bag.absent, free_bytes=bag.free_bytes,
-                          notes_cut=self._notes.cut, notes_left_out=self._notes.left_out,
-                          parts_cut=self._states.cut)
+        bag = self._bag
+        self.health.note('bag', *recorder_losses.bag_state(bag, self.path), messages=bag.written,
+                         waiting=bag.waiting, lost=sum(bag.lost.values()), faults=bag.faults,
+                         absent=bag.absent, free_bytes=bag.free_bytes, notes_cut=self._notes.cut,
+                         notes_left_out=self._notes.left_out, parts_cut=self._states.cut)
 
     def end(self) -> None:
         """Keep recording until the other nodes are gone or time is up, for the last verdict."""
-        now_s = time.monotonic()
-        self._quiet_s, self._end_s = now_s + _QUIET_S, now_s + self._own.end_wait_s
+        for one in self._topics.values():
+            one.intake.bring_back()
+        self._quiet_s, self._end_s = (time.monotonic() + s
+                                      for s in (_QUIET_S, self._own.end_wait_s))
 
     def _close_if_quiet(self, end_s: float) -> None:
         now_s = time.monotonic()
-        if any(self.count_publishers(one.intake.full_name)
-               for one in self._topics.values() if one.expected):
+        # The publishers of headings may never end.
+        if self._judged.may_come() or any(
+                self.count_publishers(name) for name in self._awaited):
             self._quiet_s = now_s + _QUIET_S
         if now_s < min(self._quiet_s, end_s):
             return
-        self._bag.settle()
+        self._write(self._judged.release())
+        bag = self._bag
+        bag.settle()
         for file in report_files(self._report) if self._report else ():
-            self._bag.attachment(*file)
-        if loss_words(losses := self._losses()):
-            self.get_logger().warning(f'bag: {loss_words(losses)}')
-        self._bag.metadata(STATES, self._states.record())
-        self._bag.metadata(RECORDING, losses)
-        self._bag.close()
+            bag.attachment(*file)
+        losses = recorder_losses.loss_record(bag.faults, bag.absent, count_messages(
+            self._topics, bag.lost, self._judged.left_out))
+        if words := recorder_losses.loss_words(losses):
+            self.get_logger().warning(f'bag: {words}')
+        bag.metadata(STATES, self._states.record())
+        bag.metadata(recorder_losses.RECORDING, losses)
+        bag.close()
         self._note()
         self.ended = True
-
-    def _losses(self) -> dict[str, int]:
-        """Return the counts of messages received and lost, by topic."""
-        topics = {one.intake.full_name: Counts(one.intake.received, one.lost,
-                                               self._bag.lost.get(one.intake.full_name, 0))
-                  for one in self._topics.values()
-                  if one.expected or (one.intake.received and one.intake.counted)}
-        return loss_record(self._bag.faults, self._bag.absent, topics)
 
 
 def main(args: Sequence[str] | None = None) -> int:

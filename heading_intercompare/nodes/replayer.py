@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The node `replayer`: headings and marks of a bag, at the pace of the recording or another."""
+"""The node `replayer`: headings, motion and marks of a bag, at any pace."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.remapping import published_names
 from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.runtime import replayed_beside as beside
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.loss_publisher import ReplayedLosses
 from heading_intercompare.nodes.runtime.publishing import (
     Allowance,
     Audience,
@@ -54,9 +54,9 @@ class Replayer(Node):
         if own.bag is None:
             raise SettingsError('bag is required: an .mcap file or a rosbag2 folder')
         self.done = self.ended = self._begun = False
-        self.health = Health(self)
-        self._reader = BagReader(own.bag)
-        topics = [*(heard := places.heading_topics(settings)), MARKER_TOPIC]
+        self.health, self._reader = Health(self), BagReader(own.bag)
+        self._motion = beside.ReplayedMotion(self._reader, settings.motion)
+        topics = [*(heard := places.heading_topics(settings)), MARKER_TOPIC, *self._motion.topics]
         names = published_names(self, topics + ['/clock'] * own.clock, remapped)
         # This reads nothing yet, but rejects a topic that is not a heading.
         self._reader.headings(dict.fromkeys(heard, 'enu'))
@@ -66,19 +66,21 @@ class Replayer(Node):
             self._headings[in_bag] = self.create_publisher(
                 HEADING_TYPES[self._reader.topics[in_bag].type_name], topic, qos.HEADINGS_OUT,
                 event_callbacks=self.health.of_publisher(name))
-        self._lost = ReplayedLosses(self, self._reader, dict(zip(self._headings, names)))
+        self._lost = beside.ReplayedLosses(self, self._reader, dict(zip(self._headings, names)))
         self._replay = Replay(
-            self._reader, self._lost.topics, rate=own.rate, start_s=own.start_s,
-            duration_s=own.duration_s, loop=own.loop, paused=own.start_paused, clock_ns=clock_ns)
+            self._reader, [*self._lost.topics, *self._motion.in_bag], rate=own.rate,
+            start_s=own.start_s, duration_s=own.duration_s, loop=own.loop,
+            paused=own.start_paused, clock_ns=clock_ns)
+        self._motion.open(self, self.health)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
         self._time = self.create_publisher(Clock, '/clock', qos.CLOCK) if own.clock else None
         self._audience = Audience(self, [*self._headings.values()], sending.subscribers,
                                   self.health, places.further_subscribers(settings))
         self._allowance = Allowance(sending.max_rate_hz)
         self._flow = FlowControl(self._headings.values(), self.health)
-        self.published, self._marks = 0, 0
+        # Before any heading: they act by stamp, and a late one would not.
+        self.published, self._marks = 0, beside.publish_marks(self._reader, self._marker)
         self._heard_s: float | None = None
-        self._publish_marks()
         for name, wanted in _PAUSED_BY.items():
             self.create_service(Trigger, f'~/{name}', partial(self._serve, wanted))
         if self._replay.over:
@@ -106,13 +108,6 @@ class Replayer(Node):
         self.get_logger().info(response.message)
         return response
 
-    def _publish_marks(self) -> None:
-        """Publish all marks before any heading: they act by stamp, and a late one would not."""
-        topics = [name for name in self._reader.topics if name.lstrip('/') == MARKER_TOPIC]
-        for message in self._reader.messages(topics) if topics else ():
-            self._marker.publish(message.data)
-            self._marks += 1
-
     def _is_ready(self) -> bool:
         """Tell whether the headings have subscribers, and the marks too."""
         if not self._audience.is_there():
@@ -131,7 +126,8 @@ class Replayer(Node):
         until_s = time.monotonic() + _TICK_S
         while (self._begun and time.monotonic() < until_s and self._allowance.has_left()
                and self._flow.has_room() and (message := self._replay.take()) is not None):
-            if not self._lost.take(message, self._replay.round):
+            if not (self._motion.take(message)
+                    or self._lost.take(message, self._replay.round)):
                 self._headings[message.topic].publish(message.data)
                 for budget in (self._allowance, self._flow):
                     budget.spend(1)
@@ -140,7 +136,7 @@ class Replayer(Node):
         if self._time:
             self._time.publish(encode_clock(self._replay.shown_ns))
         if self._replay.over:
-            await_acknowledgement(self._headings.values())
+            self._await_arrival()
             self.done = True
 
     def _note(self) -> None:
@@ -149,9 +145,12 @@ class Replayer(Node):
                           path=self._reader.path, published=self.published,
                           paused=self._replay.paused, position_s=self._replay.place_s)
 
+    def _await_arrival(self) -> None:
+        await_acknowledgement([*self._headings.values(), *self._motion.publishers.values()])
+
     def end(self) -> None:
         """Stop publishing, and wait until the last messages have arrived."""
-        await_acknowledgement(self._headings.values())
+        self._await_arrival()
         self.ended = True
 
 

@@ -28,6 +28,7 @@ from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolv
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.motion_sender import MotionSender
 from heading_intercompare.nodes.runtime.publishing import (
     Allowance,
     Audience,
@@ -53,20 +54,20 @@ class SensorSimulator(Node):
         super().__init__('sensor_simulator', **OVERRIDES, **kwargs)
         settings, self._scenario, sending, self._own = declare(
             self, Settings, Scenario, Sending, SimulatorNode)
-        self.health = Health(self)
-        topics = {'truth': TRUTH_TOPIC, **self._scenario.topics, 'ts': settings.ts_topic,
-                  'rs': settings.rs_topic}
+        self.health, named = Health(self), {'ts': settings.ts_topic, 'rs': settings.rs_topic}
+        topics = {'truth': TRUTH_TOPIC, **self._scenario.topics, **named}
         self._frames = {role: topic.strip('/').replace('/', '_') for role, topic in topics.items()
                         if resolve_topic(self, topic)}
-        self._publishers_of = {
-            role: self.create_publisher(Imu, topic, qos.HEADINGS_OUT,
-                                        event_callbacks=self.health.of_publisher(topic))
+        self._publishers_of = {role: self.create_publisher(
+            Imu, topic, qos.HEADINGS_OUT, event_callbacks=self.health.of_publisher(topic))
             for role, topic in topics.items()}
         # Nobody may want to hear a sensor that the settings do not name.
         self._audience = Audience(
             self, [self._publishers_of[role] for role, topic in topics.items()
                    if topic in places.heading_topics(settings)],
             sending.subscribers, self.health, places.further_subscribers(settings))
+        self._motion = MotionSender(self, self.health, settings.motion,
+                                    is_first=self._scenario.motion_hz > 0.0)
         self._allowance = Allowance(sending.max_rate_hz)
         self._flow = FlowControl(self._publishers_of.values(), self.health)
         self._trial: Trial | None = None
@@ -78,11 +79,11 @@ class SensorSimulator(Node):
         every(self, _TICK_S, self._tick)
 
     def _tell(self) -> None:
-        now_s = 0.0 if self._trial is None else self._trial.now_s
         self.health.note('simulation', OK, self._scenario.title or 'simulating',
-                          simulated_s=now_s, duration_s=self._scenario.duration_s, **{
-                              f'{role}_faults': ' '.join(self._trial.faults(role)) or 'none'
-                              for role in self._scenario.sensors if self._trial is not None})
+                         simulated_s=self._trial.now_s if self._trial else 0.0,
+                         duration_s=self._scenario.duration_s, **{
+                             f'{role}_faults': ' '.join(self._trial.faults(role)) or 'none'
+                             for role in self._scenario.sensors if self._trial is not None})
 
     def _begin(self) -> Trial:
         start_ns = time.time_ns() if self._own.stamps == 'now' else None
@@ -95,17 +96,17 @@ class SensorSimulator(Node):
         trial = self._trial = self._trial or self._begin()
         speed, elapsed_s, step_s = self._own.speed, math.inf, _STEP_S
         if speed > 0.0:
-            elapsed_s = (time.monotonic() - self._began_s) * speed
-            step_s = _TICK_S * speed
+            elapsed_s, step_s = (time.monotonic() - self._began_s) * speed, _TICK_S * speed
         while not trial.over and trial.now_s + step_s <= elapsed_s and (
                 self._allowance.has_left() and self._flow.has_room()):
             self._publish(trial.advance(trial.now_s + step_s))
-        if trial.over:
-            await_acknowledgement(self._publishers_of.values())
+        if not self._motion.look() and trial.over:
+            await_acknowledgement([*self._publishers_of.values(), *self._motion.publishers])
             self.done = True
 
     def _publish(self, chunk: SimulatedChunk) -> None:
-        """Publish the truth, the readings of each sensor in order, and their state."""
+        """Publish truth and motion, the readings of each sensor in order, and their state."""
+        self._motion.take(chunk.motion)
         for message in imu_messages(chunk.truth, self._frames['truth']):
             self._publishers_of['truth'].publish(message)
         for role, (readings, statuses) in chunk.sent.items():
@@ -130,9 +131,8 @@ class SensorSimulator(Node):
         return self._answer(response, kind, lambda trial: trial.command('ts', kind))
 
     def _inject(self, kind: str, request: SetBool.Request, response: Any) -> Any:
-        act = Trial.inject if request.data else Trial.mend
-        return self._answer(response, f'{kind} {"begins" if request.data else "ends"}',
-                            lambda trial: act(trial, 'ts', kind))
+        return self._answer(response, f'{kind} {"begins" if request.data else "ends"}', lambda
+                            trial: (trial.inject if request.data else trial.mend)('ts', kind))
 
     def _answer(self, response: Any, what: str, act: Callable[[Trial], float]) -> Any:
         """Act on the trial; answer when that takes effect, or why it cannot."""
@@ -151,7 +151,7 @@ class SensorSimulator(Node):
 
     def end(self) -> None:
         """Stop publishing, and wait until the last messages have arrived."""
-        await_acknowledgement(self._publishers_of.values())
+        await_acknowledgement([*self._publishers_of.values(), *self._motion.publishers])
         self.ended = True
 
 

@@ -26,10 +26,12 @@ from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.awake_clock import AwakeClock
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
-from heading_intercompare.nodes.sensors.headings_intake import HeadingsIntake
 from heading_intercompare.nodes.sensors.now_publisher import NowPublisher
+from heading_intercompare.nodes.sensors.pair_journals import PairJournals
+from heading_intercompare.nodes.sensors.sensors_intake import SensorsIntake
 from heading_intercompare.nodes.sensors.sensors_reporting import SensorsReporting
 from heading_intercompare.nodes.taking.mark_intake import MarkIntake
+from heading_intercompare.nodes.taking.motion_intake import MotionIntake
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
 from .settings import SensorsNode, Taking
@@ -55,14 +57,17 @@ class SensorsWatch(Node):
         settings, taking, own = declare(self, Settings, Taking, SensorsNode)
         self.health = Health(self)
         self._comparison = SensorsComparison(settings, source='live', only_others=True)
-        self._headings = HeadingsIntake(self, self.health, taking, self._comparison.sensors,
-                                        self._comparison.lose)
+        self._headings = SensorsIntake(self, self.health, taking, self._comparison)
+        self._motion = MotionIntake(self, self.health, taking, settings.motion,
+                                    (self._comparison,))
+        self._journals = PairJournals(self, self.health, settings, own, self._comparison,
+                                      self._headings.heard)
         self._now = NowPublisher(self, self.health, settings, self._comparison, taking.stale_s)
         self._reporting = SensorsReporting(self, self.health, settings, own, self._comparison,
-                                           lambda: self._headings.newest_ns)
+                                           self._journals, self._headings)
         self.alarms = self._now
         self.sole = SoleNode(self, [SENSORS_REPORT_TOPIC], self.health)
-        self._marks = MarkIntake(self.health)
+        self._marks = MarkIntake(self.health, self._journals.marks)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
         self._acknowledged = self.create_publisher(String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE)
         subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self.health, decode_marks,
@@ -86,7 +91,10 @@ class SensorsWatch(Node):
     def _drain(self) -> None:
         if self._finished:
             return
-        self._comparison.update(self._headings.take(), self._awake.now_s())
+        headings = self._headings.take()
+        self._motion.pass_on()
+        self._comparison.update(headings, self._awake.now_s())
+        self._journals.tick(self.sole.clear)
         if self._end_s is not None:
             self._finish_if_quiet(self._end_s)
 
@@ -95,12 +103,14 @@ class SensorsWatch(Node):
         verdict = self._reporting.verdict
         self._now.look(self._headings.view(), self._headings.newest_ns,
                        None if verdict is None else verdict.vote)
+        self._journals.look(self._headings.newest_ns)
         if self._end_s is None:
             self._reporting.look()
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
         for kind, stamp_ns in marks:
             if self._marks.take(kind, stamp_ns):
+                self._journals.mark(kind, stamp_ns)
                 self._comparison.mark(kind, stamp_ns)
 
     def _command(self, kind: str, response: Trigger.Response) -> Trigger.Response:
@@ -129,15 +139,19 @@ class SensorsWatch(Node):
 
     def _finish_if_quiet(self, end_s: float) -> None:
         now_s = time.monotonic()
-        if self._reporting.awaited or (now_s < self._headings_s and self._headings.publishers):
+        if self._reporting.awaited or (now_s < self._headings_s
+                                        and self._headings.heard.count_publishers()):
             self._seen_s = now_s
         if now_s < min(end_s, self._seen_s + _QUIET_S):
             return
         self._finished = True
-        self._comparison.update(self._headings.take())
+        headings = self._headings.take(last=True)
+        self._motion.pass_on()
+        self._comparison.update(headings)
         self._comparison.finish()
         self._beat()
         self._reporting.close()
+        self._journals.close()
         self.ended = True
 
 

@@ -49,6 +49,9 @@ class DriverNode(Checked):
     origin_ns: int | None = setting(
         None, 'log time at which a file starts to play, UTC [ns]; give the drivers of two logs '
         'the same one to play them in step; none: the first stamp of the log', 0)
+    motion: bool = setting(
+        True, 'publish what the sentences tell of the motion of the ship, unless another node '
+        'does')
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +119,16 @@ class SensorsNode(Checked):
 
     report_dir: str | None = setting(
         None, 'folder in which each report is also written as sensors_<UTC>.json and .txt')
+    journal: str | None = setting(
+        None, 'file that keeps the runs in progress of the pairs without the reference, from '
+        'which a node that was killed goes on, with the names of both sensors in its name: '
+        "trial.gyro1.gyro2.journal; none: <node>.journal in report_dir, or no file without that; "
+        "'-': no file. The command live keeps it beside its bag")
+    resume_within_s: float = setting(
+        3600.0, 'a journal that was not written for longer than this belongs to another trial, '
+        'and is set aside [s]', 0.0)
+    bag: str | None = setting(
+        None, 'recording of these runs, for the journal; the command live gives it')
     settle_s: float = setting(
         2.0, 'how long to wait for the reports of other sensors after one has come [s]', 0.0, 60.0)
     end_wait_s: float = setting(

@@ -4,9 +4,8 @@
 
 from __future__ import annotations
 
-from functools import partial
 import time
-from typing import Any, Mapping, Sequence
+from typing import Any, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
@@ -14,15 +13,14 @@ from rclpy.node import Node
 
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pairer import Pairer
-from heading_intercompare.core.records import Headings, Losses, Pairs
+from heading_intercompare.core.records import Losses, Pairs
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.messages.heading_messages import pair_messages, read_headings
-from heading_intercompare.messages.ledger_messages import decode_losses, encode_ledger, lost_topic
+from heading_intercompare.messages.heading_messages import pair_messages
+from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
 from heading_intercompare.nodes.alarms.stream_alarms import StreamAlarms
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import Arrivals
-from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
@@ -31,7 +29,7 @@ from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.publishing import await_acknowledgement, Backlog
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
 from heading_intercompare.nodes.sensors.places import called, choose_streams
-from heading_intercompare.nodes.taking.intake import Intake
+from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
 from heading_intercompare.nodes.taking.mark_intake import MarkIntake
 from heading_intercompare.nodes.taking.predecessor import Predecessor
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
@@ -63,19 +61,14 @@ class Synchronizer(Node):
                                             event_callbacks=self.health.of_publisher('pairs'))
         self.sole = SoleNode(self, ['pairs'], self.health)
         self._ledger = self.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
-        arrivals = Arrivals(self, self._drain, taking.drain_period_s)
-        self._intakes = {stream: Intake(
-            self, topic, HEADING_TYPES, qos.HEADINGS_IN, self.health,
-            unreliable=qos.HEADINGS_UNRELIABLE, kept=qos.HEADINGS_KEPT, stale_s=taking.stale_s,
-            first_wait_s=taking.first_wait_s, lost_shown_s=taking.lost_shown_s, stamped=True,
-            arrivals=arrivals)
-            for stream, topic in (('ts', settings.ts_topic), ('rs', settings.rs_topic))}
-        self._conventions = settings.ts_convention, settings.rs_convention
+        self._headings = HeadingsIntake(
+            self, self.health, taking, {'ts': (settings.ts_topic, settings.ts_convention),
+                                        'rs': (settings.rs_topic, settings.rs_convention)},
+            self._lose, Arrivals(self, self._drain, taking.drain_period_s))
         subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self.health, decode_marks,
                   self._mark)
-        for stream, intake in self._intakes.items():
-            subscribe(self, DiagnosticArray, lost_topic(intake.full_name), qos.LOST, self.health,
-                      decode_losses, partial(self._lose, stream))
+        self._intakes = self._headings.intakes
+        for intake in self._intakes.values():
             intake.open = False
         self._predecessor = Predecessor(self, self.health, self._intakes, self._started_ns)
         self._awake, self._end_s, self._seen_s = AwakeClock(), None, 0.0
@@ -86,7 +79,7 @@ class Synchronizer(Node):
     def _drain(self) -> None:
         self._open_when_wanted()
         if not self._flushed:
-            self._send(self._pairer.update(*self._take(), now_s=self._awake.now_s()))
+            self._send(self._pairer.update(**self._headings.take(), now_s=self._awake.now_s()))
         self._waiting.publish()
         if self._end_s is not None and not self.ended:
             self._finish_if_quiet()
@@ -101,28 +94,13 @@ class Synchronizer(Node):
             for intake in self._intakes.values():
                 intake.open = True
 
-    def _take(self) -> Sequence[Headings]:
-        taken = [*map(self._read, self._intakes.values(), self._conventions)]
-        for stream, intake in self._intakes.items():
-            self._lose(stream, {'lost.on_the_way': intake.take_losses()})
-        return taken
-
-    def _lose(self, stream: str, found: Mapping[str, Losses]) -> None:
-        for lost_as, losses in found.items():
-            self._pairer.lose(LedgerKey.of_told(stream, lost_as), losses)
-
-    @staticmethod
-    def _read(intake: Intake, convention: str) -> Headings:
-        messages = [message for message, _ in intake.take()]
-        headings, refused = read_headings(intake.type_name, convention, messages)
-        intake.refuse(refused)
-        return headings
+    def _lose(self, stream: str, lost_as: str, losses: Losses) -> None:
+        self._pairer.lose(LedgerKey.of_told(stream, lost_as), losses)
 
     def _beat(self) -> None:
         self._pairer.forget_earlier()
-        numbers = {stream: intake.numbers for stream, intake in self._intakes.items()}
         self._ledger.publish(encode_ledger(self._pairer.ledger, self.ended, self._started_ns,
-                                           numbers))
+                                           self._headings.numbers))
         self.alarms.look(self._pairer, [*self._intakes.values()])
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
@@ -139,15 +117,14 @@ class Synchronizer(Node):
 
     def _finish_if_quiet(self) -> None:
         now_s = time.monotonic()
-        for intake in self._intakes.values():
-            intake.look()
-            if intake.publishers:
-                self._seen_s = now_s
+        if self._headings.count_publishers():
+            self._seen_s = now_s
         if now_s < min(self._end_s, self._seen_s + _LAST_S):
             return
         if not self._flushed:
             self._flushed = True
-            self._send(self._pairer.update(*self._take()) + self._pairer.flush())
+            self._send(self._pairer.update(**self._headings.take(last=True))
+                       + self._pairer.flush())
         if not self._waiting:
             self.ended = True
             self._beat()

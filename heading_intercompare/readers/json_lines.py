@@ -23,7 +23,12 @@ _OTHER = re.compile(r'rate|std|sd\b|sigma|err|acc|qual|flag|stat|mag|hdm|dev|var
                     re.IGNORECASE)
 _TRUE, _MAGNETIC, _VARIATION = ('navigation.headingTrue', 'navigation.headingMagnetic',
                                 'navigation.magneticVariation')
+_COURSE, _SPEED, _POSITION, _RATE = (
+    'navigation.courseOverGroundTrue', 'navigation.speedOverGround', 'navigation.position',
+    'navigation.rateOfTurn')
 _SELF = ('', 'vessels.self')
+#: A course and a speed in two updates belong together if they are at most this far apart.
+_TOGETHER_NS = 2 * 10 ** 9
 
 
 def is_signalk(head: bytes) -> bool:
@@ -84,8 +89,12 @@ def read_signalk(path: str) -> Collected:
     A stream is a source with the path, such as ``n2k.35/headingTrue``; one of another vessel
     begins with its context. Angles are radians. A magnetic heading gets the newest
     `navigation.magneticVariation` of its vessel; without one it is not taken.
+
+    Of this vessel alone the motion is taken: `navigation.position`, `courseOverGroundTrue` with
+    the newest `speedOverGround` of its source, and `rateOfTurn`.
     """
     found = Collected()
+    speeds: dict[str, tuple[int, float]] = {}
     own = set(_SELF)
     variations: dict[str, float] = {}
     for delta in _objects(path, b'', found):
@@ -97,7 +106,39 @@ def read_signalk(path: str) -> Collected:
         for update in delta.get('updates') or ():
             if isinstance(update, dict):
                 _take_update(found, update, vessel, variations)
+                if not vessel:
+                    _take_motion(found, update, speeds)
     return found
+
+
+def _take_motion(found: Collected, update: Mapping[str, Any],
+                 speeds: dict[str, tuple[int, float]]) -> None:
+    given = update.get('values') or ()
+    values: dict[Any, Any] = {one.get('path'): one.get('value') for one in given
+                              if isinstance(one, dict)}
+    stamp_ns = _utc_stamp(update.get('timestamp'))
+    if stamp_ns is None:
+        return
+    source = _source(update)
+    if _is_number(values.get(_SPEED)):
+        speeds[source] = stamp_ns, float(values[_SPEED])
+    place, course, rate = values.get(_POSITION), values.get(_COURSE), values.get(_RATE)
+    if isinstance(place, dict):
+        latitude, longitude = place.get('latitude'), place.get('longitude')
+        if (_is_number(latitude) and _is_number(longitude) and abs(latitude) <= 90.0
+                and abs(longitude) <= 180.0):
+            found.add_motion('fix', f'{source}/position', stamp_ns, latitude, longitude)
+        else:
+            found.not_taken['position.bad_field'] += 1
+    if _is_number(course):
+        told_ns, speed = speeds.get(source, (0, 0.0))
+        if abs(stamp_ns - told_ns) <= _TOGETHER_NS:
+            found.add_motion('velocity', f'{source}/courseOverGroundTrue', stamp_ns,
+                             speed * math.sin(course), speed * math.cos(course))
+        else:
+            found.not_taken['courseOverGroundTrue.no_speed'] += 1
+    if _is_number(rate):
+        found.add_motion('rate', f'{source}/rateOfTurn', stamp_ns, math.degrees(rate))
 
 
 def _take_update(found: Collected, update: Mapping[str, Any], vessel: str,

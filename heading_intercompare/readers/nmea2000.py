@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Vessel heading (PGN 127250) from logs of NMEA 2000: candump, canboat's plain form and its JSON.
+Logs of NMEA 2000: candump, canboat's plain form and its JSON.
 
-A stream is a source address of the bus.
+They give vessel headings (PGN 127250), and the motion of the ship (129025, 129026, 127251,
+129029). A stream is a source address of the bus.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import Any, Callable, Mapping
 
 from heading_intercompare.bags.csv.stamp_cells import utc_nanoseconds
 
+from .nmea2000_motion import decode_motion_fields, decode_motion_pgn, MOTION_PGNS, MovedRow
 from .stream_recording import Collected
 
 __all__ = ['decode_vessel_heading', 'is_candump', 'is_canboat_json', 'is_canboat_plain',
@@ -36,6 +38,9 @@ _CAN = re.compile(rb'^\s*\((?:(\d{1,10})\.(\d{1,9})|(\d{4}-\d\d-\d\d \d\d:\d\d:\
                   re.MULTILINE)
 _PLAIN = re.compile(rb'^(\d{4}-\d\d-\d\d[TZ -]\d\d:\d\d:\d\d(?:\.\d+)?Z?),(\d),(\d+),(\d+),(\d+),'
                     rb'(\d+),([0-9A-Fa-f]{2}(?:,[0-9A-Fa-f]{2})*)\s*$', re.MULTILINE)
+#: Motion in a single frame.
+_SINGLE = {pgn for pgn in MOTION_PGNS if pgn != 129029}
+_WANTED = re.compile(b'|'.join([b'"units"', *(str(one).encode() for one in (PGN, *MOTION_PGNS))]))
 _DAY = re.compile(r'(\d{4}-\d\d-\d\d)[TZ -](\d\d:\d\d:\d\d(?:\.\d+)?)Z?')
 _HEAD = re.compile(rb'^\s*\{.*"pgn"\s*:', re.MULTILINE)
 
@@ -113,6 +118,17 @@ def _take(found: Collected, source: int | str, stamp_ns: int | None,
                   heading_deg + (turn_deg or 0.0) * (reference == _MAGNETIC))
 
 
+def _take_motion(found: Collected, pgn: int, source: int | str, stamp_ns: int | None,
+                 decoded: MovedRow | str) -> None:
+    """Add what a message tells of the motion of the ship, or the reason why it tells nothing."""
+    if isinstance(decoded, str) or stamp_ns is None:
+        why = decoded if isinstance(decoded, str) else 'no_stamp'
+        found.not_taken[f'PGN {pgn}.{why}'] += 1
+    else:
+        found.add_motion(decoded.what, f'PGN {pgn} of {source}', stamp_ns, decoded.first,
+                         decoded.second, rank=[*MOTION_PGNS].index(pgn))
+
+
 def _stamp(text: str) -> int | None:
     found = _DAY.fullmatch(text)
     try:
@@ -136,7 +152,8 @@ def read_candump(path: str) -> Collected:
     """
     Read a log of candump, of the form of ``-l`` or of the screen with ``-ta`` or ``-tA``.
 
-    The bits of a frame's identifier give the PGN and the source.
+    The bits of a frame's identifier give the PGN and the source. Positions of PGN 129029 take
+    several frames and are not read.
     """
     found = Collected()
 
@@ -144,12 +161,16 @@ def read_candump(path: str) -> Collected:
         for line in _CAN.finditer(block):
             seconds, decimals, day, identifier, data = line.groups()
             number = int(identifier, 16)
-            if number >> 8 & 0x1FFFF != PGN:
+            pgn = number >> 8 & 0x1FFFF
+            if pgn != PGN and pgn not in _SINGLE:
                 continue
             stamp_ns = _stamp(day.decode()) if day else (
                 int(seconds) * _SECOND_NS + int(decimals.ljust(9, b'0')))
-            _take(found, number & 0xFF, stamp_ns, decode_vessel_heading(
-                bytes.fromhex(data.decode())))
+            raw, source = bytes.fromhex(data.decode()), number & 0xFF
+            if pgn == PGN:
+                _take(found, source, stamp_ns, decode_vessel_heading(raw))
+            else:
+                _take_motion(found, pgn, source, stamp_ns, decode_motion_pgn(pgn, raw))
 
     _read_blocks(path, take)
     return found
@@ -162,9 +183,13 @@ def read_canboat_plain(path: str) -> Collected:
     def take(block: bytes) -> None:
         for line in _PLAIN.finditer(block):
             stamp, _, pgn, source, _, _, data = line.groups()
-            if int(pgn) == PGN:
+            if (number := int(pgn)) == PGN:
                 _take(found, source.decode(), _stamp(stamp.decode()), decode_vessel_heading(
                     bytes.fromhex(data.decode().replace(',', ''))))
+            elif number in MOTION_PGNS:
+                _take_motion(found, number, source.decode(), _stamp(stamp.decode()),
+                             decode_motion_pgn(number, bytes.fromhex(
+                                 data.decode().replace(',', ''))))
 
     _read_blocks(path, take)
     return found
@@ -203,7 +228,7 @@ def read_canboat_json(path: str) -> Collected:
     def take(block: bytes) -> None:
         nonlocal factor
         for line in block.splitlines():
-            if b'127250' not in line and b'"units"' not in line:
+            if not _WANTED.search(line):
                 continue
             try:
                 read = json.loads(line)
@@ -217,6 +242,11 @@ def read_canboat_json(path: str) -> Collected:
             if read.get('pgn') == PGN and isinstance(read.get('fields'), Mapping):
                 _take(found, read.get('src', 0), _stamp(str(read.get('timestamp', ''))),
                       _decode_json(read['fields'], factor))
+            elif read.get('pgn') in MOTION_PGNS and isinstance(read.get('fields'), Mapping):
+                _take_motion(found, read['pgn'], read.get('src', 0),
+                             _stamp(str(read.get('timestamp', ''))),
+                             decode_motion_fields(read['pgn'], read['fields'],
+                                                  math.radians(factor)))
 
     _read_blocks(path, take)
     return found

@@ -16,6 +16,7 @@ from heading_intercompare.core.records import Headings, Integers, Pairs, Reals
 
 from .errors import ReaderError
 from .json_lines import is_heading_name
+from .motion_columns import find_motion_columns, make_motion
 from .stream_recording import Collected
 from .tables import find_time_column, TIMES
 
@@ -86,7 +87,8 @@ def read_parquet(path: str) -> Collected:
     Read the headings of a Parquet table.
 
     A stream is a column whose name says that it is a heading, in degrees. If there is one such
-    column and a column `src`, each source is a stream.
+    column and a column `src`, each source is a stream. The motion of the ship is in the columns
+    of `find_motion_columns`.
 
     Raises
     ------
@@ -105,9 +107,14 @@ def read_parquet(path: str) -> Collected:
             raise ReaderError(path, f'has the columns {", ".join(names)[:200]}: one must be '
                               'heading_deg')
         by_source = 'src' in names and len(headings) == 1
-        columns = [time, *headings, *(['src'] if by_source else [])]
+        motion = find_motion_columns(names)
+        columns = [time, *headings, *(['src'] if by_source else []),
+                   *(name for one in motion for name in one.names)]
         for batch in file.iter_batches(_ROWS, columns=columns):
             stamps = _stamps(path, time, batch.column(time))
+            for one in motion:
+                found.add_motion_chunk(one.what, ' '.join(one.names), *make_motion(
+                    one, stamps, [_reals(path, name, batch.column(name)) for name in one.names]))
             for name in headings:
                 heading_deg = _reals(path, name, batch.column(name))
                 labels = (batch.column('src').cast(pyarrow.string()).to_numpy(

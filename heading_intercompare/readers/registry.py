@@ -16,9 +16,9 @@ import re
 import sqlite3
 from typing import Callable, TYPE_CHECKING
 
-from heading_intercompare.bags.mcap.mcap_file import natural_key
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.drivers.logs import is_log, LogReader
+from heading_intercompare.natural_order import natural_key
 
 from . import json_lines, nmea2000, tables
 from .errors import ReaderError

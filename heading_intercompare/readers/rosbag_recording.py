@@ -25,13 +25,13 @@ from rosbags.rosbag2 import Reader as Ros2Reader, ReaderError as Ros2Error
 from rosbags.serde import SerdeError
 from rosbags.typesys import get_typestore, Stores
 
-from heading_intercompare.bags.mcap.mcap_file import natural_key
 from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, TopicInfo
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.drivers.logs import LogReader
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.heading_messages import decode_headings, HEADING_TYPES
+from heading_intercompare.natural_order import natural_key
 
 from .errors import ReaderError
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 from array import array
 from collections import Counter
 from dataclasses import dataclass, field
+import math
 import os
 from pathlib import Path
 from typing import Callable, Iterator, Mapping
@@ -15,7 +16,7 @@ import numpy as np
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, TopicInfo
 from heading_intercompare.core.angles import wrap360
-from heading_intercompare.core.records import Headings, Losses
+from heading_intercompare.core.records import Headings, Losses, Motion
 
 from .errors import ReaderError
 
@@ -40,6 +41,9 @@ class Collected:
     not_taken: Counter[str] = field(default_factory=Counter)
     _columns: dict[str, tuple['array[int]', 'array[float]']] = field(default_factory=dict)
     _chunks: dict[str, list[Headings]] = field(default_factory=dict)
+    _moved: dict[tuple[int, str, str], tuple['array[int]', 'array[float]', 'array[float]']] = (
+        field(default_factory=dict))
+    _moved_chunks: dict[tuple[str, str], list[Motion]] = field(default_factory=dict)
 
     def add(self, stream: str, kind: str, stamp_ns: int, heading_deg: float) -> None:
         """Take a reading: nanoseconds UTC and degrees, in any turn."""
@@ -54,6 +58,50 @@ class Collected:
         """Take many readings of a stream."""
         self.kinds.setdefault(stream, kind)
         self._chunks.setdefault(stream, []).append(headings)
+
+    def add_motion(self, what: str, stream: str, stamp_ns: int, first: float,
+                   second: float = math.nan, *, rank: int = 0) -> None:
+        """
+        Take what a stream tells of the motion of the ship.
+
+        Parameters
+        ----------
+        what : {'fix', 'velocity', 'rate'}
+        stream : str
+        stamp_ns : int
+            Nanoseconds UTC.
+        first, second : float
+            Latitude and longitude, degrees; velocity to the east and the north, m/s; or the rate
+            of turn, degrees per second to starboard.
+        rank : int
+            Of the streams that tell one thing, those of the lowest rank are preferred.
+
+        """
+        columns = self._moved.setdefault((rank, what, stream),
+                                         (array('q'), array('d'), array('d')))
+        for column, value in zip(columns, (stamp_ns, first, second)):
+            column.append(value)
+
+    def add_motion_chunk(self, what: str, stream: str, rows: Motion, wrong: int) -> None:
+        """Take many rows that tell one thing, and the number of values out of range."""
+        if len(rows):
+            self._moved_chunks.setdefault((what, stream), []).append(rows)
+        if wrong:
+            self.not_taken[f'{stream}.out_of_range'] += wrong
+
+    def motion(self) -> dict[str, dict[str, Motion]]:
+        """Return the motion by what it tells, then by stream: the preferred one first."""
+        found: dict[str, dict[str, Motion]] = {}
+        for (_, what, stream), columns in sorted(self._moved.items(), key=lambda one: one[0][0]):
+            stamps = np.array(columns[0], np.int64)
+            first, second = (np.array(column) for column in columns[1:])
+            rows = (Motion.of_rates(stamps, first) if what == 'rate' else
+                    Motion.of_positions(stamps, first, second) if what == 'fix' else
+                    Motion.of_velocities(stamps, first, second))
+            found.setdefault(what, {})[stream] = rows
+        for (what, stream), chunks in self._moved_chunks.items():
+            found.setdefault(what, {})[stream] = Motion.concatenate(chunks)
+        return found
 
     def streams(self) -> dict[str, Headings]:
         """Return the headings by stream, in the order of the file."""
@@ -81,7 +129,9 @@ class StreamRecording:
     streams : dict of str to Headings
         All readings, by stream, in the order of the file.
     not_taken : mapping of str to int
-        What gave no heading, by reason.
+        What gave no heading, by reason; of the motion of the ship after its kind.
+    motion : dict of str to (dict of str to Motion)
+        What the file tells of the motion of the ship, 'fix', 'velocity', 'rate'; then by stream.
     topics, incomplete, oddities, recovered, start_ns, end_ns
         As of `BagReader`; times are those of the stamps.
 
@@ -102,7 +152,7 @@ class StreamRecording:
         self.path, self.kind = Path(path), kind
         self.oddities: list[str] = []
         collected = read(os.fspath(path))
-        self.streams = collected.streams()
+        self.streams, self.motion = collected.streams(), collected.motion()
         self.not_taken: Mapping[str, int] = dict(sorted(collected.not_taken.items()))
         self.topics = {name: TopicInfo(collected.kinds[name], len(headings))
                        for name, headings in self.streams.items()}
@@ -125,6 +175,10 @@ class StreamRecording:
                 return name
         raise ReaderError(self.path, f'has no stream {topic!r}; it has {self.words_present}; '
                           'choose with --ts and --rs')
+
+    def choose_motion(self) -> dict[str, tuple[str, Motion]]:
+        """Return, by what it tells, the preferred stream that was heard first, and its rows."""
+        return {what: next(iter(streams.items())) for what, streams in self.motion.items()}
 
     def only(self, name: str | None = None) -> str:
         """Return a stream, or the only one if no name is given; ReaderError if there are more."""

@@ -4,7 +4,11 @@
 
 from __future__ import annotations
 
+from array import array
+import math
 import re
+
+import numpy as np
 
 from heading_intercompare.bags.csv.csv_rows import CsvRows
 from heading_intercompare.bags.csv.stamp_cells import nanoseconds, utc_nanoseconds
@@ -12,6 +16,7 @@ from heading_intercompare.bags.errors import BagError
 
 from .errors import ReaderError
 from .json_lines import is_heading_name
+from .motion_columns import find_motion_columns, make_motion, MotionColumn
 from .stream_recording import Collected
 
 __all__ = ['find_time_column', 'is_table', 'parse_time', 'read_table', 'TIMES']
@@ -66,7 +71,8 @@ def read_table(path: str) -> Collected:
     Read a csv with a column of times and columns of headings in degrees.
 
     A stream is a column whose name says that it is a heading; see `is_heading_name`. Times are
-    ISO, or seconds, milli-, micro- or nanoseconds since 1970.
+    ISO, or seconds, milli-, micro- or nanoseconds since 1970. Columns such as `lat` and `lon`,
+    `cog` and `sog_kn`, and `rot_deg_min` tell the motion of the ship; see `find_motion_columns`.
 
     Raises
     ------
@@ -87,20 +93,51 @@ def read_table(path: str) -> Collected:
                                   'stamp_utc or t_ns')
             at, headings = rows.names.index(time), [
                 (place, name) for place, name in enumerate(rows.names) if is_heading_name(name)]
+            motion = find_motion_columns(rows.names)
+            told = _ToldRows([rows.names.index(name) for one in motion for name in one.names])
             for row in rows:
-                _take_row(found, rows, row, at, headings)
+                stamp_ns = _take_row(found, rows, row, at, headings)
+                if motion and stamp_ns is not None:
+                    told.take(stamp_ns, row, rows)
+            told.give(found, motion)
     except BagError as error:
         raise ReaderError(path, error.problem) from error
     return found
 
 
+class _ToldRows:
+    """The cells of some columns as numbers; nan where a row has none."""
+
+    def __init__(self, places: list[int]) -> None:
+        self._places = places
+        self._stamp_ns = array('q')
+        self._columns = [array('d') for _ in places]
+
+    def take(self, stamp_ns: int, row: list[str], rows: CsvRows) -> None:
+        self._stamp_ns.append(stamp_ns)
+        for place, column in zip(self._places, self._columns):
+            try:
+                column.append(float(rows.plain(row[place])))
+            except (ValueError, IndexError):
+                column.append(math.nan)
+
+    def give(self, found: Collected, motion: list[MotionColumn]) -> None:
+        stamps, at = np.array(self._stamp_ns, np.int64), 0
+        for one in motion:
+            values = [np.array(column) for column in self._columns[at:at + len(one.names)]]
+            at += len(one.names)
+            found.add_motion_chunk(one.what, ' '.join(one.names),
+                                   *make_motion(one, stamps, values))
+
+
 def _take_row(found: Collected, rows: CsvRows, row: list[str], at: int,
-              headings: list[tuple[int, str]]) -> None:
+              headings: list[tuple[int, str]]) -> int | None:
+    """Take the headings of a row; return its stamp, None if it has none."""
     try:
         stamp_ns = parse_time(row[at].strip() if ':' in row[at] else rows.plain(row[at]))
     except (ValueError, ArithmeticError, IndexError):
         found.not_taken['bad_stamp'] += 1
-        return
+        return None
     for place, name in headings:
         cell = row[place] if place < len(row) else ''
         try:
@@ -114,3 +151,4 @@ def _take_row(found: Collected, rows: CsvRows, row: list[str], at: int,
             found.not_taken['out_of_range'] += 1
         else:
             found.add(name, 'csv', stamp_ns, heading_deg)
+    return stamp_ns

@@ -7,13 +7,13 @@ from __future__ import annotations
 import csv
 import math
 from pathlib import Path
-from typing import Callable
+from typing import Callable, Iterable, Iterator, Mapping, Sequence
 
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.validity import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
-__all__ = ['COLUMNS', 'write_runs']
+__all__ = ['COLUMNS', 'write_runs', 'write_sensor_runs']
 
 Cell = str | int | float | None
 
@@ -76,13 +76,26 @@ def write_runs(verdict: Verdict, path: str | Path) -> None:
         If the file cannot be written.
 
     """
+    _write(path, COLUMNS, _list_rows(verdict))
+
+
+def write_sensor_runs(verdicts: Mapping[str, Verdict], path: str | Path) -> None:
+    """Write the rows of `write_runs` of several sensors, with the name of the sensor first."""
+    _write(path, ('sensor', *COLUMNS), (
+        [name, *row] for name, verdict in verdicts.items() for row in _list_rows(verdict)))
+
+
+def _list_rows(verdict: Verdict) -> Iterator[list[Cell]]:
+    for run in verdict.runs:
+        yield [_COLUMNS[name](run) for name in COLUMNS]
+    for given in verdict.inputs:
+        if given.why_no_run:
+            row: dict[str, Cell] = dict.fromkeys(COLUMNS, '')
+            yield [*(row | {'recording': given.path, 'reason': given.why_no_run}).values()]
+
+
+def _write(path: str | Path, names: Sequence[str], rows: Iterable[list[Cell]]) -> None:
     with open(path, 'w', newline='', encoding='utf-8', errors='backslashreplace') as file:
         table = csv.writer(file, lineterminator='\n')
-        table.writerow(COLUMNS)
-        for run in verdict.runs:
-            table.writerow([_COLUMNS[name](run) for name in COLUMNS])
-        for given in verdict.inputs:
-            if given.why_no_run:
-                row = dict.fromkeys(COLUMNS, '')
-                row |= {'recording': given.path, 'reason': given.why_no_run}
-                table.writerow([*row.values()])
+        table.writerow(names)
+        table.writerows(rows)

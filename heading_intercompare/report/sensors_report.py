@@ -16,11 +16,11 @@ from . import check_form, json, write
 from .contents.first_page import SIGNS
 from .series_sketch import SeriesSketch
 
-__all__ = ['protocol_path', 'write_sensors']
+__all__ = ['sensor_path', 'write_sensors']
 
 
-def protocol_path(path: str | Path, name: str) -> Path:
-    """Return where the protocol of a sensor lies, beside the overview at `path`."""
+def sensor_path(path: str | Path, name: str) -> Path:
+    """Return where the file of a sensor lies, beside that of all sensors at `path`."""
     place = Path(path)
     return place.with_name(f'{place.stem}-{name}{place.suffix}')
 
@@ -60,7 +60,7 @@ def write_sensors(verdict: SensorsVerdict, path: str | Path,
         json.write(verdict, path)
         return files
     for name, one in verdict.verdicts.items():
-        place = protocol_path(path, name)
+        place = sensor_path(path, name)
         write(one, place, (sketches or {}).get(name, ()),
               lambda text, name=name: progress(f'{name}: {text}'))  # type: ignore[misc]
         files.append(place)
@@ -70,7 +70,7 @@ def write_sensors(verdict: SensorsVerdict, path: str | Path,
 
 def _write_overview(verdict: SensorsVerdict, path: Path, progress: Callable[[str], None]) -> None:
     from .html import load_template
-    own = {name: protocol_path(path, name).name for name in verdict.verdicts}
+    own = {name: sensor_path(path, name).name for name in verdict.verdicts}
     text = load_template('sensors.html').render(
         verdict=verdict, void=VOID, words=OUTCOME_WORDS, signs=SIGNS, protocols=own,
         trial=verdict.settings.trial,

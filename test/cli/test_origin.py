@@ -7,6 +7,7 @@ from __future__ import annotations
 import hashlib
 import time
 
+from checksums import with_checksum
 import pytest
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
@@ -34,10 +35,7 @@ def logs(tmp_path):
         lines = []
         for i in range(5):
             body = f'{talker}HDT,{100 + i}.0,T' if i != 3 else f'{talker}HDT,,T'
-            checksum = 0
-            for character in body.encode():
-                checksum ^= character
-            lines.append(f'2014-08-01T00:00:0{i}.000000Z ${body}*{checksum:02X}\n')
+            lines.append(f'2014-08-01T00:00:0{i}.000000Z {with_checksum(body)}\n')
         paths.append(tmp_path / name)
         paths[-1].write_text(''.join(lines))
     return paths

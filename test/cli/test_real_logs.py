@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from datetime import datetime
-from functools import reduce
 import json
-from operator import xor
 import re
 
+from checksums import checksum_of
 import numpy as np
 import pytest
 
@@ -162,8 +161,7 @@ def read_plainly(path):
         fields = sentence.split(',')
         at = 1 if fields[0].endswith('HDT') else None if has_hdt else {
             'PSXN23': 4, 'PUHAWUVH': 4}.get(''.join(fields[:2]))
-        if at is None or not fields[at] or check and int(check, 16) != reduce(
-                xor, sentence.encode()):
+        if at is None or not fields[at] or check and int(check, 16) != checksum_of(sentence):
             continue
         whole, _, part = stamp.partition('.')
         form = '%Y-%m-%dT%H:%M:%S%z' if '-' in whole else '%y+%j:%H:%M:%S%z'

@@ -4,13 +4,12 @@
 
 from __future__ import annotations
 
-from functools import reduce
 import json
-from operator import xor
 import os
 import subprocess
 import sys
 
+from checksums import with_checksum
 import pytest
 
 from heading_intercompare.cli.program import COMMANDS
@@ -52,7 +51,7 @@ def place(tmp_path_factory):
     (folder / 'pairs.csv').write_text('\n'.join(['stamp_s,ts_deg,rs_deg', *rows]) + '\n')
     for role in ('ts', 'rs'):
         (folder / f'{role}.log').write_text(''.join(
-            f'2014-08-01T00:00:{i:02d}.000Z ${text}*{reduce(xor, text.encode()):02X}\r\n'
+            f'2014-08-01T00:00:{i:02d}.000Z {with_checksum(text)}\r\n'
             for i, text in enumerate(f'HEHDT,100.{i},T' for i in range(8))))
     (folder / 'seen.csv').write_text('time,true_heading_deg,ts_heading_deg\n' + ''.join(
         f'2026-03-10 10:0{i}:00,100.{i},100.0\n' for i in range(3)))

@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
-from functools import reduce
-from operator import xor
 import socket
 import time
+
+from checksums import with_checksum
 
 HDT = [b'$HEHDT,1.0,T*2E\r\n', b'$HEHDT,2.0,T*2D\r\n', b'$HEHDT,3.0,T*2C\r\n']
 DEADLINE_S = 10.0
@@ -15,7 +15,7 @@ DEADLINE_S = 10.0
 
 def sentence(text: str) -> bytes:
     """Return a sentence with its checksum."""
-    return f'${text}*{reduce(xor, text.encode(), 0):02X}\r\n'.encode()
+    return f'{with_checksum(text)}\r\n'.encode()
 
 
 def read_until(source, done):

@@ -7,7 +7,10 @@ from __future__ import annotations
 import pytest
 
 from heading_intercompare.core.records import Headings
-from heading_intercompare.drivers.logs import LogReader, read_log
+from heading_intercompare.drivers.logs import is_log, LogReader, read_log
+from heading_intercompare.drivers.motion.motion_log import read_log_motion
+from heading_intercompare.drivers.playback import FileSource
+from heading_intercompare.drivers.refused_lines import explain_no_heading
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 
 HEADER = 't_ns,src,heading_deg,deviation_deg,variation_deg,reference_0true_1mag'
@@ -75,3 +78,58 @@ def test_headings_of_nmea_2000_are_read(shared_data):
     assert (headings.stamp_ns[0], headings.heading_deg[0]) == (1782972093006000000, 298.700087)
     headings, counts = read_log(path, DriverSettings(talker='27'))
     assert len(headings) == 0 and counts == {'no_variation': 521, 'other_talker.52': 261}
+
+
+def write_hours(folder):
+    """Write a log of three files: names mislead, and one has its columns in another order."""
+    folder.mkdir()
+    (folder / 'hour_10.csv').write_text('t_ns,heading_deg\n3000,3.0\n4000,4.0')
+    (folder / 'hour_9.csv').write_text('heading_deg,t_ns\n5.0,5000\n')
+    (folder / 'hour_11.csv').write_text('t_ns,heading_deg\n1000,1.0\n2000,\n')
+    (folder / 'notes.txt').write_text('calm sea\n')
+    return folder
+
+
+@pytest.mark.parametrize('block_bytes', [1, 7, 1000])
+@pytest.mark.parametrize('name', ['gnss', 'gnss/hour_*.csv'])
+def test_the_files_of_a_folder_are_one_log_in_order_of_time(tmp_path, name, block_bytes):
+    write_hours(tmp_path / 'gnss')
+    assert is_log(tmp_path / name)
+    reader = LogReader(tmp_path / name, block_bytes=block_bytes)
+    headings = Headings.concatenate(list(reader))
+    assert headings == Headings.as_sent([1000, 3000, 4000, 5000], [1.0, 3.0, 4.0, 5.0])
+    assert reader.counts == {'empty_heading': 1} and reader.remarks == ['3 files']
+
+
+def test_one_source_is_taken_of_all_files(tmp_path):
+    for name, src in (('a', '5'), ('b', '6')):
+        (tmp_path / f'{name}.csv').write_text(f't_ns,src,heading_deg\n1,{src},10.0\n')
+    assert read_log(tmp_path) == (Headings.as_sent([1], [10.0]), {'other_talker.6': 1})
+
+
+def test_a_file_of_a_folder_that_lacks_a_column_is_named(tmp_path):
+    (tmp_path / 'a.csv').write_text('t_ns,heading_deg\n1,1.0\n')
+    (tmp_path / 'b.csv').write_text('time,heading_deg\n1,1.0\n')
+    with pytest.raises(DriverError, match='b.csv: column t_ns is missing'):
+        LogReader(tmp_path)
+
+
+def test_sentences_in_a_folder_come_before_csv(tmp_path):
+    (tmp_path / 'a.csv').write_text('t_ns,heading_deg\n1,1.0\n')
+    (tmp_path / 'b.log').write_text('1772366400 $HEHDT,2.0,T*2D\n')
+    assert read_log(tmp_path)[0].heading_deg.tolist() == [2.0]
+
+
+def test_a_folder_of_csv_without_a_heading_is_explained_by_its_line(tmp_path):
+    (tmp_path / 'a.csv').write_text('t_ns,heading_deg\n1,\n')
+    (tmp_path / 'b.csv').write_text('t_ns,heading_deg\n2,400.0\n')
+    _, counts = read_log(tmp_path)
+    assert counts == {'empty_heading': 1, 'out_of_range': 1}
+    assert '2,400.0' in explain_no_heading(str(tmp_path), DriverSettings(), {'out_of_range': 1})
+
+
+def test_a_folder_of_csv_has_no_motion_and_cannot_be_played(tmp_path):
+    folder = write_hours(tmp_path / 'gnss')
+    assert len(read_log_motion(folder).rows) == 0
+    with pytest.raises(DriverError, match='a csv cannot be played, only imported'):
+        FileSource(DriverSettings(source=f'file:{folder}'))

@@ -4,9 +4,7 @@
 
 from __future__ import annotations
 
-from functools import reduce
-from operator import xor
-
+from checksums import checksum_of
 from hypothesis import given, settings, strategies as st
 import pytest
 
@@ -19,7 +17,7 @@ SCRAPS = [b'$', b'!', b'*', b'\r', b'\n', b'\r\n', b'\\', b',', b'0', b'7F', b'$
 
 
 def sentence(text: bytes, lower: bool = False) -> bytes:
-    checksum = f'{reduce(xor, text, 0):02X}'
+    checksum = f'{checksum_of(text.decode()):02X}'
     return b'$' + text + b'*' + (checksum.lower() if lower else checksum).encode()
 
 

@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from contextlib import closing
-from functools import reduce
 import gzip
-from operator import xor
 from pathlib import Path
 
+from checksums import with_checksum
 import pytest
 
 from heading_intercompare.core.records import Headings
@@ -178,7 +177,7 @@ def test_a_folder_plays_as_it_is_imported(tmp_path):
 def test_a_log_without_stamps_is_paced_by_the_times_that_it_tells(tmp_path):
     path, clock = tmp_path / 'bare.log', Clock()
     told = [f'GPZDA,12000{k}.00,01,03,2026,,' for k in range(3)]
-    path.write_text(''.join(f'${text}*{reduce(xor, text.encode()):02X}\n$HEHDT,1.0,T*2E\n'
+    path.write_text(''.join(f'{with_checksum(text)}\n$HEHDT,1.0,T*2E\n'
                             for text in told))
     settings = DriverSettings(source=f'file:{path}', time='validity')
     with closing(FileSource(settings, clock=clock, wait=clock.wait)) as source:
@@ -191,7 +190,7 @@ def test_a_log_without_stamps_is_paced_by_the_times_that_it_tells(tmp_path):
 def test_two_instruments_of_one_talker_are_refused_until_one_is_chosen(tmp_path):
     """Played, their headings would be mixed into one stream; an import refuses them, too."""
     def sentence(body):
-        return f'${body}*{reduce(xor, body.encode()):02X}'
+        return with_checksum(body)
     path = tmp_path / 'ship.log'
     path.write_text(''.join(
         f'2026-03-01T12:00:{at:02d}.000000Z {name} {sentence(f"HEHDT,{heading + at}.0,T")}\n'

@@ -4,9 +4,7 @@
 
 from __future__ import annotations
 
-from functools import reduce
-from operator import xor
-
+from checksums import with_checksum
 import pytest
 
 from heading_intercompare.drivers.logs import read_log
@@ -16,7 +14,7 @@ from heading_intercompare.drivers.settings import DriverSettings
 
 def sentence(text: str = 'HEHDT,1.0,T') -> str:
     """Return a sentence with its checksum."""
-    return f'${text}*{reduce(xor, text.encode()):02X}'
+    return with_checksum(text)
 
 
 HDT, NOON = sentence(), '2026-03-01T12:00:00Z '

@@ -48,6 +48,8 @@ class Node:
     respawn: bool = False
     respawn_delay: float = 0.0
     remappings: list[tuple[str, str]] = field(default_factory=list)
+    ros_arguments: list[str] = field(default_factory=list)
+    sigterm_timeout: str = '5'
     #: The transports that the launch file chooses.
     transports: str = ''
     #: Name of its files, if it is not that of the node.
@@ -65,7 +67,7 @@ class Node:
             files += ['--params-file', str(path)]
         rules = [('__node', self.name), ('__ns', self.namespace), *self.remappings]
         return ['--ros-args', *(word for old, new in rules for word in ('-r', f'{old}:={new}')),
-                *files]
+                *files, *self.ros_arguments]
 
 
 @dataclass
@@ -73,9 +75,8 @@ class Argument:
     """An argument of a launch file."""
 
     name: str
-    default_value: str | None = None
-    description: str = ''
-    choices: list[str] = field(default_factory=list)
+    default_value: str
+    description: str
 
 
 @dataclass
@@ -97,6 +98,14 @@ class Function:
 
 
 @dataclass
+class Include:
+    """Another launch file, with what it is given."""
+
+    source: str
+    launch_arguments: Any
+
+
+@dataclass
 class EnvironmentVariable:
     """A variable that all nodes get."""
 
@@ -114,12 +123,15 @@ class Shutdown:
 def description(name: str) -> list[Any]:
     """Return the actions of a launch file."""
     modules = {key: types.ModuleType(key) for key in (
-        'launch', 'launch.actions', 'launch.substitutions', 'launch_ros', 'launch_ros.actions')}
+        'launch', 'launch.actions', 'launch.launch_description_sources', 'launch.substitutions',
+        'launch_ros', 'launch_ros.actions')}
     modules['launch'].LaunchDescription = list
     modules['launch.actions'].DeclareLaunchArgument = Argument
     modules['launch.actions'].OpaqueFunction = Function
     modules['launch.actions'].SetEnvironmentVariable = EnvironmentVariable
     modules['launch.actions'].Shutdown = Shutdown
+    modules['launch.actions'].IncludeLaunchDescription = Include
+    modules['launch.launch_description_sources'].PythonLaunchDescriptionSource = str
     modules['launch.substitutions'].LaunchConfiguration = Configuration
     modules['launch_ros.actions'].Node = Node
     with mock.patch.dict(sys.modules, modules):
@@ -135,10 +147,12 @@ def nodes(name: str, **given: str) -> list[Node]:
     declared = {a.name: a for a in actions if isinstance(a, Argument)}
     assert given.keys() <= declared.keys()
     context = {key: given.get(key, a.default_value) for key, a in declared.items()}
-    for key, value in context.items():
-        assert value is not None, f'{key} is required'
-        assert not declared[key].choices or value in declared[key].choices
     function, = (a.function for a in actions if isinstance(a, Function))
+    made = []
+    for other in (a for a in actions if isinstance(a, Include)):
+        passed = {key: value.perform(context) if isinstance(value, Configuration) else value
+                  for key, value in other.launch_arguments}
+        made += nodes(Path(other.source).name, **passed)
     variables = {a.name: a.value for a in actions if isinstance(a, EnvironmentVariable)}
     transports = variables.get('FASTDDS_BUILTIN_TRANSPORTS', '')
-    return [replace(node, transports=transports) for node in function(context)]
+    return made + [replace(node, transports=transports) for node in function(context)]

@@ -4,15 +4,15 @@
 
 from __future__ import annotations
 
-from functools import reduce
-from operator import xor
 import socket
+
+from checksums import with_checksum
 
 
 def sentence(heading) -> str:
     """Return an HDT sentence with a heading, a number or text."""
     body = f'HEHDT,{heading},T'
-    return f'${body}*{reduce(xor, body.encode(), 0):02X}\r\n'
+    return f'{with_checksum(body)}\r\n'
 
 
 def free_port() -> int:

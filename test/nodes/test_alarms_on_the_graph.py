@@ -7,6 +7,7 @@ from __future__ import annotations
 import socket
 import time
 
+from checksums import checksum_of
 from diagnostic_msgs.msg import DiagnosticArray
 import numpy as np
 import pytest
@@ -250,10 +251,7 @@ def test_alarms_are_on_diagnostics_and_leave_the_verdict_alone(bridge, ros):
 def sentence(heading, talker='HE', damaged=False):
     """Return an HDT sentence."""
     body = f'{talker}HDT,{heading:.1f},T'
-    checksum = 0
-    for character in body.encode():
-        checksum ^= character
-    return f'${body}*{checksum ^ damaged:02X}\r\n'.encode()
+    return f'${body}*{checksum_of(body) ^ damaged:02X}\r\n'.encode()
 
 
 class Line:

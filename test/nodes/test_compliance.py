@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import time
 
@@ -38,6 +37,7 @@ from heading_intercompare.nodes.synchronizer import Synchronizer
 from heading_intercompare.nodes.taking.predecessor import LEDGER_TAKEN_TOPIC
 
 from .conftest import NORMS
+from .killed import kill
 from .rclpy_objects import marker_message, marks_from
 
 T0_NS = 1_700_000_000_000_000_000
@@ -600,16 +600,6 @@ def test_with_a_real_synchronizer_that_is_killed_the_sums_hold(ros, rng, kept):
     assert '10 TS and 10 RS readings came after its last ledger, and count as lost' in problem
 
 
-def kill(ros, node):
-    """End a node as `kill -9` does: nothing is published or written any more."""
-    ros.executor.remove_node(node)
-    journal = node._journal._journal._journal
-    journal._syncing.close()
-    os.close(journal._file)
-    node.destroy_node()
-    ros.nodes.remove(node)
-
-
 def ledger_of(n, final=False):
     """Return the ledger of a synchronizer started at 1000 that made n pairs."""
     counts = dict.fromkeys(('paired', 'ts_paired', 'rs_used'), n)
@@ -645,7 +635,7 @@ class Killed:
         """Kill the node once the pairs that it took are a second old."""
         began_s = time.monotonic()
         self.ros.spin_until(lambda: time.monotonic() > began_s + 0.5)
-        kill(self.ros, self.node)
+        kill(self.ros, self.node, self.node._journal)
         self.ros.spin_until(lambda: not self.pairs.get_subscription_count()
                             and not self.ledger.get_subscription_count())
 

@@ -11,6 +11,7 @@ import signal
 import threading
 import time
 
+from checksums import with_checksum
 import pytest
 from ros_domain import take_domain
 from sensor_msgs.msg import Imu
@@ -19,9 +20,10 @@ from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import MotionRule, Settings, SettingsError
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.messages.status_messages import decode_statuses
@@ -45,6 +47,7 @@ def offline(path, **settings):
     """Return the verdict on a bag."""
     comparison = Intercomparison(Settings.from_mapping({**NORMS, **settings}))
     conventions = {'ts/heading': 'enu', 'rs/heading': 'enu'}
+    comparison.take_motion(read_bag_motion(BagReader(path), MotionRule()).rows)
     for chunk in BagReader(path).headings(conventions):
         comparison.update(ts=chunk['ts/heading'], rs=chunk['rs/heading'])
     comparison.finish()
@@ -246,11 +249,8 @@ def log(path, n, first_s, heading_deg):
     lines = []
     for i in range(n):
         body = f'HEHDT,{heading_deg + 0.02 * (i * 7 % 11):.2f},T'
-        checksum = 0
-        for character in body.encode():
-            checksum ^= character
         minutes, seconds = divmod(first_s + i / 5, 60)
-        lines.append(f'2014-08-01T00:{minutes:02.0f}:{seconds:09.6f}Z ${body}*{checksum:02X}\n')
+        lines.append(f'2014-08-01T00:{minutes:02.0f}:{seconds:09.6f}Z {with_checksum(body)}\n')
     path.write_text(''.join(lines))
     return f'file:{path}'
 

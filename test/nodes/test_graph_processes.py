@@ -24,14 +24,19 @@ from ros_domain import DOMAIN
 import yaml
 
 from heading_intercompare.app.analysis import judge_bags
+from heading_intercompare.app.sensors.sensors_analysis import judge_sensor_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.cli import main
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
+from heading_intercompare.core.sensors.compare_sensors import find_sensor_differences
+from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.drivers.logs import read_log
 from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.report.json import read
 
 from . import launch_files
 from .conftest import NORMS
@@ -494,6 +499,44 @@ def test_a_compliance_that_is_killed_goes_on_and_the_verdict_is_that_of_the_bag(
     assert_same(report, offline(bag))
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize('word', [' rs', ''], ids=['reference', 'free'])
+def test_sensors_watch_that_is_killed_goes_on_and_the_verdict_is_that_of_the_bag(
+        processes, tmp_path, word):
+    """Killed twice within 2 min of three logs: nothing is missing, and nothing counts twice."""
+    rows = f'a sigma_max_deg=0.3; b sigma_max_deg=0.3; c sigma_max_deg=0.3{word}'
+    rule = {'sensors': rows, 'pairing.method': 'interpolate', 'risk.min_duration_s': 60.0}
+    config = tmp_path / 'config.yaml'
+    config.write_text(yaml.dump({'/**': {'ros__parameters': rule}, **{
+        f'{name}_driver': {'ros__parameters': {
+            'source': log(tmp_path / f'{name}.log', 900, 0.05 * at, 90.0 + 0.1 * at),
+            'speed': 5.0}} for at, name in enumerate('abc')}}))
+    bag, reports = tmp_path / 'bag', tmp_path / 'reports'
+    made = nodes('intercompare.launch.py', config=str(config), output=str(bag),
+                 report_dir=str(reports))
+    for node in made:
+        node.file = f'{node.namespace.strip("/")}{node.name}'
+        processes.start(node)
+    watch = next(node for node in made if node.name == 'sensors_watch')
+    for n in (300, 600):
+        wait_for(lambda n=n: count_recorded(bag, '/a/heading') >= n, 90.0)
+        assert (reports / 'sensors_watch.a.b.journal').exists()
+        processes.running['sensors_watch'].kill()
+        processes.running['sensors_watch'].wait()
+        processes.start(watch)
+    processes.wait('a_driver', 'b_driver', 'c_driver', timeout_s=90.0)
+    # In this order, so that a busy computer does not decide who is late.
+    judges = [name for name in processes.running if name[1:] in ('synchronizer', 'compliance')]
+    for name in (*sorted(judges, reverse=True), 'sensors_watch', 'recorder'):
+        processes.running[name].send_signal(signal.SIGINT)
+        processes.wait(name, timeout_s=20.0)
+    written, = reports.glob('sensors_*.json')
+    found = SensorsVerdict.from_dict(json.loads(written.read_text('utf-8')))
+    whole = judge_sensor_bags([str(bag)], Settings.from_mapping(rule)).verdict
+    assert [*find_sensor_differences(found, whole)] == []
+    assert not [*tmp_path.rglob('*.journal*')]
+
+
 def start_live(processes, folder, config, name):
     """Start `live` as a user would, always with the same command."""
     environment = {**os.environ, 'ROS_DOMAIN_ID': str(DOMAIN),
@@ -514,6 +557,62 @@ def write_udp_config(folder, rule):
             name: {'ros__parameters': {'source': f'udp://127.0.0.1:{port}', 'sentence': 'HDT'}}
             for name, port in zip(('ts_driver', 'rs_driver'), ports)}}))
     return config, ports
+
+
+SENSORS = """
+import rclpy, sys
+from rclpy.node import Node
+from sensor_msgs.msg import Imu
+rclpy.init()
+node = Node('other_sensors')
+publishers = [node.create_publisher(Imu, f'{name}/imu', 10) for name in ('gyro', 'compass')]
+def publish():
+    for publisher in publishers:
+        message = Imu()
+        message.header.stamp = node.get_clock().now().to_msg()
+        message.orientation.w = 1.0
+        publisher.publish(message)
+node.create_timer(0.02, publish)
+rclpy.spin(node)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('how', ['live', 'launch'])
+def test_sensors_that_go_on_when_the_graph_ends_do_not_hold_it_up(processes, tmp_path, how):
+    """What they publish after the last verdict is not in the bag, which says the same as live."""
+    config = tmp_path / 'config.yaml'
+    config.write_text(yaml.dump({'/**': {'ros__parameters': {
+        **NORMS, 'ts_topic': 'gyro/imu', 'rs_topic': 'compass/imu'}}}))
+    bag, report = tmp_path / 'trial', tmp_path / 'verdict.json'
+    processes.running['sensors'] = subprocess.Popen(
+        [sys.executable, '-c', SENSORS],
+        env=make_environment(DOMAIN, 'UDPv4' if how == 'launch' else ''),
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    if how == 'live':
+        names = ['live']
+        start_live(processes, tmp_path, config, 'live')
+    else:
+        made = plan_trial(str(config), bag, tmp_path / 'reports')
+        names = [*made]
+        for node in made.values():
+            processes.start(node)
+    wait_for(lambda: count_recorded(bag, '/gyro/imu') >= 200)
+    began_s = time.monotonic()
+    for name in names:
+        processes.running[name].send_signal(signal.SIGINT)
+    for name in names:
+        assert processes.running[name].wait(30.0) == 0, (tmp_path / f'{name}.log').read_text()
+    assert time.monotonic() - began_s < 9.0, 'nobody waits for sensors that never end'
+    assert processes.running['sensors'].poll() is None
+    if how == 'launch':
+        report, = (tmp_path / 'reports').glob('verdict_*.json')
+    live = read(report)
+    assert live.runs[0].n >= 190
+    assert BagReader(bag).incomplete is None
+    again = judge_bags([str(bag)], Settings.from_mapping(
+        {**NORMS, 'ts_topic': 'gyro/imu', 'rs_topic': 'compass/imu'})).verdict
+    assert list(find_differences(live, again)) == []
 
 
 @pytest.mark.slow

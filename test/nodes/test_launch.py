@@ -11,12 +11,16 @@ import types
 import pytest
 import yaml
 
+from heading_intercompare.app.config import load_config
 from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.cli.commands.graph import demo
+from heading_intercompare.core.settings import SettingsError
 
 from .conftest import NORMS
 from .launch_files import Argument, description, nodes, Shutdown
 
 FILES = ('intercompare.launch.py', 'replay.launch.py')
+DEMO = 'demo.launch.py'
 TEMPLATE = Path(__file__).resolve().parents[2] / 'config' / 'heading_intercompare.yaml'
 
 
@@ -105,6 +109,17 @@ def test_drivers_of_live_sources_and_the_recorder_start_again(config):
     assert not by_name(FILES[0], config=config)['ts_driver'].respawn, 'a log ends'
 
 
+def test_a_source_of_its_own_for_the_motion_replaces_that_of_the_sensors(config):
+    given = yaml.safe_load(Path(config).read_text())
+    assert 'motion' not in own(by_name(FILES[0], config=config)['ts_driver'])
+    given['motion_driver'] = {'ros__parameters': {'source': 'udp://127.0.0.1:20112'}}
+    Path(config).write_text(yaml.dump(given))
+    made = by_name(FILES[0], config=config)
+    assert made['motion_driver'].executable == 'motion_driver' and made['motion_driver'].respawn
+    assert own(made['motion_driver'])['subscribers'] == 2
+    assert [own(made[f'{role}_driver'])['motion'] for role in ('ts', 'rs')] == [False, False]
+
+
 def test_a_sensor_without_a_driver_section_is_heard_on_its_topic(config):
     given = yaml.safe_load(Path(config).read_text())
     del given['rs_driver']
@@ -120,7 +135,7 @@ def test_a_graph_in_a_namespace_takes_the_sections_of_its_file(config, name):
     given['synchronizer'] = {'ros__parameters': {'startup_wait_s': 33.0}}
     Path(config).write_text(yaml.dump(given))
     made = by_name(name, config=config, namespace='/ship1',
-                   **({'bag': 'b'} if name == FILES[1] else {}))
+                   **({'bag': config} if name == FILES[1] else {}))
     assert {node.namespace for node in made.values()} == {'/ship1'}
     assert own(made['synchronizer'])['startup_wait_s'] == 33.0
     if name == FILES[0]:
@@ -128,23 +143,115 @@ def test_a_graph_in_a_namespace_takes_the_sections_of_its_file(config, name):
 
 
 def test_all_end_when_the_bag_does(config):
-    made = by_name(FILES[1], config=config, bag='some/bag')
+    made = by_name(FILES[1], config=config, bag=config)
     assert set(made) == {'replayer', 'synchronizer', 'compliance'}
     assert all(isinstance(node.on_exit, Shutdown) for node in made.values())
 
 
 def test_a_part_of_a_bag_is_replayed_when_it_is_asked_for(config):
-    whole = own(by_name(FILES[1], config=config, bag='b')['replayer'])
+    whole = own(by_name(FILES[1], config=config, bag=config)['replayer'])
     assert 'duration_s' not in whole and whole['start_paused'] is False
-    part = own(by_name(FILES[1], config=config, bag='b', start='2', duration='7.5',
+    part = own(by_name(FILES[1], config=config, bag=config, start='2', duration='7.5',
                        start_paused='true')['replayer'])
     assert (part['start_s'], part['duration_s'], part['start_paused']) == (2.0, 7.5, True)
 
 
+def test_a_word_for_true_or_false_may_have_any_case(config):
+    assert 'recorder' not in by_name(FILES[0], config=config, record='False')
+    assert 'dashboard' in by_name(FILES[0], config=config, dashboard='TRUE')
+    assert own(by_name(FILES[1], config=config, bag=config, clock='True')['replayer'])['clock']
+
+
+def test_without_drivers_all_headings_come_from_other_nodes(config):
+    assert set(by_name(FILES[0], config=config, drivers='false')) == {
+        'synchronizer', 'compliance', 'recorder'}
+
+
+def test_nothing_starts_again_if_the_user_does_not_want_it(config):
+    assert not any(node.respawn for node in nodes(FILES[0], config=config, respawn='false'))
+
+
 @pytest.mark.parametrize('name', FILES)
+def test_all_nodes_get_the_level_of_the_log_and_the_clock(name, config):
+    bag = {'bag': config} if name == FILES[1] else {}
+    for node in nodes(name, config=config, log_level='DEBUG', use_sim_time='true', **bag):
+        assert node.ros_arguments[:2] == ['--log-level', 'debug']
+        assert own(node)['use_sim_time'] is True
+    assert all('use_sim_time' not in own(node) for node in nodes(name, config=config, **bag))
+
+
+@pytest.mark.parametrize('name', FILES)
+def test_a_namespace_needs_no_leading_slash(name, config):
+    bag = {'bag': config} if name == FILES[1] else {}
+    made = nodes(name, config=config, namespace='ship1/', **bag)
+    assert {node.namespace for node in made} == {'/ship1'}
+
+
+@pytest.mark.parametrize('name', (*FILES, DEMO))
+def test_a_node_has_time_to_end_before_it_is_killed(name, config):
+    """`ros2 launch` waits 5 s by default, and the recorder waits for the last verdict."""
+    bag = {'bag': config} if name == FILES[1] else {}
+    assert all(float(node.sigterm_timeout) > 2 * 9 for node in nodes(name, config=config, **bag))
+
+
+@pytest.mark.parametrize('name, given, words', [
+    (FILES[0], {}, 'there is no parameter file: copy .*heading_intercompare.yaml.*config:=FILE.*'
+     'demo.launch.py'),
+    (FILES[0], {'config': 'none.yaml'}, 'config:=none.yaml: does not exist'),
+    (FILES[0], {'text': ''}, 'norms.sigma_max_deg is missing'),
+    (FILES[0], {'text': '- a'}, 'is not a ROS parameter file'),
+    (FILES[0], {'text': '/**: 3'}, 'must hold ros__parameters'),
+    (FILES[0], {'text': 'a: b: c'}, 'line 1'),
+    (FILES[0], {'text': '/**: {ros__parameters: {norms: {sigma_max: 1}}}'}, 'sigma_max'),
+    (FILES[0], {'record': 'maybe'}, 'record:=maybe: must be true or false'),
+    (FILES[0], {'log_level': 'loud'}, 'log_level:=loud: must be one of debug'),
+    (FILES[1], {}, 'bag is missing: give bag:=PATH of a bag'),
+    (FILES[1], {'bag': 'none'}, 'bag:=none: does not exist'),
+    (FILES[1], {'bag': '.'}, 'config is missing'),
+    (FILES[1], {'rate': 'fast'}, 'rate:=fast: must be a number'),
+    (FILES[1], {'rate': '-1'}, 'rate:=-1: must be a number of at least 0'),
+    (DEMO, {'scenario': 'none'}, 'none: is neither a file nor one of the scenarios'),
+    (DEMO, {'speed': 'inf'}, 'speed:=inf: must be a number')])
+def test_a_mistake_is_told_in_one_line(name, given, words, config, tmp_path):
+    given = dict(given)
+    if 'text' in given:
+        Path(config).write_text(given.pop('text'))
+        given['config'] = config
+    elif name != DEMO and not {'config', 'bag'} & {*given} and given:
+        given |= {'config': config, **({'bag': config} if name == FILES[1] else {})}
+    with pytest.raises(SettingsError, match=words) as error:
+        nodes(name, **given)
+    assert '\n' not in str(error.value)
+
+
+def test_the_demo_judges_simulated_sensors_by_the_norms_of_the_command_demo():
+    made = by_name(DEMO)
+    assert {name: node.executable for name, node in made.items()} == {
+        'sensor_simulator': 'sensor_simulator', 'synchronizer': 'synchronizer',
+        'compliance': 'compliance', 'recorder': 'recorder'}
+    assert own(made['sensor_simulator'])['subscribers'] == 2
+    assert isinstance(made['sensor_simulator'].on_exit, Shutdown)
+    config = load_config(made['compliance'].parameters[0])
+    assert config.shared == demo.NORMS and not config.sections
+
+
+def test_the_demo_without_a_recorder_waits_for_one_subscriber_less():
+    made = by_name(DEMO, record='False', namespace='ship')
+    assert 'recorder' not in made and own(made['sensor_simulator'])['subscribers'] == 1
+    assert {node.namespace for node in made.values()} == {'/ship'}
+
+
+@pytest.mark.parametrize('name', (*FILES, DEMO))
 def test_every_argument_is_described(name):
     declared = [a for a in description(name) if isinstance(a, Argument)]
     assert declared and all(a.description for a in declared)
+
+
+@pytest.mark.parametrize('name', (*FILES, DEMO))
+def test_every_argument_is_in_the_documentation(name):
+    page = (TEMPLATE.parents[1] / 'docs' / 'ros.md').read_text('utf-8')
+    table = page.partition('## Launch files')[2].partition('\n## ')[0]
+    assert all(f'`{a.name}`' in table for a in description(name) if isinstance(a, Argument))
 
 
 FOUR = str(TEMPLATE.with_name('four_sensors.yaml'))
@@ -152,7 +259,7 @@ FOUR = str(TEMPLATE.with_name('four_sensors.yaml'))
 
 @pytest.mark.parametrize('name', FILES)
 def test_each_tested_sensor_has_two_nodes_in_its_namespace_and_one_node_joins_them(name):
-    bag = {'bag': 'b'} if name == FILES[1] else {}
+    bag = {'bag': FOUR} if name == FILES[1] else {}
     made = nodes(name, config=FOUR, namespace='/ship1', **bag)
     found = {(node.namespace, node.name) for node in made}
     judging = {(f'/ship1/{sensor}', each) for sensor in ('gyro1', 'gyro2', 'ins')
@@ -209,6 +316,7 @@ def test_every_node_takes_its_parameters_from_the_template_too(ros, config, tmp_
     made = nodes(FILES[0], config=str(template), output=str(tmp_path / 'new'),
                  report_dir=str(tmp_path / 'reports'))
     made += nodes(FILES[1], config=str(template), bag=bag, rate='20.0')
+    made += nodes(DEMO, config=str(template), record='false')
     for node in made:
         module = import_module(f'heading_intercompare.nodes.{node.executable}')
         make = getattr(module, node.executable.title().replace('_', ''))

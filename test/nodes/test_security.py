@@ -18,15 +18,20 @@ from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
 from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.ledger_messages import encode_ledger
+from heading_intercompare.messages.motion.motion_messages import PUBLISHED_TYPES
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.dashboard import Dashboard
+from heading_intercompare.nodes.motion_driver import MotionDriver
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.replayer import Replayer
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.message_types import MOTION_TYPES
 from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 from heading_intercompare.nodes.sensors.places import remap_rules
@@ -39,8 +44,8 @@ from .lines import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 POLICY = ElementTree.parse(ROOT / 'security' / 'heading_intercompare.policy.xml').getroot()
-NODES = ('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'sensors_watch', 'recorder',
-         'dashboard', 'watcher')
+NODES = ('ts_driver', 'rs_driver', 'motion_driver', 'synchronizer', 'compliance', 'sensors_watch',
+         'recorder', 'dashboard', 'watcher')
 #: Made by rclpy only with `use_sim_time`; while a node looks for another of its name.
 EXEMPT = {'/clock', '/diagnostics'}
 
@@ -78,6 +83,13 @@ def made(node):
             'request': names(node.get_client_names_and_types_by_node(name, '/'))}
 
 
+def publish_motion(ros):
+    """Publish the motion of the ship, so that nodes subscribe to it."""
+    for what, topic in motion_topics(MotionRule()).items():
+        kind = MOTION_TYPES[what][PUBLISHED_TYPES[what]]
+        ros.plain.create_publisher(kind, topic, qos.HEADINGS_OUT)
+
+
 def check(ros, node):
     """Wait until a node has made all that its policy allows; fail if it makes anything else."""
     policy = allowed(profiles(node.get_name())[node.get_name()])
@@ -92,10 +104,15 @@ def test_each_node_of_the_graph_does_what_its_policy_allows_and_nothing_else(
     for topic, kind, profile in (('truth/heading', Imu, qos.HEADINGS_OUT),
                                  ('operator/note', String, qos.NOTE)):
         ros.plain.create_publisher(kind, topic, profile)
+    publish_motion(ros)
     nodes = [ros.ours(Compliance), ros.ours(Recorder, output=str(tmp_path / 'bag')),
              ros.ours(Synchronizer, subscribers=0)]
     nodes += [ros.ours(NmeaDriver, name=f'{role}_driver', source=f'udp://127.0.0.1:{free_port()}',
                        topic=f'{role}/heading') for role in ('ts', 'rs')]
+    nodes.append(ros.ours(MotionDriver, source=f'udp://127.0.0.1:{free_port()}'))
+    for node in nodes[-3:]:
+        for what in motion_topics(MotionRule()):
+            node._motion._sender.open(what)
     for node in nodes:
         check(ros, node)
 
@@ -112,6 +129,7 @@ def test_the_node_of_several_sensors_does_what_its_policy_allows_and_nothing_els
     rows = 'a topic=ts/heading sigma_max_deg=1; b topic=rs/heading sigma_max_deg=1'
     for topic in ('ts/heading', 'rs/heading'):
         ros.plain.create_publisher(Imu, topic, qos.HEADINGS_OUT)
+    publish_motion(ros)
     check(ros, ros.add(SensorsWatch, parameter_overrides=make_overrides({'sensors': rows})))
 
 
@@ -131,6 +149,7 @@ def test_the_nodes_of_each_sensor_do_what_the_filled_policy_allows_and_nothing_e
         if topic != 'truth/heading':
             ros.plain.create_publisher(DiagnosticArray, f'{topic}/lost', qos.LOST)
     ros.plain.create_publisher(String, 'operator/note', qos.NOTE)
+    publish_motion(ros)
     rules = ['--ros-args', *(word for old, new in remap_rules(read_sensors(rows), '/').items()
                              for word in ('-r', f'{old}:={new}'))]
     nodes = [ros.add(make, parameter_overrides=make_overrides(
@@ -190,6 +209,8 @@ def test_the_replayer_does_what_its_policy_allows_and_nothing_else(ros, tmp_path
         for topic in ('/ts/heading', '/rs/heading'):
             bag.add_topic(topic, 'sensor_msgs/msg/Imu')
             bag.write(topic, bytes(324), 5)
+        for what, topic in motion_topics(MotionRule()).items():
+            bag.add_topic(topic, PUBLISHED_TYPES[what])
         bag.add_topic('/compliance/marker', 'diagnostic_msgs/msg/DiagnosticArray')
     check(ros, ros.ours(Replayer, bag=str(tmp_path / 'bag'), subscribers=50))
 

@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 import json
+import time
 
 from diagnostic_msgs.msg import DiagnosticArray
 import pytest
+from rclpy.qos import QoSProfile
 from sensor_msgs.msg import Imu
 from std_srvs.srv import Trigger
 
@@ -32,6 +34,7 @@ from heading_intercompare.nodes.sensors.places import remap_rules
 from heading_intercompare.nodes.sensors_watch import SensorsWatch
 from heading_intercompare.nodes.synchronizer import Synchronizer
 
+from .killed import kill
 from .rclpy_objects import heading_messages
 
 ROWS = """
@@ -49,6 +52,10 @@ TRIAL = {'duration_s': 150.0, 'seed': 5, 'legs': '0 350 12; 40 20 12', 'stamps':
          'speed': 0.0, 'ts.rate_hz': 5.0, 'ts.white_deg': 0.05, 'rs.rate_hz': 4.0,
          'rs.phase_s': 0.03, 'rs.white_deg': 0.05, 'others':
          'gyro2 rate_hz=5 phase_s=0.05 white_deg=2; ins rate_hz=10 white_deg=0.05'}
+
+
+#: 2026-01-01, when the scenario begins.
+START_NS = 1_767_225_600_000_000_000
 
 
 def simulate(settings, **more):
@@ -148,14 +155,14 @@ def test_the_alarm_names_the_wrong_sensor_while_it_happens():
                                 'gyro1, ins and gnss')
 
 
-def several(ros, make, sensor='', **values):
+def several(ros, make, sensor='', settings=SETTINGS, **values):
     """Make a node of the graph of several sensors; with a sensor, in its namespace."""
     remaps = remap_rules(read_sensors(SETTINGS['sensors']), '/') if sensor else {}
     rules = {'__ns': f'/{sensor}', **remaps}
     named = {'sensor': sensor} if sensor else {}
     return ros.add(make, cli_args=['--ros-args', *(
         word for old, new in rules.items() for word in ('-r', f'{old}:={new}'))],
-        parameter_overrides=make_overrides({**SETTINGS, **named, **values}))
+        parameter_overrides=make_overrides({**settings, **named, **values}))
 
 
 def test_a_compliance_node_that_starts_again_goes_on_and_the_others_do_not_notice(ros, tmp_path):
@@ -182,6 +189,103 @@ def test_a_compliance_node_that_starts_again_goes_on_and_the_others_do_not_notic
     differences = [one for one in find_sensor_differences(found, whole)
                    if 'ledger_problems' not in one]
     assert differences == []
+
+
+class Trial:
+    """A graph of several sensors whose node `sensors_watch` is killed now and then."""
+
+    def __init__(self, ros, settings, folder):
+        self.ros, self.settings, self.folder = ros, settings, folder
+        self.start()
+        names = ('gyro1', 'gyro2', 'ins') if settings is SETTINGS else ()
+        self.nodes = [several(ros, make, name, **own) for make, own in (
+            (Synchronizer, {'subscribers': 1}), (Compliance, {})) for name in names]
+        self.simulator = several(ros, SensorSimulator, settings=settings, **{
+            **TRIAL, 'subscribers': 2 if names else 1, 'speed': 15.0})
+
+    def start(self):
+        """Start the node, as its respawn would."""
+        self.watch = several(self.ros, SensorsWatch, settings=self.settings,
+                             report_dir=str(self.folder))
+
+    def wait(self, seconds):
+        """Wait until so many seconds of the trial are judged of every pair."""
+        self.ros.spin_until(lambda: all(
+            (one.compliance.newest_ns or 0) > START_NS + round(seconds * 1e9)
+            for one in self.watch._comparison.others.values()), 60.0)
+
+    def kill(self):
+        """Kill it; the readings go on for a second, 15 s of the trial."""
+        kill(self.ros, self.watch, *self.watch._journals._journals.values())
+        began_s = time.monotonic()
+        self.ros.spin_until(lambda: time.monotonic() > began_s + 1.0)
+        self.start()
+
+    def end(self):
+        """Let the trial end; return the verdict."""
+        self.ros.spin_until(lambda: self.simulator.done, 60.0)
+        self.ros.end(self.simulator, *self.nodes, self.watch)
+        return self.watch.verdict
+
+
+@pytest.mark.parametrize('settings', [SETTINGS, FREE], ids=['reference', 'free'])
+def test_a_watch_that_is_killed_goes_on_and_misses_nothing(ros, tmp_path, settings):
+    """Before, the pairs without the reference began again at each start."""
+    trial = Trial(ros, settings, tmp_path)
+    for seconds in (40.0, 80.0):
+        trial.wait(seconds)
+        trial.kill()
+    found = trial.end()
+    whole = simulate(settings)
+    assert [*find_sensor_differences(found, whole)] == []
+    assert found.vote.wrong == ('gyro2',)
+    assert not [path for path in tmp_path.rglob('*') if 'journal' in path.name]
+
+
+def test_what_nobody_sends_again_is_counted_and_said(ros, tmp_path):
+    """Readings of publishers that keep none, while the node is down; no sensor is the RS."""
+    rows = 'a sigma_max_deg=0.3; b sigma_max_deg=0.3'
+    settings = {'sensors': rows, **COMMON, 'report_dir': str(tmp_path)}
+    publishers = {name: ros.plain.create_publisher(Imu, f'{name}/heading', QoSProfile(depth=100))
+                  for name in 'ab'}
+
+    def start():
+        watch = ros.add(SensorsWatch, parameter_overrides=make_overrides(settings))
+        ros.spin_until(lambda: watch._headings.heard.count_publishers() and all(
+            one.get_subscription_count() == 1 for one in publishers.values()))
+        return watch
+
+    def publish(first_s, last_s):
+        stamps = [(1_700_000_000 + at) * 10 ** 9 for at in range(first_s, last_s)]
+        for message in heading_messages(Headings.of(stamps, [90.0] * len(stamps)), 'x'):
+            for publisher in publishers.values():
+                publisher.publish(message)
+    watch = start()
+    journal = watch._journals._journals['a', 'b']
+    # The ledger of the first 20 readings is kept once those after it make pairs.
+    for at in range(0, 60, 20):
+        publish(at, at + 20)
+        ros.spin_until(lambda at=at: (taken := watch._journals._taken)
+                       and taken.newest_ns // 10 ** 9 == 1_700_000_019 + at)
+    ledger, = journal.kept.ledgers.values()
+    counted = ledger.numbers['ts'].last
+    assert 20 <= counted < 60
+    began_s = time.monotonic()
+    ros.spin_until(lambda: time.monotonic() > began_s + 0.5)
+    kill(ros, watch, journal)
+    ros.spin_until(lambda: not any(p.get_subscription_count() for p in publishers.values()))
+    publish(60, 90)
+    watch = start()
+    publish(90, 150)
+    ros.spin_until(lambda: (watch._comparison.newest_ns or 0) // 10 ** 9 == 1_700_000_149)
+    ros.end(watch)
+    pair, = watch.verdict.pairs
+    # The newest pair waits for the next half second, and so is not in the journal.
+    assert pair.runs == 1 and pair.n in (119, 120)
+    said, = [words for words in pair.findings if 'was restarted' in words]
+    assert said.startswith('sensors_watch was restarted at ')
+    assert said.endswith(f'; {90 - counted} a and {90 - counted} b readings came after its last '
+                         'ledger, and count as lost')
 
 
 def sensors_of(ros, names):

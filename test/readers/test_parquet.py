@@ -120,3 +120,14 @@ def test_wrong_pairs_and_damage_are_one_line(tmp_path):
         has_pairs(str(damaged))
     with pytest.raises(FileNotFoundError):
         read_parquet(str(tmp_path / 'absent'))
+
+
+def test_columns_of_motion_tell_it(tmp_path):
+    path = written(tmp_path, stamp_ns=[T0, T0 + S], heading_deg=[10.0, 11.0], lat=[54.0, None],
+                   lon=[10.0, 10.0], cog=[90.0, 90.0], sog_m_s=[5.0, 90.0], rot_deg_s=[0.5, -0.5])
+    found = read_parquet(path)
+    motion = {what: next(iter(streams.values())) for what, streams in found.motion().items()}
+    assert motion['fix'].latitude_deg.tolist() == [54.0]
+    assert motion['velocity'].east_m_s == pytest.approx([5.0])
+    assert motion['rate'].rate_deg_s.tolist() == [0.5, -0.5]
+    assert found.not_taken['cog sog_m_s.out_of_range'] == 1

@@ -50,3 +50,17 @@ def test_a_mistake_is_one_line(tmp_path, text, problem):
     with pytest.raises(ReaderError, match=problem) as caught:
         read(tmp_path, text)
     assert str(caught.value).startswith(f'{tmp_path / "a.csv"}: ')
+
+
+def test_columns_of_motion_are_taken_with_the_unit_in_their_names(tmp_path):
+    path = tmp_path / 'a.csv'
+    path.write_text('time,hdg,Lat,Lon,cog,sog_kn,rot_deg_min\n'
+                    '1406851200,10,54.5,10.25,90,10,-30\n1406851201,10,,10.25,400,10,\n')
+    found = read_table(str(path))
+    motion = {what: next(iter(streams.items())) for what, streams in found.motion().items()}
+    assert {what: name for what, (name, _) in motion.items()} == {
+        'fix': 'Lat Lon', 'velocity': 'cog sog_kn', 'rate': 'rot_deg_min'}
+    assert motion['fix'][1].latitude_deg.tolist() == [54.5]
+    assert motion['velocity'][1].east_m_s == pytest.approx([10 * 1852 / 3600])
+    assert motion['rate'][1].rate_deg_s.tolist() == [-0.5]
+    assert dict(found.not_taken) == {'cog sog_kn.out_of_range': 1}

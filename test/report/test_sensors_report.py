@@ -13,7 +13,7 @@ from ship_of_sensors import make_three, TABLE
 from heading_intercompare.app.sensors.sensors_analysis import analyze_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input
-from heading_intercompare.report.sensors_report import protocol_path, write_sensors
+from heading_intercompare.report.sensors_report import sensor_path, write_sensors
 
 
 @pytest.fixture(scope='module')
@@ -23,7 +23,7 @@ def verdict():
 
 
 def test_the_protocol_of_a_sensor_lies_beside_the_overview(tmp_path):
-    assert protocol_path(tmp_path / 'a.b.pdf', 'ins') == tmp_path / 'a.b-ins.pdf'
+    assert sensor_path(tmp_path / 'a.b.pdf', 'ins') == tmp_path / 'a.b-ins.pdf'
 
 
 def test_the_overview_says_each_outcome_and_links_its_protocol(verdict, tmp_path):

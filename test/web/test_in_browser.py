@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from functools import reduce
-from operator import xor
 import os
 from pathlib import Path
 import re
@@ -19,6 +17,7 @@ import time
 from urllib.error import HTTPError
 from urllib.request import Request, urlopen
 
+from checksums import with_checksum
 import pytest
 
 pytestmark = [pytest.mark.slow, pytest.mark.process]
@@ -63,7 +62,7 @@ class Ship:
                     if self.silent and port == self.ports[0]:
                         continue
                     text = f'HEHDT,{(heading_deg + off_deg) % 360.0:.2f},T'
-                    line = f'${text}*{reduce(xor, text.encode()):02X}\r\n'
+                    line = f'{with_checksum(text)}\r\n'
                     out.sendto(line.encode(), ('127.0.0.1', port))
 
     def close(self):

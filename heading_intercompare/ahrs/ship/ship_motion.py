@@ -129,6 +129,12 @@ class ShipTruth:
         at = np.arange(grid.shape[1]) * STEP_S
         return np.degrees(np.interp(t, at, grid[5])), np.degrees(np.interp(t, at, grid[6]))
 
+    def velocity_m_s(self, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the velocity of the ship as steered to the east and north, shape (n,), m/s."""
+        t = np.asarray(t_s, dtype=np.float64)
+        steered, speed = self._read_steering(t)[0], self._read_speed(t)[0]
+        return speed * np.sin(steered), speed * np.cos(steered)
+
     def roll_pitch_rad(self, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return roll (starboard down) and pitch (bow up), each of shape (n,), radians."""
         t = np.asarray(t_s, dtype=np.float64)

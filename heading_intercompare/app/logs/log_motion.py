@@ -10,7 +10,7 @@ from typing import Any, Mapping, Sequence
 from heading_intercompare.core.records import Motion
 from heading_intercompare.drivers.motion.motion_log import LoggedMotion, read_log_motion
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
-from heading_intercompare.readers.registry import has_streams
+from heading_intercompare.readers.registry import has_streams, open_log_of_streams
 
 __all__ = ['find_motion', 'FoundMotion']
 
@@ -72,7 +72,7 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
         if path in seen:
             continue
         seen.add(path)
-        found = LoggedMotion() if has_streams(path) else read_log_motion(path, drivers[role])
+        found = _of_streams(path) if has_streams(path) else read_log_motion(path, drivers[role])
         if given is not None and not found.rows:
             lacking = ', '.join(f'{n} {why}' for why, n in found.not_taken.items())
             raise DriverError(f'{path}: has no motion of the ship: no VTG, RMC, GNS, GGA, GLL or '
@@ -88,3 +88,12 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
     notes = [f'motion of the ship: {", ".join(used)}'
              + (f'; not used: {", ".join(unused)}' if unused else '')] if used else []
     return FoundMotion(Motion.concatenate(chunks), tuple(notes), origin)
+
+
+def _of_streams(path: str) -> LoggedMotion:
+    """Return the motion in a file of another program, of the preferred stream for each thing."""
+    recording = open_log_of_streams(path)
+    chosen = {} if recording is None else recording.choose_motion()
+    named = {'fix': 'position', 'velocity': 'course', 'rate': 'rate'}
+    return LoggedMotion({named[what]: rows for what, (_, rows) in chosen.items()},
+                        {named[what]: stream for what, (stream, _) in chosen.items()})

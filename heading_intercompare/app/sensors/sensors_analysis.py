@@ -11,6 +11,7 @@ from typing import Callable, Mapping, Sequence
 from heading_intercompare.app.campaign import count_cores, MOST_READERS
 from heading_intercompare.app.job import explain_unreadable, UNREADABLE
 from heading_intercompare.app.run_table import assign_runs, read_run_table, RunTable
+from heading_intercompare.bags.csv.pairs_account import PairsAccount
 from heading_intercompare.bags.rosbag2.trial_parts import find_parts
 from heading_intercompare.core.pipeline import join
 from heading_intercompare.core.records import Headings, Motion
@@ -25,7 +26,14 @@ from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.report import SeriesSketch
 from heading_intercompare.report.figures.notebook import Plotter
 
-from .sensors_reading import compare_bag, compare_headings, compare_logs, Compared, Names
+from .sensors_reading import (
+    compare_bag,
+    compare_headings,
+    compare_logs,
+    Compared,
+    Names,
+    Takers,
+)
 
 __all__ = ['analyze_sensors', 'judge_sensor_bags', 'judge_sensor_logs', 'SensorsJudgement']
 
@@ -44,6 +52,8 @@ class SensorsJudgement:
         Data for the figures of each tested sensor; empty unless requested.
     earlier : dict of str to tuple of RunVerdict
         Runs of each tested sensor that are too old for the verdict (`runs.keep`).
+    accounts : dict of str to PairsAccount
+        What belongs beside a csv of the pairs of each tested sensor; empty of several inputs.
 
     """
 
@@ -51,11 +61,12 @@ class SensorsJudgement:
     notes: tuple[str, ...] = ()
     sketches: Mapping[str, tuple[SeriesSketch, ...]] = field(default_factory=dict)
     earlier: Mapping[str, tuple[RunVerdict, ...]] = field(default_factory=dict)
+    accounts: Mapping[str, PairsAccount] = field(default_factory=dict)
 
 
 def judge_sensor_bags(paths: Sequence[str], settings: Settings, *,
                       runs: str | RunTable | None = None, sketched: bool = False,
-                      jobs: int | None = None,
+                      jobs: int | None = None, takers: Takers | None = None,
                       progress: Callable[[str], None] = lambda text: None) -> SensorsJudgement:
     """
     Judge several sensors from recordings.
@@ -72,6 +83,8 @@ def judge_sensor_bags(paths: Sequence[str], settings: Settings, *,
         Collect the data for the figures.
     jobs : int, optional
         Processes that read one recording; by default one per core.
+    takers : mapping of str to sequence of callable, optional
+        Each is called with the pairs of a tested sensor, chunk by chunk; for one recording.
     progress : callable
         Called with the progress in words.
 
@@ -106,7 +119,8 @@ def judge_sensor_bags(paths: Sequence[str], settings: Settings, *,
         try:
             parts = [os.path.abspath(one) for one in trials.get(path, ())]
             compared.append(compare_bag(path, settings, spans, parts=parts, helpers=helpers,
-                                        sketched=sketched, progress=progress))
+                                        sketched=sketched, takers=takers,
+                                        progress=progress))
         except UNREADABLE as error:
             if len(paths) == 1:
                 raise
@@ -126,6 +140,7 @@ def judge_sensor_bags(paths: Sequence[str], settings: Settings, *,
 def judge_sensor_logs(logs: Mapping[str, str], settings: Settings,
                       drivers: DriverSettings | None = None, *,
                       runs: str | None = None, motion: str | None = None, sketched: bool = False,
+                      takers: Takers | None = None,
                       progress: Callable[[str], None] = lambda text: None) -> SensorsJudgement:
     """
     Judge several sensors, each from a log.
@@ -142,7 +157,7 @@ def judge_sensor_logs(logs: Mapping[str, str], settings: Settings,
         Table of runs, a csv file; its source is the first log.
     motion : str, optional
         A log with the motion of the ship.
-    sketched, progress
+    sketched, takers, progress
         As for `judge_sensor_bags`.
 
     Raises
@@ -159,7 +174,8 @@ def judge_sensor_logs(logs: Mapping[str, str], settings: Settings,
         table, _ = assign_runs(read_run_table(runs), [next(iter(logs.values()))])
         spans = [(start, stop) for start, stop, _ in table]
     return _conclude([compare_logs(logs, settings, drivers, spans, motion=motion,
-                                   sketched=sketched, progress=progress)], settings)
+                                   sketched=sketched, takers=takers,
+                                   progress=progress)], settings)
 
 
 def analyze_sensors(headings: Mapping[str, Headings], settings: Settings,
@@ -245,4 +261,4 @@ def _conclude(compared: Sequence[Compared], settings: Settings) -> SensorsJudgem
     lacking = [names for names in others if _lacks_run(names, compared)]
     return SensorsJudgement(judge_sensors(settings, verdicts, others, inputs, incomplete=lacking),
                             tuple(note for each in compared for note in each.notes), sketches,
-                            earlier)
+                            earlier, compared[0].accounts if len(compared) == 1 else {})

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Callable, Mapping, Sequence
@@ -11,6 +12,8 @@ from typing import Callable, Mapping, Sequence
 from heading_intercompare.app.inputs import explain_no_run, read_motion, sha256
 from heading_intercompare.app.logs.log_import import import_log
 from heading_intercompare.app.logs.log_motion import find_motion, FoundMotion
+from heading_intercompare.app.sources.found import Found, make_account
+from heading_intercompare.bags.csv.pairs_account import PairsAccount
 from heading_intercompare.bags.recording.bag_losses import BagLosses
 from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
 from heading_intercompare.bags.rosbag2.provenance import read_notes
@@ -29,10 +32,13 @@ from heading_intercompare.readers.registry import open_recording
 from heading_intercompare.report import SeriesSketch
 
 __all__ = ['compare_bag', 'compare_headings', 'compare_logs', 'Compared', 'name_logs',
-           'plan_logs']
+           'plan_logs', 'Takers']
 
 Names = tuple[str, str]
 Spans = Sequence[tuple[int, int]]
+
+#: Who takes the pairs of each tested sensor with the reference, chunk by chunk, by its name.
+Takers = Mapping[str, Sequence[Callable[[Pairs], None]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +58,8 @@ class Compared:
         What the user should know about it.
     sketches : dict of str to SeriesSketch
         Data for the figures of each tested sensor; empty unless requested.
+    accounts : dict of str to PairsAccount
+        What belongs beside a csv of the pairs of each tested sensor.
 
     """
 
@@ -60,13 +68,15 @@ class Compared:
     described: tuple[Input, ...]
     notes: list[str] = field(default_factory=list)
     sketches: dict[str, SeriesSketch] = field(default_factory=dict)
+    accounts: dict[str, PairsAccount] = field(default_factory=dict)
 
 
 class _Feed:
-    """A comparison that draws the data of the figures from the pairs that it completes."""
+    """A comparison that hands out the pairs of the tested sensors, to figures and tables."""
 
     def __init__(self, settings: Settings, source: str, table: Spans | None, sketched: bool,
-                 progress: Callable[[str], None]) -> None:
+                 takers: Takers | None, progress: Callable[[str], None]) -> None:
+        self._takers = takers or {}
         self.comparison = SensorsComparison(settings, source=source, table=table,
                                             progress=progress)
         self.sketches = {name: SeriesSketch(source) for name in self.comparison.tested
@@ -118,6 +128,23 @@ class _Feed:
     def _draw(self, found: Mapping[str, Pairs]) -> None:
         for name, sketch in self.sketches.items():
             sketch.update(found[name], self.comparison.tested[name].compliance.settings)
+        for name, takers in self._takers.items():
+            for take in takers:
+                take(found[name])
+
+    def make_accounts(self, found: Compared, inputs: Callable[[Sensor, Sensor], Sequence[Input]],
+                      table: Spans | None, marks: Sequence[tuple[str, int]] = (),
+                      ) -> dict[str, PairsAccount]:
+        """Return the account of the pairs of each sensor, given what tells of its readings."""
+        of = {one.name: one for one in self.comparison.sensors}
+        spans, made = None if table is None else tuple(table), {}
+        for name, one in self.comparison.tested.items():
+            names = next(some for some in self.comparison.pairs if some[0] == name)
+            first, *others = inputs(*(of[each] for each in names))
+            made[name] = make_account(
+                Found(found.results[names], [], one.ledger, first, marks=tuple(marks),
+                      table=spans, motion=self._motion), one.compliance.settings, *others)
+        return made
 
     def explain(self, table: Spans | None) -> list[str]:
         """Return why pairs have no run."""
@@ -129,6 +156,7 @@ class _Feed:
 
 def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, name: str = '',
                 parts: Sequence[str] = (), helpers: int = 0, sketched: bool = False,
+                takers: Takers | None = None,
                 progress: Callable[[str], None] = lambda text: None) -> Compared:
     """
     Compare the sensors of one recording.
@@ -149,6 +177,8 @@ def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, na
         Processes that decode in parallel with this one.
     sketched : bool
         Collect the data for the figures.
+    takers : mapping of str to sequence of callable, optional
+        Each is called with the pairs of a tested sensor, chunk by chunk.
     progress : callable
         Called with the progress in words.
 
@@ -163,9 +193,10 @@ def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, na
     name = name or path
     sensors = read_sensors(settings.sensors)
     conventions = {one.heading_topic: one.convention for one in sensors}
-    feed = _Feed(settings, name, table, sketched, progress)
+    feed = _Feed(settings, name, table, sketched, takers, progress)
     readers = [open_recording(one) for one in (path, *parts)]
     notes: list[str] = []
+    marks: list[tuple[str, int]] = []
     n = 0
     feed.take_motion(Motion.concatenate(
         [read_motion(reader, settings, notes) for reader in readers]))
@@ -176,6 +207,7 @@ def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, na
                          'not counted')
         if table is None:
             for kind, stamp_ns in read_marks(reader):
+                marks.append((kind, stamp_ns))
                 feed.comparison.mark(kind, stamp_ns)
         told = _Told(reader, sensors, feed)
         for chunk in reader.headings(conventions, helpers, told.take):
@@ -184,14 +216,20 @@ def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, na
             progress(f'{n:,} headings')
         told.finish()
         notes += find_problems(reader)
-    found = feed.finish()
+    with ThreadPoolExecutor(1) as beside:
+        # Beside the last runs, once all is read: helpers start from a process of one thread.
+        digest: Future[str] = beside.submit(sha256, path)
+        found = feed.finish()
     given = tuple(OperatorNote(note.stamp_ns, note.text) for note in read_notes(readers[0]))
-    described = Input(name, sha256(path), notes=given or None,
+    described = Input(name, digest.result(), notes=given or None,
                       ledger_problems=tuple(notes) or None)
+    accounts = feed.make_accounts(found, lambda ts, rs: (replace(
+        described, ts_topic=ts.heading_topic, rs_topic=rs.heading_topic),), table, marks)
     notes += [*feed.explain(table), *(text for reader in readers for text in reader.oddities)]
     if not any(found.results.values()):
         described = replace(described, no_run='no pair of sensors has a run')
-    return replace(found, described=(described,), notes=[f'{name}: {note}' for note in notes])
+    return replace(found, described=(described,), accounts=accounts,
+                   notes=[f'{name}: {note}' for note in notes])
 
 
 class _Told:
@@ -246,7 +284,7 @@ def name_logs(inputs: Sequence[str], settings: Settings) -> dict[str, str] | Non
 
 def compare_logs(logs: Mapping[str, str], settings: Settings,
                  drivers: DriverSettings | None = None, table: Spans | None = None, *,
-                 motion: str | None = None, sketched: bool = False,
+                 motion: str | None = None, sketched: bool = False, takers: Takers | None = None,
                  progress: Callable[[str], None] = lambda text: None) -> Compared:
     """
     Compare the sensors of a trial, each from a log.
@@ -262,7 +300,7 @@ def compare_logs(logs: Mapping[str, str], settings: Settings,
     motion : str, optional
         A log with the motion of the ship; by default that of the reference or of another sensor,
         if it has any.
-    table, sketched, progress
+    table, sketched, takers, progress
         As for `compare_bag`.
 
     Raises
@@ -282,10 +320,14 @@ def compare_logs(logs: Mapping[str, str], settings: Settings,
     notes = [f'{name}: {log.path}, {len(log.headings)} headings of '
              f'{"; ".join((log.sentence or "a csv", *log.remarks))}; not taken: '
              f'{log.words_not_taken}' for name, log in imported.items()]
-    found = compare_headings({name: log.headings for name, log in imported.items()}, settings,
-                             table, source=next(iter(logs.values())), motion=moved.rows,
-                             sketched=sketched, progress=progress)
-    return replace(found, described=described, notes=[*notes, *moved.notes, *found.notes])
+    feed = _Feed(settings, next(iter(logs.values())), table, sketched, takers, progress)
+    found = _compare(feed, {name: log.headings for name, log in imported.items()},
+                     moved.rows if settings.motion.compare else None, table)
+    given = dict(zip(imported, described))
+    accounts = feed.make_accounts(found, lambda ts, rs: (given[ts.name], replace(
+        given[rs.name], ts_topic=None, rs_topic=given[rs.name].ts_topic)), table)
+    return replace(found, described=described, accounts=accounts,
+                   notes=[*notes, *moved.notes, *found.notes])
 
 
 def compare_headings(headings: Mapping[str, Headings], settings: Settings,
@@ -293,8 +335,13 @@ def compare_headings(headings: Mapping[str, Headings], settings: Settings,
                      motion: Motion | None = None, sketched: bool = False,
                      progress: Callable[[str], None] = lambda text: None) -> Compared:
     """Compare sensors whose readings are in memory, by their names; see `compare_bag`."""
-    feed = _Feed(settings, source, table, sketched, progress)
-    if motion is not None and settings.motion.compare:
+    feed = _Feed(settings, source, table, sketched, None, progress)
+    return _compare(feed, headings, motion if settings.motion.compare else None, table)
+
+
+def _compare(feed: _Feed, headings: Mapping[str, Headings], motion: Motion | None,
+             table: Spans | None) -> Compared:
+    if motion is not None:
         feed.take_motion(motion)
     feed.update(headings)
     found = feed.finish()

@@ -13,7 +13,6 @@ from contextlib import contextmanager
 from functools import partial
 import os
 from pathlib import Path
-import re
 import struct
 from typing import Callable, Iterator, NamedTuple, TypeVar
 import zlib
@@ -24,13 +23,13 @@ import numpy as np
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.packed_files import PACKED, plain_name
+from heading_intercompare.natural_order import natural_key
 
 from .attachments import find_records, parse_attachment
 from .message_blocks import Block, HEAD, Record, walk
 from .record_stream import MAGIC, parse_record, RecordStream
 
-__all__ = ['ChunkRow', 'mcap_files', 'natural_key', 'NeverBegun', 'Part', 'read_chunk_index',
-           'Stretch']
+__all__ = ['ChunkRow', 'mcap_files', 'NeverBegun', 'Part', 'read_chunk_index', 'Stretch']
 
 _FOOTER = HEAD.size + 20
 _DATA_END = HEAD.pack(Opcode.DATA_END, 4)
@@ -71,11 +70,6 @@ class ChunkRow(NamedTuple):
     first_ns: int
     last_ns: int
     channels: tuple[bytes, bytes]
-
-
-def natural_key(path: Path) -> list:
-    """Return the key that sorts part 2 before part 10."""
-    return [int(piece) if piece.isdecimal() else piece for piece in re.split(r'(\d+)', path.name)]
 
 
 def mcap_files(path: Path) -> list[Path]:

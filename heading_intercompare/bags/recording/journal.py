@@ -17,13 +17,13 @@ import os
 from pathlib import Path
 import re
 import struct
-from typing import Iterable, NamedTuple
+from typing import Iterable, NamedTuple, TypeVar
 import zlib
 
 import numpy as np
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.records import Motion, Pairs
 
 from .disk_sync import Syncing
 
@@ -40,7 +40,7 @@ _SYNC_S = 1.0
 _MOST_WAITING = 16_000_000
 _RETRY_S = 1.0
 
-_COLUMNS = ('stamp_ns', 'ts_deg', 'rs_deg', 'lag_ns', 'rs_variance_factor', 'ts_variance_factor')
+_Columns = TypeVar('_Columns', Pairs, Motion)
 _TYPES = {'stamp_ns': '<i8', 'lag_ns': '<i8'}
 
 
@@ -73,21 +73,21 @@ class JournalContents(NamedTuple):
     sha256: str
 
 
-def encode_columns(pairs: Pairs) -> bytes:
-    """Return pairs as bytes; a column with one value throughout takes the place of one."""
+def encode_columns(rows: Pairs | Motion) -> bytes:
+    """Return pairs or motion as bytes; a column of one value throughout takes the place of one."""
     flags, parts = 0, []
-    for at, name in enumerate(_COLUMNS):
-        column = np.ascontiguousarray(getattr(pairs, name), _TYPES.get(name, '<f8'))
+    for at, name in enumerate(type(rows).__slots__):
+        column = np.ascontiguousarray(getattr(rows, name), _TYPES.get(name, '<f8'))
         bits = column.view('<i8')
         if len(bits) and (bits == bits[0]).all():
             flags, column = flags | 1 << at, column[:1]
         parts.append(column.tobytes())
-    return b''.join([struct.pack('<IB', len(pairs), flags), *parts])
+    return b''.join([struct.pack('<IB', len(rows), flags), *parts])
 
 
-def decode_columns(data: bytes) -> Pairs:
+def decode_columns(data: bytes, kind: type[_Columns]) -> _Columns:
     """
-    Return the pairs in bytes of `encode_columns`, to the bit.
+    Return the pairs or the motion in bytes of `encode_columns`, to the bit.
 
     Raises
     ------
@@ -97,15 +97,15 @@ def decode_columns(data: bytes) -> Pairs:
     """
     columns, at = [], 5
     n, flags = struct.unpack_from('<IB', data) if len(data) >= at else (0, 0)
-    counts = [1 if flags & 1 << number else n for number in range(len(_COLUMNS))]
+    counts = [1 if flags & 1 << number else n for number in range(len(kind.__slots__))]
     if len(data) != at + 8 * sum(counts):
-        raise BagError(f'pairs of {len(data)} bytes: must be {at + 8 * sum(counts)}')
-    for name, count in zip(_COLUMNS, counts):
-        kind = np.dtype(_TYPES.get(name, '<f8'))
-        column = np.frombuffer(data, kind, count, at).astype(kind.newbyteorder('='))
+        raise BagError(f'columns of {len(data)} bytes: must be {at + 8 * sum(counts)}')
+    for name, count in zip(kind.__slots__, counts):
+        number = np.dtype(_TYPES.get(name, '<f8'))
+        column = np.frombuffer(data, number, count, at).astype(number.newbyteorder('='))
         columns.append(column if count == n else np.full(n, column[0]))
         at += 8 * count
-    return Pairs(*columns)
+    return kind(*columns)
 
 
 def _pack(record: Record) -> bytes:
@@ -336,12 +336,12 @@ class Journal:
 
 def name_journal(journal: str, sensor: str) -> str:
     """
-    Return the journal of a sensor, given that of the graph.
+    Return the journal of a sensor, or of a pair of them, given that of the graph.
 
     Examples
     --------
-    >>> name_journal('trial.journal', 'gyro1')
-    'trial.gyro1.journal'
+    >>> name_journal('trial.journal', 'gyro1'), name_journal('trial.journal', 'gyro1.ins')
+    ('trial.gyro1.journal', 'trial.gyro1.ins.journal')
 
     """
     path = Path(journal)

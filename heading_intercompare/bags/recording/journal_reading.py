@@ -16,7 +16,7 @@ from heading_intercompare.core.kept_state import KeptState
 from heading_intercompare.core.pairing.incarnations import Incarnations, StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
-from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.marks import MARKS
@@ -24,10 +24,11 @@ from heading_intercompare.messages.marks import MARKS
 from .journal import decode_columns, JournalContents, Record
 
 __all__ = ['ABOUT', 'compare_settings', 'describe_gaps', 'HOLE', 'JournalOrigin', 'JournalReader',
-           'Judge', 'Kept', 'LEDGER', 'LENGTH', 'MARK', 'Numbers', 'PAIRS', 'read_origin',
-           'read_state', 'RUN', 'STATE', 'Unjudged']
+           'Judge', 'Kept', 'LEDGER', 'LENGTH', 'MARK', 'MOTION', 'Numbers', 'PAIRS',
+           'read_origin', 'read_state', 'RUN', 'STATE', 'Unjudged']
 
 ABOUT, STATE, RUN, PAIRS, MARK, LEDGER, HOLE = b'H', b'S', b'R', b'P', b'M', b'L', b'G'
+MOTION = b'V'
 LENGTH = struct.Struct('<I')
 
 #: Pairs judged at once when a journal is read.
@@ -58,6 +59,8 @@ class Kept:
         Stamps of the first and of the newest of these pairs.
     dropped : int
         Records that could not be written.
+    motion_ns : mapping of str to int
+        Newest stamps of the motion taken, as of `find_newest`.
 
     """
 
@@ -68,6 +71,7 @@ class Kept:
     start_ns: int | None = None
     newest_ns: int | None = None
     dropped: int = 0
+    motion_ns: Mapping[str, int] = field(default_factory=dict)
 
     def sum_ledgers(self) -> Incarnations:
         """Return the ledgers of all starts of the synchronizer, to be added up."""
@@ -107,6 +111,9 @@ class Judge(Protocol):
     def update(self, pairs: Pairs) -> None:
         """Take pairs in stamp order."""
 
+    def take_motion(self, motion: Motion) -> None:
+        """Take motion of the ship."""
+
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Take a mark."""
 
@@ -119,6 +126,9 @@ class Unjudged:
 
     def update(self, pairs: Pairs) -> None:
         """Take pairs in stamp order."""
+
+    def take_motion(self, motion: Motion) -> None:
+        """Take motion of the ship."""
 
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Take a mark."""
@@ -233,6 +243,8 @@ class JournalReader:
                 self._n_waiting += len(pairs)
                 if self._n_waiting > _AT_ONCE:
                     self._judge(judge)
+            elif kind == MOTION:
+                judge.take_motion(self._take_motion(data))
             elif kind == MARK:
                 self._judge(judge)
                 with _decoding(self._path):
@@ -266,13 +278,21 @@ class JournalReader:
             at = LENGTH.size + size
             kept.numbers = {name: (first, last, missing) for name, (first, last, missing)
                             in json.loads(data[LENGTH.size:at]).items()}
-            pairs = decode_columns(data[at:])
+            pairs = decode_columns(data[at:], Pairs)
         if len(pairs):
             kept.n_pairs += len(pairs)
             kept.newest_ns = int(pairs.stamp_ns[-1])
             if kept.start_ns is None:
                 kept.start_ns = int(pairs.stamp_ns[0])
         return pairs
+
+    def _take_motion(self, data: bytes) -> Motion:
+        with _decoding(self._path):
+            size, = LENGTH.unpack_from(data)
+            at = LENGTH.size + size
+            self.kept.motion_ns = {what: int(newest_ns) for what, newest_ns
+                                   in json.loads(data[LENGTH.size:at]).items()}
+            return decode_columns(data[at:], Motion)
 
     def _take_ledger(self, plain: Mapping[str, Any]) -> None:
         started_ns = plain['started_ns']

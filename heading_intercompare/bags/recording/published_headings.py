@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""How many headings were published, as the synchronizer counts them in its ledgers."""
+"""How many headings were published, and which were judged, as the ledgers tell it."""
 
 from __future__ import annotations
 
@@ -13,14 +13,16 @@ __all__ = ['PublishedHeadings']
 
 class PublishedHeadings:
     """
-    Counts the published headings of each sensor.
+    Counts the published headings of each sensor, and says which ones were judged.
 
     A recorder that missed the last headings cannot know it from their numbers. The synchronizer
-    received them, and each of its ledgers says so.
+    received them, and each of its ledgers says so. Publishers that go on when the synchronizer has
+    ended send headings that nobody judges.
     """
 
     def __init__(self) -> None:
         self._newest: dict[int, dict[str, int]] = {}
+        self._spans: dict[str, tuple[int | None, int | None]] = {}
 
     def take(self, message: bytes) -> None:
         """Take a message of ``pairs/ledger``; a damaged one says nothing."""
@@ -34,6 +36,17 @@ class PublishedHeadings:
                      - total.counts.get(LedgerKey.of_rejected(stream, 'burst'), 0)
                      + total.counts.get(LedgerKey.of_lost(stream, 'on_the_way'), 0))
             for stream in ('ts', 'rs')}
+        if newest.started_ns == max(self._newest):
+            self._spans = {stream: (one.first or None, one.last or None if newest.final else None)
+                           for stream, one in newest.numbers.items()}
+
+    def find_span(self, stream: str) -> tuple[int | None, int | None]:
+        """
+        Return the numbers of the first and the last heading that the newest synchronizer took.
+
+        None for the first one before there is one, for the last one before its end.
+        """
+        return self._spans.get(stream, (None, None))
 
     def count(self, stream: str) -> int:
         """Return how many headings of ``'ts'`` or ``'rs'`` all synchronizers have counted."""

@@ -4,11 +4,16 @@
 
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple
+from typing import Mapping, NamedTuple, TYPE_CHECKING
 
 from heading_intercompare.bags.checked_text import decimal
+from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 
-__all__ = ['count_words', 'Counts', 'loss_record', 'loss_words', 'RECORDING', 'tell_missing']
+if TYPE_CHECKING:
+    from .resilient_recording import Recording
+
+__all__ = ['bag_state', 'count_words', 'Counts', 'loss_record', 'loss_words', 'RECORDING',
+           'tell_missing']
 
 RECORDING = 'recording'
 """The metadata record, written at the end of a recording."""
@@ -64,3 +69,12 @@ def loss_words(record: Mapping[str, object]) -> str:
     on_the_way = _total(record, 'lost_on_the_way')
     said = f'{count_words(on_the_way, "message")} lost on the way' if on_the_way else ''
     return ', '.join(filter(None, (tell_missing(record), said)))
+
+
+def bag_state(bag: Recording, path: str) -> tuple[int, str]:
+    """Return the level and the words of the bag that is being recorded at a path."""
+    gone = tell_missing({'not_written': sum(bag.lost.values()), 'absent': bag.absent})
+    state = (bag.remark if bag.remark else f'recording to {path}' if not bag.faults else
+             f'recording again after {count_words(bag.faults, "fault")}')
+    level = ERROR if bag.fault else WARN if bag.remark or bag.faults or gone else OK
+    return level, bag.fault or (f'{state}; {gone}' if gone else state)

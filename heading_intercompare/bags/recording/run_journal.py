@@ -3,10 +3,10 @@
 """
 The run in progress on disk, from which a node that was killed goes on.
 
-The journal holds what the judgement was given: pairs, marks and ledgers, in their order. Whatever
-is computed from them is computed again, by the same code, so the verdict is the same to the bit.
-When a run ends, the journal is replaced by the judged runs and the pairs of the next run. So it
-never holds more than one run.
+The journal holds what the judgement was given: pairs, motion, marks and ledgers, in their order.
+Whatever is computed from them is computed again, by the same code, so the verdict is the same to
+the bit. When a run ends, the journal is replaced by the judged runs, and the pairs and the motion
+of the next run. So it never holds more than one run.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ import shlex
 from typing import Any, Iterator, Mapping
 
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.core.motion.motion_record import find_newest
 from heading_intercompare.core.pipeline import Compliance
-from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.settings import leave_out_added, Settings, settings_sha256
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.version import VERSION
@@ -34,6 +35,7 @@ from .journal_reading import (
     LEDGER,
     LENGTH,
     MARK,
+    MOTION,
     Numbers,
     PAIRS,
     read_state,
@@ -91,6 +93,7 @@ class RunJournal:
         self.resumed = self.set_aside = ''
         self._written: dict[int, list[Any]] = {}
         self._waiting: list[Pairs] = []
+        self._moved: list[Motion] = []
         self._changed: set[int] = set()
         self._numbers: Numbers = {}
         self._due_s = 0.0
@@ -160,6 +163,10 @@ class RunJournal:
         numbers = _text(self._numbers)
         return LENGTH.pack(len(numbers)) + numbers + encode_columns(pairs)
 
+    def _pack_motion(self, rows: Motion) -> bytes:
+        newest = _text(self.kept.motion_ns)
+        return LENGTH.pack(len(newest)) + newest + encode_columns(rows)
+
     def _pack_ledger(self, message: LedgerMessage, whole: bool = False) -> bytes:
         """Return a ledger; only the segments from the first that has changed, unless `whole`."""
         ledger, final, started_ns, numbers = message
@@ -182,9 +189,17 @@ class RunJournal:
             self._waiting.append(pairs)
             self._numbers = numbers
 
+    def add_motion(self, motion: Motion) -> None:
+        """Keep motion of the ship, before it is judged."""
+        if len(motion):
+            self._moved.append(motion)
+            newest, known = find_newest(motion), self.kept.motion_ns
+            self.kept.motion_ns = {what: max(newest.get(what, 0), known.get(what, 0))
+                                   for what in {**known, **newest}}
+
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Keep a mark, before it takes effect."""
-        self._put_pairs()
+        self._put_rows()
         self.kept.marks.add((kind, stamp_ns))
         self._journal.append(MARK, _text([kind, stamp_ns]))
 
@@ -193,10 +208,13 @@ class RunJournal:
         self.kept.ledgers[message.started_ns] = message
         self._changed.add(message.started_ns)
 
-    def _put_pairs(self) -> None:
+    def _put_rows(self) -> None:
         if self._waiting:
             self._journal.append(PAIRS, self._pack_pairs(Pairs.concatenate(self._waiting)))
             self._waiting.clear()
+        if self._moved:
+            self._journal.append(MOTION, self._pack_motion(Motion.concatenate(self._moved)))
+            self._moved.clear()
 
     def tick(self, now_s: float) -> None:
         """Write what is due; call it after each judgement, with a steady clock in seconds."""
@@ -206,7 +224,7 @@ class RunJournal:
         if now_s < self._due_s:
             return
         self._due_s = now_s + _PERIOD_S
-        self._put_pairs()
+        self._put_rows()
         for started_ns in sorted(self._changed):
             self._journal.append(LEDGER, self._pack_ledger(self.kept.ledgers[started_ns]))
         self._changed.clear()
@@ -224,6 +242,7 @@ class RunJournal:
             self._changed |= set(self.kept.ledgers)
         else:
             self._waiting.clear()
+            self._moved.clear()
             self._changed.clear()
 
     def _records(self) -> Iterator[Record]:
@@ -235,6 +254,9 @@ class RunJournal:
         chunk = self._waiting[-1] if self._waiting and start_ns is not None else Pairs.empty()
         yield Record(RUN, self._pack_pairs(
             chunk if start_ns is None else chunk[chunk.stamp_ns >= start_ns]))
+        if self.kept.motion_ns:
+            rows = self._compliance.motion.rows
+            yield Record(MOTION, self._pack_motion(Motion.empty() if rows is None else rows))
         for message in self.kept.ledgers.values():
             yield Record(LEDGER, self._pack_ledger(message, whole=True))
 
@@ -242,7 +264,7 @@ class RunJournal:
         """Remove the journal if the trial is over, otherwise write what waits."""
         if not over:
             self._due_s = 0.0
-            self._put_pairs()
+            self._put_rows()
         self._journal.close(remove=over)
 
 

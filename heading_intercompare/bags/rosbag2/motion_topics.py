@@ -4,19 +4,20 @@
 
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple, Sequence
+from typing import Mapping, NamedTuple, Sequence, TYPE_CHECKING
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.records import Motion
 from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.motion.motion_messages import (
     MOTION_TYPES,
-    read_motion_messages,
+    read_told,
 )
 
-from .readable import Readable
+if TYPE_CHECKING:
+    from .readable import Readable
 
-__all__ = ['BagMotion', 'motion_topics', 'read_bag_motion', 'read_fixes']
+__all__ = ['BagMotion', 'find_motion_topics', 'motion_topics', 'read_bag_motion', 'read_fixes']
 
 _BATCH = 20_000
 _WORDS = {'fix': 'positions', 'velocity': 'velocity over ground', 'rate': 'rate of turn'}
@@ -47,15 +48,20 @@ def motion_topics(rule: MotionRule) -> dict[str, str]:
     return {'fix': rule.fix_topic, 'velocity': rule.velocity_topic, 'rate': rule.rate_topic}
 
 
-def read_bag_motion(bag: Readable, rule: MotionRule) -> BagMotion:
+def find_motion_topics(bag: Readable, rule: MotionRule) -> dict[str, list[tuple[str, str]]]:
     """
-    Read the motion of the ship from a recording.
+    Return the topics of a recording with the motion of the ship.
 
     Parameters
     ----------
     bag : Readable
     rule : MotionRule
         Its topics. A topic with the default name may be absent, and then tells nothing.
+
+    Returns
+    -------
+    dict of str to list of (str, str)
+        By the name in the bag, what each topic tells, and its type.
 
     Raises
     ------
@@ -66,7 +72,6 @@ def read_bag_motion(bag: Readable, rule: MotionRule) -> BagMotion:
     """
     wanted: dict[str, list[tuple[str, str]]] = {}
     default = motion_topics(MotionRule())
-    found: dict[str, str] = {}
     for what, topic in motion_topics(rule).items():
         present = any(name.lstrip('/') == topic.lstrip('/') for name in bag.topics)
         if not present and topic == default[what]:
@@ -78,9 +83,29 @@ def read_bag_motion(bag: Readable, rule: MotionRule) -> BagMotion:
                            f'a ship are {", ".join(MOTION_TYPES[what])}; name another topic with '
                            f'motion.{what}_topic', bag.path)
         wanted.setdefault(name, []).append((what, kind))
-        found[what] = name
+    return wanted
+
+
+def read_bag_motion(bag: Readable, rule: MotionRule) -> BagMotion:
+    """
+    Read the motion of the ship from a recording.
+
+    Parameters
+    ----------
+    bag : Readable
+    rule : MotionRule
+        As for `find_motion_topics`.
+
+    Raises
+    ------
+    OSError, BagError
+        As for `find_motion_topics`.
+
+    """
+    wanted = find_motion_topics(bag, rule)
     rows, unreadable = _read(bag, wanted)
-    return BagMotion(rows, found, unreadable)
+    return BagMotion(rows, {what: name for name, told in wanted.items() for what, _ in told},
+                     unreadable)
 
 
 def read_fixes(bag: Readable, topic: str) -> tuple[Motion, int]:
@@ -118,9 +143,8 @@ def _read(bag: Readable, wanted: Mapping[str, Sequence[tuple[str, str]]]) -> tup
     def take(name: str) -> int:
         refused: list[str] = []
         for what, kind in wanted[name]:
-            rows, refused = read_motion_messages(kind, what, waiting[name])
-            chunks.append({'fix': rows.positions, 'velocity': rows.velocities,
-                           'rate': rows.rates}[what]())
+            rows, refused = read_told(kind, what, waiting[name])
+            chunks.append(rows)
         waiting[name] = []
         return len(refused)
     for message in bag.messages(wanted):

@@ -35,9 +35,9 @@ from heading_intercompare.report.runs_csv import write_runs
 
 from .several_sensors import choose_pair, run_sensors
 
-__all__ = ['add_analysis_arguments', 'add_arguments', 'add_log_arguments', 'add_motion_argument',
-           'add_settings_arguments', 'add_verdict_arguments', 'check_report', 'code_of',
-           'conclude', 'deliver', 'drivers_for', 'LOG_OPTIONS', 'run']
+__all__ = ['add_analysis_arguments', 'add_antenna_arguments', 'add_arguments', 'add_log_arguments',
+           'add_motion_argument', 'add_settings_arguments', 'add_verdict_arguments',
+           'check_report', 'code_of', 'conclude', 'deliver', 'drivers_for', 'LOG_OPTIONS', 'run']
 
 _CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4
@@ -105,7 +105,7 @@ def add_antenna_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of an RS that is two antennas."""
     parser.add_argument('--rs-antennas', metavar=('FORE', 'AFT'), nargs=2,
                         help='logs with the positions of two antennas, whose baseline is the '
-                        'reference sensor; the INPUT is then the log of the tested one alone')
+                        'reference sensor, in place of its log')
     parser.add_argument('--baseline-m', metavar='M', type=float,
                         help='their distance in metres (antennas.baseline_m; default: the median)')
     parser.add_argument('--baseline-angle', metavar='DEG', type=float,

@@ -35,7 +35,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('logbooks', nargs='+', metavar='LOGBOOK',
                         help='written by the node compliance or by analyze --logbook')
-    parser.add_argument('--ship', metavar='NAME', help='only this ship or station')
+    parser.add_argument('--ship', metavar='NAME', help='only this ship or station, with all its '
+                        'sensors; SHIP/SENSOR for one of several')
     parser.add_argument('--since', metavar='UTC', help='list only the runs that end at or after '
                         'this time, such as 2026-03-01; the charts rest on all runs')
     parser.add_argument('--baseline', metavar='K', type=int, default=20,
@@ -63,8 +64,10 @@ def run(arguments: argparse.Namespace) -> int:
         print(f'{n} runs of {len(books)} logbooks are in {arguments.merge_into}')
         return 0
     since_ns, service_ns = _read_time(arguments, 'since'), _read_time(arguments, 'service')
-    histories = tell_histories((row for book in books for row in book.read(ship=arguments.ship)),
-                               baseline=arguments.baseline, runs_between=arguments.one_in)
+    histories = tell_histories(
+        (row for book in books for row in book.read()
+         if arguments.ship is None or f'{row.ship}/'.startswith(f'{arguments.ship}/')),
+        baseline=arguments.baseline, runs_between=arguments.one_in)
     changes = [() if service_ns is None else compare_service(
         [point.row for point in history.points], service_ns) for history in histories]
     if arguments.json == '-':

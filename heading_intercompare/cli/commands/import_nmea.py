@@ -12,6 +12,7 @@ from typing import Callable, NamedTuple, Sequence
 import numpy as np
 
 from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.app.logs.antenna_logs import import_antennas
 from heading_intercompare.app.logs.log_import import import_log
 from heading_intercompare.app.logs.log_motion import find_motion, FoundMotion
 from heading_intercompare.app.logs.two_logs import ROLES
@@ -28,6 +29,7 @@ from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.messages.motion.motion_messages import encode_motion, MOTION_TYPES
 
 from .analyze import (
+    add_antenna_arguments,
     add_log_arguments,
     add_motion_argument,
     add_settings_arguments,
@@ -50,6 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                             'quotes')
     add_log_arguments(parser)
     add_motion_argument(parser)
+    add_antenna_arguments(parser)
     parser.add_argument('-o', '--output', metavar='BAG', required=True,
                         help='the rosbag2 directory to write')
     add_note_argument(parser)
@@ -58,12 +61,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Read the logs, write the bag, print the counts of headings and of rejected lines."""
-    settings = settings_for(load_config(arguments.config), arguments.set)
+    settings = settings_for(load_config(arguments.config), arguments.set,
+                            **{'antennas.baseline_m': arguments.baseline_m,
+                               'antennas.baseline_angle_deg': arguments.baseline_angle})
     notes = read_notes(arguments)
     paths, topics, drivers = _choose(arguments, settings)
     logs = {}
     for role, path in paths.items():
         with Progress(path, arguments.quiet) as progress:
+            if role == 'rs' and arguments.rs_antennas:
+                logs[role] = import_antennas(arguments.rs_antennas, drivers[role],
+                                             settings.antennas)
+                continue
             logs[role] = import_log(path, drivers[role], progress.show, role=role)
     origins = {role: log.origin for role, log in logs.items()}
     read = {role: log.headings for role, log in logs.items()}
@@ -91,13 +100,17 @@ def _choose(arguments: argparse.Namespace, settings: Settings,
             ) -> tuple[dict[str, str], dict[str, str], dict[str, DriverSettings]]:
     """Return the path of each log, its topic, and how to read it, by the sensor's name or role."""
     drivers = drivers_for(arguments)
+    antennas = arguments.rs_antennas
+    if antennas and (other := next(iter(arguments.logs), arguments.rs)):
+        raise ValueError(f'--rs-antennas {" ".join(antennas)}: {other} is another log of the RS '
+                         'or of several sensors; give --ts FILE and the two antennas alone')
     if not arguments.logs:
-        for role in ROLES:
-            if getattr(arguments, role) is None:
+        given = {'ts': arguments.ts, 'rs': antennas[0] if antennas else arguments.rs}
+        for role, path in given.items():
+            if path is None:
                 raise ValueError(f'--{role}: is missing; give --ts FILE and --rs FILE, or '
                                  'NAME=LOG for each sensor of the setting sensors')
-        return ({role: getattr(arguments, role) for role in ROLES},
-                {'ts': settings.ts_topic, 'rs': settings.rs_topic}, drivers)
+        return given, {'ts': settings.ts_topic, 'rs': settings.rs_topic}, drivers
     if given := next((role for role in ROLES if getattr(arguments, role) is not None), None):
         raise ValueError(f'--{given} {getattr(arguments, given)}: goes without NAME=LOG; give '
                          'one or the other')

@@ -5,12 +5,13 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import ExitStack
 from dataclasses import replace
 import os
 import sys
 from typing import Mapping, Sequence
 
-from heading_intercompare.app.outputs import check_outputs, name_file, Outputs
+from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
 from heading_intercompare.app.sensors.sensors_analysis import (
     judge_sensor_bags,
     judge_sensor_logs,
@@ -19,19 +20,25 @@ from heading_intercompare.app.sensors.sensors_analysis import (
 from heading_intercompare.app.sensors.sensors_reading import name_logs
 from heading_intercompare.cli.terminal.console import say, tell, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
-from heading_intercompare.core.rows.sensor_table import read_sensors
-from heading_intercompare.core.sensors.pair_settings import check_sensors, settings_of_pair
+from heading_intercompare.core.rows.sensor_table import find_reference, list_tested, read_sensors
+from heading_intercompare.core.sensors.pair_settings import (
+    check_sensors,
+    settings_of_pair,
+    settings_of_tested,
+)
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.report import json, SeriesSketch
-from heading_intercompare.report.sensors_report import protocol_path, write_sensors
+from heading_intercompare.report.runs_csv import write_sensor_runs
+from heading_intercompare.report.sensors_report import sensor_path, write_sensors
 
 __all__ = ['choose_pair', 'deliver_sensors', 'run_sensors']
 
-_OF_PAIRS = ('csv', 'ensembles', 'runs_csv', 'dask', 'rs_antennas')
+_OF_TWO = ('dask', 'rs_antennas')
+_OF_TESTED = ('csv', 'ensembles', 'runs_csv')
 
 
 def choose_pair(settings: Settings, ts: str | None, rs: str | None) -> Settings:
@@ -73,15 +80,12 @@ def run_sensors(arguments: argparse.Namespace, settings: Settings, ship: str,
     """Judge several sensors; print and write the verdict; return the exit code."""
     from .analyze import check_report
     check_sensors(settings)
-    for option in _OF_PAIRS:
-        if (value := getattr(arguments, option)) is not None:
-            shown = ' '.join(value) if isinstance(value, list) else value
-            raise ValueError(f'--{option.replace("_", "-")} {shown}: is for two sensors; choose '
-                             'them with --ts NAME --rs NAME')
-    check_report(arguments)
     logs = name_logs(arguments.inputs, settings)
     inputs = arguments.inputs if logs is None else [*logs.values()]
-    _check_outputs(arguments, settings, inputs)
+    _check_options(arguments, settings, len(inputs) if logs is None else 1)
+    check_report(arguments)
+    outputs = _plan_outputs(arguments, settings)
+    _check_outputs(arguments, outputs, inputs)
     shared = drivers['ts']
     if logs is None and arguments.motion:
         raise ValueError(f'--motion {arguments.motion}: is for logs, and no INPUT is NAME=LOG; '
@@ -91,14 +95,21 @@ def run_sensors(arguments: argparse.Namespace, settings: Settings, ship: str,
     if logs is not None and shared != drivers['rs']:
         raise ValueError('--ts-... and --rs-...: with several sensors the rows of the setting '
                          'sensors choose sentence, talker and instrument')
-    with Progress(f'{len(inputs)} inputs' if len(inputs) > 1 else inputs[0],
-                  arguments.quiet) as progress:
+    with ExitStack() as files, Progress(
+            f'{len(inputs)} inputs' if len(inputs) > 1 else inputs[0],
+            arguments.quiet) as progress:
         sketched = bool(arguments.report)
+        tables = {name: [files.enter_context(file) for file in open_tables(
+            wanted, settings_of_tested(settings, name))] for name, wanted in outputs.items()}
+        takers = {name: [table.write for table in some] for name, some in tables.items()}
         judged = judge_sensor_bags(
-            inputs, settings, runs=arguments.runs or None, sketched=sketched,
+            inputs, settings, runs=arguments.runs or None, sketched=sketched, takers=takers,
             jobs=arguments.jobs, progress=progress.show) if logs is None else judge_sensor_logs(
                 logs, settings, shared, runs=arguments.runs or None, motion=arguments.motion,
-                sketched=sketched, progress=progress.show)
+                sketched=sketched, takers=takers, progress=progress.show)
+        for name, some in tables.items():
+            for table in some:
+                table.add_account(judged.accounts.get(name))
     for note in judged.notes:
         tell(note)
     if book is not None:
@@ -106,15 +117,38 @@ def run_sensors(arguments: argparse.Namespace, settings: Settings, ship: str,
     return deliver_sensors(judged.verdict, arguments, judged.sketches)
 
 
-def _check_outputs(arguments: argparse.Namespace, settings: Settings,
+def _check_options(arguments: argparse.Namespace, settings: Settings, inputs: int) -> None:
+    """Reject options that several sensors, or these inputs, do not have."""
+    of_two = 'is for two sensors; choose them with --ts NAME --rs NAME'
+    free = find_reference(read_sensors(settings.sensors)) is None
+    for option in (*_OF_TWO, *_OF_TESTED):
+        value, why = getattr(arguments, option, None), of_two
+        if option in _OF_TESTED:
+            why = f'no sensor is the reference, and it {of_two}' if free else (
+                f'takes the pairs of one INPUT, but {inputs} are given'
+                if inputs > 1 and option != 'runs_csv' else '')
+        if value is not None and why:
+            shown = ' '.join(value) if isinstance(value, list) else value
+            raise ValueError(f'--{option.replace("_", "-")} {shown}: {why}')
+
+
+def _plan_outputs(arguments: argparse.Namespace, settings: Settings) -> dict[str, Outputs]:
+    """Return the files of each tested sensor, named after it."""
+    def of(path: str | None, name: str) -> str | None:
+        return os.fspath(sensor_path(path, name)) if path and path != '-' else path
+    return {one.name: Outputs(
+        of(arguments.csv, one.name), of(arguments.ensembles, one.name),
+        of(arguments.report, one.name), ensemble_s=arguments.ensemble_s)
+        for one in list_tested(read_sensors(settings.sensors))}
+
+
+def _check_outputs(arguments: argparse.Namespace, outputs: Mapping[str, Outputs],
                    inputs: Sequence[str]) -> None:
-    reports = [arguments.report]
-    if arguments.report:
-        reports += [os.fspath(protocol_path(arguments.report, one.name))
-                    for one in read_sensors(settings.sensors)]
-    for report in reports:
-        check_outputs(Outputs(report=report, json=arguments.json), inputs,
-                      config=arguments.config, runs=arguments.runs)
+    """Check the files of all sensors, and those of each beside them."""
+    whole = Outputs(report=arguments.report, json=arguments.json, runs_csv=arguments.runs_csv)
+    for some in (whole, *(replace(whole, report=one.report, csv=one.csv, ensembles=one.ensembles)
+                          for one in outputs.values())):
+        check_outputs(some, inputs, config=arguments.config, runs=arguments.runs)
 
 
 def _write_rows(book: Logbook, judged: SensorsJudgement, ship: str) -> None:
@@ -137,6 +171,12 @@ def deliver_sensors(verdict: SensorsVerdict, arguments: argparse.Namespace,
         if arguments.json:
             with name_file(arguments.json):
                 json.write(verdict, arguments.json)
+    if arguments.runs_csv:
+        if not verdict.verdicts:
+            raise ValueError(f'--runs-csv {arguments.runs_csv}: no sensor is the reference, so '
+                             'the verdict has no run of a sensor; leave it out')
+        with name_file(arguments.runs_csv):
+            write_sensor_runs(verdict.verdicts, arguments.runs_csv)
     if arguments.report:
         with name_file(arguments.report), Progress(arguments.report, arguments.quiet) as progress:
             progress.show('drawing the protocols')

@@ -20,6 +20,7 @@ from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.scenarios import read_scenario, ScenarioFile
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
+from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.bags.rosbag2.provenance import (
     describe_origin,
     Notes,
@@ -30,6 +31,7 @@ from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
+from heading_intercompare.messages.motion.motion_messages import encode_motion, PUBLISHED_TYPES
 from heading_intercompare.messages.status_messages import (
     encode_statuses,
     LEVELS,
@@ -63,9 +65,10 @@ def run(arguments: argparse.Namespace) -> int:
     settings = settings_for(load_config(arguments.config), arguments.set)
     source = read_scenario(arguments.scenario, arguments.seed)
     scenario = source.scenario
+    moved = motion_topics(settings.motion) if scenario.motion_hz > 0.0 else {}
     topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic, 'truth': TRUTH_TOPIC,
               **{name: f'{name}/heading' for name in scenario.sensors
-                 if name not in ('ts', 'rs')}}
+                 if name not in ('ts', 'rs')}, **moved}
     if len({topic.lstrip('/') for topic in topics.values()}) < len(topics):
         raise SettingsError(f'ts_topic = {settings.ts_topic!r}, rs_topic = '
                             f'{settings.rs_topic!r}: must differ from each other and from '
@@ -85,6 +88,8 @@ def run(arguments: argparse.Namespace) -> int:
         shown = role.upper() if role in ('ts', 'rs') else role
         print(f'{shown} {counts[role]} headings on {topics[role]}, '
               f'{counts[f"{role}.invalid"]} of them marked invalid')
+    for what, topic in moved.items():
+        print(f'{counts[what]} messages of the motion of the ship on {topic}')
     print(f'{counts["truth"]} true headings on {TRUTH_TOPIC}; {counts["statuses"]} statuses '
           f'of gimballed sensors on {DIAGNOSTICS}')
     print(f'bag: {arguments.output}')
@@ -95,8 +100,8 @@ def _begin(path: str, source: ScenarioFile, topics: dict[str, str],
            settings: dict[str, object], notes: str) -> BagWriter:
     """Return a bag with its topics, and with everything needed to repeat the trial."""
     bag = BagWriter(path)
-    for topic in topics.values():
-        bag.add_topic(topic, IMU)
+    for what, topic in topics.items():
+        bag.add_topic(topic, PUBLISHED_TYPES.get(what, IMU))
     bag.add_topic(DIAGNOSTICS, STATUS_TYPE, Qos(depth=10))
     bag.metadata(RECORD, describe_origin(settings))
     Notes(bag.metadata).add(notes, time.time_ns())
@@ -121,6 +126,10 @@ def _write(bag: BagWriter, chunk: SimulatedChunk, topics: dict[str, str], scenar
         batches += _status_rows(name, statuses, sensors[name].latency_s, start_ns,
                                 counts['statuses'])
         counts['statuses'] += len(statuses)
+    for what, rows in chunk.motion.split().items() if len(chunk.motion) else ():
+        batches.append(Rows(topics[what], encode_motion(rows, what, 'ship'), rows.stamp_ns, None,
+                            counts[what] + np.arange(len(rows))))
+        counts[what] += len(rows)
     bag.write_rows(batches)
     for name, headings in (*((name, readings.headings) for name, (readings, _) in sent.items()),
                            ('truth', chunk.truth)):

@@ -10,6 +10,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'alarm': ('Alarm', 'AlarmState', 'Priority', 'Rule', 'Sign'),
     'alarm_table': ('AlarmTable',),
     'comparison_watch': ('COMPARISON_RULES', 'ComparisonWatch'),
+    'motion_watch': ('MOTION_RULES', 'MotionWatch'),
     'sentence_watch': ('SENTENCE_RULES', 'SentenceWatch'),
     'stream_watch': ('STREAM_RULES', 'StreamWatch'),
 })
@@ -28,5 +29,6 @@ if TYPE_CHECKING:
         COMPARISON_RULES as COMPARISON_RULES,
         ComparisonWatch as ComparisonWatch,
     )
+    from .motion_watch import MOTION_RULES as MOTION_RULES, MotionWatch as MotionWatch
     from .sentence_watch import SENTENCE_RULES as SENTENCE_RULES, SentenceWatch as SentenceWatch
     from .stream_watch import STREAM_RULES as STREAM_RULES, StreamWatch as StreamWatch

@@ -118,6 +118,10 @@ def three_cornered_hat(heading_deg: ArrayLike, stamp_ns: ArrayLike | None = None
     For three sensors s_1^2 = (D_12 + D_13 - D_23)/2, which equals cov(x_12, x_13). The intervals
     follow from the scatter of block means of that product, with Student's factor.
 
+    It needs all headings at common stamps, and gives the interval of these readings. The verdict
+    on several sensors has only the variance of each pair, from stamps of its own, with its
+    uncertainty: `core.sensors.variance_split` splits those.
+
     References
     ----------
     Gray & Allan 1974; the covariance form is that of Groslambert et al. 1981. E.12 of

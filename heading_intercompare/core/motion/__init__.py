@@ -14,6 +14,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'antennas': ('BaselineHeadings', 'find_baseline_headings'),
     'course_legs': ('CourseLegs', 'find_legs'),
     'motion_check': ('check_motion', 'MotionCheck', 'SensorMotion'),
+    'motion_record': ('find_newest', 'leave_out_known', 'MotionRecord', 'RunMotion'),
     'motion_words': ('describe_motion', 'explain_motion'),
     'tangent_plane': ('radii_m', 'steps_m'),
     'turn_rate': ('compare_turns', 'TurnRate'),
@@ -29,6 +30,12 @@ if TYPE_CHECKING:
         check_motion as check_motion,
         MotionCheck as MotionCheck,
         SensorMotion as SensorMotion,
+    )
+    from .motion_record import (
+        find_newest as find_newest,
+        leave_out_known as leave_out_known,
+        MotionRecord as MotionRecord,
+        RunMotion as RunMotion,
     )
     from .motion_words import describe_motion as describe_motion, explain_motion as explain_motion
     from .tangent_plane import radii_m as radii_m, steps_m as steps_m

@@ -176,26 +176,37 @@ class Incarnations:
         return Ledger.from_segments([LedgerSegment(start, dict(counts[start]))
                                      for start in starts], newest_ns, set_backs)
 
-    def problems(self) -> Iterator[str]:
-        """Yield, in plain sentences, what restarts of the synchronizer have left uncounted."""
+    def problems(self, who: str = 'the synchronizer',
+                 sensors: tuple[str, str] = ('TS', 'RS')) -> Iterator[str]:
+        """
+        Yield, in plain sentences, what restarts have left uncounted.
+
+        Parameters
+        ----------
+        who : str
+            The node that pairs.
+        sensors : tuple of (str, str)
+            What to call the TS and the RS.
+
+        """
         if self._refused:
-            yield (f'{self._refused} ledgers of further starts of the synchronizer were refused: '
-                   f'{_MOST} are kept')
+            yield (f'{self._refused} ledgers of further starts of {who} were refused: {_MOST} are '
+                   'kept')
         ordered = self._in_order
         for (_, before), (started_ns, after) in zip(ordered, ordered[1:]):
             counted = before.count_until(after)
             if len(counted) == 2:
                 if any(n > 0 for n in counted.values()):
-                    yield (f'the synchronizer was restarted at {utc(started_ns)} UTC; '
-                           f'{counted["ts"]} TS and {counted["rs"]} RS readings came after its '
-                           'last ledger, and count as lost')
+                    yield (f'{who} was restarted at {utc(started_ns)} UTC; {counted["ts"]} '
+                           f'{sensors[0]} and {counted["rs"]} {sensors[1]} readings came after '
+                           'its last ledger, and count as lost')
             elif before.final:
-                yield (f'the synchronizer was stopped, and started again at {utc(started_ns)} '
-                       'UTC: readings that came in between are not counted')
+                yield (f'{who} was stopped, and started again at {utc(started_ns)} UTC: readings '
+                       'that came in between are not counted')
             else:
-                yield (f'the synchronizer was restarted at {utc(started_ns)} UTC; its last ledger '
-                       'was not final: up to 1 s of readings is missing, and those that came '
-                       'while it was down')
+                yield (f'{who} was restarted at {utc(started_ns)} UTC; its last ledger was not '
+                       'final: up to 1 s of readings is missing, and those that came while it was '
+                       'down')
 
 
 def _without_pending(segments: Sequence[LedgerSegment],

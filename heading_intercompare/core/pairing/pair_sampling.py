@@ -31,19 +31,24 @@ class PairSampler:
     def __init__(self) -> None:
         self._open = Pairs.empty()
 
-    def update(self, pairs: Pairs) -> Pairs:
-        """Take pairs in stamp order; return those kept of the half seconds that are over."""
-        if not len(pairs):
-            return Pairs.empty()
+    def update(self, pairs: Pairs, end: bool = False) -> Pairs:
+        """
+        Take pairs in stamp order; return those kept of the half seconds that are over.
+
+        At the `end` the last half second is over, too.
+        """
         pairs = self._open + pairs
+        if end or not len(pairs):
+            self._open = Pairs.empty()
+            return _choose(pairs)
         last = int(np.searchsorted(pairs.stamp_ns // _STEP_NS, pairs.stamp_ns[-1] // _STEP_NS))
         self._open = pairs[last:]
         return _choose(pairs[:last])
 
-    def flush(self) -> Pairs:
-        """Return the pair kept of the last half second."""
-        found, self._open = _choose(self._open), Pairs.empty()
-        return found
+    @staticmethod
+    def end_ns(stamp_ns: int) -> int:
+        """Return the stamp at which the half second of a pair is over."""
+        return (stamp_ns // _STEP_NS + 1) * _STEP_NS
 
 
 def _choose(pairs: Pairs) -> Pairs:

@@ -116,6 +116,13 @@ class Pairer:
     def heard_ns(self) -> tuple[int | None, int | None]:
         """Stamps of the last readings of the TS and of the RS; None before the first."""
         return self._ts.heard_ns, self._rs.heard_ns
+
+    @property
+    def choosing(self) -> bool:
+        """Whether readings of both wait until it is chosen which sensor is interpolated."""
+        return (self._direction is not None and self._direction.interpolates_ts is None
+                and min(len(self._ts), len(self._rs)) > 0)
+
     def lose(self, key: LedgerKey, losses: Losses) -> None:
         """
         Count readings that never came; they may be told before or after the readings around them.
@@ -298,7 +305,6 @@ class Pairer:
                     if self._last_pair_ns < cut_ns <= self._last_settled_ns:
                         self.ledger.cut(cut_ns)
             self.ledger.settle(self._last_settled_ns)
-
 
     def forget_earlier(self) -> None:
         """Join the segments of the ledger that are too old for a verdict with the first one."""

@@ -4,17 +4,16 @@
 
 from __future__ import annotations
 
-from itertools import combinations
 from typing import Callable, Mapping, Sequence
 
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
-from heading_intercompare.core.rows.sensor_table import find_reference
+from heading_intercompare.core.rows.sensor_table import find_reference, list_tested
 from heading_intercompare.core.settings import Settings
 
-from .pair_settings import check_sensors, settings_of_pair
+from .pair_settings import check_sensors, settings_of_others, settings_of_pair
 
 __all__ = ['SensorsComparison']
 
@@ -56,18 +55,15 @@ class SensorsComparison:
         self.sensors = check_sensors(settings)
         reference = find_reference(self.sensors)
         self.tested: dict[str, Intercomparison] = {}
-        self.others: dict[tuple[str, str], Intercomparison] = {}
+        self.others = {
+            names: Intercomparison(own, source=source, table=table, sampler=PairSampler())
+            for names, own in settings_of_others(settings).items()}
         self._reference = '' if reference is None else reference.name
-        free = [sensor for sensor in self.sensors if sensor is not reference]
         if reference is not None and not only_others:
-            for sensor in free:
+            for sensor in list_tested(self.sensors):
                 self.tested[sensor.name] = Intercomparison(
                     settings_of_pair(settings, sensor, reference), source=source, table=table,
                     progress=progress)
-        for first, second in combinations(free, 2):
-            self.others[first.name, second.name] = Intercomparison(
-                settings_of_pair(settings, first, second), source=source, table=table,
-                sampler=PairSampler())
 
     def update(self, headings: Mapping[str, Headings],
                now_s: float | None = None) -> dict[str, Pairs]:
@@ -110,9 +106,10 @@ class SensorsComparison:
         return {name: one.begin_again() for name, one in self.tested.items()}
 
     def forget_earlier(self) -> None:
-        """Join the segments of all ledgers that are too old for a verdict."""
+        """Join the segments of all ledgers too old for a verdict; forget motion that is."""
         for one in self.pairs.values():
             one.pairer.forget_earlier()
+            one.compliance.motion.forget(one.compliance.run_start_ns)
 
     def finish(self) -> dict[str, Pairs]:
         """End all streams; return the last pairs of each tested sensor."""

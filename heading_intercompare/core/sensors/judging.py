@@ -35,7 +35,8 @@ _LATEST_S = 60.0
 def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
                   others: Mapping[Names, Sequence[RunResult]],
                   inputs: Sequence[Input] = (), *,
-                  incomplete: Collection[Names] = ()) -> SensorsVerdict:
+                  incomplete: Collection[Names] = (),
+                  problems: Mapping[Names, Sequence[str]] | None = None) -> SensorsVerdict:
     """
     Judge several sensors.
 
@@ -50,6 +51,8 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
     inputs : sequence of Input
     incomplete : collection of (str, str)
         The other pairs that lack a run in an input; they certify nothing.
+    problems : mapping of (str, str) to sequence of str, optional
+        What other pairs missed, in words; it becomes findings of theirs.
 
     Returns
     -------
@@ -73,8 +76,10 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
     if reference is not None:
         runs |= {(name, reference.name): verdict.runs for name, verdict in verdicts.items()}
     runs |= {names: [one.verdict for one in found] for names, found in others.items()}
+    missed = problems or {}
     pairs = [_add_missing(_describe(names, some, settings, sensors, risk / len(runs)),
-                          _missing_s(names, runs, reference)) for names, some in runs.items()]
+                          _missing_s(names, runs, reference), missed.get(names, ()))
+             for names, some in runs.items()]
     split = _split(sensors, pairs)
     norms = [_norm_of(one, sensors, settings) for one in sensors]
     vote = find_wrong([one.name for one in sensors],
@@ -142,8 +147,9 @@ def _missing_s(names: Names, runs: Mapping[Names, Sequence[RunVerdict]],
     return (runs[names][0].start_ns - max(starts)) / 1e9 if len(starts) == len(names) else 0.0
 
 
-def _add_missing(pair: PairFigures, missing_s: float) -> PairFigures:
-    """Return a pair with a doubt if its beginning is missing."""
+def _add_missing(pair: PairFigures, missing_s: float, missed: Sequence[str]) -> PairFigures:
+    """Return a pair with what it missed, and with a doubt if its beginning is missing."""
+    pair = replace(pair, findings=(*pair.findings, *missed))
     if missing_s <= _LATEST_S:
         return pair
     words = f'its first {span_words(missing_s)} are missing, because its comparison began later'

@@ -5,13 +5,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.norm_presets import sigma_max_deg
 from heading_intercompare.core.rows.sensor_table import find_tested, read_sensors, Sensor
 from heading_intercompare.core.settings import Risk, Settings, SettingsError
 
-__all__ = ['check_sensors', 'risk_of', 'settings_of_pair', 'settings_of_tested']
+__all__ = ['check_norms', 'check_sensors', 'risk_of', 'settings_of_others', 'settings_of_pair',
+           'settings_of_tested']
 
 
 def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
@@ -85,6 +87,21 @@ def check_sensors(settings: Settings) -> tuple[Sensor, ...]:
     for sensor in sensors[1:]:
         settings_of_pair(settings, sensors[0], sensor)
     return sensors
+
+
+def check_norms(settings: Settings) -> None:
+    """Raise SettingsError if two sensors, or one of several, have no norm."""
+    if read_sensors(settings.sensors):
+        check_sensors(settings)
+    else:
+        Limits.of(settings.norms, settings.model)
+
+
+def settings_of_others(settings: Settings) -> dict[tuple[str, str], Settings]:
+    """Return the settings of each pair without the reference, by the names of its sensors."""
+    free = [sensor for sensor in check_sensors(settings) if not sensor.is_reference]
+    return {(first.name, second.name): settings_of_pair(settings, first, second)
+            for first, second in combinations(free, 2)}
 
 
 def settings_of_tested(settings: Settings, name: str | None) -> Settings:

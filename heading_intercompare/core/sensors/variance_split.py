@@ -93,6 +93,10 @@ def split_variances(n: int, pairs: Sequence[PairVariance]) -> tuple[SensorVarian
     uncertainties of the pairs add up linearly, because pairs that share a sensor are correlated:
     the interval is wide rather than wrong.
 
+    `core.diagnostics.three_cornered_hat` splits readings at common stamps without weights. Here
+    each pair has stamps, losses and an interpolation of its own, so common stamps would leave out
+    what a verdict counts.
+
     It holds only if the errors of the sensors are uncorrelated. Two gyrocompasses have the same
     error of speed and latitude, which no split sees.
 

@@ -12,13 +12,11 @@ import gzip
 from itertools import chain
 import lzma
 import os
-import re
 from typing import Any, BinaryIO, Callable, Iterator
 import zlib
 
-import zstandard
-
 from heading_intercompare.drivers.settings import DriverError
+from heading_intercompare.natural_order import natural_key
 
 __all__ = ['head_of', 'is_pattern', 'LogFiles']
 
@@ -26,18 +24,12 @@ _BLOCK = 1 << 20
 _LONGEST_LINE = 1 << 16
 _HEAD_BYTES = 1 << 16
 _UTF16 = {b'\xff\xfe': 'utf-16-le', b'\xfe\xff': 'utf-16-be'}
-_DAMAGED = (gzip.BadGzipFile, zlib.error, zstandard.ZstdError, lzma.LZMAError)
-_DIGITS = re.compile(r'(\d+)')
+_DAMAGED = (gzip.BadGzipFile, zlib.error, lzma.LZMAError)
 
 
 def is_pattern(path: str) -> bool:
     """Tell whether a path that names no file is a pattern of file names, such as `gyro*.log`."""
     return not os.path.lexists(path) and glob.has_magic(path)
-
-
-def _natural(path: str) -> list[tuple[int, str]]:
-    """Return a key that puts `gyro_9.log` before `gyro_10.log`."""
-    return [(int(part), '') if part.isdigit() else (-1, part) for part in _DIGITS.split(path)]
 
 
 class LogFiles:
@@ -98,7 +90,7 @@ class LogFiles:
         else:
             os.stat(self.path)
             return [self.path]
-        filled = sorted((path for path in found if os.path.getsize(path)), key=_natural)
+        filled = sorted((path for path in found if os.path.getsize(path)), key=natural_key)
         if not filled:
             raise DriverError(f'{self.path}: no file with anything in it')
         return filled
@@ -193,18 +185,32 @@ def head_of(path: str) -> bytes:
 
 
 class _ZstdReader:
-    """Reads a zstd file of any number of frames; EOFError if the last one is cut."""
+    """
+    Reads a zstd file of any number of frames.
+
+    EOFError if the last one is cut, zlib.error if the file is damaged.
+    """
 
     def __init__(self, file: BinaryIO) -> None:
+        try:
+            # A driver of a line needs it not.
+            import zstandard
+        except ModuleNotFoundError as error:
+            raise DriverError(f'{file.name}: reading zstd needs the module zstandard: python3 -m '
+                              'pip install zstandard; or decompress it with zstd -d') from error
         self._file, self._unused, self._open = file, b'', False
-        self._frame = zstandard.ZstdDecompressor().decompressobj()
+        self._begin = zstandard.ZstdDecompressor().decompressobj
+        self._frame, self._damaged = self._begin(), zstandard.ZstdError
 
     def read1(self, size: int) -> bytes:
         """Return some of the decompressed bytes; none at the end."""
         while data := self._unused or self._file.read(max(1, size // 8)):
             if self._frame.eof:
-                self._frame = zstandard.ZstdDecompressor().decompressobj()
-            text = self._frame.decompress(data)
+                self._frame = self._begin()
+            try:
+                text = self._frame.decompress(data)
+            except self._damaged as error:
+                raise zlib.error(str(error)) from error
             self._unused, self._open = self._frame.unused_data, not self._frame.eof
             if text:
                 return text

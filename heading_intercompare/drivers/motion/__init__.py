@@ -7,10 +7,14 @@ from typing import TYPE_CHECKING
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
+    'motion_decoder': ('MotionDecoder',),
+    'motion_lines': ('MotionLines',),
     'motion_log': ('LoggedMotion', 'read_log_motion'),
     'motion_sentences': ('MOTION_KINDS', 'parse_motion'),
 })
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
+    from .motion_decoder import MotionDecoder as MotionDecoder
+    from .motion_lines import MotionLines as MotionLines
     from .motion_log import LoggedMotion as LoggedMotion, read_log_motion as read_log_motion
     from .motion_sentences import MOTION_KINDS as MOTION_KINDS, parse_motion as parse_motion

@@ -4,35 +4,24 @@
 
 from __future__ import annotations
 
-from array import array
 from collections import Counter
 from dataclasses import dataclass, field
 import os
-from typing import Iterable, Iterator, Mapping
-
-import numpy as np
+from typing import Iterator, Mapping
 
 from heading_intercompare.core.records import Motion
-from heading_intercompare.drivers.csv_log import is_csv
-from heading_intercompare.drivers.framing import Framer
-from heading_intercompare.drivers.log_lines.log_clocks import choose_time_sentences, start_stamps
+from heading_intercompare.drivers.csv_log import is_csv_file, open_csv
 from heading_intercompare.drivers.log_lines.log_files import LogFiles
 from heading_intercompare.drivers.log_lines.log_order import open_log
-from heading_intercompare.drivers.log_lines.stream_times import StreamTimes, TIME_SENTENCES
-from heading_intercompare.drivers.log_lines.times import day_time_ns, nearest_day_ns
-from heading_intercompare.drivers.sentences import Rejected
 from heading_intercompare.drivers.settings import DriverSettings
 
-from .motion_sentences import COURSE, MOTION_KINDS, parse_motion, POSITION, RATE, Told
+from .motion_lines import find_best, MotionColumns, MotionLine, MotionLines
+from .motion_sentences import COURSE, MOTION_KINDS, POSITION, RATE
 
 __all__ = ['LoggedMotion', 'read_log_motion']
 
 _BLOCK = 1 << 20
 _TOKENS = tuple(f'{kind},'.encode() for kind in MOTION_KINDS)
-_KINDS = frozenset(kind.encode() for kind in MOTION_KINDS)
-_TIMES = frozenset(kind.encode() for kind in TIME_SENTENCES)
-#: Field with the time of day, by kind.
-_TIME_FIELD = {b'GGA': 1, b'GNS': 1, b'RMC': 1, b'GLL': 5}
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,26 +43,6 @@ class LoggedMotion:
     rows: Mapping[str, Motion] = field(default_factory=dict)
     sentences: Mapping[str, str] = field(default_factory=dict)
     not_taken: Mapping[str, int] = field(default_factory=dict)
-
-
-class _Columns:
-    """What the sentences of one name tell of one thing."""
-
-    def __init__(self) -> None:
-        self.stamp_ns, self.first, self.second = array('q'), array('d'), array('d')
-
-    def add(self, stamp_ns: int, told: Told) -> None:
-        self.stamp_ns.append(stamp_ns)
-        self.first.append(told.first)
-        self.second.append(told.second)
-
-    def to_motion(self, what: str) -> Motion:
-        stamps = np.array(self.stamp_ns, np.int64)
-        first, second = np.array(self.first), np.array(self.second)
-        if what == POSITION:
-            return Motion.of_positions(stamps, first, second)
-        return (Motion.of_velocities(stamps, first, second) if what == COURSE
-                else Motion.of_rates(stamps, first))
 
 
 def read_log_motion(path: str | os.PathLike[str],
@@ -108,104 +77,39 @@ def read_log_motion(path: str | os.PathLike[str],
 
     """
     rule = settings or DriverSettings()
-    files = open_log(os.fspath(path), rule)
+    name = os.fspath(path)
+    files = open_csv(name, rule) or open_log(name, rule)
     if not _has_motion(files):
         return LoggedMotion()
-    columns: dict[tuple[str, str], _Columns] = {}
+    columns: dict[tuple[str, str], MotionColumns] = {}
     counts: Counter[str] = Counter()
-    for name, stamp_ns, told in _Reader(files, rule, counts).read():
-        columns.setdefault((told.what, name), _Columns()).add(stamp_ns, told)
+    for name, stamp_ns, told in _read_lines(MotionLines(rule, counts, files), files):
+        columns.setdefault((told.what, name), MotionColumns()).add(stamp_ns, told)
     rows, sentences = {}, {}
     for what in (POSITION, COURSE, RATE):
         names = [name for each, name in columns if each == what]
         if names:
-            best = min(names, key=lambda name: list(MOTION_KINDS).index(name[2:]))
+            best = find_best(names)
             rows[what], sentences[what] = columns[what, best].to_motion(what), best
     return LoggedMotion(rows, sentences, dict(sorted(counts.items())))
 
 
+def _read_lines(lines: MotionLines, files: LogFiles) -> Iterator[MotionLine]:
+    for begins, block in files.blocks(_BLOCK):
+        if begins is not None:
+            lines.begin_file(begins)
+        yield from lines.feed(block)
+    yield from lines.flush()
+
+
 def _has_motion(files: LogFiles) -> bool:
     """Tell whether a log may have such a sentence; a csv has none."""
-    tail, first = b'', True
+    if is_csv_file(files.paths[0]):
+        return False
+    tail = b''
     for block in files.bare_blocks():
-        if first and is_csv(block.partition(b'\n')[0]):
-            return False
-        text, first = tail + block, False
+        text = tail + block
         if any(token in text for token in _TOKENS):
             return True
         tail = block[-4:]
     return False
-
-
-class _Reader:
-    """Yields what the sentences of a log tell, with their stamps."""
-
-    def __init__(self, files: LogFiles, rule: DriverSettings, counts: Counter[str]) -> None:
-        self._files, self._counts = files, counts
-        self._lenient = rule.checksum == 'if_present'
-        self._validity = rule.time == 'validity'
-        days, self._stamps = start_stamps(rule, files)
-        self._no_stamps = rule.stamp_format == 'none'
-        self._times = StreamTimes(days, choose_time_sentences(files, self._validity))
-        self._last_ns: int | None = None
-
-    def read(self) -> Iterator[tuple[str, int, Told]]:
-        """Yield name of the sentence, stamp, and what it tells."""
-        framer = Framer(with_lines=True)
-        for begins, block in self._files.blocks(_BLOCK):
-            if begins is not None:
-                self._stamps.begin_file(begins)
-                self._last_ns = None
-            yield from self._take(framer.feed(block, None))
-        yield from self._take(framer.flush())
-
-    def _take(self, frames: Iterable[tuple[int | None, bytes, bytes, bool, bytes]]
-              ) -> Iterator[tuple[str, int, Told]]:
-        for _, prefix, text, checked, suffix in frames:
-            stamp_ns = self._stamp(prefix, text, suffix)
-            kind = text[2:5]
-            if kind not in _KINDS or text[5:6] != b',' or text[:1] == b'P':
-                continue
-            if not (checked or self._lenient):
-                self._counts['no_checksum'] += 1
-                continue
-            if stamp_ns is None:
-                self._counts['no_stamp'] += 1
-                continue
-            try:
-                found = parse_motion(text)
-            except Rejected as rejected:
-                self._counts[f'{text[:5].decode("latin-1")}.{rejected.reason}'] += 1
-                continue
-            for told in found:
-                yield text[:5].decode('latin-1'), stamp_ns, told
-
-    def _stamp(self, prefix: bytes, text: bytes, suffix: bytes) -> int | None:
-        """Return the stamp of a line, or of the last one that had one."""
-        try:
-            own_ns = (None if self._no_stamps or not (prefix or suffix)
-                      else self._stamps.own_ns(prefix, suffix))
-        except Rejected:
-            own_ns = None
-        if not self._validity:
-            self._last_ns = self._last_ns if own_ns is None else own_ns
-            return self._last_ns
-        if text[2:5] in _TIMES and text[5:6] == b',' and self._times.tells(text):
-            try:
-                self._last_ns = self._times.read(text, own_ns)
-            except ValueError:
-                self._last_ns = None
-        return self._own_time_ns(text, own_ns)
-
-    def _own_time_ns(self, text: bytes, line_ns: int | None) -> int | None:
-        """Return the time of day in a sentence on its day, or the time told last."""
-        at = _TIME_FIELD.get(text[2:5]) if text[5:6] == b',' else None
-        if at is None:
-            return self._last_ns
-        near_ns = self._last_ns if self._last_ns is not None else line_ns
-        try:
-            time_of_day_ns = day_time_ns(text.split(b',', at + 1)[at])
-            return (self._times.place(time_of_day_ns, line_ns) if near_ns is None
-                    else nearest_day_ns(time_of_day_ns, near_ns))
-        except (ValueError, IndexError):
-            return None

@@ -8,7 +8,8 @@ from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'motion_messages': ('decode_motion', 'encode_motion', 'FIX', 'FIX_TYPES', 'MOTION_TYPES',
-                        'RATE_TYPES', 'read_motion_messages', 'VELOCITY_TYPES'),
+                        'PUBLISHED_TYPES', 'RATE_TYPES', 'read_motion_messages', 'read_told',
+                        'split_motion', 'VELOCITY_TYPES'),
 })
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
@@ -18,7 +19,10 @@ if TYPE_CHECKING:
         FIX as FIX,
         FIX_TYPES as FIX_TYPES,
         MOTION_TYPES as MOTION_TYPES,
+        PUBLISHED_TYPES as PUBLISHED_TYPES,
         RATE_TYPES as RATE_TYPES,
         read_motion_messages as read_motion_messages,
+        read_told as read_told,
+        split_motion as split_motion,
         VELOCITY_TYPES as VELOCITY_TYPES,
     )

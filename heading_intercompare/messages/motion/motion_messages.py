@@ -23,11 +23,14 @@ from heading_intercompare.messages.byte_columns import (
     gather,
     read_sound,
     read_stamps,
+    split_rows,
     stamped_rows,
 )
+from heading_intercompare.messages.stamps import TIME_LIMIT_NS
 
-__all__ = ['decode_motion', 'encode_motion', 'FIX', 'FIX_TYPES', 'MOTION_TYPES', 'RATE_TYPES',
-           'read_motion_messages', 'VELOCITY', 'VELOCITY_TYPES']
+__all__ = ['decode_motion', 'encode_motion', 'FIX', 'FIX_TYPES', 'MOTION_TYPES',
+           'PUBLISHED_TYPES', 'RATE_TYPES', 'read_motion_messages', 'read_told', 'split_motion',
+           'VELOCITY', 'VELOCITY_TYPES']
 
 FIX = 'sensor_msgs/msg/NavSatFix'
 VELOCITY = 'geometry_msgs/msg/TwistStamped'
@@ -40,6 +43,9 @@ RATE_TYPES = (VELOCITY, _WITH_COVARIANCE, _IMU)
 
 MOTION_TYPES = {'fix': FIX_TYPES, 'velocity': VELOCITY_TYPES, 'rate': RATE_TYPES}
 """The types that are read, by what they tell."""
+
+PUBLISHED_TYPES = {'fix': FIX, 'velocity': VELOCITY, 'rate': VELOCITY}
+"""The types of `encode_motion`."""
 
 _UNKNOWN = -1.0
 #: Latitude, longitude, altitude and covariance of a fix, and the byte with its kind.
@@ -88,6 +94,16 @@ def encode_motion(motion: Motion, what: str, frame_id: str) -> np.ndarray:
     else:
         reals[:, 5] = -np.radians(motion.rate_deg_s)
     return stamped_rows(VELOCITY, motion.stamp_ns, frame_id, reals)
+
+
+def split_motion(motion: Motion, what: str, frame_id: str) -> list[bytes]:
+    """
+    Return the messages of `encode_motion` one by one, for publishing.
+
+    Rows with a stamp before 1970 or beyond the range of a message are skipped.
+    """
+    rows = motion[(motion.stamp_ns >= 0) & (motion.stamp_ns < TIME_LIMIT_NS)]
+    return split_rows(encode_motion(rows, what, frame_id)) if len(rows) else []
 
 
 def decode_motion(type_name: str, what: str, data: bytes, start: Integers,
@@ -157,3 +173,9 @@ def read_motion_messages(type_name: str, what: str,
                          messages: Sequence[bytes]) -> tuple[Motion, list[str]]:
     """Return the motion in single messages, and what is wrong with each unreadable one."""
     return read_sound(partial(decode_motion, type_name, what), messages, Motion)
+
+
+def read_told(type_name: str, what: str, messages: Sequence[bytes]) -> tuple[Motion, list[str]]:
+    """Return the rows of single messages that tell one thing, and what is wrong with others."""
+    rows, refused = read_motion_messages(type_name, what, messages)
+    return rows.split()[what], refused

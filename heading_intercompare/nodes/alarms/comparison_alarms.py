@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The alarms of the node `compliance`: the detectors of the verdict on the newest pairs."""
+"""The alarms of the node `compliance`: the detectors of the verdict on the newest data."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from heading_intercompare.core.alarms.comparison_watch import COMPARISON_RULES, ComparisonWatch
-from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.alarms.motion_watch import MOTION_RULES, MotionWatch
+from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.texts import encode_text
 from heading_intercompare.nodes.ros import qos
@@ -21,7 +22,7 @@ __all__ = ['ComparisonAlarms']
 
 class ComparisonAlarms:
     """
-    Watches the pairs of a compliance node.
+    Watches the pairs of a compliance node, and the motion of the ship.
 
     Parameters
     ----------
@@ -38,19 +39,26 @@ class ComparisonAlarms:
     """
 
     def __init__(self, node: Node, health: Health, settings: Settings) -> None:
-        self._watch = ComparisonWatch(settings)
-        self.panel = AlarmPanel(node, health, COMPARISON_RULES)
+        self._watch, self._motion = ComparisonWatch(settings), MotionWatch(settings)
+        self.panel = AlarmPanel(node, health, (*COMPARISON_RULES, *MOTION_RULES))
         self._acknowledged = node.create_publisher(String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE)
 
     def take(self, pairs: Pairs) -> None:
         """Take pairs in stamp order."""
         if not self.panel.muted:
             self._watch.update(pairs)
+            self._motion.update(pairs)
+
+    def take_motion(self, motion: Motion) -> None:
+        """Take motion of the ship."""
+        if not self.panel.muted:
+            self._motion.take_motion(motion)
 
     def look(self) -> None:
         """Look for conditions in the newest pairs; call it once a second."""
         if not self.panel.muted and self._watch.newest_ns is not None:
-            self.panel.update(self._watch.look(), self._watch.newest_ns)
+            self.panel.update({**self._watch.look(), **self._motion.look()},
+                              self._watch.newest_ns)
 
     def acknowledge_everywhere(self) -> int:
         """Acknowledge the alarms of this node, and tell the other nodes to do the same."""

@@ -211,6 +211,8 @@ class Reporting:
         if self._journal.kept.dropped:
             yield (f'{self._journal.kept.dropped} records of the run in progress could not be '
                    'kept before this node was started again')
+        if late := self._compliance.motion.late:
+            yield f'{late} messages of the motion of the ship came after their run was judged'
         if self._pairs.left_out:
             yield f'{self._pairs.left_out} pairs of another synchronizer were left out'
         missing = self.paired - self._pairs.last_sequence

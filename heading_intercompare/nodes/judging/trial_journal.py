@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The journal of a compliance node: opened where wanted, and never the end of a trial."""
+"""The journal of a node that judges: opened where wanted, and never the end of a trial."""
 
 from __future__ import annotations
 
@@ -10,23 +10,26 @@ import time
 
 from rclpy.node import Node
 
+from heading_intercompare.bags.recording.journal import name_journal
 from heading_intercompare.bags.recording.journal_reading import Kept, Numbers
 from heading_intercompare.bags.recording.run_journal import RunJournal
+from heading_intercompare.bags.recording.spool import Spool
 from heading_intercompare.core.pipeline import Compliance
-from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.records import Motion, Pairs
+from heading_intercompare.core.runs.growing_columns import Keep
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.settings import ComplianceNode
+from heading_intercompare.nodes.settings import ComplianceNode, SensorsNode
 
-__all__ = ['TrialJournal']
+__all__ = ['open_spool', 'TrialJournal']
 
 _NONE = '-'
 
 
 class TrialJournal:
     """
-    Keeps the run in progress of a compliance node; without a file it does nothing.
+    Keeps the run in progress of a judgement; without a file it does nothing.
 
     Parameters
     ----------
@@ -34,10 +37,12 @@ class TrialJournal:
         The node; its full name is that of the file.
     compliance : Compliance
         Judges; it goes on from the journal.
-    own : ComplianceNode
-        Settings `journal`, `report_dir` and `resume_within_s`.
+    own : ComplianceNode or SensorsNode
+        Settings `journal`, `report_dir`, `resume_within_s` and `bag`.
     health : Health
         Shows a journal that cannot be written, or was set aside.
+    what : str
+        What is judged, where a node judges more than one pair of sensors: ``gyro1.gyro2``.
 
     Attributes
     ----------
@@ -46,12 +51,13 @@ class TrialJournal:
 
     """
 
-    def __init__(self, node: Node, compliance: Compliance, own: ComplianceNode,
-                 health: Health) -> None:
+    def __init__(self, node: Node, compliance: Compliance, own: ComplianceNode | SensorsNode,
+                 health: Health, what: str = '') -> None:
         self._health, self._compliance = health, compliance
+        self._part = f'journal {what}'.rstrip()
         self._journal: RunJournal | None = None
         self.kept, self._fault = Kept(), ''
-        path = _find_path(own, node.get_fully_qualified_name())
+        path = _find_path(own, node.get_fully_qualified_name(), what)
         if path is None:
             return
         try:
@@ -66,19 +72,24 @@ class TrialJournal:
             return
         self.kept = self._journal.kept
         if self._journal.set_aside:
-            health.note('journal', WARN, self._journal.set_aside, latch=True)
+            health.note(self._part, WARN, self._journal.set_aside, latch=True)
         else:
-            health.note('journal', OK, f'kept in {path}')
+            health.note(self._part, OK, f'kept in {path}')
         if self._journal.resumed:
-            node.get_logger().warning(f'journal: {self._journal.resumed}')
+            node.get_logger().warning(f'{self._part}: {self._journal.resumed}')
 
     def _warn(self, why: str) -> None:
-        self._health.note('journal', WARN, f'the run in progress is not kept: {why}', latch=True)
+        self._health.note(self._part, WARN, f'the run in progress is not kept: {why}', latch=True)
 
     def add(self, pairs: Pairs, numbers: Numbers) -> None:
         """Keep pairs, before they are judged, and the numbers of their messages so far."""
         if self._journal is not None:
             self._journal.add(pairs, numbers)
+
+    def take_motion(self, motion: Motion) -> None:
+        """Keep motion of the ship, before it is judged."""
+        if self._journal is not None:
+            self._journal.add_motion(motion)
 
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Keep a mark, before it takes effect."""
@@ -100,7 +111,7 @@ class TrialJournal:
             if self._fault:
                 self._warn(self._fault)
             else:
-                self._health.note('journal', OK, 'kept again')
+                self._health.note(self._part, OK, 'kept again')
 
     def close(self) -> None:
         """Remove the journal: the trial is over, and its report is out."""
@@ -109,11 +120,16 @@ class TrialJournal:
             self._journal = None
 
 
-def _find_path(own: ComplianceNode, name: str) -> Path | None:
+def open_spool(health: Health) -> Keep:
+    """Return a store for the pages of a run; what cannot be stored is shown, and stays."""
+    return Spool(lambda why: health.note(
+        'run', WARN, f'the run in progress stays in memory: {why}', latch=True)).keep
+
+
+def _find_path(own: ComplianceNode | SensorsNode, name: str, what: str) -> Path | None:
     """Return the file of the journal; None if none is wanted."""
     if own.journal == _NONE or (own.journal is None and own.report_dir is None):
         return None
-    if own.journal is not None:
-        return Path(os.path.abspath(own.journal))
     file = name.strip('/').replace('/', '.')
-    return Path(os.path.abspath(own.report_dir or ''), f'{file}.journal')
+    path = own.journal or os.path.join(own.report_dir or '', f'{file}.journal')
+    return Path(os.path.abspath(name_journal(path, what) if what else path))

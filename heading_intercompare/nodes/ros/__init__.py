@@ -8,7 +8,7 @@ from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'batches': ('take_all', 'Unwatched'),
-    'message_types': ('HEADING_TYPES', 'PAIRS_TYPES', 'STATUS_TYPES', 'TEXT_TYPES',
+    'message_types': ('HEADING_TYPES', 'MOTION_TYPES', 'PAIRS_TYPES', 'STATUS_TYPES', 'TEXT_TYPES',
                       'TRUTH_TYPES'),
     'parameters': ('declare', 'make_overrides', 'OVERRIDES', 'resolve_topic'),
     'process': ('end', 'run', 'spin_nodes', 'Stop'),
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .batches import take_all as take_all, Unwatched as Unwatched
     from .message_types import (
         HEADING_TYPES as HEADING_TYPES,
+        MOTION_TYPES as MOTION_TYPES,
         PAIRS_TYPES as PAIRS_TYPES,
         STATUS_TYPES as STATUS_TYPES,
         TEXT_TYPES as TEXT_TYPES,

@@ -10,6 +10,7 @@ they are not installed, and a flag ends the loop instead.
 from __future__ import annotations
 
 from contextlib import contextmanager
+import faulthandler
 import gc
 import os
 import signal
@@ -36,6 +37,10 @@ _MISTAKES = (SettingsError, DriverError, BagError, OSError)
 
 # Longest time that a node may take to end; `ros2 launch` kills after 10 s.
 _END_S = 9.0
+
+# Fast DDS may never return from taking down a participant whose peers were killed while they used
+# shared memory with it. Everything is published and written by then.
+_HUNG_S = 30.0
 
 # Best-effort messages still under way are lost when the process that sent them ends.
 _LINGER_S = 0.5
@@ -113,6 +118,18 @@ def end(executor: QuickExecutor, nodes: Sequence[Node], linger_s: float = 0.0) -
         node.destroy_node()
 
 
+@contextmanager
+def _leave_if_hung() -> Iterator[None]:
+    """End the process, with exit code 1, if the block takes longer than `_HUNG_S`."""
+    with open(os.devnull, 'w') as nowhere:
+        # Its thread needs no interpreter lock, which the middleware may hold.
+        faulthandler.dump_traceback_later(_HUNG_S, exit=True, file=nowhere)
+        try:
+            yield
+        finally:
+            faulthandler.cancel_dump_traceback_later()
+
+
 def settle_memory() -> None:
     """Let the garbage collector leave alone what has been loaded: it took tens of milliseconds."""
     gc.collect()
@@ -168,10 +185,12 @@ def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None,
                 settle_memory()
                 while not (stop.requested or nodes[0].done):
                     executor.spin_once(0.2)
-                end(executor, nodes, _LINGER_S)
+                with _leave_if_hung():
+                    end(executor, nodes, _LINGER_S)
     except _MISTAKES as error:
         sys.stderr.write(f'{name}: error: {error_words(error)}\n')
         return 2
     finally:
-        context.try_shutdown()
+        with _leave_if_hung():
+            context.try_shutdown()
     return 0

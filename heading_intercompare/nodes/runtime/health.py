@@ -67,6 +67,11 @@ class Health:
         every(node, 1.0, self._beat)
         self.note('node', OK, 'running')
 
+    @property
+    def ending(self) -> bool:
+        """Whether the nodes of this process end."""
+        return self._ending
+
     def mute(self) -> None:
         """Log only errors from now on: at the end inputs disappear, as they should."""
         self._ending = True

@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
-    'headings_intake': ('HeadingsIntake',),
     'now_publisher': ('NowPublisher',),
+    'pair_journals': ('PairJournals',),
     'places': ('called', 'choose_streams', 'count_subscribers', 'place_files', 'remap_rules'),
+    'sensors_intake': ('SensorsIntake',),
     'sensors_reporting': ('SensorsReporting',),
 })
 
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
-    from .headings_intake import HeadingsIntake as HeadingsIntake
     from .now_publisher import NowPublisher as NowPublisher
+    from .pair_journals import PairJournals as PairJournals
     from .places import (
         called as called,
         choose_streams as choose_streams,
@@ -24,4 +25,5 @@ if TYPE_CHECKING:
         place_files as place_files,
         remap_rules as remap_rules,
     )
+    from .sensors_intake import SensorsIntake as SensorsIntake
     from .sensors_reporting import SensorsReporting as SensorsReporting

@@ -15,6 +15,7 @@ import os
 from rclpy.node import Node
 
 from heading_intercompare.bags.recording.journal import name_journal
+from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.core.rows.sensor_table import (
     find_reference,
     find_tested,
@@ -22,12 +23,13 @@ from heading_intercompare.core.rows.sensor_table import (
     read_sensors,
     Sensor,
 )
-from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.settings import MotionRule, Settings
 from heading_intercompare.messages.marks import MARKER_TOPIC
 from heading_intercompare.nodes.settings import ComplianceNode
 
-__all__ = ['called', 'choose_streams', 'count_judges', 'count_subscribers', 'further_subscribers',
-           'heading_topics', 'place_files', 'remap_rules', 'SHARED_TOPICS']
+__all__ = ['called', 'choose_streams', 'count_judges', 'count_motion_subscribers',
+           'count_subscribers', 'further_subscribers', 'heading_topics', 'place_files',
+           'remap_rules', 'SHARED_TOPICS']
 
 SHARED_TOPICS = (MARKER_TOPIC, 'compliance/alarms', 'compliance/acknowledge')
 """Topics that the nodes of all sensors have in common, beside the headings."""
@@ -59,7 +61,8 @@ def place_files(own: ComplianceNode) -> ComplianceNode:
         journal=own.journal if own.journal in (None, '-') else name_journal(own.journal, sensor))
 
 
-def remap_rules(sensors: tuple[Sensor, ...], namespace: str) -> dict[str, str]:
+def remap_rules(sensors: tuple[Sensor, ...], namespace: str,
+                motion: MotionRule | None = None) -> dict[str, str]:
     """
     Return the topics that the nodes of a sensor find in the namespace of the graph.
 
@@ -68,6 +71,8 @@ def remap_rules(sensors: tuple[Sensor, ...], namespace: str) -> dict[str, str]:
     sensors : tuple of Sensor
     namespace : str
         Of the graph.
+    motion : MotionRule, optional
+        Names the topics of the motion of the ship, unless they are those of the defaults.
 
     Returns
     -------
@@ -75,7 +80,8 @@ def remap_rules(sensors: tuple[Sensor, ...], namespace: str) -> dict[str, str]:
         Rules for topics only: a service of the same name stays where it is.
 
     """
-    topics = [one.heading_topic for one in sensors]
+    topics = [*(one.heading_topic for one in sensors),
+              *motion_topics(motion or MotionRule()).values()]
     return {f'rostopic://{topic}': f'{namespace.rstrip("/")}/{topic}'
             for topic in (*topics, *SHARED_TOPICS) if topic[0] not in '/~'}
 
@@ -84,6 +90,11 @@ def count_subscribers(sensors: tuple[Sensor, ...], recorded: bool) -> int:
     """Return how many subscriptions the headings of a tested sensor have in a graph."""
     # Synchronizer or sensors_watch, and the recorder; with a reference, both of the first.
     return 1 + recorded + bool(list_tested(sensors))
+
+
+def count_motion_subscribers(sensors: tuple[Sensor, ...], recorded: bool) -> int:
+    """Return how many subscriptions each topic of the motion of the ship has in a graph."""
+    return recorded + (1 + len(list_tested(sensors)) if sensors else 1)
 
 
 def heading_topics(settings: Settings) -> list[str]:

@@ -9,7 +9,6 @@ from functools import partial
 import os
 from pathlib import Path
 import time
-from typing import Callable
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
@@ -36,10 +35,9 @@ from heading_intercompare.nodes.settings import SensorsNode
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 from heading_intercompare.report.json import parse, render
 
-from .sensors_messages import (
-    encode_sensors_verdict,
-    SENSORS_VERDICT_TOPIC,
-)
+from .pair_journals import PairJournals
+from .sensors_intake import SensorsIntake
+from .sensors_messages import encode_sensors_verdict, SENSORS_VERDICT_TOPIC
 
 __all__ = ['SensorsReporting']
 
@@ -57,8 +55,10 @@ class SensorsReporting:
     own : SensorsNode
     comparison : SensorsComparison
         Has the pairs without the reference.
-    newest_ns : callable
-        Returns the newest stamp; None before the first reading.
+    journals : PairJournals
+        Have the runs of these pairs, and what they missed.
+    headings : SensorsIntake
+        Have the newest stamp.
 
     Attributes
     ----------
@@ -68,9 +68,10 @@ class SensorsReporting:
     """
 
     def __init__(self, node: Node, health: Health, settings: Settings, own: SensorsNode,
-                 comparison: SensorsComparison, newest_ns: Callable[[], int | None]) -> None:
+                 comparison: SensorsComparison, journals: PairJournals,
+                 headings: SensorsIntake) -> None:
         self._node, self._health, self._settings, self._own = node, health, settings, own
-        self._comparison, self._newest_ns = comparison, newest_ns
+        self._comparison, self._journals, self._headings = comparison, journals, headings
         self._tested = [one.name for one in list_tested(comparison.sensors)]
         self._reports: dict[str, Verdict] = {}
         self._finished = 0
@@ -113,7 +114,7 @@ class SensorsReporting:
             self._settings,
             {name: self._reports.get(name) or join([], settings_of_tested(self._settings, name))
              for name in self._tested},
-            {names: one.results() for names, one in self._comparison.others.items()})
+            self._journals.results(), problems=self._journals.problems())
         report = render(verdict)
         if report == self._said:
             return
@@ -122,7 +123,7 @@ class SensorsReporting:
                           verdict.headline, log=False)
         self._node.get_logger().info(f'verdict on {len(verdict.sensors)} sensors: '
                                      f'{verdict.headline}')
-        self._verdict.publish(encode_sensors_verdict(verdict, self._newest_ns() or 0))
+        self._verdict.publish(encode_sensors_verdict(verdict, self._headings.newest_ns or 0))
         self._report.publish(encode_text(report))
         self._write(verdict, report)
 
@@ -134,7 +135,7 @@ class SensorsReporting:
     def _write(self, verdict: SensorsVerdict, report: str) -> None:
         if self._own.report_dir is None:
             return
-        newest_ns = self._newest_ns()
+        newest_ns = self._headings.newest_ns
         moment = datetime.fromtimestamp(time.time() if newest_ns is None else newest_ns / 1e9,
                                         timezone.utc)
         path = Path(self._own.report_dir, f'sensors_{moment:%Y%m%dT%H%M%S}Z.json')

@@ -71,6 +71,8 @@ class Intake:
         The messages begin with a header, so `take_losses` can say where some are missing.
     counted : bool
         Count what is missing; not where any number of publishers may come and go.
+    whole : bool
+        Begin with what the publishers keep from before, if all of them keep their newest messages.
     arrivals : Unwatched, optional
         Callback group of the subscription: what a `QuickExecutor` does when a message arrives.
 
@@ -114,13 +116,13 @@ class Intake:
                  kept: QoSProfile | None = None,
                  stale_s: float | None = None, first_wait_s: float = 0.0,
                  lost_shown_s: float = 600.0, sole: bool = True, needed: bool = True,
-                 stamped: bool = False, counted: bool = True,
+                 stamped: bool = False, counted: bool = True, whole: bool = False,
                  arrivals: Unwatched | None = None) -> None:
         self._node, self._topic, self._types = node, topic, types
         self._reliable, self._unreliable, self._kept, self._qos = qos, unreliable, kept, qos
         self._health, self._stale_s, self._sole, self._needed = health, stale_s, sole, needed
         self.full_name = resolve_topic(node, topic)
-        self._reception = Reception(node, topic, arrivals or Unwatched())
+        self._reception = Reception(node, topic, arrivals or Unwatched(), whole=whole)
         self._renewal = Renewal()
         self._newest_s = time.monotonic()
         self._first_wait_s, self._begun_s = first_wait_s, self._newest_s
@@ -136,9 +138,13 @@ class Intake:
         self._recent = RecentCount(lost_shown_s), RecentCount(lost_shown_s)
         self._rivals_since_s: float | None = None
         self._ghost = False
-        self._after = '', 0
+        self._after, self._whole = ('', 0), whole
         self._opened_ns, self._parted = 0, False
         health.add_refresher(self._note)
+
+    def bring_back(self) -> None:
+        """Take what a subscription held that was set aside; call it before the last `take`."""
+        self._reception.bring_back()
 
     def take(self) -> list[Message]:
         """Return the messages since the last call, each with its info."""
@@ -260,7 +266,7 @@ class Intake:
     @property
     def _may_look_back(self) -> bool:
         """Whether it is known with which number or time to begin."""
-        return bool(self._reception.newest or self._parted
+        return bool(self._whole or self._reception.newest or self._parted
                     or self._after[0] == self._publishers[1] != '')
 
     def _change_qos(self, infos: Sequence[TopicEndpointInfo]) -> None:

@@ -42,6 +42,8 @@ class Reception:
         Relative or absolute name.
     group : Unwatched
         Callback group of the subscriptions.
+    whole : bool
+        Take also what was sent before the first message that was taken.
 
     Attributes
     ----------
@@ -57,12 +59,14 @@ class Reception:
     message that was taken is left out.
 
     Where a subscription may have been cut off before its first message, there is no such number.
-    It is set aside, and the next one begins with what was sent since the first one was made.
+    It is set aside, and the next one begins with what was sent since the first one was made. What
+    the first one held is used where it is older than what the next one brings, or where that one
+    brings nothing, because the publisher has ended.
 
     """
 
-    def __init__(self, node: Node, topic: str, group: Unwatched) -> None:
-        self._node, self._topic, self._group = node, topic, group
+    def __init__(self, node: Node, topic: str, group: Unwatched, *, whole: bool = False) -> None:
+        self._node, self._topic, self._group, self._whole = node, topic, group, whole
         self._current: Subscription | None = None
         self._successor: Subscription | None = None
         self._left: list[Message] = []
@@ -90,14 +94,19 @@ class Reception:
         after : int
             Leave out the first messages up to this number.
         since_ns : int
-            Leave out what publishers keep from before this time. They also keep what the
-            subscription that was set aside held.
+            Leave out what publishers keep from before this time. They usually keep what the
+            subscription that was set aside held, too.
 
         """
         self._current, self._skip_until = self._subscribe(kind, profile), after
         self._since_ns, self._kept_until_ns = since_ns, time.time_ns() + _KEPT_NS
+        if not since_ns:
+            self.bring_back()
+
+    def bring_back(self) -> None:
+        """Take what a subscription held that was set aside: nothing better is to come."""
         aside, self._aside = self._aside, []
-        self._left += [] if since_ns else self._once(aside)
+        self._left += self._once(aside)
 
     def set_aside(self) -> None:
         """Give up a subscription of which nothing was taken; `open` says what it held."""
@@ -118,7 +127,8 @@ class Reception:
         """Return the messages since the last call."""
         taken, self._left = self._left, []
         if self._current is not None:
-            taken += self._once(take_all(self._current))
+            came = take_all(self._current)
+            taken += self._once([*self._take_older(came), *came])
         if self._successor is not None:
             again = take_all(self._successor)
             caught_up = bool(again) and number_of(again[-1]) >= self.newest
@@ -128,6 +138,17 @@ class Reception:
                 self._node.destroy_subscription(self._current)
                 self._current, self._successor = self._successor, None
         return taken
+
+    def _take_older(self, came: Sequence[Message]) -> list[Message]:
+        """Return what was set aside and sent before the first messages that came since."""
+        if not self._aside:
+            return []
+        sent_ns = next((message[1]['source_timestamp'] for message in came
+                        if not self._is_earlier(message)), None)
+        if sent_ns is None:
+            return []
+        aside, self._aside = self._aside, []
+        return [message for message in aside if message[1]['source_timestamp'] < sent_ns]
 
     def close(self) -> None:
         """Give up the subscription, but not what it holds."""
@@ -166,6 +187,8 @@ class Reception:
 
     def _is_earlier(self, message: Message) -> bool:
         """Tell whether a message was sent before the first one taken, or the time of `open`."""
+        if self._whole:
+            return False
         number, info = number_of(message), message[1]
         if self._since_ns:
             return (info['source_timestamp'] < self._since_ns

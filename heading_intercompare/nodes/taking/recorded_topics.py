@@ -12,7 +12,9 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from heading_intercompare.bags.recording.published_headings import PublishedHeadings
+from heading_intercompare.bags.recording.recorder_losses import Counts
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
+from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.bags.rosbag2.part_states import DIAGNOSTICS_TOPIC, PartStates
 from heading_intercompare.bags.rosbag2.provenance import (
     NOTE_TOPIC,
@@ -39,8 +41,9 @@ from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import Taking
 
 from .intake import Intake
+from .motion_intake import make_motion_intake
 
-__all__ = ['ALARMS_TOPIC', 'make_intakes', 'Recorded', 'report_files', 'text_of']
+__all__ = ['ALARMS_TOPIC', 'count_messages', 'make_intakes', 'Recorded', 'report_files', 'text_of']
 
 ALARMS_TOPIC = 'compliance/alarms'
 
@@ -59,6 +62,13 @@ class Recorded(NamedTuple):
         It belongs to every recording, and at the end the recorder waits for its publishers.
     count_published : callable
         Returns how many messages others have counted; 0 if nobody counts them.
+    is_heading : bool
+        It comes from a sensor, whose publisher may go on when the graph ends.
+    is_ledger : bool
+        A synchronizer says in it which headings it took.
+    spans : tuple of callable
+        Each returns the numbers of the first and the last message that a synchronizer took; None
+        where it does not know yet.
 
     """
 
@@ -66,6 +76,19 @@ class Recorded(NamedTuple):
     intake: Intake
     expected: bool
     count_published: Callable[[], int] = int
+    is_heading: bool = False
+    is_ledger: bool = False
+    spans: tuple[Callable[[], tuple[int | None, int | None]], ...] = ()
+
+    @property
+    def first_judged(self) -> int | None:
+        """The number of the first message that somebody took; None as long as nobody has."""
+        return min((first for find in self.spans if (first := find()[0])), default=None)
+
+    @property
+    def last_judged(self) -> int | None:
+        """The number of the last message that somebody took; None as long as nobody ended."""
+        return max((last for find in self.spans if (last := find()[1])), default=None)
 
     @property
     def lost(self) -> int:
@@ -159,24 +182,39 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, health: Health,
         rows.insert(0, (TRUTH_TOPIC, TRUTH_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, False))
     rows += [(lost_topic(resolve_topic(node, topic)), STATUS_TYPES, qos.LOST, qos.LOST, False)
              for topic in headings]
-    found = {topic: Recorded(_offer(offered), Intake(
+    motion = motion_topics(settings.motion) if settings.motion.compare else {}
+    recorded = {topic: Recorded(_offer(qos.HEADINGS_OUT), make_motion_intake(
+        node, health, what, topic, taking), False) for what, topic in motion.items()}
+    found = recorded | {topic: Recorded(_offer(offered), Intake(
         node, topic, types, heard, health, first_wait_s=taking.first_wait_s, sole=False,
-        needed=expected, **_keep(heard)), expected)
+        needed=expected, **_keep(heard)), expected, is_heading=topic in headings)
         for topic, types, heard, offered, expected in rows}
     reference = find_reference(sensors)
     tested = [one.heading_topic for one in list_tested(sensors)]
     for at, place in enumerate(places):
         ledgers = _Ledgers(node, health, taking.first_wait_s, f'{place}pairs/ledger')
-        found[f'{place}pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True)
+        found[f'{place}pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True,
+                                                   is_ledger=True)
         counted = [tested[at], reference.heading_topic] if reference is not None else headings
         for stream, topic in zip(('ts', 'rs'), counted):
             found[topic] = found[topic]._replace(
-                count_published=partial(ledgers.headings.count, stream))
+                count_published=partial(ledgers.headings.count, stream),
+                spans=(*found[topic].spans, partial(ledgers.headings.find_span, stream)))
     found[ALARMS_TOPIC] = Recorded(_offer(qos.ALARMS), _Alarms(node, health), False)
     if states.kept:
         found[DIAGNOSTICS_TOPIC] = Recorded(_offer(qos.STATUS), _Diagnostics(node, health, states),
                                             False)
     return found
+
+
+def count_messages(topics: Mapping[str, Recorded], not_written: Mapping[str, int],
+                   left_out: Mapping[str, int]) -> dict[str, Counts]:
+    """Return the counts of messages received and lost, by full name of their topic."""
+    return {one.intake.full_name: Counts(
+        one.intake.received - left_out.get(one.intake.full_name, 0), one.lost,
+        not_written.get(one.intake.full_name, 0))
+        for one in topics.values()
+        if one.expected or (one.intake.received and one.intake.counted)}
 
 
 def text_of(data: bytes) -> str:

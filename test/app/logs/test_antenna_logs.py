@@ -4,11 +4,10 @@
 
 from __future__ import annotations
 
-from functools import reduce
 import json
 import math
-from operator import xor
 
+from checksums import with_checksum
 import numpy as np
 import pytest
 
@@ -39,8 +38,7 @@ def positions(rng):
 
 def line(second, body):
     """Return a line of a log from noon on."""
-    return (f'2024-05-01T12:{second // 60:02d}:{second % 60:02d}Z ${body}*'
-            f'{reduce(xor, body.encode(), 0):02X}\n')
+    return f'2024-05-01T12:{second // 60:02d}:{second % 60:02d}Z {with_checksum(body)}\n'
 
 
 def angle(value, digits, sides):
@@ -107,6 +105,31 @@ def test_exchanged_antennas_turn_the_rs_round_and_the_course_says_so(logs, capsy
     verdict, _ = verdict_of(capsys, ts, '--rs-antennas', aft, fore, '--motion', gps,
                             '--set', 'motion.current_max_kn=1')
     assert 'the RS points' in verdict['headline'] and 'VOID' in verdict['headline']
+
+
+def test_an_import_gives_the_verdict_of_the_logs(logs, tmp_path, capsys):
+    ts, fore, aft = logs
+    options = ['--baseline-angle', '5', '--baseline-m', '20']
+    of_logs, _ = verdict_of(capsys, ts, '--rs-antennas', fore, aft, *options)
+    bag = str(tmp_path / 'imported')
+    assert main(['import-nmea', '--ts', ts, '--rs-antennas', fore, aft, *options, '-o', bag]) == 0
+    assert 'baseline of 20.00 m' in capsys.readouterr().out
+    of_bag, _ = verdict_of(capsys, bag)
+    assert of_bag['headline'] == of_logs['headline']
+    (one,), (other,) = of_bag['runs'], of_logs['runs']
+    assert one['n'] == other['n'] == N
+    assert one['motion'] == other['motion']
+    for figure in ('mean_deg', 'std_deg', 'variance_deg2'):
+        assert one[figure] == pytest.approx(other[figure], rel=1e-9)
+
+
+@pytest.mark.parametrize('more', [['--rs', 'rs.log'], ['gyro=gyro.log']])
+def test_an_import_takes_the_antennas_or_another_rs(logs, tmp_path, capsys, more):
+    ts, fore, aft = logs
+    assert main(['import-nmea', *more, '--ts', ts, '--rs-antennas', fore, aft, '-o',
+                 str(tmp_path / 'b')]) == 2
+    error = capsys.readouterr().err
+    assert error.count('\n') == 1 and f'--rs-antennas {fore} {aft}: ' in error
 
 
 def test_a_log_without_positions_is_refused_in_one_line(logs, capsys):

@@ -4,13 +4,15 @@
 
 from __future__ import annotations
 
-from functools import reduce
-from operator import xor
+import json
+import math
 
+from checksums import with_checksum
 import pytest
 
 from heading_intercompare.app.logs.log_motion import find_motion
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
+from heading_intercompare.readers.json_lines import read_signalk
 
 DRIVERS = dict.fromkeys(('ts', 'rs', 'motion'), DriverSettings())
 BODIES = {'HDT': 'HEHDT,1.0,T', 'VTG': 'GPVTG,90.0,T,,M,10.0,N', 'ROT': 'HEROT,6.0,A',
@@ -22,7 +24,7 @@ def log(tmp_path):
     """Return a function that writes a log with some kinds of sentences."""
     def write(name, *kinds, n=3):
         path = tmp_path / name
-        lines = [f'2024-05-01T00:00:{k:02d}Z ${body}*{reduce(xor, body.encode(), 0):02X}\n'
+        lines = [f'2024-05-01T00:00:{k:02d}Z {with_checksum(body)}\n'
                  for k in range(n) for body in (BODIES[kind] for kind in kinds)]
         path.write_text(''.join(lines))
         return str(path)
@@ -71,3 +73,36 @@ def test_one_log_of_both_sensors_is_read_once(log):
     both = log('both', 'HDT', 'VTG')
     found = find_motion({'ts': both, 'rs': both}, DRIVERS)
     assert len(found.rows) == 3 and 'not used' not in found.notes[0]
+
+
+def test_files_of_other_programs_tell_the_motion_too(log, tmp_path):
+    """Another vessel, heard by AIS, is not this one."""
+    path = tmp_path / 'signalk.log'
+    rows = []
+    for second in range(3):
+        stamp = f'2024-05-01T00:00:{second:02d}Z'
+        values = {'courseOverGroundTrue': 1.0, 'speedOverGround': 5.0, 'rateOfTurn': -0.01,
+                  'position': {'latitude': 54.0, 'longitude': 10.0}, 'headingTrue': 1.1}
+        told = [{'$source': 'n2k.5', 'timestamp': stamp, 'values': [
+            {'path': f'navigation.{name}', 'value': value} for name, value in values.items()]}]
+        rows += [{'context': 'vessels.self', 'updates': told},
+                 {'context': 'vessels.urn:mrn:imo:mmsi:230000001', 'updates': told}]
+    path.write_text('\n'.join(map(json.dumps, rows)))
+    found = find_motion({'ts': log('ts', 'HDT', 'GLL'), 'rs': str(path)}, DRIVERS)
+    assert [len(rows) for rows in found.rows.split().values()] == [3, 3, 3]
+    assert found.rows.velocities().course_deg == pytest.approx([math.degrees(1.0)] * 3)
+    assert found.rows.rates().rate_deg_s == pytest.approx([math.degrees(-0.01)] * 3)
+    assert found.origin['course'] == f'n2k.5/courseOverGroundTrue {path}'
+
+
+def test_a_course_of_signal_k_takes_the_newest_speed_of_its_source(tmp_path):
+    def update(second, source, path, value):
+        return {'$source': source, 'timestamp': f'2024-05-01T00:00:{second:02d}Z',
+                'values': [{'path': f'navigation.{path}', 'value': value}]}
+    told = [update(0, 'a', 'speedOverGround', 4.0), update(1, 'a', 'courseOverGroundTrue', 0.0),
+            update(1, 'b', 'courseOverGroundTrue', 0.0), update(9, 'a', 'courseOverGroundTrue', 0)]
+    path = tmp_path / 'signalk.log'
+    path.write_text(json.dumps({'context': 'vessels.self', 'updates': told}))
+    found = read_signalk(str(path))
+    assert found.motion()['velocity']['a/courseOverGroundTrue'].north_m_s.tolist() == [4.0]
+    assert found.not_taken == {'courseOverGroundTrue.no_speed': 2}

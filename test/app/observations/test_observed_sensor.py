@@ -4,9 +4,7 @@
 
 from __future__ import annotations
 
-from functools import reduce
-from operator import xor
-
+from checksums import with_checksum
 import numpy as np
 import pytest
 
@@ -53,7 +51,7 @@ def write_log(path, stamps, headings):
         text = f'HEHDT,{heading:.2f},T'
         second = stamp // 1_000_000_000 - START
         lines.append(f'2026-03-10T10:{second // 60:02d}:{second % 60:02d}.000Z '
-                     f'${text}*{reduce(xor, text.encode()):02X}\r\n')
+                     f'{with_checksum(text)}\r\n')
     path.write_text(''.join(lines))
     return str(path)
 

@@ -14,11 +14,12 @@ import pytest
 from heading_intercompare.bags.recording import journal as journal_module
 from heading_intercompare.bags.recording.journal import read_journal
 from heading_intercompare.bags.recording.run_journal import find_bag, RunJournal
+from heading_intercompare.core.motion.motion_record import leave_out_known
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.pipeline import Compliance
-from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 
@@ -102,6 +103,36 @@ def test_after_any_kills_the_verdict_is_that_of_a_trial_without(tmp_path, rng, r
         r.verdict for r in whole.take_earlier()]
     node.journal.close(over=True)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize('rule', [{}, {'runs__every_h': 0.25}, {'sequential__plan_s': 3600.0}])
+def test_after_any_kills_the_motion_of_the_run_is_known(tmp_path, rng, rule):
+    """The motion comes in other chunks than the pairs, and a part of it a second time."""
+    rule, n = settings(**rule), 4000
+    pairs = some_pairs(rng, n)
+    moved = Motion.of_courses(pairs.stamp_ns, rng.normal(90.0, 1.0, n), np.full(n, 10.0))
+    whole = Compliance(rule, source='live')
+    node, given = Node(tmp_path / 'j', rule), 0
+    for lo in range(0, n, 100):
+        new = moved[given:lo + 100 + lo % 70]
+        given = lo + 100 + lo % 70
+        whole.take_motion(new)
+        node.journal.add_motion(new)
+        node.compliance.take_motion(new)
+        whole.update(pairs[lo:lo + 100])
+        node.take(pairs[lo:lo + 100], n=lo + 100)
+        if lo % 700 == 0:
+            node.kill()
+            node = Node(tmp_path / 'j', rule)
+            assert node.journal.kept.motion_ns == {'velocity': int(moved.stamp_ns[:given][-1])}
+            again = leave_out_known(moved[:given], node.journal.kept.motion_ns)
+            assert not len(again)
+    whole.finish()
+    node.compliance.finish()
+    found = verdict(node.compliance)
+    assert found == verdict(whole)
+    assert sum(run['motion']['n_velocities'] for run in found['runs']) == n
+    assert node.compliance.motion.late == whole.motion.late == 0
 
 
 def test_ledgers_of_all_synchronizers_come_back(tmp_path):

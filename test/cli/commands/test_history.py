@@ -107,6 +107,28 @@ def test_a_page_shows_both_charts(books, tmp_path, capsys):
     assert 'It' not in text.partition('<p>')[2][:3]
 
 
+def test_the_sensors_of_a_ship_are_listed_and_shown_together(tmp_path, capsys):
+    """Before, --ship with the name of the ship listed none of them."""
+    book = str(tmp_path / 'fleet.sqlite')
+    for name, shift_at in (('MV A/gyro1', 99), ('MV A/gyro2', 30), ('MV AB/gyro1', 99)):
+        Logbook(book).write(rows_of(name, 40, shift_at))
+    assert main(['history', book, '--ship', 'MV A']) == 0
+    said = [line for line in capsys.readouterr().out.splitlines() if line[0] != ' ']
+    assert said == [f'MV A/{name}, settings abababab: 40 runs' for name in ('gyro1', 'gyro2')]
+    assert main(['history', book, '--ship', 'MV A/gyro2', '--check']) == 1
+    assert 'gyro1' not in capsys.readouterr().out
+    pytest.importorskip('matplotlib')
+    pytest.importorskip('jinja2')
+    page = tmp_path / 'h.html'
+    assert main(['history', book, '--html', str(page)]) == 0
+    text = page.read_text('utf-8')
+    # Two charts of each sensor, and two of the ship with two of them.
+    assert text.count('<svg') == 3 * 2 + 2
+    assert text.count('<h2>MV A: 2 sensors</h2>') == 1 and 'MV AB: ' not in text
+    assert 'Mean difference of each sensor, 80 runs' in text
+    assert 'gyro2, settings abababab' in text
+
+
 def test_a_fleet_is_merged_and_merging_again_changes_nothing(books, tmp_path, capsys):
     fleet = tmp_path / 'fleet.sqlite'
     for _ in range(2):

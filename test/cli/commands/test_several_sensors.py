@@ -4,11 +4,11 @@
 
 from __future__ import annotations
 
-from functools import reduce
+import csv
 import json
 import math
-from operator import xor
 
+from checksums import with_checksum
 import pytest
 from ship_of_sensors import (
     course_deg,
@@ -19,8 +19,12 @@ from ship_of_sensors import (
     write_log,
 )
 
+from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.cli import main
 from heading_intercompare.core.records import Headings
+from heading_intercompare.core.sensors.pair_settings import settings_of_tested
+from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
+from heading_intercompare.core.verdict.compare_verdicts import find_differences
 
 
 @pytest.fixture(scope='module')
@@ -91,11 +95,64 @@ def test_the_logbook_has_a_row_per_sensor_and_run(trial, tmp_path, capsys):
 
 
 @pytest.mark.parametrize('option', ['csv', 'ensembles', 'runs-csv'])
-def test_tables_of_pairs_are_refused_with_what_to_do(trial, option, capsys, tmp_path):
-    assert 'choose them with --ts NAME --rs NAME' in refused(
-        capsys, 'analyze', trial / 'bag', '--config', trial / 'ship.yaml', f'--{option}',
-        tmp_path / 'x.csv')
+def test_tables_are_refused_without_a_reference_with_what_to_do(trial, option, capsys, tmp_path):
+    rows = '; '.join(TABLE.strip().replace('  rs', '').splitlines())
+    assert 'no sensor is the reference, and it is for two sensors; choose them with --ts' in (
+        refused(capsys, 'analyze', trial / 'bag', '--set', f'sensors={rows}', f'--{option}',
+                tmp_path / 'x.csv'))
     assert not (tmp_path / 'x.csv').exists()
+
+
+def test_a_csv_of_each_sensor_has_the_verdict_on_it(trial, capsys, tmp_path):
+    """The account beside each csv makes it as good as the bag."""
+    given = ['analyze', str(trial / 'bag'), '--config', str(trial / 'ship.yaml')]
+    assert main([*given, '--csv', str(tmp_path / 'pairs.csv'), '--json',
+                 str(tmp_path / 'all.json')]) == 0
+    assert {path.name for path in tmp_path.glob('*.csv')} == {'pairs-gyro1.csv', 'pairs-gyro2.csv'}
+    whole = SensorsVerdict.from_dict(json.loads((tmp_path / 'all.json').read_text()))
+    for name, verdict in whole.verdicts.items():
+        path = tmp_path / f'pairs-{name}.csv'
+        alone = judge_bags([path], settings_of_tested(whole.settings, name)).verdict
+        assert [*find_differences(verdict, alone)] == []
+
+
+def test_a_csv_of_logs_has_the_verdict_on_them(trial, capsys, tmp_path):
+    logs = [f'{name}={write_log(tmp_path / f"{name}.log", readings, "HE")}'
+            for name, readings in make_three().items()]
+    assert main(['analyze', *logs, '--config', str(trial / 'ship.yaml'), '--csv',
+                 str(tmp_path / 'pairs.csv'), '--json', str(tmp_path / 'all.json')]) == 0
+    whole = SensorsVerdict.from_dict(json.loads((tmp_path / 'all.json').read_text()))
+    alone = judge_bags([tmp_path / 'pairs-gyro1.csv'],
+                       settings_of_tested(whole.settings, 'gyro1')).verdict
+    assert [*find_differences(whole.verdicts['gyro1'], alone)] == []
+
+
+def test_ensembles_and_runs_of_each_sensor(trial, capsys, tmp_path):
+    given = ['analyze', str(trial / 'bag'), '--config', str(trial / 'ship.yaml')]
+    assert main([*given, '--ensembles', str(tmp_path / 'e.csv'), '--runs-csv',
+                 str(tmp_path / 'runs.csv'), '--json', str(tmp_path / 'all.json')]) == 0
+    for name in ('gyro1', 'gyro2'):
+        assert main([*given, '--ts', name, '--rs', 'gnss', '--ensembles',
+                     str(tmp_path / 'two.csv')]) == 0
+        assert (tmp_path / f'e-{name}.csv').read_text() == (tmp_path / 'two.csv').read_text()
+    with open(tmp_path / 'runs.csv', newline='') as file:
+        rows = [*csv.DictReader(file)]
+    assert [(row['sensor'], row['outcome']) for row in rows] == [
+        ('gyro1', 'compliant'), ('gyro2', 'non_compliant')]
+    capsys.readouterr()
+    assert main(['report', str(tmp_path / 'all.json'), '-o', str(tmp_path / 'all.html'),
+                 '--runs-csv', str(tmp_path / 'again.csv')]) == 0
+    assert (tmp_path / 'again.csv').read_text() == (tmp_path / 'runs.csv').read_text()
+
+
+def test_a_csv_is_of_one_input(trial, capsys, tmp_path):
+    assert 'takes the pairs of one INPUT, but 2 are given' in refused(
+        capsys, 'analyze', trial / 'bag', trial / 'bag', '--config', trial / 'ship.yaml', '--csv',
+        tmp_path / 'x.csv')
+    (tmp_path / 'x-gyro1.csv').mkdir()
+    assert 'x-gyro1.csv: is a folder; name a file' in refused(
+        capsys, 'analyze', trial / 'bag', '--config', trial / 'ship.yaml', '--csv',
+        tmp_path / 'x.csv')
 
 
 def test_what_is_for_two_sensors_or_for_logs_is_refused_with_what_to_do(trial, capsys):
@@ -115,7 +172,7 @@ def ship(trial, tmp_path):
     lines = []
     for at in range(1800):
         body = f'GPVTG,{steady_deg(at) % 360.0:.1f},T,,M,12.0,N,22.2,K,A'
-        lines.append(f'{START_NS / 1e9 + at:.3f} ${body}*{reduce(xor, body.encode()):02X}')
+        lines.append(f'{START_NS / 1e9 + at:.3f} {with_checksum(body)}')
     (tmp_path / 'gps.log').write_text('\n'.join(lines) + '\n')
     return [*logs, '--motion', str(tmp_path / 'gps.log'), '--config', str(trial / 'ship.yaml')]
 

@@ -161,11 +161,28 @@ def test_topics_are_those_of_the_settings(scenario, tmp_path, capsys):
     path = tmp_path / 'trial'
     assert main(['simulate', '--scenario', str(scenario), '-o', str(path), '--set',
                  'ts_topic=gyro', '--set', 'rs_topic=/gnss/heading']) == 0
-    assert set(BagReader(path).topics) == {'/gyro', '/gnss/heading', '/truth/heading',
-                                           '/diagnostics'}
+    assert set(BagReader(path).topics) == {
+        '/gyro', '/gnss/heading', '/truth/heading', '/diagnostics', '/ship/fix',
+        '/ship/velocity', '/ship/rate_of_turn'}
     out, err = capsys.readouterr()
     assert f'bag: {path}' in out and 'seed 4: A trial of the test' in out
     assert err == ''
+
+
+def test_a_simulated_bag_tells_the_motion_of_its_ship_unless_it_is_switched_off(tmp_path, capsys):
+    norms = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1']
+    kinds = {}
+    for rate_hz in (0, 1):
+        scenario, bag = tmp_path / f'{rate_hz}.yaml', str(tmp_path / f'bag{rate_hz}')
+        scenario.write_text(f"legs: '0 30 12'\nduration_s: 200\nmotion_hz: {rate_hz}\n"
+                            'ts: {white_deg: 0.1}\n')
+        assert main(['simulate', '--scenario', str(scenario), '-o', bag]) == 0
+        said = capsys.readouterr().out
+        assert ('200 messages of the motion of the ship on ship/velocity' in said) is (rate_hz > 0)
+        assert main(['analyze', bag, *norms, '--json', '-']) == 0
+        kinds[rate_hz] = json.loads(capsys.readouterr().out)['runs'][0].get('motion')
+    assert kinds[0] is None or kinds[0]['n_velocities'] == 0
+    assert kinds[1]['kind'] == 'agrees' and kinds[1]['n_velocities'] == 200
 
 
 def test_scenarios_of_the_package_go_by_their_name():

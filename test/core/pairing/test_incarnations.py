@@ -94,6 +94,9 @@ def test_readings_between_two_starts_count_as_lost_if_one_publisher_numbered_the
         (20, 20) if counted else (None, None))
     problem, = found.problems()
     assert ('20 TS and 20 RS readings came after' in problem) == counted
+    problem, = found.problems('sensors_watch', ('gyro1', 'ins'))
+    assert problem.startswith('sensors_watch was restarted at ')
+    assert ('20 gyro1 and 20 ins readings came after' in problem) == counted
     inside = found.total.count_between(int(STAMPS[0]), int(STAMPS[-1]))
     assert inside.lost('ts') == ({'on_the_way': 20} if counted else {})
 

@@ -26,7 +26,7 @@ def sample(pairs, cuts):
     sampler, found = PairSampler(), []
     for lo, hi in zip([0, *cuts], [*cuts, len(pairs)]):
         found.append(sampler.update(pairs[lo:hi]))
-    return Pairs.concatenate([*found, sampler.flush()])
+    return Pairs.concatenate([*found, sampler.update(Pairs.empty(), end=True)])
 
 
 def test_it_keeps_of_each_half_second_the_least_interpolated_the_first_of_several():

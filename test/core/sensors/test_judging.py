@@ -151,6 +151,21 @@ def test_a_pair_whose_beginning_is_missing_says_so():
         assert all(pair.validity_effect == 'doubtful' for pair in said)
 
 
+def test_what_a_pair_missed_is_among_its_findings_and_decides_nothing():
+    headings = {name: make_sensor(at, SOUND[name]) for at, name in enumerate(NAMES)}
+    settings = Settings.of(sensors='; '.join(f'{name} sigma_max_deg=0.3' for name in NAMES))
+    comparison = SensorsComparison(settings)
+    comparison.update(headings)
+    comparison.finish()
+    results = {names: one.results() for names, one in comparison.others.items()}
+    whole = judge_sensors(settings, {}, results)
+    told = judge_sensors(settings, {}, results, problems={('gyro1', 'ins'): ['3 are missing']})
+    assert [pair.names for pair in told.pairs if pair.findings != whole.find_pair(
+        *pair.names)[0].findings] == [('gyro1', 'ins')]
+    assert told.find_pair('gyro1', 'ins')[0].findings[-1] == '3 are missing'
+    assert told.headline == whole.headline and told.validity_effect == whole.validity_effect
+
+
 def test_installation_angles_are_removed():
     rows = 'a sigma_max_deg=0.3 installation_offset_deg=30; b sigma_max_deg=0.3'
     headings = {'a': make_sensor(1, 0.1, offset_deg=30.2), 'b': make_sensor(2, 0.1)}

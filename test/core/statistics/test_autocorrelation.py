@@ -5,13 +5,12 @@
 from __future__ import annotations
 
 from datetime import datetime, timezone
-from functools import reduce
 import json
 import math
-from operator import xor
 import re
 import tracemalloc
 
+from checksums import checksum_of
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -166,7 +165,7 @@ def headings(path, talker, field):
     stamps, values = [], []
     for line in path.read_text('ascii', 'replace').splitlines():
         found = re.match(r'(\S+) \$((%s),[^*]*)\*([0-9A-Fa-f]{2})\s*$' % talker, line)
-        if found and reduce(xor, found[2].encode()) == int(found[4], 16):
+        if found and checksum_of(found[2]) == int(found[4], 16):
             text = found[2].split(',')[field]
             if text and 0.0 <= float(text) < 360.0:
                 stamps.append(stamp_ns(found[1]))

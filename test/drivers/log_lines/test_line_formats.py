@@ -4,10 +4,9 @@
 
 from __future__ import annotations
 
-from functools import reduce
-from operator import xor
 from pathlib import Path
 
+from checksums import with_checksum
 import numpy as np
 import pytest
 
@@ -27,7 +26,7 @@ def ns_of(utc: str) -> int:
 def hdt(heading_deg: float = 218.53, talker: str = 'HE') -> str:
     """Return a sentence with its checksum."""
     text = f'{talker}HDT,{heading_deg:.2f},T'
-    return f'${text}*{reduce(xor, text.encode()):02X}'
+    return with_checksum(text)
 
 
 @pytest.fixture

@@ -5,9 +5,8 @@
 from __future__ import annotations
 
 from datetime import datetime, timedelta, timezone
-from functools import reduce
-from operator import xor
 
+from checksums import with_checksum
 from hypothesis import given, strategies as st
 import pytest
 
@@ -119,7 +118,7 @@ S = 10**9
 
 def sentence(text: str) -> str:
     """Return a sentence with its checksum, and its line end."""
-    return f'${text}*{reduce(xor, text.encode()):02X}\n'
+    return f'{with_checksum(text)}\n'
 
 
 def read(tmp_path, text: str, **settings):

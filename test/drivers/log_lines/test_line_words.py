@@ -4,9 +4,7 @@
 
 from __future__ import annotations
 
-from functools import reduce
-from operator import xor
-
+from checksums import checksum_of, with_checksum
 import pytest
 
 from heading_intercompare.drivers.log_lines.line_words import words_of
@@ -17,8 +15,7 @@ from heading_intercompare.drivers.settings import DriverError, DriverSettings
 def line(second: int, before: str, heading_deg: float) -> str:
     """Return a line with a stamp and words around its sentence."""
     text = f'HEHDT,{heading_deg:.1f},T'
-    checksum = reduce(xor, text.encode())
-    return f'{before.format(f"17723664{second:02d}")}${text}*{checksum:02X}\n'
+    return f'{before.format(f"17723664{second:02d}")}{with_checksum(text)}\n'
 
 
 def write(path, forms, n=20):
@@ -71,7 +68,7 @@ def test_the_choice_of_the_sentence_is_that_of_the_instrument(tmp_path):
 def test_the_sources_of_tag_blocks_are_instruments(tmp_path):
     def tagged(source, second):
         text = f's:{source},c:17723664{second:02d}'
-        return f'\\{text}*{reduce(xor, text.encode()):02X}\\'
+        return f'\\{text}*{checksum_of(text):02X}\\'
     log = tmp_path / 'tags.log'
     log.write_text(''.join(tagged(source, k) + line(k, '', heading_deg)
                            for k in range(20) for source, heading_deg in (('G1', 1.0),

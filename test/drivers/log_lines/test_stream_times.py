@@ -4,9 +4,7 @@
 
 from __future__ import annotations
 
-from functools import reduce
-from operator import xor
-
+from checksums import with_checksum
 import pytest
 
 from heading_intercompare.drivers.log_lines.stream_times import find_kind
@@ -22,7 +20,7 @@ SECONDS = (-2, -1, 0, 1)
 
 def sentence(text: str) -> str:
     """Return a sentence with its checksum, and its line end."""
-    return f'${text}*{reduce(xor, text.encode()):02X}\r\n'
+    return f'{with_checksum(text)}\r\n'
 
 
 def telling(kind: str, second: int) -> str:

@@ -4,9 +4,7 @@
 
 from __future__ import annotations
 
-from functools import reduce
-from operator import xor
-
+from checksums import with_checksum
 import pytest
 
 from heading_intercompare.drivers.motion.motion_log import LoggedMotion, read_log_motion
@@ -20,7 +18,7 @@ START_NS = 1_714_521_600 * S
 
 def sentence(body):
     """Return a sentence with its checksum."""
-    return f'${body}*{reduce(xor, body.encode(), 0):02X}'
+    return with_checksum(body)
 
 
 def write(path, rows, *, stamped=True):

@@ -139,10 +139,35 @@ def test_a_recorder_whose_terminal_is_closed_closes_its_bag(tmp_path):
 
 
 @pytest.mark.parametrize('name', ['nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance',
-                                  'recorder', 'replayer'])
+                                  'recorder', 'replayer', 'motion_driver'])
 def test_every_executable_of_the_package_is_a_node_that_refuses_what_it_does_not_know(name):
     code = f'from heading_intercompare.nodes.{name} import main; raise SystemExit(main())'
     done = subprocess.run([sys.executable, '-c', code, '--ros-args', '-p', 'nonsense:=1'],
                           capture_output=True, text=True, timeout=60)
     assert done.returncode == 2
     assert done.stderr.strip() == f"{name}: error: unknown parameter 'nonsense'"
+
+
+HANGS = """
+import ctypes, signal, sys
+from functools import partial
+from heading_intercompare.nodes.ros import process
+from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.synchronizer import Synchronizer
+process._HUNG_S = 0.5
+class Hung(Synchronizer):
+    def destroy_node(self):
+        # It holds the interpreter lock, as the middleware does.
+        ctypes.PyDLL(None).sleep(600)
+def made(context):
+    node = Hung(context=context)
+    every(node, 0.05, partial(signal.raise_signal, signal.SIGTERM))
+    return node
+process.run('hung', made, [])
+"""
+
+
+def test_a_process_whose_middleware_hangs_at_the_end_ends_all_the_same():
+    done = subprocess.run([sys.executable, '-c', HANGS], capture_output=True, text=True,
+                          timeout=120.0)
+    assert (done.returncode, done.stdout, done.stderr) == (1, '', '')

@@ -43,6 +43,18 @@ class Line:
         self.ros.spin_until(lambda: self.publisher.get_subscription_count() == 1)
 
 
+def test_a_whole_reception_takes_what_was_sent_before_the_first_message_that_came():
+    """What a publisher keeps may come after what it sends now."""
+    def message(number):
+        return b'', {'publication_sequence_number': number, 'source_timestamp': number,
+                     'received_timestamp': 0}
+    kept, whole = (Reception(None, 's', None, whole=whole) for whole in (False, True))
+    for one, numbers in ((kept, [3, 4]), (whole, [3, 4, 1, 2])):
+        taken = one._once([message(3), message(4)]) + one._once(
+            [message(1), message(2), message(3)])
+        assert [info['publication_sequence_number'] for _, info in taken] == numbers
+
+
 @pytest.fixture
 def line(ros):
     """Return a line."""
@@ -141,8 +153,8 @@ def test_one_made_again_brings_what_the_first_one_did_not(line, lost):
     assert sorted(line.taken) == [*range(11, 51)] and line.taken[-10:] == [*lost]
 
 
-def test_one_set_aside_begins_with_what_was_sent_since_it_was_made(line):
-    """Also where the next one does not bring it, and the one after it does."""
+def test_what_was_set_aside_is_used_where_the_next_one_does_not_bring_it(line):
+    """The next one begins with what was sent after it; what it missed came before."""
     line.send(20)
     line.open()
     since_ns = time.time_ns()
@@ -154,7 +166,37 @@ def test_one_set_aside_begins_with_what_was_sent_since_it_was_made(line):
     line.ros.spin_until(lambda: stolen.extend(take_all(line.reception._current))
                         or len(stolen) == 50)
     line.send(5)
-    line.take_until(lambda: len(line.taken) == 5)
-    line.reception.hand_over(qos.HEADINGS_KEPT)
     line.take_until(lambda: len(line.taken) == 35)
-    assert line.taken == [*range(51, 56), *range(21, 51)]
+    line.reception.hand_over(qos.HEADINGS_KEPT)
+    line.take_until(lambda: line.publisher.get_subscription_count() == 1)
+    assert line.taken == [*range(21, 56)]
+
+
+def test_what_was_set_aside_is_used_where_its_publisher_has_ended(line):
+    """Before, a node that had stood still took no message of a source that ended meanwhile."""
+    line.open()
+    since_ns = time.time_ns()
+    line.send(30)
+    line.ros.spin_until(lambda: line.publisher.wait_for_all_acked())
+    line.reception.set_aside()
+    line.ros.plain.destroy_publisher(line.publisher)
+    line.reception.open(String, qos.HEADINGS_KEPT, since_ns=since_ns)
+    line.take()
+    assert line.taken == []
+    line.reception.bring_back()
+    line.take()
+    assert line.taken == [*range(1, 31)]
+
+
+def test_what_was_set_aside_comes_once_where_the_next_one_brings_it(line):
+    line.open()
+    since_ns = time.time_ns()
+    line.send(30)
+    line.ros.spin_until(lambda: line.publisher.wait_for_all_acked())
+    line.reception.set_aside()
+    line.reception.open(String, qos.HEADINGS_KEPT, since_ns=since_ns)
+    line.take_until(lambda: len(line.taken) == 30)
+    line.reception.bring_back()
+    line.send(1)
+    line.take_until(lambda: len(line.taken) > 30)
+    assert line.taken == [*range(1, 32)]

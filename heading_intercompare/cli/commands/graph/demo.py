@@ -10,24 +10,33 @@ from functools import partial
 import math
 from pathlib import Path
 import shutil
-from typing import Mapping, Sequence
+from typing import Callable, Iterator, Mapping, Sequence
 
-from heading_intercompare.app.inputs import analyze_input
+from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.scenarios import read_scenario
+from heading_intercompare.app.sensors.sensors_analysis import judge_sensor_bags
 from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
-from heading_intercompare.core.pipeline import join
+from heading_intercompare.core.sensors.compare_sensors import find_sensor_differences
+from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.core.verdict.verdict_document import Verdict
-from heading_intercompare.report import check_form, SeriesSketch, write
+from heading_intercompare.report import check_form, json, write
+from heading_intercompare.report.sensors_report import write_sensors
 
 from .web_option import add_web_argument, read_web
 
-__all__ = ['add_arguments', 'run']
+__all__ = ['add_arguments', 'NORMS', 'run']
 
-_SETTINGS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
-_MADE = ('bag', 'live', 'replayed', 'offline.json', 'report.html')
+NORMS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
+_SENSORS = {'sensors': '; '.join((
+    'gyro1 topic=ts/heading sigma_max_deg=0.3', 'gyro2 sigma_max_deg=0.3',
+    'ins sigma_max_deg=0.1', 'gnss topic=rs/heading sigma_max_deg=0.1 rs')),
+    'risk.slowest_error_s': 60.0}
+_SENSORS_S = 1800.0
+_MADE = ('bag', 'live', 'replayed', 'offline.json', 'report.html',
+         *(f'report-{name}.html' for name in ('gyro1', 'gyro2', 'ins')))
 #: Files in a folder are only removed if this file is there too.
 _MARK = '.heading_intercompare_demo'
 
@@ -40,7 +49,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--speed', type=float, metavar='X', default=50.0,
                         help='speed of the simulation as a multiple of real time (default: 50)')
     parser.add_argument('--duration', type=float, metavar='S',
-                        help='simulated seconds (default: the whole scenario, 1200)')
+                        help='simulated seconds (default: the whole scenario, 1200; 1800 of four '
+                        'sensors)')
+    parser.add_argument('--sensors', action='store_true',
+                        help='four sensors, one of them beyond its norm, instead of two')
     add_web_argument(parser)
 
 
@@ -51,9 +63,11 @@ def run(arguments: argparse.Namespace) -> int:
     from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 
     page = read_web(arguments, {})
-    scenario = read_scenario('demo').scenario
-    if arguments.duration is not None:
-        scenario = replace(scenario, duration_s=arguments.duration)
+    several = arguments.sensors
+    scenario = read_scenario('four_sensors' if several else 'demo').scenario
+    given = _SENSORS if several else NORMS
+    if arguments.duration is not None or several:
+        scenario = replace(scenario, duration_s=arguments.duration or _SENSORS_S)
     if not 0.0 < arguments.speed < math.inf:
         raise ValueError(f'--speed {arguments.speed}: must be greater than 0, and finite')
     out = Path(arguments.out)
@@ -62,65 +76,80 @@ def run(arguments: argparse.Namespace) -> int:
     tell = print if not arguments.quiet else lambda *_: None
 
     addresses: list[str] = []
-    expected = round(scenario.duration_s * scenario.ts.rate_hz)
-    tell(f'1. live: simulator -> synchronizer -> compliance -> recorder, '
+    expected = '' if several else f' of {round(scenario.duration_s * scenario.ts.rate_hz):,}'
+    nodes = 'synchronizer -> compliance' + (' of each, sensors_watch' if several else '')
+    tell(f'1. live: simulator -> {nodes} -> recorder, '
          f'{scenario.duration_s:g} s at {arguments.speed:g} times real time')
     with Progress('live', arguments.quiet) as progress:
         live = intercompare(
             [Source(SensorSimulator, 'sensor_simulator',
                     {**scenario.to_mapping(), 'speed': arguments.speed, 'stamps': 'scenario'})],
-            _SETTINGS, output=bag, report_dir=str(out / 'live'), private=True, page=page,
+            given, output=bag, report_dir=str(out / 'live'), private=True, page=page,
             served=addresses.append,
-            progress=lambda n: progress.show(f'{min(n, expected):,} of {expected:,} pairs'))
-    paired = sum(run.pairing.paired for run in live.runs)
-    tell(f'2. replayed: {bag} -> synchronizer -> compliance')
+            progress=lambda n: progress.show(f'{n:,}{expected} pairs'))
+    tell(f'2. replayed: {bag} -> {nodes}')
     with Progress('replayed', arguments.quiet) as progress:
         replayed = intercompare(
             [Source(Replayer, 'replayer', {'bag': bag, 'rate': 1.0})],
-            _SETTINGS, report_dir=str(out / 'replayed'), private=True,
-            progress=lambda n: progress.show(f'{min(n, paired):,} of {paired:,} pairs'))
+            given, report_dir=str(out / 'replayed'), private=True,
+            progress=lambda n: progress.show(f'{n:,} pairs'))
     tell(f'3. offline: analyze {bag}\n')
-    settings = Settings.from_mapping(_SETTINGS)
+    settings, report = Settings.from_mapping(given), out / 'report.html'
+    offline: Verdict | SensorsVerdict
     with Progress(bag, arguments.quiet) as progress:
-        sketch = SeriesSketch(bag)
-        found = analyze_input(
-            bag, settings, None, [partial(sketch.update, settings=settings)], progress.show)
-    offline = join(found.results, settings, [found.described])
-    write(offline, out / 'offline.json')
+        if several:
+            found = judge_sensor_bags([bag], settings, sketched=True, progress=progress.show)
+            offline = found.verdict
+            draw = partial(write_sensors, offline, report, found.sketches)
+        else:
+            judged = judge_bags([bag], settings, sketched=True, progress=progress.show)
+            offline = judged.verdict
+            draw = partial(write, offline, report, judged.sketches)
+    json.write(offline, out / 'offline.json')
     say(str(offline), VERDICT_MARKS)
-    protocol = _write_protocol(offline, out / 'report.html', sketch)
+    protocol = _write_protocol(report, draw)
     print()
     code = _compare({'live': live, 'replayed': replayed}, offline)
-    print(f'protocol: {protocol}\n{_describe_page(addresses)}')
+    print(f'protocol: {protocol}\n{_describe_page(addresses, several)}')
     return code
 
 
-def _describe_page(addresses: Sequence[str]) -> str:
+def _describe_page(addresses: Sequence[str], several: bool) -> str:
     """Return the address of the live page, or how to get it."""
     if addresses:
         return f'page: {addresses[0]} showed step 1; heading-intercompare live --web shows a trial'
-    return ('page: http://127.0.0.1:8080/ shows step 1 of heading-intercompare demo --web, and a '
+    demo = 'demo --sensors --web' if several else 'demo --web'
+    return (f'page: http://127.0.0.1:8080/ shows step 1 of heading-intercompare {demo}, and a '
             'trial of heading-intercompare live --web')
 
 
-def _write_protocol(verdict: Verdict, path: Path, sketch: SeriesSketch) -> str:
+def _write_protocol(path: Path, draw: Callable[[], object]) -> str:
     """Write the protocol and return its path, or the reason why it cannot be written."""
     try:
         check_form(path)
     except ValueError as error:
         return f'left out: {error}'
-    write(verdict, path, [sketch])
+    draw()
     return str(path.resolve())
 
 
-def _compare(others: Mapping[str, Verdict], offline: Verdict) -> int:
+def _differences(one: Verdict | SensorsVerdict, other: Verdict | SensorsVerdict) -> Iterator[str]:
+    if isinstance(one, SensorsVerdict) and isinstance(other, SensorsVerdict):
+        return find_sensor_differences(one, other)
+    assert isinstance(one, Verdict) and isinstance(other, Verdict)
+    return find_differences(one, other)
+
+
+def _compare(others: Mapping[str, Verdict | SensorsVerdict],
+             offline: Verdict | SensorsVerdict) -> int:
     """Say whether the verdicts agree; 0 if they do."""
     found = [f'{name} and offline differ in {difference}' for name, other in others.items()
-             for difference in find_differences(other, offline)]
+             for difference in _differences(other, offline)]
     if found:
         print('\n'.join([*found[:20], 'live, replayed and offline verdicts DO NOT AGREE']))
         return 1
-    pairs = sum(run.n_input for run in offline.runs)
+    pairs = (sum(pair.n for pair in offline.pairs) if isinstance(offline, SensorsVerdict)
+             else sum(run.n_input for run in offline.runs))
     print(f'live, replayed and offline verdicts agree: {pairs} pairs, every count and word, '
           'every figure to 1e-12')
     return 0

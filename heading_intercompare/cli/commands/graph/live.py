@@ -9,7 +9,7 @@ import os
 from pathlib import Path
 import sys
 import time
-from typing import Any
+from typing import Any, Mapping
 
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.bags.recording.journal import name_journal
@@ -24,9 +24,12 @@ from heading_intercompare.cli.commands.note import add_note_argument, read_notes
 from heading_intercompare.cli.commands.several_sensors import choose_pair
 from heading_intercompare.cli.terminal.live_view import LiveView
 from heading_intercompare.core.decision.coverage import least_duration_words
-from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.rows.sensor_table import describe_driver, list_tested, read_sensors
-from heading_intercompare.core.sensors.pair_settings import check_sensors, settings_of_tested
+from heading_intercompare.core.sensors.pair_settings import (
+    check_norms,
+    settings_of_others,
+    settings_of_tested,
+)
 from heading_intercompare.core.settings import from_mapping, Settings, SettingsError
 from heading_intercompare.nodes.settings import ComplianceNode
 
@@ -53,19 +56,18 @@ def run(arguments: argparse.Namespace) -> int:
     config = load_config(arguments.config)
     settings = choose_pair(settings_for(config, arguments.set, ts_topic=arguments.ts,
                                         rs_topic=arguments.rs), arguments.ts, arguments.rs)
+    check_norms(settings)
     sensors = read_sensors(settings.sensors)
-    if sensors:
-        check_sensors(settings)
-    else:
-        Limits.of(settings.norms, settings.model)
     usual = _describe_drivers(settings)
     drivers = {name: {**given, **config.sections[name]}
                for name, given in usual.items() if name in config.sections}
     for name, driver in drivers.items():
-        if driver.get('source') is None:
-            raise SettingsError(f'{arguments.config}: section {name!r}: source is missing, e.g. '
-                                'source: udp://239.192.0.3:60003; without the section '
-                                f'{driver["topic"]} is heard as a topic')
+        _check_source(driver, arguments.config, name, f'{driver["topic"]} is heard as a topic')
+    moved = config.sections.get('motion_driver')
+    if moved is not None:
+        _check_source(moved, arguments.config, 'motion_driver', 'the drivers of the sensors tell '
+                      'the motion of the ship')
+        drivers = {name: {**driver, 'motion': False} for name, driver in drivers.items()}
     recorder = {**config.sections.get('recorder', {}), **(
         {'parameter_file': arguments.config} if arguments.config else {})}
     if notes := read_notes(arguments):
@@ -85,6 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
         output = name_next(output)
 
     from heading_intercompare.nodes.graph import intercompare, Source
+    from heading_intercompare.nodes.motion_driver import MotionDriver
     from heading_intercompare.nodes.nmea_driver import NmeaDriver
 
     if before is not None:
@@ -98,7 +101,8 @@ def run(arguments: argparse.Namespace) -> int:
     with LiveView(f'heading-intercompare live: {output}', 'Ctrl-C ends the trial',
                   arguments.quiet) as shown:
         verdict = intercompare(
-            [Source(NmeaDriver, name, driver) for name, driver in drivers.items()],
+            [*(Source(NmeaDriver, name, driver) for name, driver in drivers.items()),
+             *([Source(MotionDriver, 'motion_driver', moved)] if moved is not None else [])],
             {k: v for k, v in settings.to_mapping().items() if v is not None},
             output=output, report_dir=config.sections.get('compliance', {}).get('report_dir'),
             own={**config.sections, 'compliance': own, 'recorder': recorder},
@@ -106,6 +110,13 @@ def run(arguments: argparse.Namespace) -> int:
             show=None if arguments.quiet else shown.show,
             tell=None if arguments.quiet else shown.tell)
     return conclude(verdict, arguments)
+
+
+def _check_source(driver: Mapping[str, Any], config: str, name: str, otherwise: str) -> None:
+    """Raise SettingsError if the section of a driver names no source."""
+    if driver.get('source') is None:
+        raise SettingsError(f'{config}: section {name!r}: source is missing, e.g. '
+                            f'source: udp://239.192.0.3:60003; without the section {otherwise}')
 
 
 def _describe_drivers(settings: Settings) -> dict[str, dict[str, Any]]:
@@ -121,8 +132,12 @@ def _describe_drivers(settings: Settings) -> dict[str, dict[str, Any]]:
 def _find_former(journal: str, settings: Settings, within_s: float) -> str | None:
     """Return the newest recording of the trial that the journals go on with, if there is one."""
     sensors = read_sensors(settings.sensors)
-    trials = [(name_journal(journal, one.name), settings_of_tested(settings, one.name))
-              for one in list_tested(sensors)] if sensors else [(journal, settings)]
+    trials = [(journal, settings)]
+    if sensors:
+        trials = [(name_journal(journal, one.name), settings_of_tested(settings, one.name))
+                  for one in list_tested(sensors)]
+        trials += [(name_journal(journal, '.'.join(names)), own)
+                   for names, own in settings_of_others(settings).items()]
     found = (find_bag(Path(path), own, within_s=within_s, now_ns=time.time_ns())
              for path, own in trials)
     return next((bag for bag in found if bag is not None), None)

@@ -4,13 +4,12 @@
 
 from __future__ import annotations
 
-from functools import reduce
-from operator import xor
 from pathlib import Path
 import re
 import shlex
 import sys
 
+from checksums import with_checksum
 import pytest
 
 from heading_intercompare.cli import main
@@ -44,6 +43,21 @@ def test_live_replayed_and_offline_agree_on_simulated_sensors(tmp_path, capfd):
     assert main(['report', str(report), '-o', str(page)]) == 0
     assert capfd.readouterr().out == f'{read(report)}\n'
     assert page.read_text('utf-8') == html.render(read(report))
+
+
+@pytest.mark.slow
+def test_the_demo_of_four_sensors_ends_with_the_protocol_and_the_page(tmp_path, capfd):
+    out = tmp_path / 'out'
+    assert main(['demo', '--sensors', '--out', str(out), '--duration', '200', '--speed',
+                 '60']) == 0
+    text = capfd.readouterr().out
+    assert 'VERDICT on 4 sensors: ' in text and 'replayed and offline verdicts agree: ' in text
+    assert 'who is wrong: ' in text
+    *_, protocol, page = text.splitlines()
+    assert protocol == f'protocol: {out / "report.html"}'
+    assert 'heading-intercompare demo --sensors --web' in page
+    assert {path.name for path in out.glob('report*')} == {
+        'report.html', 'report-gyro1.html', 'report-gyro2.html', 'report-ins.html'}
 
 
 @pytest.mark.slow
@@ -85,15 +99,14 @@ def test_real_logs_played_live_give_the_verdict_of_their_import(ts, rs, n, share
     live, bag, imported = (str(tmp_path / name) for name in ('live.json', 'bag', 'imported'))
     assert main(['live', '--config', str(config), '-o', bag, '--json', live]) == 0
     assert main(['import-nmea', '--ts', str(shared_data / ts), '--rs', str(shared_data / rs),
-                 '-o', imported,
-                 # Live there is no check against the motion of the ship.
-                 '--set', 'motion.compare=false']) == 0
+                 '-o', imported]) == 0
     capfd.readouterr()
     verdicts = [read(live)]
     for path in (bag, imported):
         assert main(['analyze', path, '--config', str(config), '--json', '-']) == 0
         verdicts.append(parse(capfd.readouterr().out))
     assert sum(run.n for run in verdicts[0].runs) == n
+    assert [run.motion.kind for run in verdicts[0].runs] == ['agrees']
     for other in verdicts[1:]:
         assert list(find_differences(verdicts[0], other)) == []
 
@@ -103,9 +116,8 @@ def log(path, first_s):
     lines = []
     for i in range(300):
         body = f'HEHDT,{90.0 + 0.02 * (i * 7 % 11):.2f},T'
-        checksum = reduce(xor, body.encode())
         minutes, seconds = divmod(first_s + i / 5, 60)
-        lines.append(f'2014-08-01T00:{minutes:02.0f}:{seconds:09.6f}Z ${body}*{checksum:02X}\n')
+        lines.append(f'2014-08-01T00:{minutes:02.0f}:{seconds:09.6f}Z {with_checksum(body)}\n')
     path.write_text(''.join(lines))
     return f'file:{path}'
 
@@ -135,6 +147,8 @@ def test_the_tutorials_of_the_live_graph_run_as_printed(page, tmp_path, capfd, m
 
 @pytest.mark.parametrize('text, words', [
     ('ts_driver: {ros__parameters: {topic: gyro}}', "section 'ts_driver': source is missing"),
+    ('motion_driver: {ros__parameters: {speed: 1.0}}',
+     "section 'motion_driver': source is missing"),
     ('ts_driver: {ros__parameters: {source: "ftp://x"}}\n'
      'rs_driver: {ros__parameters: {source: "udp://:1"}}', 'must be file:PATH'),
     ('ts_driver: {ros__parameters: {source: "file:nowhere.log"}}\n'

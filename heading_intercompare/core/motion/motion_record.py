@@ -1,0 +1,156 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The motion of the ship during the run in progress: it grows for hours, and forgets."""
+
+from __future__ import annotations
+
+from typing import Callable, Mapping
+
+import numpy as np
+
+from heading_intercompare.core.records import Motion
+from heading_intercompare.core.runs.growing_columns import Column, Keep
+
+__all__ = ['find_newest', 'leave_out_known', 'MotionRecord', 'RunMotion']
+
+_COLUMNS = Motion.__slots__
+#: Motion from up to this time before a run is kept: pairs may come later than the motion.
+_KEPT_BEFORE_NS = 1800 * 10 ** 9
+
+
+class MotionRecord:
+    """
+    Rows of motion in any order.
+
+    Parameters
+    ----------
+    keep : Keep, optional
+        Stores full pages, so that memory does not grow (see `Column`).
+
+    Attributes
+    ----------
+    oldest_ns, newest_ns : int or None
+        The smallest and the largest stamp; None without rows.
+
+    """
+
+    def __init__(self, keep: Keep | None = None) -> None:
+        self._columns = {name: Column(np.int64 if name == 'stamp_ns' else np.float64, keep)
+                         for name in _COLUMNS}
+        self.oldest_ns: int | None = None
+        self.newest_ns: int | None = None
+
+    def __len__(self) -> int:
+        return len(self._columns['stamp_ns'])
+
+    def take(self, motion: Motion) -> None:
+        """Add rows."""
+        if not len(motion):
+            return
+        for name, column in self._columns.items():
+            column.append(getattr(motion, name))
+        first, last = int(motion.stamp_ns.min()), int(motion.stamp_ns.max())
+        self.oldest_ns = first if self.oldest_ns is None else min(self.oldest_ns, first)
+        self.newest_ns = last if self.newest_ns is None else max(self.newest_ns, last)
+
+    def rows(self) -> Motion:
+        """Return all rows, as they came; valid until the next `take`."""
+        return Motion(*[column.values for column in self._columns.values()])
+
+    def after(self, stamp_ns: int, keep: Keep | None = None) -> 'MotionRecord':
+        """Return a record of the rows after a stamp; this one stays as it is."""
+        left = MotionRecord(keep)
+        rows = self.rows()
+        left.take(rows[rows.stamp_ns > stamp_ns])
+        return left
+
+
+class RunMotion:
+    """
+    The motion that the judging of runs needs, and no more.
+
+    Parameters
+    ----------
+    keeper : callable
+        Returns the store for the pages of a record, or None; as for `Compliance`.
+
+    Attributes
+    ----------
+    late : int
+        Rows that came after their run was judged, and are not used.
+
+    """
+
+    def __init__(self, keeper: Callable[[], Keep | None] = lambda: None) -> None:
+        self._keeper = keeper
+        self._record: MotionRecord | None = None
+        self._judged_ns: int | None = None
+        self.late = 0
+
+    def take(self, motion: Motion) -> None:
+        """Take rows in any order."""
+        if self._judged_ns is not None:
+            late = motion.stamp_ns <= self._judged_ns
+            self.late += int(np.count_nonzero(late))
+            motion = motion[~late]
+        if len(motion):
+            if self._record is None:
+                self._record = MotionRecord(self._keeper())
+            self._record.take(motion)
+
+    @property
+    def rows(self) -> Motion | None:
+        """The rows after the last judged run; None if there never was any motion."""
+        return None if self._record is None else self._record.rows()
+
+    def end_run(self, end_ns: int) -> None:
+        """Forget what belongs to a run that was judged, given the stamp of its last pair."""
+        self._judged_ns = end_ns
+        if self._record is not None:
+            self._record = self._record.after(end_ns, self._keeper())
+
+    def forget(self, run_start_ns: int | None) -> None:
+        """Forget what is older than any run to come, or than the run in progress."""
+        record = self._record
+        if record is None or record.newest_ns is None or record.oldest_ns is None:
+            return
+        since_ns = record.newest_ns if run_start_ns is None else run_start_ns
+        if record.oldest_ns < since_ns - 2 * _KEPT_BEFORE_NS:
+            self._record = record.after(since_ns - _KEPT_BEFORE_NS, self._keeper())
+
+
+def find_newest(motion: Motion) -> dict[str, int]:
+    """
+    Return the newest stamp of each thing that motion tells.
+
+    Examples
+    --------
+    >>> find_newest(Motion.of_rates([3, 5], [0.1, 0.2]))
+    {'rate': 5}
+
+    """
+    return {what: int(rows.stamp_ns.max()) for what, rows in motion.split().items() if len(rows)}
+
+
+def leave_out_known(motion: Motion, newest_ns: Mapping[str, int]) -> Motion:
+    """
+    Return the rows after the newest stamps of what is known already.
+
+    Parameters
+    ----------
+    motion : Motion
+    newest_ns : mapping of str to int
+        Of `find_newest`.
+
+    Notes
+    -----
+    A publisher sends its newest messages again to a new subscription. So a node that was started
+    again gets some rows for a second time.
+
+    """
+    known = np.zeros(len(motion), bool)
+    for what, column in (('fix', motion.latitude_deg), ('velocity', motion.east_m_s),
+                         ('rate', motion.rate_deg_s)):
+        if what in newest_ns:
+            known |= np.isfinite(column) & (motion.stamp_ns <= newest_ns[what])
+    return motion[~known]

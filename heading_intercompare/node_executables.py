@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The executables of the nodes.
+
+Loading a node takes a second or so. A Ctrl-C that comes meanwhile ends the process without a word,
+because nothing has begun. Once the node is there, it ends as `ros.process` says.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+import os
+import signal
+import sys
+from typing import Callable
+
+from heading_intercompare.missing_module import explain_missing
+
+__all__ = ['compliance', 'dashboard', 'motion_driver', 'nmea_driver', 'recorder', 'replayer',
+           'sensor_simulator', 'sensors_watch', 'synchronizer']
+
+
+def _end_at_once(*_: object) -> None:
+    os._exit(0)
+
+
+def _starter(name: str) -> Callable[[], int]:
+    """Return a function that loads a node and runs it, and returns the exit code."""
+    def start() -> int:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, _end_at_once)
+        try:
+            module = import_module(f'heading_intercompare.nodes.{name}')
+        except ModuleNotFoundError as error:
+            if (words := explain_missing(error)) is None:
+                raise
+            sys.stderr.write(f'{name}: error: {words}\n')
+            return 2
+        code: int = module.main()
+        return code
+    return start
+
+
+compliance = _starter('compliance')
+dashboard = _starter('dashboard')
+motion_driver = _starter('motion_driver')
+nmea_driver = _starter('nmea_driver')
+recorder = _starter('recorder')
+replayer = _starter('replayer')
+sensor_simulator = _starter('sensor_simulator')
+sensors_watch = _starter('sensors_watch')
+synchronizer = _starter('synchronizer')

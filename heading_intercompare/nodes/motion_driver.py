@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node `motion_driver`: the motion of the ship from a source of its own."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Sequence
+
+from rclpy.node import Node
+
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.messages.status_messages import OK, WARN
+from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
+from heading_intercompare.nodes.ros.process import run
+from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.runtime.driver_motion import DriverMotion
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.runtime.publishing import Audience, await_acknowledgement
+from heading_intercompare.nodes.runtime.source_thread import Reading
+
+from .settings import DriverNode, Sending, Taking
+
+__all__ = ['main', 'MotionDriver']
+
+
+class MotionDriver(Node):
+    """Publish the motion in the sentences of a source, whatever headings they tell."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__('motion_driver', **OVERRIDES, **kwargs)
+        analysis, settings, sending, self._taking, own = declare(
+            self, Settings, DriverSettings, Sending, Taking, DriverNode)
+        self.done = self.ended = False
+        self.health = Health(self)
+        wake = self.create_guard_condition(self._pass_on)
+        self._reading = Reading(settings, sending.max_rate_hz, wake.trigger)
+        self._motion = DriverMotion(self, self.health, analysis, settings, own, alone=True)
+        if self._reading.from_file:
+            self._motion.open()
+            if own.origin_ns is not None:
+                self.play_from(own.origin_ns)
+        wanted = sending.subscribers if self._motion.publishers else 0
+        self._audience = Audience(self, self._motion.publishers, wanted, self.health)
+        self._flushed = self._ending = False
+        self._newest_s, self._n_before = time.monotonic(), 0
+        self._later = every(self, 0.01, self._pass_on)
+        self.health.add_refresher(self._note)
+        every(self, 0.05, self._begin)
+        self._begin()
+
+    @property
+    def first_ns(self) -> int | None:
+        """First stamp of a log; None for other sources."""
+        return getattr(self._reading.source, 'first_ns', None)
+
+    def play_from(self, origin_ns: int) -> None:
+        """Let a log start at a log time, to play in step with others; call it before the start."""
+        self._reading.source.origin_ns = origin_ns
+
+    def _begin(self) -> None:
+        if not self._reading.started and self._audience.is_there():
+            self._reading.start()
+
+    def _pass_on(self) -> None:
+        """Publish the motion in the bytes received."""
+        if self.ended:
+            return
+        for received in self._reading.take():
+            self._motion.feed(received)
+        if self._reading.over and not self._flushed:
+            self._flushed = True
+            self._motion.flush()
+        if self._motion.publish():
+            self._later.reset()
+            return
+        self._later.cancel()
+        if (self._flushed and not self.done) or self._ending:
+            await_acknowledgement(self._motion.publishers)
+            self.done, self.ended = self._flushed, self._ending
+
+    def _note(self) -> None:
+        if self._reading.started and not self.done:
+            self._pass_on()
+        now_s, n = time.monotonic(), self._motion.n_published
+        if n != self._n_before:
+            self._newest_s, self._n_before = now_s, n
+        age_s = now_s - self._newest_s
+        allowed_s = self._taking.stale_s if n else self._taking.first_wait_s
+        silent = self._reading.started and not self.done and age_s > allowed_s
+        words = f'no motion for more than {allowed_s:g} s; ' if silent else ''
+        self.health.note('source', WARN if silent else OK, words + self._reading.source.status,
+                         published=n, age_s=age_s, **self._reading.source.counts)
+
+    def end(self) -> None:
+        """Stop reading; `ended` becomes True once everything received is published."""
+        self._reading.stop()
+        self._ending = True
+        self._pass_on()
+
+    def destroy_node(self) -> None:
+        """Stop reading and destroy the node."""
+        self._reading.stop()
+        super().destroy_node()
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node."""
+    return run('motion_driver', MotionDriver, args)

@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The arguments of the launch files, which come as text; a mistake is told in one line."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import Any
+
+from heading_intercompare.core.settings import SettingsError
+
+__all__ = ['check_path', 'common_arguments', 'read_namespace', 'read_number', 'read_switch']
+
+_SWITCHES = {**dict.fromkeys(('true', 'yes', 'on', '1'), True),
+             **dict.fromkeys(('false', 'no', 'off', '0'), False)}
+# Seconds after Ctrl-C. The recorder ends after the last verdict, and each node waits at most 9 s.
+# Without this `ros2 launch` loses patience after 5.
+_END_S = '20'
+_LEVELS = ('debug', 'info', 'warn', 'error', 'fatal')
+
+
+def check_path(name: str, text: str, what: str) -> None:
+    """Raise SettingsError if an argument names no file or folder; `what` says what it must be."""
+    if not text:
+        raise SettingsError(f'{name} is missing: give {name}:=PATH of {what}')
+    if not os.path.exists(text):
+        raise SettingsError(f'{name}:={text}: does not exist; give the path of {what}')
+
+
+def read_switch(name: str, text: str) -> bool:
+    """
+    Return an argument that is true or false, in any case.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument, for the message.
+    text : str
+        Its value.
+
+    Raises
+    ------
+    SettingsError
+        If it is neither.
+
+    Examples
+    --------
+    >>> read_switch('record', 'True'), read_switch('record', 'off')
+    (True, False)
+
+    """
+    found = _SWITCHES.get(text.strip().lower())
+    if found is None:
+        raise SettingsError(f'{name}:={text}: must be true or false')
+    return found
+
+
+def read_number(name: str, text: str) -> float:
+    """
+    Return an argument that is a number of at least 0.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument, for the message.
+    text : str
+        Its value.
+
+    Raises
+    ------
+    SettingsError
+        If it is none.
+
+    """
+    try:
+        found = float(text)
+    except ValueError:
+        found = math.nan
+    if not 0.0 <= found < math.inf:
+        raise SettingsError(f'{name}:={text}: must be a number of at least 0')
+    return found
+
+
+def read_namespace(text: str) -> str:
+    """
+    Return a namespace with its leading slash and without others around it.
+
+    Examples
+    --------
+    >>> read_namespace('ship1'), read_namespace('/fleet/ship1/'), read_namespace('/')
+    ('/ship1', '/fleet/ship1', '/')
+
+    """
+    return '/' + text.strip().strip('/')
+
+
+def common_arguments(executable: str, log_level: str, use_sim_time: bool,
+                     ) -> tuple[dict[str, Any], dict[str, Any]]:
+    """
+    Return what every node of a launch file gets.
+
+    Parameters
+    ----------
+    executable : str
+        The executable, whose enclave the security policy names.
+    log_level : str
+        Least level that a node logs.
+    use_sim_time : bool
+        Whether its clock is `/clock`.
+
+    Returns
+    -------
+    tuple of dict and dict
+        Arguments of `launch_ros.actions.Node`; parameters of the node.
+
+    Raises
+    ------
+    SettingsError
+        If there is no such level.
+
+    """
+    if log_level.lower() not in _LEVELS:
+        raise SettingsError(f'log_level:={log_level}: must be one of {", ".join(_LEVELS)}')
+    words = ['--log-level', log_level.lower()]
+    if os.environ.get('ROS_SECURITY_ENABLE') == 'true':
+        words += ['--enclave', f'/heading_intercompare/{executable}']
+    return ({'ros_arguments': words, 'sigterm_timeout': _END_S},
+            {'use_sim_time': True} if use_sim_time else {})

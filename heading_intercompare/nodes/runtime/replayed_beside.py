@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a recording holds and lacks beside headings, published: motion, marks, losses."""
+
+from __future__ import annotations
+
+from typing import Mapping
+
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+
+from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, BagReader
+from heading_intercompare.bags.rosbag2.motion_topics import find_motion_topics, motion_topics
+from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
+from heading_intercompare.core.settings import MotionRule
+from heading_intercompare.messages.ledger_messages import encode_losses, lost_topic
+from heading_intercompare.messages.marks import MARKER_TOPIC
+from heading_intercompare.messages.stamps import header_stamp_ns
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.message_types import MOTION_TYPES
+
+from .health import Health
+from .loss_publisher import LossPublisher
+
+__all__ = ['publish_marks', 'ReplayedLosses', 'ReplayedMotion']
+
+
+def publish_marks(reader: BagReader, publisher: Publisher) -> int:
+    """Publish all marks of a recording; return their number."""
+    topics = [name for name in reader.topics if name.lstrip('/') == MARKER_TOPIC]
+    marks = [message.data for message in reader.messages(topics)] if topics else []
+    for mark in marks:
+        publisher.publish(mark)
+    return len(marks)
+
+
+class ReplayedMotion:
+    """
+    Publishes the motion in a recording.
+
+    Parameters
+    ----------
+    reader : BagReader
+        The bag.
+    rule : MotionRule
+        Names the topics. Without `compare` nothing is published.
+
+    Attributes
+    ----------
+    topics : list of str
+        Names of the topics in the settings, of those that the bag has.
+    in_bag : list of str
+        Their names in the bag.
+    publishers : dict of str to Publisher
+        By the names in the bag.
+
+    Raises
+    ------
+    BagError
+        As in `find_motion_topics`.
+
+    """
+
+    def __init__(self, reader: BagReader, rule: MotionRule) -> None:
+        found = find_motion_topics(reader, rule) if rule.compare else {}
+        self._told = {name: told[0] for name, told in found.items()}
+        self.in_bag, named = [*found], motion_topics(rule)
+        self.topics = [named[what] for what, _ in self._told.values()]
+        self.publishers: dict[str, Publisher] = {}
+
+    def open(self, node: Node, health: Health) -> None:
+        """Make the publishers."""
+        for topic, (name, (what, kind)) in zip(self.topics, self._told.items()):
+            self.publishers[name] = node.create_publisher(
+                MOTION_TYPES[what][kind], topic, qos.HEADINGS_OUT,
+                event_callbacks=health.of_publisher(topic))
+
+    def take(self, message: BagMessage) -> bool:
+        """Tell whether a message of the bag is of the motion, and publish it if so."""
+        publisher = self.publishers.get(message.topic)
+        if publisher is None:
+            return False
+        publisher.publish(message.data)
+        return True
+
+
+class ReplayedLosses:
+    """
+    Publishes what a recording lacks, beside its headings, so that a replay counts it too.
+
+    Parameters
+    ----------
+    node : Node
+        The node that publishes the headings.
+    reader : BagReader
+        The bag.
+    names : mapping of str to str
+        Full name under which a topic of the bag is published.
+
+    Attributes
+    ----------
+    topics : list of str
+        Topics of the bag to replay: the headings, and what the drivers said.
+
+    """
+
+    def __init__(self, node: Node, reader: BagReader, names: Mapping[str, str]) -> None:
+        self._publishers = {topic: LossPublisher(node, name) for topic, name in names.items()}
+        self._told = {lost: self._publishers[topic] for topic in names
+                      if (lost := lost_topic(topic)) in reader.topics}
+        self.topics = [*names, *self._told]
+        self._keeps_numbers = reader.keeps_numbers()
+        self._round = 0
+        self._taken: dict[str, list[tuple[int, int]]] = {}
+        self._numbering: dict[str, Numbering] = {}
+
+    def take(self, message: BagMessage, round_: int) -> bool:
+        """Take the next message of the bag; tell whether it is one of losses, and publish that."""
+        if message.topic in self._told:
+            self._told[message.topic].publish(message.data)
+            return True
+        if self._keeps_numbers:
+            if round_ != self._round:
+                self.publish()
+                self._round = round_
+                self._numbering = {topic: Numbering() for topic in self._publishers}
+            self._taken.setdefault(message.topic, []).append(
+                (message.sequence, header_stamp_ns(message.data)))
+        return False
+
+    def publish(self) -> None:
+        """Publish the gaps among the numbers of the headings taken since the last call."""
+        taken, self._taken = self._taken, {}
+        for topic, rows in taken.items():
+            losses = self._numbering[topic].take(*zip(*rows))
+            if len(losses):
+                self._publishers[topic].publish(encode_losses({'lost.on_the_way': losses}))

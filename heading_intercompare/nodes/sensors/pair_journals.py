@@ -1,0 +1,183 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The runs in progress of the pairs without the reference, kept on disk; and what was missed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+import time
+from typing import Iterator, Mapping
+
+from rclpy.node import Node
+
+from heading_intercompare.core.pairing.incarnations import Incarnations
+from heading_intercompare.core.pairing.ledger import Ledger
+from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.sensors.comparison import SensorsComparison
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.judge import RunResult
+from heading_intercompare.messages.ledger_messages import LedgerMessage
+from heading_intercompare.nodes.judging.trial_journal import TrialJournal
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.settings import SensorsNode
+from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
+
+__all__ = ['PairJournals']
+
+Names = tuple[str, str]
+
+#: Readings that may be half of a pair for longer than this are few.
+_LONGEST_GAP_S = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Taken:
+    """All that had been taken up to a newest stamp, and the number of pairs by then."""
+
+    newest_ns: int
+    ledgers: Mapping[Names, LedgerMessage]
+
+
+class PairJournals:
+    """
+    Keeps the runs in progress of all pairs of a comparison, a journal each, and goes on from them.
+
+    Parameters
+    ----------
+    node, health
+        The node, and its state.
+    settings : Settings
+        With `sensors`.
+    own : SensorsNode
+        Settings `journal`, `report_dir`, `resume_within_s` and `bag`.
+    comparison : SensorsComparison
+        Its pairs without the reference go on from their journals.
+    headings : HeadingsIntake
+        The headings by sensor, before the first is taken. It begins where the journals end.
+
+    Attributes
+    ----------
+    marks : set of (str, int)
+        Marks that took effect before.
+
+    Notes
+    -----
+    A ledger is kept with the numbers of the readings that it counts, and its successor takes the
+    readings after these again. It makes pairs of them again, which the judgement already has. So a
+    ledger is kept only when pairs have been judged so far after it that no later pair needs a
+    reading that it counts.
+
+    """
+
+    def __init__(self, node: Node, health: Health, settings: Settings, own: SensorsNode,
+                 comparison: SensorsComparison, headings: HeadingsIntake) -> None:
+        self._others, self._headings = comparison.others, headings
+        self._started_ns, rule = time.time_ns(), settings.pairing
+        self._behind_ns = round(min(rule.max_gap_s, _LONGEST_GAP_S) * 1e9)
+        # A sensor that is not there does not hold up the others for ever.
+        self._latest_ns = self._behind_ns + round((rule.auto_s + rule.max_wait_s) * 1e9)
+        self._taken: _Taken | None = None
+        self._journals = {names: TrialJournal(node, one.compliance, own, health, '.'.join(names))
+                          for names, one in self._others.items()}
+        self.marks = {mark for one in self._journals.values() for mark in one.kept.marks}
+        self._before = {names: {**one.kept.numbers} for names, one in self._journals.items()}
+        self._uncounted = {names for names, one in self._journals.items()
+                           if one.kept.n_pairs and not one.kept.ledgers}
+        self._go_on()
+        for names, one in self._others.items():
+            one.keep_with(partial(self._keep, names))
+            for _, stamp_ns in sorted(self.marks, key=lambda mark: mark[1]):
+                one.pairer.ledger.cut_run(stamp_ns + 1)
+
+    def _go_on(self) -> None:
+        """Take the headings after the newest ledgers of the process before."""
+        numbers: dict[str, tuple[str, int]] = {}
+        for names, journal in self._journals.items():
+            newest = max(journal.kept.ledgers.values(), key=lambda one: one.started_ns,
+                         default=None)
+            for name, stream in zip(names, ('ts', 'rs')):
+                if newest is not None and stream in newest.numbers:
+                    one = newest.numbers[stream]
+                    numbers[name] = min(numbers.get(name, (one.last_publisher, one.last)),
+                                        (one.last_publisher, one.last))
+        for name, (publisher, last) in numbers.items():
+            self._headings.intakes[name].resume_after(publisher, last)
+
+    def _keep(self, names: Names, pairs: Pairs) -> None:
+        paired = self._others[names].pairer.ledger.paired if len(pairs) else 0
+        self._journals[names].add(pairs, {**self._before[names],
+                                          str(self._started_ns): (1, paired, 0)})
+
+    def mark(self, kind: str, stamp_ns: int) -> None:
+        """Keep a mark, before it takes effect."""
+        for journal in self._journals.values():
+            journal.mark(kind, stamp_ns)
+
+    def tick(self, clear: bool) -> None:
+        """Write what is due; call it after each judgement. `clear` as for `TrialJournal.tick`."""
+        for journal in self._journals.values():
+            journal.tick(clear)
+
+    def look(self, newest_ns: int | None) -> None:
+        """Keep the ledgers, given the newest stamp of any sensor; call it once a second."""
+        if newest_ns is None:
+            return
+        if self._taken is not None:
+            if newest_ns <= self._taken.newest_ns + self._latest_ns and not all(
+                    self._is_past(names, newest_ns) for names in self._others):
+                return
+            for names, ledger in self._taken.ledgers.items():
+                self._journals[names].book(ledger)
+        self._taken = _Taken(newest_ns, {names: self._book(names) for names in self._others})
+
+    def _book(self, names: Names) -> LedgerMessage:
+        """Return the ledger of a pair as it is now."""
+        ledger, numbers = self._others[names].pairer.ledger, self._headings.numbers
+        copy = Ledger.from_segments(ledger.segments, ledger.newest_ns, [
+            one for some in ledger.set_backs.values() for one in some])
+        return LedgerMessage(copy, False, self._started_ns, {
+            stream: numbers[name] for name, stream in zip(names, ('ts', 'rs'))})
+
+    def _is_past(self, names: Names, newest_ns: int) -> bool:
+        """Tell whether no pair to come needs a reading that the ledgers count."""
+        assert self._taken is not None
+        one, until_ns = self._others[names], self._taken.newest_ns + self._behind_ns
+        if (one.compliance.newest_ns or 0) >= until_ns:
+            return True
+        silent = one.pairer.ledger.paired == self._taken.ledgers[names].ledger.paired
+        return silent and not one.pairer.choosing and newest_ns >= until_ns
+
+    def _sum(self, names: Names) -> Incarnations:
+        """Return the ledgers of a pair of all processes, the last one as it is now."""
+        made = Incarnations()
+        for started_ns, kept in sorted(self._journals[names].kept.ledgers.items()):
+            if started_ns != self._started_ns:
+                made.take(*kept)
+        numbers = self._headings.numbers
+        made.take(self._others[names].pairer.ledger, False, self._started_ns, {
+            stream: numbers[name] for name, stream in zip(names, ('ts', 'rs'))})
+        return made
+
+    def results(self) -> dict[Names, list[RunResult]]:
+        """Return the runs of each pair judged so far, with their shares of all ledgers."""
+        return {names: one.compliance.results(self._sum(names).total)
+                for names, one in self._others.items()}
+
+    def problems(self) -> dict[Names, list[str]]:
+        """Return, in plain sentences, what each pair missed."""
+        return {names: [*self._problems(names)] for names in self._others}
+
+    def _problems(self, names: Names) -> Iterator[str]:
+        yield from self._sum(names).problems('sensors_watch', names)
+        if names in self._uncounted:
+            yield ('sensors_watch was restarted before its first ledger: the readings up to then, '
+                   'and those that came while it was down, are not counted')
+        if dropped := self._journals[names].kept.dropped:
+            yield (f'{dropped} records of the run in progress could not be kept before '
+                   'sensors_watch was started again')
+
+    def close(self) -> None:
+        """Remove the journals: the trial is over, and its report is out."""
+        for journal in self._journals.values():
+            journal.close()

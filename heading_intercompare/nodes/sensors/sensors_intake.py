@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The headings of several sensors to their comparison, and how each sensor reports now."""
+
+from __future__ import annotations
+
+import time
+
+from rclpy.node import Node
+
+from heading_intercompare.core.pairing.ledger import LedgerKey
+from heading_intercompare.core.records import Headings, Losses
+from heading_intercompare.core.sensors.comparison import SensorsComparison
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.settings import Taking
+from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
+from heading_intercompare.web.figures.stream_watch import SensorView, StreamWatch
+
+__all__ = ['SensorsIntake']
+
+
+class SensorsIntake:
+    """
+    Takes the headings of several sensors, and tells the comparison what was lost.
+
+    Parameters
+    ----------
+    node, health, taking
+        As for `Intake`.
+    comparison : SensorsComparison
+
+    Attributes
+    ----------
+    heard : HeadingsIntake
+        The headings by sensor.
+    newest_ns : int or None
+        The newest stamp of any sensor; None before the first reading.
+
+    """
+
+    def __init__(self, node: Node, health: Health, taking: Taking,
+                 comparison: SensorsComparison) -> None:
+        self._comparison = comparison
+        streams = {one.name: (one.heading_topic, one.convention) for one in comparison.sensors}
+        self.heard = HeadingsIntake(node, health, taking, streams, self._lose)
+        self._watches = {name: StreamWatch(taking.stale_s) for name in streams}
+        self.newest_ns: int | None = None
+
+    def take(self, *, last: bool = False) -> dict[str, Headings]:
+        """Return the readings since the last call, by sensor; `last` says that none follow."""
+        found = self.heard.take(last=last)
+        for name, some in found.items():
+            if len(some):
+                self._watches[name].take(some, self.heard.received_ns[name], time.monotonic())
+                self.newest_ns = max(self.newest_ns or 0, int(some.stamp_ns[-1]))
+        return found
+
+    def _lose(self, name: str, lost_as: str, losses: Losses) -> None:
+        self._comparison.lose(name, LedgerKey.of_told('ts', lost_as), losses)
+
+    def view(self) -> dict[str, SensorView]:
+        """Return each sensor as it reports now."""
+        now_s = time.monotonic()
+        return {name: watch.view(now_s) for name, watch in self._watches.items()}

@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The headings of any number of streams, each topic heard once, with what was lost of them."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Callable, Mapping
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+
+from heading_intercompare.core.pairing.incarnations import StreamNumbers
+from heading_intercompare.core.records import Headings, Losses
+from heading_intercompare.messages.heading_messages import read_headings
+from heading_intercompare.messages.ledger_messages import decode_losses, lost_topic
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.batches import Unwatched
+from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.settings import Taking
+
+from .intake import Intake
+from .raw_subscription import subscribe
+
+__all__ = ['HeadingsIntake']
+
+
+class HeadingsIntake:
+    """
+    Takes the headings of several streams.
+
+    Parameters
+    ----------
+    node, health, taking
+        As for `Intake`.
+    streams : mapping of str to (str, str)
+        Topic and convention of each stream, by its name.
+    lose : callable
+        Called with the name of a stream, the fate of some readings (`LOST_AS`), and how many there
+        are: lost on the way, and those that a driver says it never published.
+    arrivals : Unwatched, optional
+        As for `Intake`.
+
+    Attributes
+    ----------
+    intakes : dict of str to Intake
+        The input of each stream.
+    received_ns : dict of str to int
+        When the newest message of each stream arrived, UTC ns; without those never heard.
+
+    """
+
+    def __init__(self, node: Node, health: Health, taking: Taking,
+                 streams: Mapping[str, tuple[str, str]],
+                 lose: Callable[[str, str, Losses], None],
+                 arrivals: Unwatched | None = None) -> None:
+        self._lose_some = lose
+        self._conventions = {name: convention for name, (_, convention) in streams.items()}
+        self.intakes = {name: Intake(
+            node, topic, HEADING_TYPES, qos.HEADINGS_IN, health,
+            unreliable=qos.HEADINGS_UNRELIABLE, kept=qos.HEADINGS_KEPT, stale_s=taking.stale_s,
+            first_wait_s=taking.first_wait_s, lost_shown_s=taking.lost_shown_s, stamped=True,
+            arrivals=arrivals) for name, (topic, _) in streams.items()}
+        for name, intake in self.intakes.items():
+            subscribe(node, DiagnosticArray, lost_topic(intake.full_name), qos.LOST, health,
+                      decode_losses, partial(self._lose, name))
+        self.received_ns: dict[str, int] = {}
+
+    def take(self, *, last: bool = False) -> dict[str, Headings]:
+        """Return the readings since the last call, by stream; `last` says that none follow."""
+        for intake in self.intakes.values() if last else ():
+            intake.bring_back()
+        taken = {name: self._take(name, intake) for name, intake in self.intakes.items()}
+        for name, intake in self.intakes.items():
+            self._lose(name, {'lost.on_the_way': intake.take_losses()})
+        return taken
+
+    def _take(self, name: str, intake: Intake) -> Headings:
+        taken = intake.take()
+        if taken:
+            self.received_ns[name] = taken[-1][1]['received_timestamp']
+        headings, refused = read_headings(intake.type_name, self._conventions[name],
+                                          [message for message, _ in taken])
+        intake.refuse(refused)
+        return headings
+
+    def _lose(self, name: str, found: Mapping[str, Losses]) -> None:
+        for lost_as, losses in found.items():
+            self._lose_some(name, lost_as, losses)
+
+    @property
+    def numbers(self) -> dict[str, StreamNumbers]:
+        """The numbers of the readings taken so far, by stream."""
+        return {name: intake.numbers for name, intake in self.intakes.items()}
+
+    def count_publishers(self) -> int:
+        """Look at all topics; return the number of their publishers."""
+        for intake in self.intakes.values():
+            intake.look()
+        return sum(intake.publishers for intake in self.intakes.values())

@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The headings that belong to a verdict: from the first to the last one that was judged."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Mapping, Sequence
+
+from .reception import Message, number_of
+from .recorded_topics import Recorded
+
+__all__ = ['JudgedHeadings']
+
+# A synchronizer that starts together with the recorder is there within the first. It tells what it
+# took a second after its pairs have their subscribers, for which it waits less than the second.
+_COMES_S, _BEGINS_S = 1.0, 15.0
+
+
+class JudgedHeadings:
+    """
+    Keeps headings until it is known whether the synchronizer took them.
+
+    The sensors of other packages send before a graph begins and after it has ended. What they send
+    then is in no verdict, so it is not in the bag, whose verdict is that of the graph. In between
+    nothing is kept back.
+
+    Parameters
+    ----------
+    topics : mapping of str to Recorded
+        All topics of the recorder.
+
+    Attributes
+    ----------
+    left_out : Counter of str
+        Headings that nobody has judged, by full name of their topic.
+
+    """
+
+    def __init__(self, topics: Mapping[str, Recorded]) -> None:
+        self._topics = topics
+        self._since_s: dict[str, float] = {}
+        self._begun = {topic for topic, one in topics.items() if not one.spans}
+        self._held: dict[str, list[Message]] = {}
+        self.left_out: Counter[str] = Counter()
+
+    def take(self, topic: str, messages: Sequence[Message], now_s: float,
+             ending: bool) -> list[Message]:
+        """
+        Take the next headings of a topic; messages of another one pass.
+
+        Parameters
+        ----------
+        topic : str
+        messages : sequence of Message
+        now_s : float
+            Steady time, seconds.
+        ending : bool
+            The graph ends: headings are kept until `release`.
+
+        Returns
+        -------
+        list of Message
+            What is to be recorded now.
+
+        """
+        if not self._topics[topic].is_heading:
+            return [*messages]
+        held = self._held.setdefault(topic, [])
+        held += messages
+        if ending or not held:
+            return []
+        if topic not in self._begun:
+            first = self._topics[topic].first_judged
+            since_s = self._since_s.setdefault(topic, now_s)
+            graph = any(one.intake.publishers for one in self._topics.values() if one.is_ledger)
+            if first is None and now_s < since_s + (_BEGINS_S if graph else _COMES_S):
+                return []
+            self._begun.add(topic)
+            self._held[topic] = []
+            return self._keep(topic, held, first or 0, None)
+        self._held[topic] = []
+        return held
+
+    def release(self) -> list[tuple[str, Message]]:
+        """Return the headings kept at the end, with their topics, up to the last one judged."""
+        kept = []
+        for topic, held in self._held.items():
+            one = self._topics[topic]
+            first = 0 if topic in self._begun else one.first_judged or 0
+            kept += [(topic, message) for message in self._keep(topic, held, first,
+                                                                one.last_judged)]
+        self._held = {}
+        return kept
+
+    def _keep(self, topic: str, messages: Sequence[Message], first: int,
+              last: int | None) -> list[Message]:
+        kept = [message for message in messages if first <= number_of(message) and (
+            last is None or number_of(message) <= last)]
+        self.left_out[self._topics[topic].intake.full_name] += len(messages) - len(kept)
+        return kept
+
+    def may_come(self) -> bool:
+        """Tell whether a heading that was judged is still under way."""
+        return any(one.intake.last_sequence < (one.last_judged or 0)
+                   for one in self._topics.values())

@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The motion of the ship from its three topics, for a node that judges."""
+
+from __future__ import annotations
+
+import time
+from typing import Mapping, Protocol, Sequence
+
+from rclpy.node import Node
+
+from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
+from heading_intercompare.core.motion.motion_record import leave_out_known
+from heading_intercompare.core.records import Motion
+from heading_intercompare.core.settings import MotionRule
+from heading_intercompare.messages.motion.motion_messages import read_told
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.message_types import MOTION_TYPES
+from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.settings import Taking
+
+from .intake import Intake
+
+__all__ = ['make_motion_intake', 'MotionIntake', 'MotionTaker']
+
+# How often to look for publishers of a topic that has none.
+_LOOK_S = 0.5
+
+
+def make_motion_intake(node: Node, health: Health, what: str, topic: str,
+                       taking: Taking) -> Intake:
+    """
+    Return the intake of a topic of the motion: from the first message that its publisher keeps.
+
+    Parameters
+    ----------
+    node, health
+        As for `Intake`.
+    what : {'fix', 'velocity', 'rate'}
+    topic : str
+    taking : Taking
+
+    """
+    return Intake(node, topic, MOTION_TYPES[what], qos.HEADINGS_IN, health,
+                  unreliable=qos.HEADINGS_UNRELIABLE, kept=qos.HEADINGS_KEPT, needed=False,
+                  lost_shown_s=taking.lost_shown_s, whole=True)
+
+
+class MotionTaker(Protocol):
+    """Takes motion, as a `Compliance` does."""
+
+    def take_motion(self, motion: Motion) -> None:
+        """Take motion of the ship."""
+
+
+class MotionIntake:
+    """
+    Takes the motion of the ship and hands it on.
+
+    Parameters
+    ----------
+    node, health
+        As for `Intake`.
+    taking : Taking
+        Settings.
+    rule : MotionRule
+        Names the topics. Without `compare` nothing is taken.
+    takers : sequence of MotionTaker
+        Are given, in this order, the rows that have come.
+    known_ns : mapping of str to int, optional
+        The newest stamps that an earlier process took, as of `find_newest`.
+
+    """
+
+    def __init__(self, node: Node, health: Health, taking: Taking, rule: MotionRule,
+                 takers: Sequence[MotionTaker],
+                 known_ns: Mapping[str, int] | None = None) -> None:
+        self._intakes = {what: make_motion_intake(node, health, what, topic, taking)
+                         for what, topic in motion_topics(rule).items() if rule.compare}
+        self._takers, self._known_ns = takers, dict(known_ns or {})
+        self._due_s = 0.0
+
+    def pass_on(self) -> None:
+        """Hand on the motion that has come since the last call; before the pairs that came."""
+        now_s = time.monotonic()
+        look = now_s >= self._due_s
+        if look:
+            self._due_s = now_s + _LOOK_S
+        chunks = [self._take(what, intake) for what, intake in self._intakes.items()
+                  if look or intake.type_name is not None]
+        if any(map(len, chunks)):
+            rows = leave_out_known(Motion.concatenate(chunks), self._known_ns)
+            for taker in self._takers:
+                taker.take_motion(rows)
+
+    def _take(self, what: str, intake: Intake) -> Motion:
+        taken = intake.take()
+        if not taken:
+            return Motion.empty()
+        rows, refused = read_told(intake.type_name or '', what, [data for data, _ in taken])
+        intake.refuse(refused)
+        return rows

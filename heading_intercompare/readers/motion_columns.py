@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Columns of a table whose names tell the motion of the ship, with the unit in the name."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+import numpy as np
+
+from heading_intercompare.core.records import Integers, KNOT_M_S, Motion, Reals
+
+__all__ = ['find_motion_columns', 'make_motion', 'MotionColumn']
+
+_LATITUDES = ('latitude_deg', 'latitude', 'lat_deg', 'lat')
+_LONGITUDES = ('longitude_deg', 'longitude', 'lon_deg', 'lon', 'long')
+_COURSES = ('course_over_ground_deg', 'course_over_ground', 'cog_deg', 'cog')
+_SPEEDS = {f'{name}_{unit}': factor for name in ('speed_over_ground', 'sog')
+           for unit, factor in (('kn', KNOT_M_S), ('kt', KNOT_M_S), ('kts', KNOT_M_S),
+                                ('knots', KNOT_M_S), ('m_s', 1.0), ('mps', 1.0))}
+_RATES = {f'{name}_{unit}': factor for name in ('rate_of_turn', 'rot')
+          for unit, factor in (('deg_s', 1.0), ('deg_min', 1.0 / 60.0))}
+_FASTEST_M_S = 80.0
+
+
+class MotionColumn(NamedTuple):
+    """
+    One or two columns that tell a thing.
+
+    Attributes
+    ----------
+    what : {'fix', 'velocity', 'rate'}
+    names : tuple of str
+        Latitude and longitude; course and speed; or the rate of turn.
+    factor : float
+        Makes m/s of a speed, and degrees per second of a rate.
+
+    """
+
+    what: str
+    names: tuple[str, ...]
+    factor: float = 1.0
+
+
+def find_motion_columns(names: Sequence[str]) -> list[MotionColumn]:
+    """
+    Return the columns that tell the motion of the ship.
+
+    A speed or a rate without a unit in its name tells nothing.
+
+    Examples
+    --------
+    >>> [(one.what, one.names) for one in find_motion_columns(['Lat', 'Lon', 'COG', 'SOG'])]
+    [('fix', ('Lat', 'Lon'))]
+
+    """
+    by_name = {name.lower(): name for name in reversed(names)}
+
+    def first(wanted: Sequence[str]) -> str | None:
+        return next((name for name in wanted if name in by_name), None)
+    found = []
+    latitude, longitude = first(_LATITUDES), first(_LONGITUDES)
+    if latitude and longitude:
+        found.append(MotionColumn('fix', (by_name[latitude], by_name[longitude])))
+    course, speed = first(_COURSES), first([*_SPEEDS])
+    if course and speed:
+        found.append(MotionColumn('velocity', (by_name[course], by_name[speed]), _SPEEDS[speed]))
+    if rate := first([*_RATES]):
+        found.append(MotionColumn('rate', (by_name[rate],), _RATES[rate]))
+    return found
+
+
+def make_motion(column: MotionColumn, stamp_ns: Integers,
+                values: Sequence[Reals]) -> tuple[Motion, int]:
+    """
+    Return the motion that some columns tell, and the number of values out of range.
+
+    Parameters
+    ----------
+    column : MotionColumn
+    stamp_ns : ndarray of int64, shape (n,)
+    values : sequence of ndarray, shape (n,)
+        Of each name; nan where a row has none.
+
+    """
+    there = np.all([np.isfinite(one) for one in values], axis=0)
+    if column.what == 'fix':
+        good = (np.abs(values[0]) <= 90.0) & (np.abs(values[1]) <= 180.0)
+    elif column.what == 'velocity':
+        good = ((values[0] >= 0.0) & (values[0] <= 360.0) & (values[1] >= 0.0)
+                & (values[1] * column.factor <= _FASTEST_M_S))
+    else:
+        good = np.abs(values[0] * column.factor) <= 60.0
+    kept, wrong = there & good, int(np.count_nonzero(there & ~good))
+    stamps, told = stamp_ns[kept], [one[kept] for one in values]
+    if column.what == 'fix':
+        return Motion.of_positions(stamps, *told), wrong
+    if column.what == 'rate':
+        return Motion.of_rates(stamps, told[0] * column.factor), wrong
+    return Motion.of_courses(stamps, told[0], told[1] * column.factor / KNOT_M_S), wrong

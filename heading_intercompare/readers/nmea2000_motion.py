@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The motion of the ship in messages of NMEA 2000: position, course and speed, rate of turn."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Callable, Mapping, NamedTuple
+
+__all__ = ['decode_motion_fields', 'decode_motion_pgn', 'MOTION_PGNS', 'MovedRow']
+
+
+class MovedRow(NamedTuple):
+    """
+    What a message tells.
+
+    Attributes
+    ----------
+    what : {'fix', 'velocity', 'rate'}
+    first, second : float
+        Latitude and longitude, degrees; velocity to the east and the north, m/s; or the rate of
+        turn, degrees per second to starboard, and nan.
+
+    """
+
+    what: str
+    first: float
+    second: float
+
+
+_TRUE = 0
+_NO_ANGLE, _NO_SPEED = 65533, 65533
+_NO_LONG, _NO_LONGER = 0x7FFFFFFD, 0x7FFFFFFFFFFFFFFD
+_RATE_DEG_S = math.degrees(1e-6 / 32.0)
+
+
+def _signed(data: bytes, at: int, size: int) -> int:
+    return int.from_bytes(data[at:at + size], 'little', signed=True)
+
+
+def _position(latitude_deg: float, longitude_deg: float) -> MovedRow | str:
+    if not (abs(latitude_deg) <= 90.0 and abs(longitude_deg) <= 180.0):
+        return 'out_of_range'
+    return MovedRow('fix', latitude_deg, longitude_deg)
+
+
+def _velocity(course_rad: float, speed_m_s: float) -> MovedRow | str:
+    if not (0.0 <= course_rad <= 6.2832 and 0.0 <= speed_m_s <= 80.0):
+        return 'out_of_range'
+    return MovedRow('velocity', speed_m_s * math.sin(course_rad),
+                    speed_m_s * math.cos(course_rad))
+
+
+def _decode_rate(data: bytes) -> MovedRow | str:
+    """Read PGN 127251: sequence, rate in 1e-6 / 32 rad/s."""
+    rate = _signed(data, 1, 4)
+    return 'empty' if rate >= _NO_LONG else MovedRow('rate', rate * _RATE_DEG_S, math.nan)
+
+
+def _decode_rapid_position(data: bytes) -> MovedRow | str:
+    """Read PGN 129025: latitude and longitude in 1e-7 deg."""
+    latitude, longitude = _signed(data, 0, 4), _signed(data, 4, 4)
+    if latitude >= _NO_LONG or longitude >= _NO_LONG:
+        return 'empty'
+    return _position(latitude * 1e-7, longitude * 1e-7)
+
+
+def _decode_course(data: bytes) -> MovedRow | str:
+    """Read PGN 129026: sequence, reference, course in 1e-4 rad, speed in cm/s."""
+    course, speed = (int.from_bytes(data[at:at + 2], 'little') for at in (2, 4))
+    if course >= _NO_ANGLE or speed >= _NO_SPEED:
+        return 'empty'
+    return 'not_true' if data[1] & 3 != _TRUE else _velocity(course * 1e-4, speed * 0.01)
+
+
+def _decode_position(data: bytes) -> MovedRow | str:
+    """Read PGN 129029: sequence, day, time, then latitude and longitude in 1e-16 deg."""
+    latitude, longitude = _signed(data, 7, 8), _signed(data, 15, 8)
+    if latitude >= _NO_LONGER or longitude >= _NO_LONGER:
+        return 'empty'
+    # The high half of the byte with the method: 0 is no fix.
+    if not data[31] >> 4:
+        return 'no_fix'
+    return _position(latitude * 1e-16, longitude * 1e-16)
+
+
+MOTION_PGNS: dict[int, tuple[int, Callable[[bytes], MovedRow | str]]] = {
+    129026: (8, _decode_course), 129025: (8, _decode_rapid_position), 127251: (5, _decode_rate),
+    129029: (32, _decode_position)}
+"""Bytes needed and decoder, by PGN; of two that tell one thing, the earlier is preferred."""
+
+
+def decode_motion_pgn(pgn: int, data: bytes) -> MovedRow | str:
+    """
+    Decode a message; a str says why it tells nothing.
+
+    Parameters
+    ----------
+    pgn : int
+        One of `MOTION_PGNS`.
+    data : bytes
+        Its bytes; those of a fast packet already joined.
+
+    Examples
+    --------
+    >>> found = decode_motion_pgn(129026, bytes.fromhex('01 fc 5c 3d e8 03 ff ff'))
+    >>> found.what, round(found.first, 6)
+    ('velocity', 10.0)
+
+    """
+    least, decode = MOTION_PGNS[pgn]
+    return 'too_few_fields' if len(data) < least else decode(data)
+
+
+def decode_motion_fields(pgn: int, fields: Mapping[str, Any], radians: float) -> MovedRow | str:
+    """
+    Decode the fields of a message as canboat's analyzer names them.
+
+    Parameters
+    ----------
+    pgn : int
+        One of `MOTION_PGNS`.
+    fields : mapping
+        By name.
+    radians : float
+        Makes radians of their angles.
+
+    """
+    names = {129026: ('COG', 'SOG'), 127251: ('Rate',)}.get(pgn, ('Latitude', 'Longitude'))
+    values = []
+    for name in names:
+        value = fields.get(name)
+        if isinstance(value, Mapping):
+            value = value.get('value')
+        if value is None:
+            return 'empty'
+        if not isinstance(value, (int, float)) or isinstance(value, bool):
+            return 'bad_field'
+        values.append(float(value))
+    if pgn == 127251:
+        return MovedRow('rate', math.degrees(values[0] * radians), math.nan)
+    if pgn != 129026:
+        # Positions are degrees in any units.
+        return _position(values[0], values[1])
+    reference = fields.get('COG Reference')
+    if isinstance(reference, Mapping):
+        reference = reference.get('value', reference.get('name'))
+    return ('not_true' if reference not in ('True', _TRUE)
+            else _velocity(values[0] * radians, values[1]))

@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Compare simulated sensors live: simulator, synchronizer, compliance, recorder.
+
+    ros2 launch heading_intercompare demo.launch.py
+        [speed:=20.0] [scenario:=NAME or FILE] [config:=FILE] [dashboard:=true] [output:=BAG]
+
+All other arguments are those of intercompare.launch.py. All nodes end at the end of the scenario.
+"""
+
+from pathlib import Path
+
+from launch import LaunchDescription
+from launch.actions import (
+    DeclareLaunchArgument,
+    IncludeLaunchDescription,
+    OpaqueFunction,
+    Shutdown,
+)
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.app.scenarios import read_scenario
+from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.nodes.ros.launch_arguments import (
+    check_path,
+    common_arguments,
+    read_namespace,
+    read_number,
+    read_switch,
+)
+from heading_intercompare.nodes.sensors.places import count_subscribers
+
+HERE = Path(__file__).resolve().parent
+# Default and meaning of each argument of this file, and of those that it shares with the other.
+ARGUMENTS = {
+    'scenario': ('demo', 'what to simulate: a file, or the name of a scenario of the package'),
+    'speed': ('20.0', 'speed of the simulation relative to real time; 0.0: as fast as possible'),
+    'config': (str(HERE.parent / 'config' / 'demo.yaml'),
+               'ROS parameter file with the norms of the simulated sensors'),
+    'record': ('true', 'record a bag: true or false'),
+    'namespace': ('/', 'of all nodes and topics: one for each graph in a ROS domain'),
+    'log_level': ('info', 'least level that the nodes log: debug, info, warn, error or fatal'),
+}
+
+
+def nodes(context):
+    """Return the simulator; it waits for the others."""
+    given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    check_path('config', given['config'], 'a ROS parameter file')
+    scenario = read_scenario(given['scenario']).scenario
+    settings = settings_for(load_config(given['config']))
+    common, _ = common_arguments('sensor_simulator', given['log_level'], False)
+    own = {**scenario.to_mapping(), 'speed': read_number('speed', given['speed']),
+           'ts_topic': settings.ts_topic, 'rs_topic': settings.rs_topic,
+           'subscribers': count_subscribers(read_sensors(settings.sensors),
+                                            read_switch('record', given['record']))}
+    return [Node(package='heading_intercompare', executable='sensor_simulator',
+                 name='sensor_simulator', namespace=read_namespace(given['namespace']),
+                 parameters=[given['config'],
+                             {name: value for name, value in own.items() if value is not None}],
+                 output='screen', on_exit=Shutdown(reason='the simulation has ended'), **common)]
+
+
+def generate_launch_description():
+    """Return the graph."""
+    return LaunchDescription([
+        *(DeclareLaunchArgument(name, default_value=default, description=words)
+          for name, (default, words) in ARGUMENTS.items()),
+        IncludeLaunchDescription(
+            PythonLaunchDescriptionSource(str(HERE / 'intercompare.launch.py')),
+            launch_arguments={'drivers': 'false', **{
+                name: LaunchConfiguration(name)
+                for name in ('config', 'record', 'namespace', 'log_level')}}.items()),
+        OpaqueFunction(function=nodes),
+    ])
