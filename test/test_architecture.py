@@ -564,3 +564,11 @@ def test_no_number_depends_on_a_global_random_state():
              and node.value.attr == 'random' and getattr(node.value.value, 'id', '') == 'np'
              and node.attr not in ('default_rng', 'Generator', 'SeedSequence', 'PCG64')]
     assert found == []
+
+
+def test_the_tests_import_each_other_by_absolute_names():
+    """Other tools load a file of tests by its path, without a package around it."""
+    found = [f'{p.relative_to(ROOT)}:{node.lineno}' for p in (ROOT / 'test').rglob('*.py')
+             for node in ast.walk(ast.parse(p.read_text('utf-8')))
+             if isinstance(node, ast.ImportFrom) and node.level]
+    assert found == []

@@ -32,3 +32,28 @@ def test_tests_of_nodes_pass_in_the_environment_of_a_user():
          'test/nodes/test_watcher.py'], cwd=ROOT,
         env={**os.environ, **FOREIGN}, capture_output=True, text=True, timeout=500.0)
     assert done.returncode == 0, done.stdout[-4000:]
+
+
+PLUGIN = """
+import importlib.util
+
+def pytest_pycollect_makemodule(module_path, parent):
+    if module_path.name.startswith('test_'):
+        spec = importlib.util.spec_from_file_location(module_path.stem, module_path)
+        spec.loader.exec_module(importlib.util.module_from_spec(spec))
+"""
+
+
+@pytest.mark.process
+@pytest.mark.slow
+def test_the_tests_can_be_loaded_one_by_one_from_their_files(tmp_path):
+    """As launch_testing does where it is installed: by then a file belongs to no package."""
+    (tmp_path / 'loads_by_path.py').write_text(PLUGIN, 'utf-8')
+    done = subprocess.run(
+        [sys.executable, '-m', 'pytest', '-q', '-p', 'no:cacheprovider', '-p', 'no:xdist', '-p',
+         'loads_by_path', '--collect-only', 'test/nodes', 'test/bags', 'test/core/motion',
+         'test/logbook', 'test/drivers'], cwd=ROOT,
+        env={**os.environ, 'PYTHONPATH': os.pathsep.join(
+            [str(tmp_path), os.environ.get('PYTHONPATH', '')])},
+        capture_output=True, text=True, timeout=500.0)
+    assert done.returncode == 0, done.stdout[-4000:]

@@ -20,6 +20,7 @@ import tracemalloc
 from typing import Callable, Iterator
 import zlib
 
+from bags.mcap_bytes import assert_exact, record, sent
 import lz4.frame
 from mcap.opcode import Opcode
 from mcap.records import Chunk
@@ -39,8 +40,6 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.cdr import encode
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.messages.schemas import shipped_schema
-
-from .mcap_bytes import assert_exact, record, sent
 
 hypothesis = pytest.importorskip('hypothesis')
 st = hypothesis.strategies

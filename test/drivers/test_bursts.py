@@ -4,14 +4,13 @@
 
 from __future__ import annotations
 
+from drivers.receiving import sentence
 import pytest
 
 from heading_intercompare.drivers.bursts import BurstFinder
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.sentences import Name
 from heading_intercompare.drivers.settings import DriverSettings
-
-from .receiving import sentence
 
 S = 10 ** 9
 NOON = 1_772_366_400 * S

@@ -8,6 +8,7 @@ from contextlib import closing
 import socket
 import time
 
+from drivers.receiving import DEADLINE_S, free_port, HDT, joined, read_until
 import pytest
 
 from heading_intercompare.core.settings import SettingsError
@@ -16,8 +17,6 @@ from heading_intercompare.drivers.datagrams import UdpSource
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.drivers.sources import open_source
-
-from .receiving import DEADLINE_S, free_port, HDT, joined, read_until
 
 GROUP = '239.192.0.3'
 # A busy kernel delivers a datagram some time after it was sent.

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from drivers.receiving import sentence
 from hypothesis import given, strategies as st
 import numpy as np
 import pytest
@@ -11,8 +12,6 @@ import pytest
 from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverSettings
-
-from .receiving import sentence
 
 S = 1_000_000_000
 NOON = 1772366400 * S   # 2026-03-01T12:00:00Z

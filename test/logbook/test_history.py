@@ -6,12 +6,11 @@ from __future__ import annotations
 
 import math
 
+from logbook.made_up_rows import DAY_NS, make_row, T0_NS
 import numpy as np
 import pytest
 
 from heading_intercompare.logbook.history import tell_histories
-
-from .made_up_rows import DAY_NS, make_row, T0_NS
 
 
 def rows_of(rng, days=60, shift_at=None, by_deg=0.0, factor=1.0, **given):

@@ -12,6 +12,7 @@ import sqlite3
 import subprocess
 import sys
 
+from logbook.made_up_rows import DAY_NS, make_row, T0_NS
 import pytest
 
 from heading_intercompare.logbook.logbook_file import (
@@ -21,8 +22,6 @@ from heading_intercompare.logbook.logbook_file import (
     merge_logbooks,
     VERSION,
 )
-
-from .made_up_rows import DAY_NS, make_row, T0_NS
 
 HERE = Path(__file__).resolve().parent
 

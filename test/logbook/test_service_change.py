@@ -6,12 +6,11 @@ from __future__ import annotations
 
 import math
 
+from logbook.made_up_rows import DAY_NS, make_row, T0_NS
 import numpy as np
 import pytest
 
 from heading_intercompare.logbook.service_change import compare_service
-
-from .made_up_rows import DAY_NS, make_row, T0_NS
 
 
 def rows_of(means, sds=None, **given):

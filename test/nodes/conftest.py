@@ -1,98 +1,22 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""One context and one executor per test, no threads, conditions with a deadline."""
+"""The fixture of the nodes; without ROS this folder is skipped, not broken."""
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 import os
-import time
 
 import pytest
 
-# Imports of ROS stand inside: without it this folder is skipped, not broken.
-collect_ignore_glob = []
-try:
-    import rclpy
-    from rclpy.context import Context
-    from rclpy.node import Node
-    from rclpy.signals import SignalHandlerOptions
-except ImportError:
-    collect_ignore_glob = ['*.py']
-
-NORMS = {'norms.sigma_max_deg': 0.2, 'norms.sigma_ref_max_deg': 0.1}
-
-
-class NoPage:
-    """Stands for the server of the page, so that a test needs no browser and no NiceGUI."""
-
-    url, token = 'http://127.0.0.1:1/', None
-
-    def __init__(self, controls, **kwargs):
-        self.controls, self.kwargs = controls, kwargs
-        self.closed = False
-
-    def close(self):
-        """Note that it was closed."""
-        self.closed = True
-
-
-class Ros:
-    """Nodes of one test: made, spun and destroyed."""
-
-    def __init__(self) -> None:
-        self.context = Context()
-        rclpy.init(context=self.context, args=[],
-                   signal_handler_options=SignalHandlerOptions.NO)
-        from heading_intercompare.nodes.ros.quick_executor import QuickExecutor
-        self.executor = QuickExecutor(context=self.context)
-        self.nodes = []
-        self.plain = self.add(Node, 'test_node')
-
-    def add(self, make, *args, name=None, **kwargs):
-        """Make a node and spin it from now on."""
-        if name is not None:
-            kwargs['cli_args'] = ['--ros-args', '-r', f'__node:={name}']
-        node = make(*args, context=self.context, **kwargs)
-        self.nodes.append(node)
-        self.executor.add_node(node)
-        return node
-
-    def ours(self, make, name=None, **values):
-        """Make a node of the package with settings, including the norms."""
-        from heading_intercompare.nodes.ros.parameters import make_overrides
-        named = {key.replace('__', '.'): value for key, value in values.items()}
-        return self.add(make, name=name, parameter_overrides=make_overrides({**NORMS, **named}))
-
-    def spin_until(self, condition, timeout_s=10.0):
-        """Spin until a condition holds; fail if it does not in time."""
-        deadline_s = time.monotonic() + timeout_s
-        while not condition():
-            assert time.monotonic() < deadline_s, 'the condition did not come true in time'
-            self.executor.spin_once(0.02)
-
-    def end(self, *nodes):
-        """End nodes as their process would; they are destroyed."""
-        from heading_intercompare.nodes.ros.process import end
-        end(self.executor, nodes)
-        self.nodes = [node for node in self.nodes if node not in nodes]
-
-    def listen(self, kind, topic, profile):
-        """Return a list that fills with the messages of a topic."""
-        heard = []
-        self.plain.create_subscription(kind, topic, heard.append, profile)
-        return heard
-
-    def close(self):
-        """Destroy everything, in the order that rclpy wants."""
-        self.executor.shutdown()
-        for node in self.nodes:
-            node.destroy_node()
-        self.context.try_shutdown()
+collect_ignore_glob = [] if find_spec('rclpy') else ['*.py']
 
 
 @pytest.fixture
 def ros():
     """Return the nodes of this test."""
+    from nodes.ros_nodes import Ros
+
     assert os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] == 'OFF'
     made = Ros()
     yield made

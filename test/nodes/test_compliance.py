@@ -11,6 +11,9 @@ import time
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 from journals import plain
+from nodes.killed import kill
+from nodes.rclpy_objects import marker_message, marks_from
+from nodes.ros_nodes import NORMS
 import numpy as np
 import pytest
 from rclpy.qos import QoSProfile
@@ -35,10 +38,6 @@ from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.runtime.scalars import SCALARS
 from heading_intercompare.nodes.synchronizer import Synchronizer
 from heading_intercompare.nodes.taking.predecessor import LEDGER_TAKEN_TOPIC
-
-from .conftest import NORMS
-from .killed import kill
-from .rclpy_objects import marker_message, marks_from
 
 T0_NS = 1_700_000_000_000_000_000
 S_NS = 1_000_000_000

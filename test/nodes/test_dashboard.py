@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from diagnostic_msgs.msg import DiagnosticArray
+from nodes.ros_nodes import NoPage
 import numpy as np
 import pytest
 from sensor_msgs.msg import Imu
@@ -20,8 +21,6 @@ from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.dashboard import Dashboard
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.synchronizer import Synchronizer
-
-from .conftest import NoPage
 
 T0_NS = 1_700_000_000_000_000_000
 

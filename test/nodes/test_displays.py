@@ -10,6 +10,8 @@ import re
 from xml.etree import ElementTree
 
 from diagnostic_msgs.msg import DiagnosticStatus
+from nodes.launch_files import FOLDER, nodes
+from nodes.ros_nodes import NORMS
 import pytest
 from rclpy.node import Node
 import yaml
@@ -21,9 +23,6 @@ from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.scalars import SCALARS
 from heading_intercompare.nodes.settings import Taking
 from heading_intercompare.nodes.taking.recorded_topics import make_intakes
-
-from .conftest import NORMS
-from .launch_files import FOLDER, nodes
 
 ROOT = FOLDER.parent
 DISPLAYS = ROOT / 'displays'

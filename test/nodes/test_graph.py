@@ -5,13 +5,14 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import signal
 import threading
 import time
 
-from checksums import with_checksum
+from nodes.graph_checks import assert_same, log, offline
+from nodes.rclpy_objects import heading_messages, headings_from
+from nodes.ros_nodes import NORMS, Ros
 import pytest
 from ros_domain import take_domain
 from sensor_msgs.msg import Imu
@@ -20,10 +21,8 @@ from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
-from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
-from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.settings import MotionRule, Settings, SettingsError
+from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.messages.status_messages import decode_statuses
@@ -35,40 +34,9 @@ from heading_intercompare.nodes.replayer import Replayer
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 
-from .conftest import NORMS, Ros
-from .rclpy_objects import heading_messages, headings_from
-
 TRIAL = {'duration_s': 120.0, 'seed': 5, 'ts.white_deg': 0.1, 'ts.rate_hz': 10.0,
          'rs.rate_hz': 4.0, 'rs.phase_s': 0.03, 'rs.white_deg': 0.02, 'rs.dropout': 0.1,
          'legs': '0 350 12; 40 20 12', 'stamps': 'scenario', 'speed': 0.0}
-
-
-def offline(path, **settings):
-    """Return the verdict on a bag."""
-    comparison = Intercomparison(Settings.from_mapping({**NORMS, **settings}))
-    conventions = {'ts/heading': 'enu', 'rs/heading': 'enu'}
-    comparison.take_motion(read_bag_motion(BagReader(path), MotionRule()).rows)
-    for chunk in BagReader(path).headings(conventions):
-        comparison.update(ts=chunk['ts/heading'], rs=chunk['rs/heading'])
-    comparison.finish()
-    return json.loads(json.dumps(comparison.verdict().to_dict()))
-
-
-def assert_same(a, b, path=''):
-    """Equal words and integers; reals to 1e-12 relative."""
-    if isinstance(a, dict):
-        assert a.keys() == b.keys(), path
-        for key in a:
-            if key not in ('source', 'inputs'):
-                assert_same(a[key], b[key], f'{path}.{key}')
-    elif isinstance(a, list):
-        assert len(a) == len(b), path
-        for at, (x, y) in enumerate(zip(a, b)):
-            assert_same(x, y, f'{path}[{at}]')
-    elif isinstance(a, float) and isinstance(b, float):
-        assert math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-15), f'{path}: {a!r} {b!r}'
-    else:
-        assert a == b, path
 
 
 @pytest.fixture(scope='module')
@@ -242,17 +210,6 @@ def test_the_bag_of_a_simulation_holds_its_settings_and_the_whole_truth(trial):
         {'truth/heading': 'enu'})])
     assert len(found) > 1000
     assert found == headings_from(heading_messages(truth, ''), 'enu')
-
-
-def log(path, n, first_s, heading_deg):
-    """Write a log of n HDT sentences, 5 per second."""
-    lines = []
-    for i in range(n):
-        body = f'HEHDT,{heading_deg + 0.02 * (i * 7 % 11):.2f},T'
-        minutes, seconds = divmod(first_s + i / 5, 60)
-        lines.append(f'2014-08-01T00:{minutes:02.0f}:{seconds:09.6f}Z {with_checksum(body)}\n')
-    path.write_text(''.join(lines))
-    return f'file:{path}'
 
 
 def drivers(tmp_path):

@@ -8,7 +8,6 @@ from contextlib import suppress
 import fcntl
 import json
 import os
-from pathlib import Path
 import pty
 import signal
 import socket
@@ -19,6 +18,12 @@ import termios
 from threading import Event, Thread
 import time
 
+from nodes import launch_files
+from nodes.graph_checks import assert_same, log, offline
+from nodes.launch_files import make_environment, nodes
+from nodes.lines import free_port, sentence
+from nodes.processes import Processes, wait_for
+from nodes.ros_nodes import NORMS
 import pytest
 from ros_domain import DOMAIN
 import yaml
@@ -38,54 +43,7 @@ from heading_intercompare.drivers.logs import read_log
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.report.json import read
 
-from . import launch_files
-from .conftest import NORMS
-from .launch_files import make_environment, nodes
-from .lines import free_port, sentence
-from .test_graph import assert_same, log, offline
-
 pytestmark = pytest.mark.process
-
-
-class Processes:
-    """Processes of one graph; whatever happens, none is left running."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.running: dict[str, subprocess.Popen] = {}
-
-    def start(self, node) -> None:
-        """Start a node as `ros2 launch` would."""
-        code = (f'from heading_intercompare.nodes.{node.executable} import main; '
-                'raise SystemExit(main())')
-        name = node.file or node.name
-        with open(self.folder / f'{name}.log', 'wb') as said:
-            # Background children inherit an ignored SIGINT; the node sets its own handler.
-            self.running[name] = subprocess.Popen(
-                [sys.executable, '-c', code, *node.arguments(self.folder)],
-                env=make_environment(DOMAIN, node.transports), cwd=self.folder, stdout=said,
-                stderr=said)
-
-    def signal(self, number: int) -> None:
-        """Send a signal to all that are running, at once."""
-        for process in self.running.values():
-            if process.poll() is None:
-                process.send_signal(number)
-
-    def wait(self, *names: str, timeout_s: float) -> None:
-        """Wait until processes have ended, each with exit code 0."""
-        deadline_s = time.monotonic() + timeout_s
-        for name in names:
-            code = self.running[name].wait(max(0.1, deadline_s - time.monotonic()))
-            said = (self.folder / f'{name}.log').read_text()
-            assert (name, code) == (name, 0), said
-            assert 'Traceback' not in said
-
-    def reap(self) -> None:
-        """Kill what is left."""
-        self.signal(signal.SIGKILL)
-        for process in self.running.values():
-            process.wait()
 
 
 @pytest.fixture
@@ -150,14 +108,6 @@ def count_recorded(bag, topic='/ts/heading') -> int:
     except (OSError, ValueError):
         return 0
     return info.count if info else 0
-
-
-def wait_for(condition, timeout_s=30.0):
-    """Wait until a condition holds, else fail."""
-    deadline_s = time.monotonic() + timeout_s
-    while not condition():
-        assert time.monotonic() < deadline_s, 'the condition did not come true in time'
-        time.sleep(0.05)
 
 
 DRIVERS_LAST = ('recorder', 'compliance', 'synchronizer', 'ts_driver', 'rs_driver')

@@ -8,6 +8,8 @@ from importlib import import_module
 from pathlib import Path
 import types
 
+from nodes.launch_files import Argument, description, nodes, Shutdown
+from nodes.ros_nodes import NORMS
 import pytest
 import yaml
 
@@ -15,9 +17,6 @@ from heading_intercompare.app.config import load_config
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.cli.commands.graph import demo
 from heading_intercompare.core.settings import SettingsError
-
-from .conftest import NORMS
-from .launch_files import Argument, description, nodes, Shutdown
 
 FILES = ('intercompare.launch.py', 'replay.launch.py')
 DEMO = 'demo.launch.py'

@@ -12,6 +12,8 @@ import sys
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
+from nodes.lines import free_port
+from nodes.ros_nodes import NORMS
 import numpy as np
 import pytest
 from std_msgs.msg import String
@@ -31,9 +33,6 @@ from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.replayer import Replayer
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.sensors_watch import SensorsWatch
-
-from .conftest import NORMS
-from .lines import free_port
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / 'core' / 'motion'))
 

@@ -8,6 +8,8 @@ import socket
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray
+from nodes.lines import free_port, sentence
+from nodes.rclpy_objects import headings_from
 import pytest
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Imu
@@ -17,9 +19,6 @@ from heading_intercompare.drivers.settings import DriverError
 from heading_intercompare.messages.ledger_messages import decode_losses
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.ros import qos
-
-from .lines import free_port, sentence
-from .rclpy_objects import headings_from
 
 
 def log(path, n, start='2014-08-01T00:00:', rate_hz=10):

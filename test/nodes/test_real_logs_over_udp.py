@@ -17,15 +17,14 @@ import sys
 import time
 
 from checksums import checksum_of
+from nodes.launch_files import make_environment
+from nodes.lines import free_port
 import pytest
 from ros_domain import DOMAIN
 
 from heading_intercompare.cli import main
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.report.json import parse, read
-
-from .launch_files import make_environment
-from .lines import free_port
 
 pytestmark = pytest.mark.process
 

@@ -10,6 +10,7 @@ import time
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import QuaternionStamped
+from nodes.rclpy_objects import heading_messages, headings_from, marker_message
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import Imu
@@ -36,8 +37,6 @@ from heading_intercompare.messages.status_messages import (
 )
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.ros import qos
-
-from .rclpy_objects import heading_messages, headings_from, marker_message
 
 REPORT = json.dumps({'runs': [{'start_ns': 5, 'end_ns': 9}]})
 

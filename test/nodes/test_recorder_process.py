@@ -8,14 +8,13 @@ import signal
 import subprocess
 import sys
 
+from nodes.launch_files import make_environment, Node
+from nodes.processes import Processes
 import numpy as np
 import pytest
 from ros_domain import DOMAIN
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
-
-from .launch_files import make_environment, Node
-from .test_graph_processes import Processes
 
 pytestmark = pytest.mark.process
 

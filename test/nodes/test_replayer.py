@@ -10,6 +10,9 @@ import sys
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray
+from nodes.graph_checks import assert_same
+from nodes.rclpy_objects import headings_from, ledger_from, marker_message, marks_from
+from nodes.ros_nodes import NORMS, Ros
 import numpy as np
 import pytest
 from rclpy.serialization import serialize_message
@@ -32,10 +35,6 @@ from heading_intercompare.nodes.replayer import Replayer
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.synchronizer import Synchronizer
-
-from .conftest import NORMS, Ros
-from .rclpy_objects import headings_from, ledger_from, marker_message, marks_from
-from .test_graph import assert_same
 
 T0_NS = 1_700_000_000_000_000_000
 HEADINGS = Headings.as_sent(T0_NS + np.arange(300) * 10 ** 8, np.arange(300) % 360.0)

@@ -13,6 +13,8 @@ from xml.etree import ElementTree
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
+from nodes.lines import free_port
+from nodes.ros_nodes import NoPage
 import pytest
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
@@ -38,9 +40,6 @@ from heading_intercompare.nodes.sensors.places import remap_rules
 from heading_intercompare.nodes.sensors_watch import SensorsWatch
 from heading_intercompare.nodes.synchronizer import Synchronizer
 from heading_intercompare.nodes.watcher import Watcher
-
-from .conftest import NoPage
-from .lines import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 POLICY = ElementTree.parse(ROOT / 'security' / 'heading_intercompare.policy.xml').getroot()

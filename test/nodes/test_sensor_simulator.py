@@ -7,6 +7,7 @@ from __future__ import annotations
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray
+from nodes.rclpy_objects import heading_messages, headings_from
 import pytest
 from sensor_msgs.msg import Imu
 from std_srvs.srv import SetBool, Trigger
@@ -19,8 +20,6 @@ from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.messages.status_messages import ERROR, OK
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
-
-from .rclpy_objects import heading_messages, headings_from
 
 TRIAL = {'duration_s': 20.0, 'ts.rate_hz': 10.0, 'rs.rate_hz': 4.0, 'ts.white_deg': 0.1,
          'legs': '0 350 10; 10 20 10'}

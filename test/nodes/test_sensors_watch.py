@@ -8,6 +8,8 @@ import json
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray
+from nodes.killed import kill
+from nodes.rclpy_objects import heading_messages
 import pytest
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import Imu
@@ -33,9 +35,6 @@ from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 from heading_intercompare.nodes.sensors.places import remap_rules
 from heading_intercompare.nodes.sensors_watch import SensorsWatch
 from heading_intercompare.nodes.synchronizer import Synchronizer
-
-from .killed import kill
-from .rclpy_objects import heading_messages
 
 ROWS = """
     gyro1  topic=ts/heading  sigma_max_deg=0.3

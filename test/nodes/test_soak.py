@@ -13,13 +13,12 @@ import os
 from pathlib import Path
 import time
 
+from nodes.graph_checks import assert_same, offline
+from nodes.ros_nodes import NORMS
 import pytest
 
 from heading_intercompare.nodes.graph import intercompare, Source
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
-
-from .conftest import NORMS
-from .test_graph import assert_same, offline
 
 SOAK_S = float(os.environ.get('HEADING_INTERCOMPARE_SOAK_S', '20'))
 RATE_HZ = 100.0

@@ -21,6 +21,10 @@ import socket
 from threading import Event, Thread
 import time
 
+from nodes.launch_files import nodes
+from nodes.lines import free_port, sentence
+from nodes.processes import Processes, wait_for
+from nodes.ros_nodes import NORMS
 import numpy as np
 import pytest
 import yaml
@@ -29,11 +33,6 @@ from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.ledger_messages import decode_ledger
-
-from .conftest import NORMS
-from .launch_files import nodes
-from .lines import free_port, sentence
-from .test_graph_processes import Processes, wait_for
 
 pytestmark = pytest.mark.process
 

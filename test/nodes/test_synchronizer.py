@@ -6,6 +6,13 @@ from __future__ import annotations
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import QuaternionStamped, TwistStamped
+from nodes.rclpy_objects import (
+    heading_messages,
+    headings_from,
+    ledger_from,
+    marker_message,
+    pairs_from,
+)
 import numpy as np
 import pytest
 from rclpy.node import Node
@@ -25,8 +32,6 @@ from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.synchronizer import Synchronizer
 from heading_intercompare.nodes.taking.intake import Intake
-
-from .rclpy_objects import heading_messages, headings_from, ledger_from, marker_message, pairs_from
 
 T0_NS = 1_700_000_000_000_000_000
 

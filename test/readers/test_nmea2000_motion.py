@@ -14,6 +14,7 @@ import json
 import math
 
 import pytest
+from readers.test_nmea2000 import identifier, T_NS
 
 from heading_intercompare.readers.nmea2000 import (
     read_canboat_json,
@@ -21,8 +22,6 @@ from heading_intercompare.readers.nmea2000 import (
     read_candump,
 )
 from heading_intercompare.readers.nmea2000_motion import decode_motion_fields, decode_motion_pgn
-
-from .test_nmea2000 import identifier, T_NS
 
 
 def signed(value, size):

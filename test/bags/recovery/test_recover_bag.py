@@ -10,23 +10,7 @@ import time
 import tracemalloc
 import zlib
 
-from mcap.reader import make_reader
-from mcap.records import Attachment, Channel, Chunk, Metadata, Schema
-from mcap.stream_reader import breakup_chunk, StreamReader
-from mcap.writer import Writer
-import pytest
-
-from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.recording.bag_writer import BagWriter
-from heading_intercompare.bags.recovery.recover_bag import recover
-from heading_intercompare.bags.recovery.scanner import Salvage
-from heading_intercompare.bags.rosbag2.bag_reader import BagReader
-from heading_intercompare.bags.rosbag2.bag_yaml import Qos
-from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.messages.cdr import encode
-from heading_intercompare.messages.heading_messages import IMU
-
-from ..mcap_bytes import (
+from bags.mcap_bytes import (
     assert_exact,
     channel,
     chunk,
@@ -42,6 +26,21 @@ from ..mcap_bytes import (
     sent,
     write,
 )
+from mcap.reader import make_reader
+from mcap.records import Attachment, Channel, Chunk, Metadata, Schema
+from mcap.stream_reader import breakup_chunk, StreamReader
+from mcap.writer import Writer
+import pytest
+
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.bags.recovery.recover_bag import recover
+from heading_intercompare.bags.recovery.scanner import Salvage
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.bag_yaml import Qos
+from heading_intercompare.bags.settings import BagSettings
+from heading_intercompare.messages.cdr import encode
+from heading_intercompare.messages.heading_messages import IMU
 
 STRING = 'std_msgs/msg/String'
 

@@ -7,13 +7,12 @@ from __future__ import annotations
 import errno
 import os
 
+from bags.mcap_bytes import assert_exact, sent
 import pytest
 
 from heading_intercompare.bags.recovery.recover_bag import recover
 from heading_intercompare.bags.recovery.scanner import Salvage
 from heading_intercompare.bags.recovery.unreadable_sectors import HOLE_BYTES, open_with_holes
-
-from ..mcap_bytes import assert_exact, sent
 
 
 @pytest.fixture

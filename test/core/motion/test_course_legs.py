@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 
+from core.motion.sailing import sail, START_NS
 import numpy as np
 import pytest
 
@@ -18,8 +19,6 @@ from heading_intercompare.core.motion.course_legs import (
 )
 from heading_intercompare.core.records import Motion
 from heading_intercompare.core.settings import MotionRule
-
-from .sailing import sail, START_NS
 
 S = 10 ** 9
 RULE = MotionRule()

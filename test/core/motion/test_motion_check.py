@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from core.motion.sailing import sail, Voyage
 import numpy as np
 import pytest
 
@@ -13,8 +14,6 @@ from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.drivers.logs import read_log
 from heading_intercompare.drivers.motion.motion_log import read_log_motion
 from heading_intercompare.drivers.settings import DriverSettings
-
-from .sailing import sail, Voyage
 
 SEEDS = 10
 

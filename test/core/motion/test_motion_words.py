@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import re
 
+from core.motion.sailing import sail
 import numpy as np
 import pytest
 
@@ -13,8 +14,6 @@ from heading_intercompare.core.motion.motion_check import check_motion
 from heading_intercompare.core.motion.motion_words import describe_motion, explain_motion
 from heading_intercompare.core.records import Motion
 from heading_intercompare.core.settings import MotionRule
-
-from .sailing import sail
 
 
 @pytest.fixture(scope='module')

@@ -4,13 +4,12 @@
 
 from __future__ import annotations
 
+from core.motion.sailing import sail
 import numpy as np
 import pytest
 
 from heading_intercompare.core.motion.turn_rate import compare_turns
 from heading_intercompare.core.records import Motion
-
-from .sailing import sail
 
 S = 10 ** 9
 

@@ -6,12 +6,11 @@ from __future__ import annotations
 
 import math
 
+from core.observations.make_corrections import corrections
 import numpy as np
 import pytest
 
 from heading_intercompare.core.observations.budget import make_budget
-
-from .make_corrections import corrections
 
 
 def component(budget, name):

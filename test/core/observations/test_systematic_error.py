@@ -6,14 +6,13 @@ from __future__ import annotations
 
 import math
 
+from core.observations.make_corrections import corrections
 import numpy as np
 import pytest
 
 from heading_intercompare.core.observations.systematic_error import judge_corrections
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Settings
-
-from .make_corrections import corrections
 
 NORM = Settings.of(systematic_max_deg=0.75)
 

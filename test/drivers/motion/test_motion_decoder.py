@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from drivers.motion.test_motion_log import RMC, S, sentence, START_NS, VTG, write
 import numpy as np
 import pytest
 
@@ -11,8 +12,6 @@ from heading_intercompare.core.records import Motion
 from heading_intercompare.drivers.motion.motion_decoder import MotionDecoder
 from heading_intercompare.drivers.motion.motion_log import read_log_motion
 from heading_intercompare.drivers.settings import DriverSettings
-
-from .test_motion_log import RMC, S, sentence, START_NS, VTG, write
 
 UDP = DriverSettings(source='udp://127.0.0.1:60001')
 

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 
+from nodes.ros_nodes import NORMS
 import pytest
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
@@ -24,8 +25,6 @@ from heading_intercompare.nodes.ros.process import error_words, run, Stop
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 from heading_intercompare.nodes.synchronizer import Synchronizer
-
-from ..conftest import NORMS
 
 pytestmark = pytest.mark.process
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray
+from nodes.lines import free_port
 import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import Imu
@@ -18,8 +19,6 @@ from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 from heading_intercompare.nodes.synchronizer import Synchronizer
-
-from ..lines import free_port
 
 
 def spin_for(ros, span_s):

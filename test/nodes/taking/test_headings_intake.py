@@ -7,6 +7,7 @@ from __future__ import annotations
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray
+from nodes.rclpy_objects import heading_messages
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import Imu
@@ -17,8 +18,6 @@ from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import Taking
 from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
-
-from ..rclpy_objects import heading_messages
 
 
 class Streams:

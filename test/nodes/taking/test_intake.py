@@ -8,6 +8,7 @@ import time
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import QuaternionStamped
+from nodes.rclpy_objects import heading_messages
 import pytest
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -23,8 +24,6 @@ from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.taking import reception
 from heading_intercompare.nodes.taking.intake import Intake
-
-from ..rclpy_objects import heading_messages
 
 
 def intake_of(ros, profile=qos.HEADINGS_IN, types=HEADING_TYPES, **kwargs):

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Logs to play, the verdict on a bag, and whether two verdicts are the same."""
+
+from __future__ import annotations
+
+import json
+import math
+
+from checksums import with_checksum
+from nodes.ros_nodes import NORMS
+
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
+from heading_intercompare.core.pipeline import Intercomparison
+from heading_intercompare.core.settings import MotionRule, Settings
+
+__all__ = ['assert_same', 'log', 'offline']
+
+
+def log(path, n, first_s, heading_deg):
+    """Write a log of n HDT sentences, 5 per second."""
+    lines = []
+    for i in range(n):
+        body = f'HEHDT,{heading_deg + 0.02 * (i * 7 % 11):.2f},T'
+        minutes, seconds = divmod(first_s + i / 5, 60)
+        lines.append(f'2014-08-01T00:{minutes:02.0f}:{seconds:09.6f}Z {with_checksum(body)}\n')
+    path.write_text(''.join(lines))
+    return f'file:{path}'
+
+
+def offline(path, **settings):
+    """Return the verdict on a bag."""
+    comparison = Intercomparison(Settings.from_mapping({**NORMS, **settings}))
+    conventions = {'ts/heading': 'enu', 'rs/heading': 'enu'}
+    comparison.take_motion(read_bag_motion(BagReader(path), MotionRule()).rows)
+    for chunk in BagReader(path).headings(conventions):
+        comparison.update(ts=chunk['ts/heading'], rs=chunk['rs/heading'])
+    comparison.finish()
+    return json.loads(json.dumps(comparison.verdict().to_dict()))
+
+
+def assert_same(a, b, path=''):
+    """Equal words and integers; reals to 1e-12 relative."""
+    if isinstance(a, dict):
+        assert a.keys() == b.keys(), path
+        for key in a:
+            if key not in ('source', 'inputs'):
+                assert_same(a[key], b[key], f'{path}.{key}')
+    elif isinstance(a, list):
+        assert len(a) == len(b), path
+        for at, (x, y) in enumerate(zip(a, b)):
+            assert_same(x, y, f'{path}[{at}]')
+    elif isinstance(a, float) and isinstance(b, float):
+        assert math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-15), f'{path}: {a!r} {b!r}'
+    else:
+        assert a == b, path

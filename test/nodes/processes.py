@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Nodes as processes, as the launch files start them, and conditions with a deadline."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import signal
+import subprocess
+import sys
+import time
+
+from nodes.launch_files import make_environment
+from ros_domain import DOMAIN
+
+__all__ = ['Processes', 'wait_for']
+
+
+class Processes:
+    """Processes of one graph; whatever happens, none is left running."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.running: dict[str, subprocess.Popen] = {}
+
+    def start(self, node) -> None:
+        """Start a node as `ros2 launch` would."""
+        code = (f'from heading_intercompare.nodes.{node.executable} import main; '
+                'raise SystemExit(main())')
+        name = node.file or node.name
+        with open(self.folder / f'{name}.log', 'wb') as said:
+            # Background children inherit an ignored SIGINT; the node sets its own handler.
+            self.running[name] = subprocess.Popen(
+                [sys.executable, '-c', code, *node.arguments(self.folder)],
+                env=make_environment(DOMAIN, node.transports), cwd=self.folder, stdout=said,
+                stderr=said)
+
+    def signal(self, number: int) -> None:
+        """Send a signal to all that are running, at once."""
+        for process in self.running.values():
+            if process.poll() is None:
+                process.send_signal(number)
+
+    def wait(self, *names: str, timeout_s: float) -> None:
+        """Wait until processes have ended, each with exit code 0."""
+        deadline_s = time.monotonic() + timeout_s
+        for name in names:
+            code = self.running[name].wait(max(0.1, deadline_s - time.monotonic()))
+            said = (self.folder / f'{name}.log').read_text()
+            assert (name, code) == (name, 0), said
+            assert 'Traceback' not in said
+
+    def reap(self) -> None:
+        """Kill what is left."""
+        self.signal(signal.SIGKILL)
+        for process in self.running.values():
+            process.wait()
+
+
+def wait_for(condition, timeout_s=30.0):
+    """Wait until a condition holds, else fail."""
+    deadline_s = time.monotonic() + timeout_s
+    while not condition():
+        assert time.monotonic() < deadline_s, 'the condition did not come true in time'
+        time.sleep(0.05)
