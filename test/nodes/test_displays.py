@@ -123,11 +123,12 @@ def test_the_tree_of_states_has_each_node_once(tmp_path):
     beginnings = [word for one in groups.values() for word in one['startswith']]
     names = {profile.get('node') for profile in POLICY.iter('profile')}
     config = tmp_path / 'a.yaml'
-    config.write_text('/**:\n  ros__parameters: {norms: {sigma_max_deg: 1.0}}\n')
+    config.write_text('/**:\n  ros__parameters: {norms: {sigma_max_deg: 1.0, '
+                      'sigma_ref_max_deg: 1.0}}\n')
     names |= {node.name for node in nodes('intercompare.launch.py', config=str(config))}
     states = {f'{name}: part' for name in names if name in {
         'ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder', 'replayer',
-        'dashboard', 'sensor_simulator', 'nmea_driver'}}
+        'dashboard', 'sensor_simulator', 'nmea_driver', 'motion_driver'}}
     assert len(states) >= 7
     for state in states:
         assert sum(state.startswith(word) for word in beginnings) == 1, state
