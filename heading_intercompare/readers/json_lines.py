@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from typing import Any, Iterator, Mapping
+from typing import Any, Iterator, Mapping, TypeGuard
 
 from heading_intercompare.bags.csv.stamp_cells import nanoseconds, utc_nanoseconds
 
@@ -77,7 +77,7 @@ def _utc_stamp(text: object) -> int | None:
         return None
 
 
-def _is_number(value: object) -> bool:
+def _is_number(value: object) -> TypeGuard[float]:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and (
         math.isfinite(value))
 

@@ -77,10 +77,11 @@ class Collected:
             Of the streams that tell one thing, those of the lowest rank are preferred.
 
         """
-        columns = self._moved.setdefault((rank, what, stream),
-                                         (array('q'), array('d'), array('d')))
-        for column, value in zip(columns, (stamp_ns, first, second)):
-            column.append(value)
+        stamps, firsts, seconds = self._moved.setdefault(
+            (rank, what, stream), (array('q'), array('d'), array('d')))
+        stamps.append(stamp_ns)
+        firsts.append(first)
+        seconds.append(second)
 
     def add_motion_chunk(self, what: str, stream: str, rows: Motion, wrong: int) -> None:
         """Take many rows that tell one thing, and the number of values out of range."""

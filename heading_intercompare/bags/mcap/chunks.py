@@ -16,7 +16,8 @@ from heading_intercompare.bags.errors import BagError
 from .checksum import crc32
 from .message_blocks import Block, block_of, HEAD, measure_whole
 
-__all__ = ['CHUNK_HEAD', 'find_large', 'Gathering', 'LargeChunk', 'UNFIT', 'unpack']
+__all__ = ['begin_chunk', 'BegunChunk', 'CHUNK_HEAD', 'Gathering', 'LargeChunk', 'UNFIT',
+           'unpack']
 
 #: First and last log time, size and checksum of the decompressed records, length of the
 #: compression's name.
@@ -25,6 +26,7 @@ _LENGTH = struct.Struct('<Q')
 #: A chunk that claims to be larger is not believed.
 _CHUNK_LIMIT = 2**31
 _NAME_LIMIT = 32
+_HEAD_BYTES = CHUNK_HEAD.size + _NAME_LIMIT + _LENGTH.size
 #: One byte of lz4 decompresses to at most this many.
 _LZ4_MOST = 255
 #: The records of a chunk that has more are decompressed piece by piece.
@@ -116,25 +118,38 @@ def unpack(content: bytes, zstd: zstandard.ZstdDecompressor) -> bytes | memoryvi
     return found
 
 
-def find_large(file: BinaryIO, length: int) -> 'LargeChunk | None':
-    """
-    Return a chunk that is too large to decompress at once; None for another.
+class BegunChunk(NamedTuple):
+    """A chunk of which the head has been read: its place in the file, and its head."""
 
-    The file stands at its content, which has this length, and stays there.
+    at: int
+    start: int
+    end: int
+    head: _Head
+
+    @property
+    def is_large(self) -> bool:
+        """Whether it is too large to decompress at once."""
+        return self.head.size > _LARGE_BYTES
+
+    @property
+    def said(self) -> tuple[int, int, int]:
+        """First and last log time, and size of the records, as its head says."""
+        return self.head.first_ns, self.head.last_ns, self.head.size
+
+
+def begin_chunk(file: BinaryIO, length: int) -> BegunChunk:
+    """
+    Read the head of a chunk; the file stands at its content, which has this length.
 
     Raises
     ------
     BagError
-        If the head of the chunk is damaged.
+        If the head is damaged.
 
     """
     at = file.tell()
-    begun = file.read(min(CHUNK_HEAD.size + _LENGTH.size + _NAME_LIMIT, length))
-    file.seek(at)
-    if len(begun) < CHUNK_HEAD.size or CHUNK_HEAD.unpack_from(begun)[2] <= _LARGE_BYTES:
-        return None
-    head, start = _read_head(begun, length)
-    return LargeChunk(file, at, at + start, head)
+    head, start = _read_head(file.read(min(_HEAD_BYTES, length)), length)
+    return BegunChunk(at, at + start, at + length, head)
 
 
 class LargeChunk:
@@ -144,13 +159,8 @@ class LargeChunk:
     A small file may unpack to gigabytes; memory stays that of a few pieces.
     """
 
-    def __init__(self, file: BinaryIO, at: int, start: int, head: _Head) -> None:
-        self._file, self._at, self._start, self._head = file, at, start, head
-
-    @property
-    def said(self) -> tuple[int, int, int]:
-        """First and last log time, and size of the records, as its head says."""
-        return self._head.first_ns, self._head.last_ns, self._head.size
+    def __init__(self, file: BinaryIO, begun: BegunChunk) -> None:
+        self._file, (self._at, self._start, _, self._head) = file, begun
 
     def verify(self) -> None:
         """Raise BagError unless the records have the size and the checksum in the head."""
@@ -261,40 +271,10 @@ class Gathering:
     def __bool__(self) -> bool:
         return bool(self.end)
 
-    def take(self, file: BinaryIO, length: int, start_ns: int, stop_ns: int,
-             indexed: tuple[int, int, int] | None = None) -> bool:
-        """
-        Take a chunk; the file stands at its content, which has this length.
-
-        Parameters
-        ----------
-        file : binary file
-        length : int
-        start_ns, stop_ns : int
-            Log times to read.
-        indexed : tuple of int, optional
-            What the index of the file says: first and last log time, and size of the records.
-
-        Returns
-        -------
-        bool
-            False if the chunk lies outside [start, stop) in log time and is skipped.
-
-        Raises
-        ------
-        BagError
-            If the chunk is damaged or is not the one in the index; the chunks taken before stay
-            usable.
-
-        """
-        at = file.tell()
-        begun = file.read(min(CHUNK_HEAD.size + _LENGTH.size + 4, length))
-        head, start = _read_head(begun, length)
-        if indexed is not None and indexed != (head.first_ns, head.last_ns, head.size):
-            raise BagError(UNFIT)
-        if head.first_ns >= stop_ns or head.last_ns < start_ns:
-            return False
-        file.seek(at + start)
+    def take(self, file: BinaryIO, begun: BegunChunk) -> None:
+        """Take a chunk; BagError if it is damaged, and the chunks taken before stay usable."""
+        head = begun.head
+        file.seek(begun.start)
         if head.compression:
             records = _decompress(head, self._read(file, head.length), self._zstd)
             into = self._reserve(head.size)
@@ -305,11 +285,10 @@ class Gathering:
                 raise BagError('chunk damaged: it ends early')
         _check(head, into)
         if not self:
-            self._offset = at - HEAD.size
+            self._offset = begun.at - HEAD.size
         self._usable = self._usable and not self._awaited
         self._awaited = True
-        self._base, self.size, self.end = self.size, self.size + head.size, at + length
-        return True
+        self._base, self.size, self.end = self.size, self.size + head.size, begun.end
 
     def _reserve(self, size: int) -> memoryview:
         """Return memory after the records taken so far; enlarge it if needed."""

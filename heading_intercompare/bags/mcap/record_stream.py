@@ -16,7 +16,7 @@ from mcap.opcode import Opcode
 
 from heading_intercompare.bags.errors import BagError
 
-from .chunks import find_large, Gathering, LargeChunk, UNFIT
+from .chunks import begin_chunk, BegunChunk, Gathering, LargeChunk, UNFIT
 from .message_blocks import Block, block_of, ENTRY_BYTES, HEAD, INDEX_LEAST, measure_whole, Record
 
 __all__ = ['MAGIC', 'parse_record', 'RecordStream']
@@ -28,8 +28,6 @@ _BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
 _BARE_BYTES = 1048576
 #: A record that claims to be larger is not read.
 _RECORD_LIMIT = 2**31
-#: No chunk is like this: its size is not possible.
-_UNKNOWN = (0, 0, -1)
 
 _AnyRecord = TypeVar('_AnyRecord', bound=mcap.McapRecord)
 
@@ -103,17 +101,13 @@ class RecordStream:
                 self._file.read(INDEX_LEAST)[2:], 'little') != size:
             raise BagError('message index damaged: its lengths do not agree', offset=at)
 
-    def _large(self, chunk: LargeChunk, at: int, end: int, start_ns: int, stop_ns: int,
-               heads: Mapping[int, tuple[int, int, int]] | None) -> Iterator[tuple[Block, int]]:
+    def _large(self, begun: BegunChunk, at: int) -> Iterator[tuple[Block, int]]:
         """Yield the blocks of a large chunk, once all of it is proved; it ends with the last."""
-        if heads and heads.get(at) != chunk.said:
-            raise BagError(UNFIT)
-        first_ns, last_ns, _ = chunk.said
-        if first_ns < stop_ns and last_ns >= start_ns:
-            chunk.verify()
-            for block in chunk.blocks():
-                yield block, at
-            yield block_of(b'', at), end
+        chunk = LargeChunk(self._file, begun)
+        chunk.verify()
+        for block in chunk.blocks():
+            yield block, at
+        yield block_of(b'', at), begun.end
 
     def pieces(self, at: int, end: int, least: int, start_ns: int = 0, stop_ns: int = 2**64,
                heads: Mapping[int, tuple[int, int, int]] | None = None,
@@ -164,18 +158,19 @@ class RecordStream:
                 self._file.seek(start)
             if opcode == Opcode.CHUNK:
                 try:
-                    large = find_large(self._file, length)
-                    if large is not None:
+                    begun = begin_chunk(self._file, length)
+                    if heads and heads.get(at) != begun.said:
+                        raise BagError(UNFIT)
+                    first_ns, last_ns, _ = begun.said
+                    wanted = first_ns < stop_ns and last_ns >= start_ns
+                    if wanted and begun.is_large:
                         if chunks:
                             yield chunks.block(), chunks.end
                             chunks.clear()
                         wanted = False
-                        yield from self._large(large, at, start + length, start_ns, stop_ns,
-                                               heads)
-                        at = start + length
-                        continue
-                    wanted = chunks.take(self._file, length, start_ns, stop_ns,
-                                         heads.get(at, _UNKNOWN) if heads else None)
+                        yield from self._large(begun, at)
+                    elif wanted:
+                        chunks.take(self._file, begun)
                 except BagError as error:
                     if chunks:
                         yield chunks.block(), chunks.end

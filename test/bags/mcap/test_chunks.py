@@ -14,11 +14,10 @@ import pytest
 import zstandard
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.mcap.chunks import CHUNK_HEAD, Gathering, unpack
+from heading_intercompare.bags.mcap.chunks import begin_chunk, CHUNK_HEAD, Gathering, unpack
 from heading_intercompare.bags.mcap.message_blocks import MESSAGE_HEAD
 
 PACK = {'': bytes, 'lz4': lz4.frame.compress, 'zstd': zstandard.ZstdCompressor().compress}
-EVER = (0, 2**64)
 
 
 def messages(first: int, count: int, size: int = 40) -> bytes:
@@ -37,6 +36,12 @@ def chunk(data: bytes, compression: str = '', *, size: int | None = None, crc: i
         + packed)
 
 
+def take(gathering: Gathering, content: bytes) -> None:
+    """Take a chunk from its content."""
+    file = BytesIO(content)
+    gathering.take(file, begin_chunk(file, len(content)))
+
+
 @pytest.mark.parametrize('compression', PACK)
 def test_chunks_are_joined_in_their_order_and_memory_is_used_again(compression):
     gathering = Gathering()
@@ -44,7 +49,7 @@ def test_chunks_are_joined_in_their_order_and_memory_is_used_again(compression):
         gathering.clear()
         for lo in (first, first + 7):
             content = chunk(messages(lo, 7), compression)
-            assert gathering.take(BytesIO(content), len(content), *EVER)
+            take(gathering, content)
         block = gathering.block()
         assert bytes(block.data) == messages(first, 14)
         assert block.heads['sequence'].tolist() == list(range(first, first + 14))
@@ -57,17 +62,16 @@ def test_memory_grows_without_losing_what_was_taken(compression):
     gathering = Gathering()
     for number in range(6):
         content = chunk(messages(50 * number, 50, 10 ** (number % 4)), compression)
-        gathering.take(BytesIO(content), len(content), *EVER)
+        take(gathering, content)
     assert gathering.block().heads['sequence'].tolist() == list(range(300))
 
 
-def test_a_chunk_of_another_time_is_left_out():
-    gathering = Gathering()
-    content = chunk(messages(3, 5))
-    assert not gathering.take(BytesIO(content), len(content), 8, 2**64)
-    assert not gathering.take(BytesIO(content), len(content), 0, 3)
-    assert not gathering
-    assert gathering.take(BytesIO(content), len(content), 7, 8)
+def test_a_chunk_says_its_times_and_its_size_before_it_is_read():
+    data = messages(3, 5)
+    content = chunk(data, 'zstd')
+    begun = begin_chunk(BytesIO(content), len(content))
+    assert begun.said == (3, 7, len(data))
+    assert (begun.at, begun.end, begun.is_large) == (0, len(content), False)
 
 
 DATA = messages(0, 9)
@@ -92,9 +96,9 @@ def test_a_damaged_chunk_is_refused_and_what_was_taken_stays(content):
     with pytest.raises(BagError, match='chunk damaged'):
         unpack(content, zstandard.ZstdDecompressor())
     gathering, good = Gathering(), chunk(messages(20, 4))
-    gathering.take(BytesIO(good), len(good), *EVER)
+    take(gathering, good)
     with pytest.raises(BagError, match='chunk damaged'):
-        gathering.take(BytesIO(content), len(content), *EVER)
+        take(gathering, content)
     assert bytes(gathering.block().data) == messages(20, 4)
 
 
@@ -104,7 +108,7 @@ def test_an_index_tells_where_messages_of_unequal_length_are(compression, monkey
     for lo in (0, 40):
         parts = [messages(n, 1, n % 13) for n in range(lo, lo + 40)]
         content = chunk(b''.join(parts), compression)
-        gathering.take(BytesIO(content), len(content), *EVER)
+        take(gathering, content)
         offsets = np.cumsum([0, *map(len, parts[:-1])])
         entries = np.stack([np.arange(lo, lo + 40), offsets], axis=1).astype('<i8')
         for half in (entries[::2], entries[1::2]):
