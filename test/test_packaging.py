@@ -249,7 +249,7 @@ def catches(pid: int, number: int) -> bool:
 
 
 def interrupted(command: list[str], environment: dict[str, str], cwd: Path) -> tuple[int, str]:
-    """Start a node, interrupt it once it takes signals; return its exit code and output."""
+    """Start a node, interrupt it once it is loaded; return its exit code and output."""
     log = cwd / 'node.log'
     with log.open('w') as output:
         process = subprocess.Popen(
@@ -259,7 +259,7 @@ def interrupted(command: list[str], environment: dict[str, str], cwd: Path) -> t
         try:
             deadline = time.monotonic() + 20.0
             while process.poll() is None and time.monotonic() < deadline:
-                if catches(process.pid, signal.SIGTERM):
+                if catches(process.pid, signal.SIGHUP):
                     process.send_signal(signal.SIGINT)
                     break
                 time.sleep(0.02)

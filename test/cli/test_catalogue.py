@@ -21,6 +21,7 @@ seed: 7
 latitude_deg: 54.3
 longitude_deg: 10.2
 seaway: ss3
+motion_hz: {motion_hz}
 legs: 0 45 12; 180 90 12; 420 180 10; 720 300 10; 960 20 12
 ts: {{model: ideal, rate_hz: 10, white_deg: 0.1{ts}}}
 rs: {{model: ideal, rate_hz: 10, white_deg: 0.05, phase_s: 0.03{rs}}}
@@ -66,7 +67,8 @@ def verdict_of(arguments, capsys):
 def test_a_simulated_trial_gets_outcome_reason_and_words(name, tmp_path, capsys):
     ts, rs, expected_code, outcome, reason, words = SIMULATED[name]
     scenario = tmp_path / 'ship.yaml'
-    scenario.write_text(SHIP.format(ts=ts, rs=rs), encoding='utf-8')
+    # The motion would name most of these errors first.
+    scenario.write_text(SHIP.format(ts=ts, rs=rs, motion_hz=0), encoding='utf-8')
     assert main(['simulate', '--scenario', str(scenario), '-o', str(tmp_path / 'bag'),
                  '--quiet']) == 0
     capsys.readouterr()
@@ -75,6 +77,23 @@ def test_a_simulated_trial_gets_outcome_reason_and_words(name, tmp_path, capsys)
     assert (verdict['outcome'], run['reason']) == (outcome, reason)
     assert words in line and line == f'VERDICT: {verdict["headline"]}'
     assert code == expected_code
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('ts, rs, words', [
+    (', faults: 0 jump 180', '', 'the TS points 180 deg off the course over ground'),
+    (', offset_deg: 45', ', offset_deg: 45', 'off the course over ground'),
+    ('', ', offset_deg: 120', 'the RS points 120 deg off the course over ground')])
+def test_the_motion_of_the_simulated_ship_names_the_sensor_that_is_wrong(
+        ts, rs, words, tmp_path, capsys):
+    scenario = tmp_path / 'ship.yaml'
+    scenario.write_text(SHIP.format(ts=ts, rs=rs, motion_hz=1), encoding='utf-8')
+    assert main(['simulate', '--scenario', str(scenario), '-o', str(tmp_path / 'bag'),
+                 '--quiet']) == 0
+    capsys.readouterr()
+    code, verdict, line = verdict_of([tmp_path / 'bag'], capsys)
+    assert (code, verdict['runs'][0]['reason']) == (3, 'void.motion')
+    assert words in line
 
 
 def columns(rng):

@@ -31,13 +31,14 @@ import yaml
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.sensors.sensors_analysis import judge_sensor_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
 from heading_intercompare.cli import main
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.sensors.compare_sensors import find_sensor_differences
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
-from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.settings import MotionRule, Settings
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.drivers.logs import read_log
 from heading_intercompare.drivers.settings import DriverSettings
@@ -146,6 +147,7 @@ def test_real_logs_at_20_times_the_speed_give_the_offline_verdict(
     assert [h.stamp_ns.tolist() for h in recorded] == [ts.stamp_ns.tolist(), rs.stamp_ns.tolist()]
     assert reader.topics['/pairs'].count == len(pair(*recorded)[0])
     comparison = Intercomparison(Settings.from_mapping(NORMS))
+    comparison.take_motion(read_bag_motion(reader, MotionRule()).rows)
     comparison.update(*recorded)
     comparison.finish()
     assert_same(report, json.loads(json.dumps(comparison.verdict().to_dict())))
