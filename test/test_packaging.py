@@ -312,6 +312,8 @@ def test_colcon_builds_a_package_whose_nodes_start_and_end(source, tmp_path):
             assert code == 2 and output.startswith('replayer: error: bag is required'), output
         elif node == 'sensors_watch':
             assert code == 2 and output.startswith('sensors_watch: error: sensors: none'), output
+        elif node == 'motion_driver':
+            assert code == 2 and 'motion_driver: error: source is required' in output, output
         elif node == 'dashboard' and find_spec('nicegui') is None:
             assert code == 2 and "pip install 'heading_intercompare[web]'" in output, output
         else:
