@@ -164,8 +164,10 @@ def several(ros, make, sensor='', settings=SETTINGS, **values):
         parameter_overrides=make_overrides({**settings, **named, **values}))
 
 
-def test_a_compliance_node_that_starts_again_goes_on_and_the_others_do_not_notice(ros, tmp_path):
+def test_a_compliance_node_that_starts_again_goes_on_and_the_others_do_not_notice(
+        ros, tmp_path, trial):
     """That of gyro1 is destroyed as by a crash; its journal and its synchronizer keep all."""
+    _, folder, _ = trial
     reports = str(tmp_path)
     watch = several(ros, SensorsWatch, report_dir=reports)
     names = 'gyro1', 'gyro2', 'ins'
@@ -183,8 +185,7 @@ def test_a_compliance_node_that_starts_again_goes_on_and_the_others_do_not_notic
     ros.end(simulator, *pairing, *judges.values(), watch)
     found = watch.verdict
     assert found.vote.wrong == ('gyro2',)
-    whole = intercompare([Source(SensorSimulator, 'sensor_simulator', TRIAL)], SETTINGS,
-                         private=True)
+    whole = offline(str(folder / 'bag'), SETTINGS)
     differences = [one for one in find_sensor_differences(found, whole)
                    if 'ledger_problems' not in one]
     assert differences == []
