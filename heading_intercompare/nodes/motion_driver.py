@@ -7,8 +7,6 @@ from __future__ import annotations
 import time
 from typing import Any, Sequence
 
-from rclpy.node import Node
-
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.messages.status_messages import OK, WARN
@@ -18,14 +16,14 @@ from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.driver_motion import DriverMotion
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.publishing import Audience, await_acknowledgement
-from heading_intercompare.nodes.runtime.source_thread import Reading
+from heading_intercompare.nodes.runtime.source_thread import Reading, ReadingNode
 
 from .settings import DriverNode, Sending, Taking
 
 __all__ = ['main', 'MotionDriver']
 
 
-class MotionDriver(Node):
+class MotionDriver(ReadingNode):
     """Publish the motion in the sentences of a source, whatever headings they tell."""
 
     def __init__(self, **kwargs: Any) -> None:
@@ -49,19 +47,6 @@ class MotionDriver(Node):
         self.health.add_refresher(self._note)
         every(self, 0.05, self._begin)
         self._begin()
-
-    @property
-    def first_ns(self) -> int | None:
-        """First stamp of a log; None for other sources."""
-        return getattr(self._reading.source, 'first_ns', None)
-
-    def play_from(self, origin_ns: int) -> None:
-        """Let a log start at a log time, to play in step with others; call it before the start."""
-        self._reading.source.origin_ns = origin_ns
-
-    def _begin(self) -> None:
-        if not self._reading.started and self._audience.is_there():
-            self._reading.start()
 
     def _pass_on(self) -> None:
         """Publish the motion in the bytes received."""
@@ -98,11 +83,6 @@ class MotionDriver(Node):
         self._reading.stop()
         self._ending = True
         self._pass_on()
-
-    def destroy_node(self) -> None:
-        """Stop reading and destroy the node."""
-        self._reading.stop()
-        super().destroy_node()
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -7,7 +7,6 @@ from __future__ import annotations
 import time
 from typing import Any, Sequence
 
-from rclpy.node import Node
 from sensor_msgs.msg import Imu
 
 from heading_intercompare.core.records import Headings
@@ -31,14 +30,14 @@ from heading_intercompare.nodes.runtime.publishing import (
     FlowControl,
     HeadingQueue,
 )
-from heading_intercompare.nodes.runtime.source_thread import Reading
+from heading_intercompare.nodes.runtime.source_thread import Reading, ReadingNode
 
 from .settings import DriverNode, Sending, Taking
 
 __all__ = ['main', 'NmeaDriver']
 
 
-class NmeaDriver(Node):
+class NmeaDriver(ReadingNode):
     """Publish the headings of a source; a file waits for subscribers, and ends the node."""
 
     def __init__(self, **kwargs: Any) -> None:
@@ -70,19 +69,6 @@ class NmeaDriver(Node):
         self.health.add_refresher(self._note)
         every(self, 0.05, self._begin)
         self._begin()
-
-    @property
-    def first_ns(self) -> int | None:
-        """First stamp of a log; None for other sources."""
-        return getattr(self._reading.source, 'first_ns', None)
-
-    def play_from(self, origin_ns: int) -> None:
-        """Let a log start at a log time, to play in step with others; call it before the start."""
-        self._reading.source.origin_ns = origin_ns
-
-    def _begin(self) -> None:
-        if not self._reading.started and self._audience.is_there():
-            self._reading.start()
 
     def _pass_on(self) -> None:
         """Publish the headings in the bytes received."""
@@ -148,11 +134,6 @@ class NmeaDriver(Node):
         self._ending = True
         self._pass_on()
         self._lost.end()
-
-    def destroy_node(self) -> None:
-        """Stop reading and destroy the node."""
-        self._reading.stop()
-        super().destroy_node()
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""A thread that reads a source, so that bytes are stamped on arrival, however busy the node is."""
+"""A source, read in a thread of its own so that bytes are stamped on arrival, and its node."""
 
 from __future__ import annotations
 
@@ -9,11 +9,15 @@ from queue import Empty, Full, Queue
 import threading
 from typing import Callable
 
+from rclpy.node import Node
+
 from heading_intercompare.drivers.framing import Received
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.drivers.sources import FileSource, open_source, Source
 
-__all__ = ['Reading']
+from .publishing import Audience
+
+__all__ = ['Reading', 'ReadingNode']
 
 _PIECE = 50
 _READ_S = 0.2
@@ -107,3 +111,28 @@ class Reading:
             self._notify()
             self._stopped.wait(self._pause_s * len(lines) / _PIECE)
             return
+
+
+class ReadingNode(Node):
+    """A node that publishes what a source tells, once those who wait for it are there."""
+
+    _reading: Reading
+    _audience: Audience
+
+    @property
+    def first_ns(self) -> int | None:
+        """First stamp of a log; None for other sources."""
+        return getattr(self._reading.source, 'first_ns', None)
+
+    def play_from(self, origin_ns: int) -> None:
+        """Let a log start at a log time, to play in step with others; call it before the start."""
+        self._reading.source.origin_ns = origin_ns
+
+    def _begin(self) -> None:
+        if not self._reading.started and self._audience.is_there():
+            self._reading.start()
+
+    def destroy_node(self) -> None:
+        """Stop reading and destroy the node."""
+        self._reading.stop()
+        super().destroy_node()
