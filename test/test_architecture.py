@@ -110,6 +110,7 @@ MOST_MODULES = 12
 # Tests of several modules, or of something else: a path of the product, a file format, real
 # data. Every other test module has the name and the place of the module it tests.
 TESTS_OF_SEVERAL = {
+    'ahrs/gimballed/test_honesty',
     'ahrs/test_commands', 'ahrs/test_pictures', 'ahrs/test_recovery', 'ahrs/test_scenarios',
     'bags/mcap/test_large_chunks', 'bags/rosbag2/test_compressed',
     'bags/rosbag2/test_third_parties', 'bags/test_fuzz', 'cli/test_bag_commands',

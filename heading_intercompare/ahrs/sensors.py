@@ -109,7 +109,7 @@ class SimulatedSensor:
         Raises
         ------
         ValueError
-            If the sensor is not an AHRS.
+            If the sensor is not an AHRS, or refuses the event.
 
         """
         if self._ahrs is None:

@@ -194,7 +194,8 @@ class Trial:
         Raises
         ------
         ValueError
-            If the time is past, the event is unknown, or the sensor is not an AHRS.
+            If the time is past, the event is unknown, the sensor is not an AHRS, or the event is
+            due within the next block and would change nothing, with the reason.
 
         """
         if kind not in EVENTS:

@@ -41,8 +41,7 @@ from .settings import Sending, SimulatorNode
 
 __all__ = ['main', 'SensorSimulator']
 
-# The latter is the simulated time per step when running as fast as possible.
-_TICK_S, _STEP_S = 0.05, 0.5
+_TICK_S, _STEP_S = 0.05, 0.5  # the latter: simulated time of a step as fast as possible
 
 
 class SensorSimulator(Node):
@@ -71,10 +70,12 @@ class SensorSimulator(Node):
         self._allowance = Allowance(sending.max_rate_hz)
         self._flow = FlowControl(self._publishers_of.values(), self.health)
         self._trial: Trial | None = None
-        for kind in EVENTS:
-            self.create_service(Trigger, f'~/{kind}', partial(self._command, kind))
-        for kind in FAULTS:
-            self.create_service(SetBool, f'~/inject_{kind}', partial(self._inject, kind))
+        for role, place in (('ts', '~'), ('rs', '~/rs')):
+            for kind in EVENTS:
+                self.create_service(Trigger, f'{place}/{kind}', partial(self._command, role, kind))
+            for kind in FAULTS:
+                self.create_service(SetBool, f'{place}/inject_{kind}',
+                                    partial(self._inject, role, kind))
         self.health.add_refresher(self._tell)
         every(self, _TICK_S, self._tick)
 
@@ -109,10 +110,9 @@ class SensorSimulator(Node):
         self._motion.take(chunk.motion)
         for message in imu_messages(chunk.truth, self._frames['truth']):
             self._publishers_of['truth'].publish(message)
-        for role, (readings, statuses) in chunk.sent.items():
-            messages = imu_messages(readings.headings, self._frames[role],
-                                    sigma_deg=readings.sigma_deg,
-                                    turn_rate_deg_s=readings.rate_deg_s)
+        for role, (made, statuses) in chunk.sent.items():
+            messages = imu_messages(made.headings, self._frames[role], sigma_deg=made.sigma_deg,
+                                    turn_rate_deg_s=made.rate_deg_s)
             for message in messages:
                 self._publishers_of[role].publish(message)
             self._allowance.spend(len(messages))
@@ -127,25 +127,25 @@ class SensorSimulator(Node):
         if status.message:
             self.get_logger().info(f'{role}: {status.message}, {status.t_s:.1f} s of the trial')
 
-    def _command(self, kind: str, _: Trigger.Request, response: Any) -> Any:
-        return self._answer(response, kind, lambda trial: trial.command('ts', kind))
+    def _command(self, role: str, kind: str, _: Trigger.Request, response: Any) -> Any:
+        return self._answer(response, role.upper(), kind, lambda trial: trial.command(role, kind))
 
-    def _inject(self, kind: str, request: SetBool.Request, response: Any) -> Any:
-        return self._answer(response, f'{kind} {"begins" if request.data else "ends"}', lambda
-                            trial: (trial.inject if request.data else trial.mend)('ts', kind))
+    def _inject(self, role: str, kind: str, request: SetBool.Request, response: Any) -> Any:
+        act, what = (Trial.inject, 'begins') if request.data else (Trial.mend, 'ends')
+        return self._answer(response, role.upper(), f'{kind} {what}',
+                            lambda trial: act(trial, role, kind))
 
-    def _answer(self, response: Any, what: str, act: Callable[[Trial], float]) -> Any:
+    def _answer(self, response: Any, who: str, what: str, act: Callable[[Trial], float]) -> Any:
         """Act on the trial; answer when that takes effect, or why it cannot."""
         if self._trial is None or self._trial.over:
-            response.success = False
             response.message = f'the trial {"is over" if self._trial else "has not begun"}'
             return response
         try:
-            at_s = act(self._trial)
+            response.message = f'{who}: {what} at {act(self._trial):.2f} s of the trial'
         except ValueError as error:
-            response.success, response.message = False, f'TS: {error}'
+            response.message = f'{who}: {error}'
         else:
-            response.success, response.message = True, f'TS: {what} at {at_s:.2f} s of the trial'
+            response.success = True
             self.get_logger().info(response.message)
         return response
 

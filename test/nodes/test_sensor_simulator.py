@@ -148,6 +148,28 @@ def test_service_says_why_it_cannot(ros):
     ros.end(node)
 
 
+def test_command_that_changes_nothing_is_refused_with_the_reason(ros):
+    """Both sensors are aligned gyrocompasses; each has services of its own."""
+    settings = {f'{role}__ahrs__initial_state': 'aligned' for role in ('ts', 'rs')}
+    node, _, diagnostics = begun(ros, speed=20.0, ts__model='dtg_precision',
+                                 rs__model='marine_0p1', **settings)
+    for place, who in (('', 'TS'), ('rs/', 'RS')):
+        for kind, why in (('gyrocompass', 'it is the mode already'),
+                          ('reset', 'there is no fault; the mode is GYROCOMPASS'),
+                          ('force_on', 'only THERMOSTAT_WAIT can be cut short')):
+            answer = called(ros, Trigger, place + kind)
+            assert not answer.success
+            assert answer.message.startswith(f'{who}: {kind} refused: {why}')
+    answer = called(ros, Trigger, 'rs/gyro_azimuth')
+    assert answer.success and answer.message.startswith('RS: gyro_azimuth at ')
+    ros.spin_until(lambda: values(diagnostics, 'rs')[-1:]
+                   and values(diagnostics, 'rs')[-1]['mode'] == 'GYRO_AZIMUTH')
+    assert values(diagnostics, 'ts')[-1]['mode'] == 'GYROCOMPASS'
+    answer = called(ros, SetBool, 'rs/inject_freeze', data=True)
+    assert answer.success and answer.message.startswith('RS: freeze begins at ')
+    ros.end(node)
+
+
 def test_service_waits_for_the_trial_to_begin(ros):
     ros.ours(SensorSimulator, duration_s=5.0)
     answer = called(ros, SetBool, 'inject_jump', data=True)
@@ -156,9 +178,11 @@ def test_service_waits_for_the_trial_to_begin(ros):
 
 def test_every_fault_and_event_has_its_service(ros):
     node = ros.ours(SensorSimulator, duration_s=5.0)
-    offered = {name.rpartition('/')[2] for name, _ in node.get_service_names_and_types_by_node(
+    offered = {name for name, _ in node.get_service_names_and_types_by_node(
         'sensor_simulator', '/')}
-    assert {*EVENTS, *(f'inject_{kind}' for kind in FAULTS)} <= offered
+    names = {*EVENTS, *(f'inject_{kind}' for kind in FAULTS)}
+    assert {f'/sensor_simulator/{place}{name}' for place in ('', 'rs/')
+            for name in names} <= offered
 
 
 def test_further_sensors_are_published_on_their_topics_and_nobody_need_hear_them(ros):

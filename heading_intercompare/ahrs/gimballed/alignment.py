@@ -22,11 +22,12 @@ from .calibration import (
     accelerometer_bias,
     azimuth_from_rates,
     course_drift,
+    course_drift_sigma,
     fit_rotation,
     hann,
     WindowedMean,
 )
-from .claims import alignment_sigma
+from .claims import alignment_sigma, satellite_sigma
 from .computer import Computer
 from .instruments import Instruments
 from .modes import Mode, Validity
@@ -44,12 +45,13 @@ TILT_RATE_RAD_S = math.radians(5.0 / 3600.0)
 SECTORS, SECTOR_STEPS = 36, 50
 METER_TURN_RAD_S = math.radians(2.0)
 BIAS_LIMIT_RAD_S = 1.0 * RAD_PER_DEG_H
-FIT_LIMIT_RAD_S, FIT_LIMIT_AT_SEA_RAD_S = 1.0 * RAD_PER_DEG_H, 15.0 * RAD_PER_DEG_H
+FIT_LIMIT_RAD_S = 1.0 * RAD_PER_DEG_H
 EARTH_LIMIT_RAD_S = 0.1 * RAD_PER_DEG_H
 SLEW_RAD_S = math.radians(10.0)
 POSITION_S = 120.0
 FORCE_LIMIT_M_S2 = 2000.0 * UG_M_S2
-READINGS, READING_S = 6, 90.0
+READINGS, READING_S, SATELLITE_READING_S = 6, 90.0, 450.0
+FINE_LIMIT_S = 3600.0
 STRAIGHT_RAD = math.radians(5.0 / 3600.0)
 
 
@@ -67,7 +69,13 @@ class Machine(Protocol):
     validity: Validity
     sigma_rad: float
     soak: float
-    residual_deg_h: float
+    calibrated_deg_h: float
+    course_deg_h: float
+    calibrated_k: float
+
+    @property
+    def residual_deg_h(self) -> float:
+        """Levelling gyro drift left by the calibration, and by the temperature since."""
 
     def say(self, message: str) -> None:
         """Report an event."""
@@ -148,23 +156,28 @@ def gyro_calibration(ahrs: Machine) -> Procedure:
         bias_x = 0.5 * (forth.bias_x + back.bias_x)
         bias_y = 0.5 * (forth.bias_y + back.bias_y)
         residual = max(forth.residual, back.residual)
-        # The swell adds to the residual but, thanks to the window, hardly to the biases.
-        limit = FIT_LIMIT_RAD_S if computer.moored else FIT_LIMIT_AT_SEA_RAD_S
-        if math.hypot(bias_x, bias_y) < BIAS_LIMIT_RAD_S and residual < limit:
+        if math.hypot(bias_x, bias_y) < BIAS_LIMIT_RAD_S and residual < FIT_LIMIT_RAD_S:
             computer.meter_x_rad_s, computer.meter_y_rad_s = bias_x, bias_y
-            ahrs.soak = ahrs.instruments.soak
-            ahrs.residual_deg_h = ahrs.errors.residual_xy_deg_h
+            ahrs.soak, ahrs.calibrated_k = (
+                ahrs.instruments.soak, ahrs.instruments.thermostat.away_k)
+            ahrs.calibrated_deg_h = max(
+                ahrs.errors.residual_xy_deg_h,
+                0.5 * math.hypot(forth.bias_sigma, back.bias_sigma) / RAD_PER_DEG_H)
             ahrs.say('course gyro calibrated')
             return Mode.AZIMUTH_ALIGNMENT
         ahrs.say(f'calibration of the course gyro rejected: residual '
                  f'{residual / RAD_PER_DEG_H:.2g} deg/h')
     ahrs.flag('NOT_CALIBRATED')
-    ahrs.residual_deg_h = math.hypot(ahrs.errors.residual_xy_deg_h, ahrs.errors.turn_on_deg_h)
+    ahrs.calibrated_deg_h = math.hypot(ahrs.errors.residual_xy_deg_h, ahrs.errors.turn_on_deg_h)
     return Mode.AZIMUTH_ALIGNMENT
 
 
 def _revolution(ahrs: Machine, sense: float):
-    """Turn the meter once and fit its readings; the ends, disturbed by the swell, count less."""
+    """
+    Turn the meter once, and fit what it reads beyond the rates that the platform was commanded.
+
+    The swell moves the platform by those commands alone, so it is not in the fit.
+    """
     computer, platform = ahrs.computer, ahrs.platform
     columns = [[], [], [], []]
     angle_rad = 0.0 if sense > 0.0 else 2.0 * math.pi
@@ -173,8 +186,8 @@ def _revolution(ahrs: Machine, sense: float):
         for _ in range(SECTOR_STEPS):
             angle_rad += sense * METER_TURN_RAD_S * GRID_S
             platform.turn_meter(angle_rad, sense * METER_TURN_RAD_S)
-            yield computer.hold()
-            turn_x, turn_y = computer.transport_without_azimuth()
+            turn_x, turn_y, _ = rates = computer.hold()
+            yield rates
             c, s = math.cos(platform.angle_rad), math.sin(platform.angle_rad)
             for i, value in enumerate((
                     c, s, platform.rate_x_rad_s - turn_x * c - turn_y * s,
@@ -190,7 +203,8 @@ def azimuth_alignment(ahrs: Machine) -> Procedure:
     computer, platform = ahrs.computer, ahrs.platform
     n = steps(ahrs.settings.alignment_s)
     for _ in range(2):
-        window = WindowedMean(n, 8)
+        window = WindowedMean(n, 10)
+        path_x = path_y = 0.0
         for _ in range(n):
             platform.turn_meter(0.0, 0.0)
             rates = computer.hold()
@@ -198,8 +212,10 @@ def azimuth_alignment(ahrs: Machine) -> Procedure:
             turn_x, turn_y = computer.transport_without_azimuth()
             window.add(platform.rate_x_rad_s, platform.rate_y_rad_s, turn_x, turn_y, rates[0],
                        rates[1], computer.ax - computer.coriolis * computer.vy,
-                       computer.ay + computer.coriolis * computer.vx)
-        rate_x, rate_y, turn_x, turn_y, ux, uy, ax, ay = window.mean()
+                       computer.ay + computer.coriolis * computer.vx, path_x, path_y)
+            path_x += GRID_S * computer.vx
+            path_y += GRID_S * computer.vy
+        rate_x, rate_y, turn_x, turn_y, ux, uy, ax, ay, mean_x, mean_y = window.mean()
         rate_x -= computer.meter_x_rad_s
         rate_y -= computer.meter_y_rad_s
         alpha, beta = -ay / computer.gravity, ax / computer.gravity
@@ -212,7 +228,10 @@ def azimuth_alignment(ahrs: Machine) -> Procedure:
     else:
         return ahrs.fail('alignment')
     computer.drift_x_rad_s, computer.drift_y_rad_s = rate_x - ux, rate_y - uy
-    computer.azimuth_rad = azimuth_from_rates(earth_x, earth_y)
+    middle_rad = azimuth_from_rates(earth_x, earth_y)
+    # North turns under a ship that sails east: the platform has turned since the mean was true.
+    east_m = ((path_x - mean_x) * math.sin(middle_rad) + (path_y - mean_y) * math.cos(middle_rad))
+    computer.azimuth_rad = middle_rad + east_m * computer.sin / (computer.cos * computer.normal_m)
     computer.ix = computer.iy = 0.0
     yield from slew(ahrs, -computer.azimuth_rad)
     computer.azimuth_rad = 0.0
@@ -239,7 +258,7 @@ def fine_levelling(ahrs: Machine) -> Procedure:
     computer.enter_hold()
     ahrs.validity = Validity.PROVISIONAL
     ahrs.sigma_rad = alignment_sigma(ahrs.residual_deg_h, computer.latitude_rad)
-    left = steps(settings.fine_s)
+    left = steps(min(settings.fine_s, FINE_LIMIT_S))
     if settings.accelerometer_calibration == 'two_position' and computer.moored:
         left -= yield from _two_positions(ahrs)
     elif settings.accelerometer_calibration != 'off':
@@ -248,6 +267,9 @@ def fine_levelling(ahrs: Machine) -> Procedure:
         left -= yield from _course_gyro_drift(ahrs)
     for _ in range(left):
         yield computer.fine()
+    if settings.fine_s > FINE_LIMIT_S:
+        ahrs.flag('FINE_LIMIT')
+        ahrs.say(f'fine levelling ended at its limit of {FINE_LIMIT_S:g} s')
     return ahrs.operation
 
 
@@ -292,22 +314,39 @@ def _one_position(ahrs: Machine) -> Generator[tuple[float, float, float], None, 
 
 def _course_gyro_drift(ahrs: Machine) -> Generator[tuple[float, float, float], None, int]:
     """Find the drift of the course gyro from readings of a known heading: S (15)."""
-    computer, platform, n = ahrs.computer, ahrs.platform, steps(READING_S)
-    readings = []
+    computer, platform, moored = ahrs.computer, ahrs.platform, ahrs.computer.moored
+    reading_s = READING_S if moored else SATELLITE_READING_S
+    readings, taken = [], 0
     for _ in range(READINGS):
-        window = WindowedMean(n, 1)
-        for _ in range(n):
+        window = WindowedMean(steps(reading_s), 1)
+        for _ in range(steps(reading_s)):
             yield computer.fine()
-            known = 0.0 if computer.moored else platform.satellite_rad
-            window.add(platform.pick_off_rad - known)
+            taken += 1
+            if not (computer.moored if moored else computer.gps_ok):
+                ahrs.say('drift of the course gyro kept: '
+                         + ('the ship moves' if moored else 'satellite heading lost'))
+                return taken
+            window.add(platform.pick_off_rad - (0.0 if moored else platform.satellite_rad))
         readings += window.mean()
-    drift, residual = course_drift(readings, READING_S, ahrs.settings.drift_fit)
-    if residual <= STRAIGHT_RAD:
+    method, known_rad = ahrs.settings.drift_fit, satellite_sigma(ahrs.errors, reading_s)
+    drift, residual = course_drift(readings, reading_s, method)
+    if residual > STRAIGHT_RAD + (0.0 if moored else 3.0 * known_rad):
+        ahrs.say('drift of the course gyro kept: its readings are not on a straight line')
+    elif moored:
         computer.drift_z_rad_s -= drift
+        ahrs.course_deg_h = ahrs.errors.residual_z_deg_h
         ahrs.say('drift of the course gyro calibrated')
     else:
-        ahrs.say('drift of the course gyro kept: its readings are not on a straight line')
-    return READINGS * n
+        # The satellite heading is noisy: it counts as far as it knows more than was known before.
+        before = ahrs.course_deg_h * RAD_PER_DEG_H
+        fit = course_drift_sigma(known_rad, reading_s, READINGS, method)
+        share = before**2 / (before**2 + fit**2) if fit else 1.0
+        computer.drift_z_rad_s -= share * drift
+        ahrs.course_deg_h = max(ahrs.errors.residual_z_deg_h,
+                                math.sqrt(1.0 - share) * ahrs.course_deg_h)
+        ahrs.say('drift of the course gyro calibrated by satellite heading, to '
+                 f'{ahrs.course_deg_h:.2g} deg/h')
+    return taken
 
 
 PROCEDURES = {

@@ -10,18 +10,33 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-__all__ = ['accelerometer_bias', 'azimuth_from_rates', 'course_drift', 'drift_correction',
-           'fit_rotation', 'gps_drift', 'hann', 'RotationFit', 'WindowedMean']
+__all__ = ['accelerometer_bias', 'azimuth_from_rates', 'course_drift', 'course_drift_sigma',
+           'drift_correction', 'fit_rotation', 'gps_drift', 'hann', 'RotationFit', 'WindowedMean']
 
 
 class RotationFit(NamedTuple):
-    """Result of one revolution of the meter; rates in the unit given."""
+    """
+    Result of one revolution of the meter; rates in the unit given.
+
+    Attributes
+    ----------
+    bias_x, bias_y : float
+        Biases of the meter, in the axes of its case.
+    rate_x, rate_y : float
+        Rates along the axes of the platform.
+    residual : float
+        Weighted root mean square of what the fit leaves.
+    bias_sigma : float
+        Standard deviation of a bias, if what the fit leaves is independent from sector to sector.
+
+    """
 
     bias_x: float
     bias_y: float
     rate_x: float
     rate_y: float
     residual: float
+    bias_sigma: float
 
 
 def hann(n: int) -> np.ndarray:
@@ -78,8 +93,6 @@ def fit_rotation(cosine: ArrayLike, sine: ArrayLike, rate_x: ArrayLike, rate_y: 
     Returns
     -------
     RotationFit
-        Biases (in the axes of the case), rates (in the axes of the platform), and the root mean
-        square of the residuals.
 
     Raises
     ------
@@ -111,8 +124,10 @@ def fit_rotation(cosine: ArrayLike, sine: ArrayLike, rate_x: ArrayLike, rate_y: 
     found = np.linalg.lstsq(root[:, None] * design, root * both, rcond=None)[0]
     left = root * (both - design @ found)
     residual = math.sqrt(float(left @ left) / float(root @ root))
+    # Two equations a sector for four unknowns; the rates cancel over a full turn.
+    scale = math.sqrt(c.size / max(c.size - 2.0, 1.0))
     return RotationFit(float(found[2]), float(found[3]), float(found[0]), float(found[1]),
-                       residual)
+                       residual, scale * residual * math.sqrt(float(w @ w)) / float(w.sum()))
 
 
 def azimuth_from_rates(rate_x: float, rate_y: float) -> float:
@@ -189,6 +204,32 @@ def course_drift(angle: ArrayLike, step_s: float, method: str = 'lsq') -> tuple[
     if method == 'pairs':
         slope = float(np.mean(psi[1::2] - psi[0::2])) / step_s
     return slope, residual
+
+
+def course_drift_sigma(reading: float, step_s: float, n: int, method: str = 'lsq') -> float:
+    """
+    Return the standard deviation of the drift of n readings with independent errors.
+
+    Parameters
+    ----------
+    reading : float
+        Standard deviation of a reading.
+    step_s : float
+        Interval of the readings, seconds.
+    n : int
+        Number of readings.
+    method : {'lsq', 'pairs'}
+        As for `course_drift`.
+
+    Examples
+    --------
+    >>> round(course_drift_sigma(1.0, 2.0, 6) * 2.0 * math.sqrt(17.5), 9)
+    1.0
+
+    """
+    if method == 'pairs':
+        return reading * math.sqrt(4.0 / n) / step_s
+    return reading * math.sqrt(12.0 / (n * (n * n - 1.0))) / step_s
 
 
 def gps_drift(difference_1: float, difference_2: float, step_s: float) -> tuple[float, float]:

@@ -13,7 +13,8 @@ from heading_intercompare.ahrs.ship.earth import (
     RAD_PER_DEG_SQRT_H,
 )
 
-__all__ = ['alignment_sigma', 'azimuth_sigma', 'gyrocompass_sigma', 'output_sigma']
+__all__ = ['alignment_sigma', 'azimuth_sigma', 'gyrocompass_sigma', 'output_sigma',
+           'satellite_sigma']
 
 ALIGNMENT_PER_DRIFT = math.radians(1.75 / 60.0) / 0.008
 """An alignment with meter drifts of 0.008 deg/h is accurate to 1.75 arc minutes at the equator."""
@@ -69,7 +70,29 @@ def gyrocompass_sigma(errors: Errors, residual_deg_h: float, sigma_1_s: float, s
     return math.hypot(slow * RAD_PER_DEG_H, walk) / (EARTH_RATE_RAD_S * math.cos(latitude_rad))
 
 
-def azimuth_sigma(errors: Errors, start_rad: float, span_s: float) -> float:
+def satellite_sigma(errors: Errors, span_s: float) -> float:
+    """
+    Return the standard deviation of the Hann-weighted mean of a satellite heading, radians.
+
+    Parameters
+    ----------
+    errors : Errors
+        Size and correlation time of the errors of the satellite heading.
+    span_s : float
+        Length of the mean, seconds.
+
+    Notes
+    -----
+    Coloured noise with the time tau has, over a long span T, the variance 2 tau / T; the weights
+    raise it by 1.5. It never exceeds that of a single heading.
+
+    """
+    share = min(1.0, 1.5 * 2.0 * errors.gps_tau_s / span_s)
+    return math.radians(errors.gps_deg) * math.sqrt(share)
+
+
+def azimuth_sigma(errors: Errors, residual_deg_h: float, start_rad: float,
+                  span_s: float) -> float:
     """
     Return the standard deviation of a free azimuth, radians.
 
@@ -77,11 +100,13 @@ def azimuth_sigma(errors: Errors, start_rad: float, span_s: float) -> float:
     ----------
     errors : Errors
         Errors of the class.
+    residual_deg_h : float
+        Drift of the course gyro left by its calibration, deg/h.
     start_rad : float
         Standard deviation when the azimuth became free.
     span_s : float
         Time since then, seconds.
 
     """
-    return math.hypot(start_rad, errors.residual_z_deg_h * RAD_PER_DEG_H * span_s,
+    return math.hypot(start_rad, residual_deg_h * RAD_PER_DEG_H * span_s,
                       errors.random_walk_deg_sqrt_h * RAD_PER_DEG_SQRT_H * math.sqrt(span_s))

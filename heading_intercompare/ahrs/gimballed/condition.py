@@ -59,7 +59,8 @@ def progress(mode: Mode, mode_s: float, validity: Validity, away_k: float,
     Parameters
     ----------
     mode : Mode
-        Gyrocompass is complete when its heading is valid, gyro azimuth at once.
+        Gyrocompass is complete when its heading is valid, gyro azimuth at once; but a heading that
+        was settling when its azimuth became free settles no more.
     mode_s : float
         Time in this mode, seconds.
     validity : Validity
@@ -83,7 +84,7 @@ def progress(mode: Mode, mode_s: float, validity: Validity, away_k: float,
                 / math.log(cold_k / Thermostat.READY_K))
         return min(max(1.0 - left, 0.0), 1.0)
     if mode is Mode.GYRO_AZIMUTH or mode is Mode.GYROCOMPASS and validity is Validity.VALID:
-        return 1.0
+        return 0.0 if validity is Validity.SETTLING else 1.0
     whole_s = {
         Mode.POST: POST_S,
         Mode.COARSE_LEVELLING: COARSE_S,

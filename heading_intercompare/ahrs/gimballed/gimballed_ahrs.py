@@ -7,6 +7,7 @@ from __future__ import annotations
 from bisect import insort
 from dataclasses import dataclass
 import math
+from typing import Sequence
 
 import numpy as np
 
@@ -22,9 +23,9 @@ from .claims import alignment_sigma
 from .computer import Computer
 from .condition import progress, self_tests
 from .control_laws import compute_gyrocompass_gains, gyrocompass_azimuth, torque
-from .instruments import Instruments
+from .instruments import Instruments, Thermostat
 from .modes import AhrsStatus, Mode, Validity
-from .operation import PROCEDURES
+from .operation import POLE_RAD, PROCEDURES, TOO_NEAR_THE_POLE
 from .platform import Platform, rows_of
 
 __all__ = ['GimballedAhrs', 'Track', 'TRACK_STEPS']
@@ -33,6 +34,9 @@ TRACK_STEPS = 100
 FAILURES = {'fail_post': 'post', 'fail_thermostat': 'thermostat', 'fail_gyro': 'gyro',
             'fail_accelerometer': 'accelerometer', 'fail_gimbal': 'gimbal'}
 THERMOSTAT_K = 2.0
+RIVALS = ({'gyrocompass', 'gyro_azimuth'}, {'log_lost', 'log_found'}, {'gps_lost', 'gps_found'})
+AVAILABLE = {'log_lost': ('log', False), 'log_found': ('log', True),
+             'gps_lost': ('satellite heading', False), 'gps_found': ('satellite heading', True)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +105,10 @@ class GimballedAhrs:
         self.validity = Validity.NONE
         self.sigma_rad = math.nan
         self.soak = self.instruments.soak
-        self.residual_deg_h = errors.residual_xy_deg_h
+        self.calibrated_deg_h = errors.residual_xy_deg_h
+        self.course_deg_h = (errors.residual_z_deg_h if settings.initial_state == 'aligned'
+                             else errors.turn_on_deg_h)
+        self.calibrated_k = 0.0
         self._flags: set[str] = set()
         self._faults: list[str] = []
         self._messages: list[str] = []
@@ -109,7 +116,6 @@ class GimballedAhrs:
         self._place = open_stream(seed, f'{role}.ahrs.start')
         self._step = self._entered = 0
         self._rates = (0.0, 0.0, 0.0)
-        self._failed_at: int | None = None
         self.computer.prepare(float(ship.block(0).latitude_rad[0]))
         self._set_up()
 
@@ -154,11 +160,30 @@ class GimballedAhrs:
             platform.azimuth_rad = math.radians(self.settings.azimuth_deg)
             platform.alpha_rad = parts.bias[1] / computer.gravity
             platform.beta_rad = -parts.bias[0] / computer.gravity
-        self.sigma_rad = alignment_sigma(self.residual_deg_h, computer.latitude_rad)
+        self.sigma_rad = math.hypot(alignment_sigma(self.residual_deg_h, computer.latitude_rad),
+                                    math.radians(self.settings.azimuth_deg or 0.0))
+
+    @property
+    def residual_deg_h(self) -> float:
+        """Levelling gyro drift left by the calibration, and by the temperature since."""
+        change_k = abs(self.instruments.thermostat.away_k - self.calibrated_k)
+        return math.hypot(self.calibrated_deg_h, self.errors.temperature_deg_h_k * max(
+            0.0, change_k - Thermostat.READY_K))
 
     def command(self, kind: str, t_s: float) -> float:
-        """Make an event happen at a time, or at the next block if that is past; return when."""
+        """
+        Make an event happen at a time, or at the next block if that is past; return when.
+
+        Raises
+        ------
+        ValueError
+            If the event is due within the next block, and nothing would happen: the reason.
+
+        """
         event = Event(max(t_s, self.now_s), kind)
+        if event.t_s < self.now_s + TRACK_STEPS * GRID_S and (why := self._obstacle(
+                kind, [other.kind for other in self._events if other.t_s <= event.t_s])):
+            raise ValueError(f'{kind} refused: {why}')
         insort(self._events, event, key=lambda other: other.t_s)
         return event.t_s
 
@@ -243,17 +268,47 @@ class GimballedAhrs:
         self._procedure: Procedure = PROCEDURES[mode](self)
         self.say(f'mode {mode.name}')
 
+    def _obstacle(self, kind: str, waiting: Sequence[str] = ()) -> str:
+        """Return why an event would change nothing after those that wait; empty if it would."""
+        computer, mode = self.computer, self.mode
+        before = [other for other in waiting if other in next(
+            (rivals for rivals in RIVALS if kind in rivals), {kind})]
+        if before:
+            return 'it is about to happen' if before[-1] == kind else ''
+        if kind in ('gyrocompass', 'gyro_azimuth'):
+            if mode is Mode.FAULT:
+                return 'the mode is FAULT; reset first'
+            operates = mode in (Mode.GYROCOMPASS, Mode.GYRO_AZIMUTH)
+            if kind.upper() == (mode if operates else self.operation).name:
+                return f'it is the mode {"already" if operates else "that follows"}'
+            if kind == 'gyrocompass' and abs(computer.latitude_rad) > POLE_RAD:
+                return TOO_NEAR_THE_POLE
+        elif kind == 'reset' and mode is not Mode.FAULT:
+            return f'there is no fault; the mode is {mode.name}'
+        elif kind == 'force_on' and mode is not Mode.THERMOSTAT_WAIT:
+            return f'only THERMOSTAT_WAIT can be cut short; the mode is {mode.name}'
+        elif kind in AVAILABLE:
+            what, there = AVAILABLE[kind]
+            if there == (computer.log_ok if what == 'log' else computer.gps_ok):
+                return f'the {what} is {"there" if there else "lost"} already'
+        elif kind == 'repair' and not self.failures:
+            return 'nothing has failed'
+        elif kind in FAILURES and FAILURES[kind] in self.failures:
+            return 'it has failed already'
+        return ''
+
     def _happen(self, kind: str) -> None:
-        """Carry out an event."""
+        """Carry out an event, or say why it changes nothing."""
         computer = self.computer
+        if why := self._obstacle(kind):
+            self.say(f'{kind} refused: {why}')
+            return
         if kind in ('gyrocompass', 'gyro_azimuth'):
             self.operation = Mode[kind.upper()]
-            if self.mode in (Mode.GYROCOMPASS, Mode.GYRO_AZIMUTH) and (
-                    self.mode is not self.operation):
+            if self.mode in (Mode.GYROCOMPASS, Mode.GYRO_AZIMUTH):
                 self._switch()
         elif kind == 'reset':
-            if self.mode is Mode.FAULT:
-                self._restart()
+            self._restart()
         elif kind == 'force_on':
             self.forced = True
         elif kind in ('log_lost', 'log_found'):
@@ -262,13 +317,14 @@ class GimballedAhrs:
             computer.gps_ok = kind == 'gps_found'
         elif kind == 'power_dip':
             self.instruments.power_on()
+            # The estimate in force is that of the drift before.
+            self.course_deg_h = math.hypot(self.errors.turn_on_deg_h, self.course_deg_h)
             self._restart()
         elif kind == 'repair':
             self.failures.clear()
             self.instruments.thermostat.broken = self.platform.stuck = False
         else:
             self.failures.add(FAILURES[kind])
-            self._failed_at = self._step
             self.instruments.thermostat.broken |= kind == 'fail_thermostat'
             self.platform.stuck |= kind == 'fail_accelerometer'
 
@@ -277,13 +333,15 @@ class GimballedAhrs:
         computer = self.computer
         if self.mode is Mode.GYRO_AZIMUTH and self.settings.vertical == 'schuler':
             computer.leave_schuler()
-        self.validity = Validity.SETTLING
+        if self.operation is Mode.GYROCOMPASS:
+            self.validity = Validity.SETTLING
         self._enter(self.operation)
 
     def _restart(self) -> None:
         """Start again with the self-test; keep the calibrations."""
         self._faults.clear()
         self._flags.clear()
+        self.forced = False
         self.computer.reset_loops()
         self.computer.azimuth_rad = 0.0
         self.platform.angle_rad = self.platform.angle_rate_rad_s = 0.0
@@ -301,6 +359,8 @@ class GimballedAhrs:
             self.say('speed again')
         if self.mode in (Mode.POST, Mode.THERMOSTAT_WAIT, Mode.FAULT):
             return
+        # Once the instruments have become warm, a cold start that was forced is over.
+        self.forced = self.forced and not self.instruments.thermostat.ready
         seen = self.failures - {'post', 'thermostat'}
         if self.failures & {'thermostat'} and not self.forced and (
                 abs(self.instruments.thermostat.away_k) > THERMOSTAT_K):

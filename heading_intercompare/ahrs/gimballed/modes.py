@@ -51,7 +51,8 @@ class AhrsStatus:
     message : str
         The latest event; empty if there is none.
     flags : tuple of str
-        Empty, or 'DEGRADED' and its reasons: 'FORCED_ON', 'NOT_CALIBRATED', 'NO_SPEED'.
+        Empty, or 'DEGRADED' and its reasons: 'FINE_LIMIT', 'FORCED_ON', 'NOT_CALIBRATED',
+        'NO_SPEED'.
     faults : tuple of str
         Causes of the mode FAULT.
     sigma_deg : float

@@ -17,9 +17,10 @@ from .claims import alignment_sigma, azimuth_sigma, gyrocompass_sigma, output_si
 from .control_laws import settled_rate
 from .modes import Mode, Validity
 
-__all__ = ['PROCEDURES']
+__all__ = ['POLE_RAD', 'PROCEDURES', 'TOO_NEAR_THE_POLE']
 
-_POLE_RAD = math.radians(85.0)
+POLE_RAD = math.radians(85.0)
+TOO_NEAR_THE_POLE = 'too near the pole for a gyrocompass'
 FIX_EVERY_S, FIX_S = 1800.0, 600.0
 SECOND = steps(1.0)
 
@@ -27,23 +28,28 @@ SECOND = steps(1.0)
 def gyrocompass(ahrs: Machine) -> Procedure:
     """Seek the meridian and report when it is found: S (20)-(22)."""
     computer, errors = ahrs.computer, ahrs.errors
+    if abs(computer.latitude_rad) > POLE_RAD:
+        ahrs.say(TOO_NEAR_THE_POLE)
+        return Mode.GYRO_AZIMUTH
     computer.enter_gyrocompass()
     sigma_1_s = ahrs.settings.sigma_1_s
     recent: deque[float] = deque(maxlen=max(1, round(1.0 / sigma_1_s)))
     wait_s = 0.0 if ahrs.validity is Validity.VALID else 3.0 / sigma_1_s
     if ahrs.validity is not Validity.VALID:
         ahrs.validity = Validity.SETTLING
-        ahrs.sigma_rad = alignment_sigma(ahrs.residual_deg_h, computer.latitude_rad)
+        # What was claimed before may be more, such as after hours of a free azimuth.
+        ahrs.sigma_rad = max(alignment_sigma(ahrs.residual_deg_h, computer.latitude_rad),
+                             ahrs.sigma_rad)
     for second in count(1):
         for _ in range(SECOND):
             yield computer.gyrocompass()
         latitude_rad = computer.latitude_rad
-        if abs(latitude_rad) > _POLE_RAD:
-            ahrs.say('too near the pole for a gyrocompass')
+        if abs(latitude_rad) > POLE_RAD:
+            ahrs.say(TOO_NEAR_THE_POLE)
             return Mode.GYRO_AZIMUTH
         recent.append(computer.correction_rad_s**2)
         limit = settled_rate(errors.random_walk_deg_sqrt_h * RAD_PER_DEG_SQRT_H,
-                             errors.residual_z_deg_h * RAD_PER_DEG_H, sigma_1_s, latitude_rad)
+                             ahrs.course_deg_h * RAD_PER_DEG_H, sigma_1_s, latitude_rad)
         rate = math.sqrt(math.fsum(recent) / len(recent)) if second % 10 == 0 else None
         if rate is not None and second >= wait_s:
             if ahrs.validity is not Validity.VALID and rate < limit:
@@ -65,14 +71,17 @@ def gyro_azimuth(ahrs: Machine) -> Procedure:
     law = computer.schuler if schuler else computer.fine
     if schuler:
         computer.enter_schuler()
-    ahrs.validity = Validity.VALID
+    if ahrs.validity is Validity.SETTLING:
+        ahrs.say('the meridian was not found: the heading stays settling')
+    else:
+        ahrs.validity = Validity.VALID
     start_rad = ahrs.sigma_rad
     fixes = _Fixes(ahrs)
     for second in count(1):
         for _ in range(SECOND):
             yield law()
             fixes.step()
-        ahrs.sigma_rad = azimuth_sigma(ahrs.errors, start_rad, float(second))
+        ahrs.sigma_rad = azimuth_sigma(ahrs.errors, ahrs.course_deg_h, start_rad, float(second))
 
 
 class _Fixes:

@@ -65,7 +65,7 @@ class AhrsOutput:
         return said
 
     def command(self, kind: str, t_s: float) -> float:
-        """Make an event happen at a time, or at the next block if that is past; return when."""
+        """Make an event happen; return when, or raise ValueError: see `GimballedAhrs.command`."""
         return self._ahrs.command(kind, t_s)
 
     def read(self, t_s: np.ndarray) -> Indication:

@@ -13,6 +13,7 @@ from heading_intercompare.ahrs.gimballed.calibration import (
     accelerometer_bias,
     azimuth_from_rates,
     course_drift,
+    course_drift_sigma,
     drift_correction,
     fit_rotation,
     gps_drift,
@@ -72,6 +73,8 @@ def test_line_has_less_noise_than_pairs_as_derived(rng):
                    for method in ('lsq', 'pairs'))
     assert np.var(line) * 17.5 == pytest.approx(1.0, abs=0.06)
     assert np.var(pairs) / np.var(line) == pytest.approx(11.67, rel=0.085)
+    for method, found in (('lsq', line), ('pairs', pairs)):
+        assert course_drift_sigma(1.0, 1.0, 6, method) == pytest.approx(np.std(found), rel=0.04)
 
 
 @pytest.mark.parametrize('n, method, reason', [
@@ -111,3 +114,14 @@ def test_window_suppresses_an_oscillation_that_does_not_fit():
     assert abs(mean[0]) < 1e-4
     assert mean[1] == pytest.approx(4.0)
     assert abs(wave.mean()) > 5e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('weights', [None, hann(36)])
+def test_standard_deviation_of_a_bias_is_its_scatter(rng, weights):
+    """1000 fits: the scatter is known to 6 / sqrt(2000) = 14 %."""
+    c, s, x, y = sectors(np.radians(10.0 * np.arange(36)))
+    fits = [fit_rotation(c, s, x + rng.normal(size=36), y + rng.normal(size=36), weights)
+            for _ in range(1000)]
+    stated = math.sqrt(np.mean([fit.bias_sigma**2 for fit in fits]))
+    assert stated == pytest.approx(np.std([fit.bias_x for fit in fits]), rel=0.14)

@@ -291,3 +291,71 @@ def test_alignment_at_sea_works(make_ahrs, run_for):
     run = run_for(ahrs, 2000.0)
     error = run.heading_error_arcmin[run.first(Mode.FINE_LEVELLING) + 1:]
     assert np.abs(error).max() < 30.0
+
+
+def aligned_at_sea(make_ahrs, run_for, seed, span_s=1860.0, **settings):
+    """Return an AHRS under way in sea state 5 that starts warm, and its run."""
+    ahrs = make_ahrs(legs=((0.0, 60.0, 10.0),), seaway='ss5', seed=seed, initial_state='warm',
+                     **settings)
+    return ahrs, run_for(ahrs, span_s)
+
+
+def test_the_swell_is_not_in_the_calibration_nor_in_the_alignment(make_ahrs, run_for):
+    """Without errors of its own, in sea state 5 at 10 kn: biases to 1e-4 deg/h, azimuth to 1'."""
+    ahrs, run = aligned_at_sea(make_ahrs, run_for, 5)
+    error = run.heading_error_arcmin[run.first(Mode.FINE_LEVELLING) + 1]
+    assert abs(error) < 1.0
+    for bias in (ahrs.computer.meter_x_rad_s, ahrs.computer.meter_y_rad_s):
+        assert abs(bias) / RAD_PER_DEG_H < 1e-4
+
+
+def test_north_turns_under_a_ship_that_sails_east(make_ahrs, run_for):
+    """30 kn at 60 degrees: over half the window, 300 s v tan(phi) / R = 4.3' is allowed for."""
+    ahrs = make_ahrs(60.0, legs=((0.0, 90.0, 30.0),), initial_state='warm')
+    run = run_for(ahrs, 1860.0)
+    assert abs(run.heading_error_arcmin[run.first(Mode.FINE_LEVELLING) + 1]) < 0.4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('model, goal_arcmin', [('dtg_precision', 5.0), ('imo', 30.0)])
+def test_a13_alignment_at_sea_is_as_good_as_it_claims(make_ahrs, run_for, model, goal_arcmin):
+    """
+    Twelve seas: mean square over claimed variance near 1.
+
+    Chi-square with 12 degrees of freedom: 1e-3 and 1 - 1e-3 quantiles over 12: 0.18 and 2.7.
+    """
+    errors, ratios = [], []
+    for seed in range(12):
+        _, run = aligned_at_sea(make_ahrs, run_for, seed, noise=True, model=model)
+        first = run.first(Mode.FINE_LEVELLING) + 1
+        claimed = [status.sigma_deg for status in run.statuses if status.mode == 'FINE_LEVELLING']
+        errors.append(run.heading_error_arcmin[first])
+        ratios.append(errors[-1] / 60.0 / claimed[0])
+    assert np.sqrt(np.mean(np.square(errors))) < goal_arcmin
+    assert 0.18 < np.mean(np.square(ratios)) < 2.7
+
+
+@pytest.mark.slow
+def test_heading_after_a_start_at_sea_is_as_good_as_claimed(make_ahrs, run_for):
+    """2.2 h later, valid in four seas: no error beyond 4 claimed standard deviations."""
+    for seed in range(1, 5):
+        _, run = aligned_at_sea(make_ahrs, run_for, seed, 2.2 * HOUR, noise=True)
+        assert run.validity[-1] == Validity.VALID
+        assert abs(run.heading_error_arcmin[-1]) < 4.0 * 60.0 * run.statuses[-1].sigma_deg
+
+
+def test_claim_grows_with_the_residual_of_the_fit(make_ahrs, run_for):
+    """
+    A meter with ten times the random walk of its class claims what its fit leaves.
+
+    0.01 deg/sqrt(h) of meter and gyro over sectors of 5 s are 0.38 deg/h; the mean of two turns
+    of 36 sectors with Hann weights has 0.38 sqrt(1.5 / 36 / 2) = 0.055 deg/h of it.
+    """
+    claims = []
+    for walk in (0.001, 0.01):
+        ahrs = make_ahrs(initial_state='warm', noise=True,
+                         errors={'random_walk_deg_sqrt_h': walk})
+        run_for(ahrs, 1090.0)
+        claims.append(ahrs.residual_deg_h)
+    assert claims[0] == 0.008
+    assert claims[1] == pytest.approx(0.055, rel=0.5)

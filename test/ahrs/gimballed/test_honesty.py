@@ -1,0 +1,202 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the AHRS says of itself is true: heater watch, validity, flags, refusals, claims."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from heading_intercompare.ahrs.gimballed.calibration import hann
+from heading_intercompare.ahrs.gimballed.claims import satellite_sigma
+from heading_intercompare.ahrs.gimballed.modes import Mode, Validity
+from heading_intercompare.ahrs.random_noise import Markov
+from heading_intercompare.ahrs.sensor_presets import ERRORS
+from heading_intercompare.ahrs.settings import Errors
+from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H
+
+
+def messages(run):
+    """Return everything that the AHRS said."""
+    return '; '.join(status.message for status in run.statuses if status.message)
+
+
+@pytest.mark.parametrize('events', ['5 force_on', '5 force_on; 10 power_dip'])
+def test_force_on_in_operation_leaves_the_heater_watch_on(make_ahrs, run_for, events):
+    """The heater fails at 40 s: 2 of 40 K are lost after 200 s ln(40/38) = 10.3 s."""
+    ahrs = make_ahrs(initial_state='aligned', events=f'{events}; 40 fail_thermostat')
+    run = run_for(ahrs, 70.0)
+    assert 'force_on refused: only THERMOSTAT_WAIT' in messages(run)
+    assert run.t_s[run.first(Mode.FAULT)] == pytest.approx(51.0, abs=1.5)
+    assert run.statuses[-1].faults == ('thermostat',)
+
+
+def test_forced_start_ends_with_a_restart(make_ahrs, run_for):
+    """After the dip the instruments are still cold, so the AHRS waits for them again."""
+    ahrs = make_ahrs(initial_state='cold', events='20 force_on; 60 power_dip')
+    run = run_for(ahrs, 100.0)
+    assert run.mode[590] == Mode.COARSE_LEVELLING
+    assert run.statuses[50].flags == ('DEGRADED', 'FORCED_ON')
+    assert run.mode[-1] == Mode.THERMOSTAT_WAIT
+    assert run.statuses[-1].flags == ()
+
+
+def test_heater_is_watched_again_once_a_forced_start_has_become_warm(make_ahrs, run_for):
+    ahrs = make_ahrs(initial_state='cold', events='20 force_on; 900 fail_thermostat')
+    run = run_for(ahrs, 930.0)
+    assert run.t_s[run.first(Mode.FAULT)] == pytest.approx(910.0, abs=2.0)
+
+
+def test_a_forced_heading_claims_what_the_temperature_does_to_it(make_ahrs, run_for):
+    """
+    Calibrated at 18 K away, warm afterwards: 0.02 deg/h/K of 17.7 K are 0.35 deg/h.
+
+    A start forced on with 800 s of hold still heats while it is calibrated: 40 K exp(-t / 200 s).
+    """
+    ahrs = make_ahrs(initial_state='cold', hold_s=10.0, events='11 force_on')
+    run_for(ahrs, 510.0)
+    away_k = abs(ahrs.calibrated_k)
+    assert away_k > 3.0
+    run_for(ahrs, 1500.0)
+    share = 0.02 * (away_k - abs(ahrs.instruments.thermostat.away_k) - 0.5)
+    assert ahrs.residual_deg_h == pytest.approx(math.hypot(0.008, share), rel=1e-6)
+    assert math.degrees(ahrs.sigma_rad) > 0.2
+
+
+@pytest.mark.parametrize('command_s', [20.0, 300.0])
+def test_azimuth_freed_before_the_meridian_is_found_is_not_valid(make_ahrs, run_for, command_s):
+    ahrs = make_ahrs(initial_state='aligned', azimuth_deg=5.0,
+                     events=f'{command_s} gyro_azimuth')
+    run = run_for(ahrs, command_s + 60.0)
+    assert run.mode[-1] == Mode.GYRO_AZIMUTH
+    assert set(run.validity) == {Validity.SETTLING}
+    assert run.statuses[-1].progress == 0.0
+    assert run.statuses[-1].sigma_deg == pytest.approx(5.0, rel=0.01)
+    assert abs(run.heading_error_arcmin[-1]) / 60.0 < 2.0 * run.statuses[-1].sigma_deg
+
+
+@pytest.mark.slow
+def test_it_becomes_valid_when_the_meridian_is_found_after_all(make_ahrs, run_for):
+    ahrs = make_ahrs(initial_state='aligned', azimuth_deg=1.0,
+                     events='20 gyro_azimuth; 60 gyrocompass; 4000 gyro_azimuth')
+    run = run_for(ahrs, 4020.0)
+    assert run.validity[10 * 70] == Validity.SETTLING
+    assert run.mode[-1] == Mode.GYRO_AZIMUTH and run.validity[-1] == Validity.VALID
+    assert abs(run.heading_error_arcmin[-1]) / 60.0 < 2.0 * run.statuses[-1].sigma_deg
+
+
+def test_claim_of_a_free_azimuth_is_not_forgotten_by_the_gyrocompass(make_ahrs, run_for):
+    ahrs = make_ahrs(initial_state='aligned', operation='gyro_azimuth', azimuth_deg=2.0,
+                     events='30 gyrocompass')
+    run = run_for(ahrs, 50.0)
+    assert run.mode[-1] == Mode.GYROCOMPASS
+    assert run.statuses[-1].sigma_deg > 2.0
+
+
+REFUSED = [
+    ('aligned', 'gyrocompass', 'it is the mode already'),
+    ('cold', 'gyrocompass', 'it is the mode that follows'),
+    ('aligned', 'reset', 'there is no fault; the mode is GYROCOMPASS'),
+    ('aligned', 'force_on', 'only THERMOSTAT_WAIT can be cut short; the mode is GYROCOMPASS'),
+    ('aligned', 'log_found', 'the log is there already'),
+    ('aligned', 'gps_lost', 'the satellite heading is lost already'),
+    ('aligned', 'repair', 'nothing has failed')]
+
+
+@pytest.mark.parametrize('state, kind, why', REFUSED, ids=[row[1] + row[0] for row in REFUSED])
+def test_command_that_would_change_nothing_is_refused(make_ahrs, run_for, state, kind, why):
+    ahrs = make_ahrs(initial_state=state)
+    run_for(ahrs, 20.0)
+    with pytest.raises(ValueError, match=f'{kind} refused: {why}'):
+        ahrs.command(kind, 20.0)
+    planned = make_ahrs(initial_state=state, events=f'12 {kind}')
+    assert f'{kind} refused: {why}' in messages(run_for(planned, 20.0))
+
+
+def test_command_given_twice_is_refused_the_second_time(make_ahrs, run_for):
+    ahrs = make_ahrs(initial_state='aligned')
+    run_for(ahrs, 20.0)
+    assert ahrs.command('gyro_azimuth', 20.0) == 20.0
+    with pytest.raises(ValueError, match='gyro_azimuth refused: it is about to happen'):
+        ahrs.command('gyro_azimuth', 20.0)
+    ahrs.command('gyrocompass', 20.0)
+    ahrs.command('gyro_azimuth', 20.0)
+    run_for(ahrs, 20.0)
+    assert ahrs.mode is Mode.GYRO_AZIMUTH
+    with pytest.raises(ValueError, match='gyro_azimuth refused: it is the mode already'):
+        ahrs.command('gyro_azimuth', 40.0)
+
+
+def test_fault_takes_no_command_but_reset(make_ahrs, run_for):
+    ahrs = make_ahrs(initial_state='aligned', events='5 fail_gyro; 12 fail_gyro')
+    assert 'fail_gyro refused: it has failed already' in messages(run_for(ahrs, 20.0))
+    for kind in ('gyrocompass', 'gyro_azimuth'):
+        with pytest.raises(ValueError, match='the mode is FAULT; reset first'):
+            ahrs.command(kind, 20.0)
+    assert ahrs.command('reset', 20.0) == 20.0
+
+
+def test_no_gyrocompass_near_the_pole(make_ahrs, run_for):
+    ahrs = make_ahrs(86.0, initial_state='aligned')
+    run = run_for(ahrs, 20.0)
+    assert set(run.mode) == {Mode.GYRO_AZIMUTH} and run.validity[-1] == Validity.VALID
+    with pytest.raises(ValueError, match='too near the pole'):
+        ahrs.command('gyrocompass', 20.0)
+
+
+def underway(make_ahrs, **settings):
+    """Return an AHRS under way in sea state 5 with a satellite heading and short procedures."""
+    return make_ahrs(legs=((0.0, 60.0, 10.0),), seaway='ss5', initial_state='warm', hold_s=120.0,
+                     alignment_s=200.0, gps=True, accelerometer_calibration='off', **settings)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('gps_deg, left', [(0.0, 0.01), (0.005, 0.02)])
+def test_satellite_heading_calibrates_the_course_gyro_at_sea(make_ahrs, run_for, gps_deg, left):
+    """A drift of 0.2 deg/h is found by a satellite heading that is good enough."""
+    ahrs = underway(make_ahrs, noise=gps_deg > 0.0, fixed='drift_z 0.2',
+                    errors={'gps_deg': gps_deg, 'turn_on_deg_h': 0.2, 'temperature_deg_h_k': 0.0,
+                            'soak_deg_h': 0.0})
+    run = run_for(ahrs, 3800.0)
+    assert 'calibrated by satellite heading' in messages(run)
+    assert ahrs.computer.drift_z_rad_s / RAD_PER_DEG_H == pytest.approx(0.2, abs=3.0 * left)
+    assert ahrs.course_deg_h < left
+
+
+@pytest.mark.slow
+def test_noisy_satellite_heading_counts_as_far_as_it_knows_more(make_ahrs, run_for):
+    """0.1 degrees of 100 s: 0.156 deg/h after 45 min, against 0.03 deg/h that were known."""
+    ahrs = underway(make_ahrs, noise=True)
+    run = run_for(ahrs, 3800.0)
+    assert 'calibrated by satellite heading, to 0.029 deg/h' in messages(run)
+    assert abs(ahrs.computer.drift_z_rad_s) / RAD_PER_DEG_H < 0.03
+    assert ahrs.course_deg_h == pytest.approx(0.03 * math.sqrt(1.0 - 0.0355), rel=1e-3)
+
+
+def test_satellite_heading_lost_on_the_way_ends_its_calibration(make_ahrs, run_for):
+    ahrs = underway(make_ahrs, events='1000 gps_lost')
+    run = run_for(ahrs, 1100.0)
+    assert ahrs.mode is Mode.FINE_LEVELLING
+    assert 'drift of the course gyro kept: satellite heading lost' in messages(run)
+    assert ahrs.computer.drift_z_rad_s == 0.0
+    assert ahrs.course_deg_h == ERRORS['dtg_precision'].turn_on_deg_h
+
+
+def test_mean_of_a_coloured_satellite_heading_is_as_good_as_told(rng):
+    """Markov noise, tau = 20 s, Hann-weighted over 300 s: 1000 means, known to 14 %."""
+    noise = Markov(1.0, 20.0, 1.0, rng).take(300 * 1000).reshape(1000, 300)
+    weights = hann(300) / hann(300).sum()
+    told = math.degrees(satellite_sigma(Errors(gps_deg=1.0, gps_tau_s=20.0), 300.0))
+    assert np.std(noise @ weights) == pytest.approx(told, rel=0.14)
+
+
+@pytest.mark.slow
+def test_fine_levelling_ends_at_its_limit_with_a_flag(make_ahrs, run_for):
+    ahrs = make_ahrs(initial_state='warm', fine_s=5000.0, hold_s=60.0, alignment_s=60.0)
+    run = run_for(ahrs, 4250.0)
+    first, last = run.first(Mode.FINE_LEVELLING), run.first(Mode.GYROCOMPASS)
+    assert run.t_s[last] - run.t_s[first] == pytest.approx(3600.0, abs=0.3)
+    assert run.statuses[-1].flags == ('DEGRADED', 'FINE_LIMIT')
+    assert 'ended at its limit of 3600 s' in messages(run)
