@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Random numbers: named streams from one seed, and coloured noise that continues across calls."""
+"""Random numbers: named streams from one seed; coloured noise and outages across calls."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import zlib
 
 import numpy as np
 
-__all__ = ['Markov', 'open_stream']
+__all__ = ['Markov', 'open_stream', 'Outages']
 
 
 def open_stream(seed: int, name: str) -> np.random.Generator:
@@ -76,3 +76,54 @@ class Markov:
         values = np.fromiter(islice(values, 1, None), float, n)
         self._last = float(values[-1])
         return values
+
+
+class Outages:
+    """
+    Random outages: times between them, and their lengths, with exponential distributions.
+
+    Parameters
+    ----------
+    every_s : float
+        Mean time from the end of an outage to the next, seconds; 0: there are none.
+    length_s : float
+        Mean length of an outage, seconds.
+    rng : numpy.random.Generator
+        Source of the numbers, for this purpose only.
+
+    """
+
+    def __init__(self, every_s: float, length_s: float, rng: np.random.Generator) -> None:
+        self._every_s, self._length_s, self._rng = every_s, length_s, rng
+        self._begin_s = self._end_s = 0.0
+        if every_s:
+            self._draw()
+
+    def cover(self, t_s: np.ndarray) -> np.ndarray:
+        """
+        Tell which instants lie in an outage.
+
+        Parameters
+        ----------
+        t_s : ndarray, shape (n,)
+            Rising instants, seconds, none before those of the last call.
+
+        Returns
+        -------
+        ndarray of bool, shape (n,)
+
+        """
+        covered = np.zeros(t_s.shape, dtype=bool)
+        if not self._every_s or not t_s.size:
+            return covered
+        while True:
+            covered |= (t_s >= self._begin_s) & (t_s < self._end_s)
+            if self._end_s > t_s[-1]:
+                return covered
+            self._draw()
+
+    def _draw(self) -> None:
+        """Draw the next outage."""
+        gap, length = self._rng.standard_exponential(2)
+        self._begin_s = self._end_s + self._every_s * float(gap)
+        self._end_s = self._begin_s + self._length_s * float(length)

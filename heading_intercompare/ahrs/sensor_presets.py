@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of the sensor models by name: three classes of gimballed AHRS and a satellite compass."""
+"""Errors of the sensor models by name: gimballed AHRS, strapdown gyros, satellite compasses."""
 
 from __future__ import annotations
 
@@ -14,12 +14,23 @@ __all__ = ['ERRORS', 'errors_of', 'terms_of']
 _SENSORS = {
     'ideal': {},
     'gnss_compass': {'white_deg': 0.05, 'markov_deg': 0.08, 'markov_tau_s': 200.0},
+    'gnss_0p5m': {'white_deg': 0.2, 'markov_deg': 0.3, 'markov_tau_s': 200.0},
+    'gnss_5m': {'white_deg': 0.02, 'markov_deg': 0.03, 'markov_tau_s': 200.0},
+    'gnss_harbour': {'white_deg': 0.05, 'markov_deg': 0.25, 'markov_tau_s': 60.0,
+                     'outage_every_s': 600.0, 'outage_s': 20.0},
+    'fog_strapdown': {'white_deg': 0.01, 'markov_deg': 0.13, 'markov_tau_s': 3600.0,
+                      'tone_deg': 0.07},
+    'rlg_strapdown': {'white_deg': 0.002, 'markov_deg': 0.06, 'markov_tau_s': 7200.0,
+                      'tone_deg': 0.05},
     'dtg_precision': {},
     'marine_0p1': {},
     'imo': {},
 }
-"""Error terms added to the heading: a satellite compass with a base of 2 m and multipath. An AHRS
-has none, because its errors come from the model."""
+"""Error terms added to the heading: satellite compasses with bases of 2 m, 0.5 m and 5 m, one of
+2 m between cranes and bridges, and strapdown gyros. An AHRS has none, because its errors come from
+the model. docs/ahrs.md says which data sheets give such figures."""
+
+_OWN_FIRST = ('markov_tau_s', 'outage_every_s', 'outage_s')
 
 _PRECISION = Errors(
     turn_on_deg_h=0.03, markov_deg_h=0.003, markov_tau_s=7200.0, random_walk_deg_sqrt_h=0.001,
@@ -34,8 +45,8 @@ _PRECISION = Errors(
 ERRORS = {
     'dtg_precision': _PRECISION,
     'marine_0p1': replace(
-        _PRECISION, markov_deg_h=0.012, markov_tau_s=3600.0, random_walk_deg_sqrt_h=0.002,
-        torquer_ppm=50.0, residual_xy_deg_h=0.015, residual_z_deg_h=0.010,
+        _PRECISION, markov_deg_h=0.015, markov_tau_s=3600.0, random_walk_deg_sqrt_h=0.002,
+        torquer_ppm=50.0, residual_xy_deg_h=0.021, residual_z_deg_h=0.010,
         accelerometer_bias_ug=100.0, accelerometer_markov_ug=10.0, accelerometer_white_ug=10.0),
     'imo': replace(
         _PRECISION, turn_on_deg_h=0.1, markov_deg_h=0.035, markov_tau_s=3600.0,
@@ -69,8 +80,9 @@ def terms_of(sensor: Sensor) -> Sensor:
     """Return the settings with the error terms of the model added to those given."""
     terms = {}
     for name, value in _SENSORS[sensor.model].items():
-        if name == 'markov_tau_s':
-            terms[name] = sensor.markov_tau_s if sensor.markov_deg else value
+        if name in _OWN_FIRST:
+            own = sensor.markov_deg if name == 'markov_tau_s' else sensor.outage_every_s
+            terms[name] = getattr(sensor, name) if own else value
         else:
             terms[name] = math.hypot(getattr(sensor, name), value)
     return replace(sensor, **terms)

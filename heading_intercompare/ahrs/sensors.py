@@ -16,7 +16,7 @@ from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings
 
 from .plans import parse_deviation
-from .random_noise import Markov, open_stream
+from .random_noise import Markov, open_stream, Outages
 from .sensor_presets import terms_of
 from .settings import AHRS_MODELS, Sensor
 
@@ -94,6 +94,8 @@ class SimulatedSensor:
         self._tone_phase_rad = 2.0 * math.pi * open_stream(seed, f'{role}.tone').random()
         self._markov = Markov(self._terms.markov_deg, self._terms.markov_tau_s,
                               1.0 / settings.rate_hz, open_stream(seed, f'{role}.markov'))
+        self._outages = Outages(self._terms.outage_every_s, self._terms.outage_s,
+                                open_stream(seed, f'{role}.outage'))
         self._ahrs = (AhrsOutput(settings, truth, seed, role)
                       if settings.model in AHRS_MODELS else None)
         self._next = 0
@@ -141,6 +143,7 @@ class SimulatedSensor:
         if s.resolution_deg:
             heading_deg = s.resolution_deg * np.rint(heading_deg / s.resolution_deg)
         given = self._rng['dropout'].random(t_s.size) >= s.dropout
+        given &= ~self._outages.cover(t_s)
         rate_deg_s = np.degrees(self._truth.heading_rate_rad_s(t_s))
         return Readings(Headings.as_sent(self._stamps(t_s), wrap360(heading_deg)), t_s, sigma_deg,
                         rate_deg_s)[given]

@@ -33,7 +33,8 @@ __all__ = ['Ahrs', 'AHRS_MODELS', 'Errors', 'Scenario', 'Sensor', 'SettingsError
 
 AHRS_MODELS = ('dtg_precision', 'marine_0p1', 'imo')
 _STREAMS = ('ts', 'rs', 'truth')
-MODELS = ('ideal', 'gnss_compass', *AHRS_MODELS)
+MODELS = ('ideal', 'gnss_compass', 'gnss_0p5m', 'gnss_5m', 'gnss_harbour', 'fog_strapdown',
+          'rlg_strapdown', *AHRS_MODELS)
 
 
 def _declare(help: str, hi: float | None = None) -> Any:
@@ -138,7 +139,8 @@ class Sensor(Checked):
 
     model: str = setting(
         'ideal', "model to which the error terms below are added: 'ideal' the true heading, "
-        "'gnss_compass' a satellite compass, the others a gimballed AHRS", choices=MODELS)
+        "'gnss_...' a satellite compass, '..._strapdown' a strapdown gyrocompass, the others a "
+        'gimballed AHRS', choices=MODELS)
     rate_hz: float = setting(10.0, 'readings per second [Hz]', 0.001, 1000.0)
     phase_s: float = setting(0.0, 'time of the first reading [s]', 0.0, 3600.0)
     offset_deg: float = setting(0.0, 'constant error, or mounting angle [deg]', -360.0, 360.0)
@@ -167,6 +169,9 @@ class Sensor(Checked):
     clock_drift_ppm: float = setting(0.0, 'rate error of the clock of the stamps [1e-6]',
                                      -1000.0, 1000.0)
     dropout: float = setting(0.0, 'probability that a reading is missing', 0.0, 1.0)
+    outage_every_s: float = setting(
+        0.0, 'mean time from an outage to the next, random; 0: none [s]', 0.0)
+    outage_s: float = setting(10.0, 'mean length of an outage, random [s]', 0.001)
     faults: str = setting('', "'t_s kind [value [duration_s]]; ...' with the kinds "
                           + ', '.join(FAULTS))
     ahrs: Ahrs = field(default_factory=Ahrs)

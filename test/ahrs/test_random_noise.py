@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.ahrs.random_noise import Markov, open_stream
+from heading_intercompare.ahrs.random_noise import Markov, open_stream, Outages
 
 
 def test_a_stream_is_known_by_its_name():
@@ -40,3 +40,19 @@ def test_markov_noise_has_its_variance_and_correlation():
 
 def test_noise_of_size_zero_is_zero():
     assert not Markov(0.0, 1.0, 1.0, open_stream(1, 'm')).take(5).any()
+
+
+@pytest.mark.parametrize('cuts', [[1] * 10, [3000, 7000], [9999, 1]])
+def test_outages_do_not_depend_on_the_chunks(cuts):
+    t_s = 0.7 * np.arange(10000)
+    whole = Outages(50.0, 5.0, open_stream(1, 'o')).cover(t_s)
+    parts, at = Outages(50.0, 5.0, open_stream(1, 'o')), np.cumsum([0, *cuts])
+    joined = [parts.cover(t_s[a:b]) for a, b in zip(at[:-1], at[1:])]
+    assert np.array_equal(np.concatenate(joined), whole[:at[-1]])
+
+
+def test_outages_have_their_share_and_length():
+    """10 of 110 s for 2000 outages: the share to 6 * 0.09 sqrt(2 / 2000) / 1.1 = 0.016."""
+    covered = Outages(100.0, 10.0, open_stream(3, 'o')).cover(np.arange(220_000.0))
+    assert covered.mean() == pytest.approx(1.0 / 11.0, abs=0.016)
+    assert not Outages(0.0, 10.0, open_stream(3, 'o')).cover(np.arange(100.0)).any()

@@ -69,6 +69,27 @@ def test_presets_join_the_terms_given():
     assert readings(1.0, claimed_sigma_deg=0.7, white_deg=0.1).sigma_deg == pytest.approx(0.7)
 
 
+def test_outages_of_a_preset_or_of_the_settings_take_readings_away():
+    """Ten outages an hour of 20 s are 3 % of the time; half a second in every second is half."""
+    n = {name: len(readings(3600.0, rate_hz=1.0, **settings)) for name, settings in {
+        'none': {'model': 'gnss_compass'}, 'some': {'model': 'gnss_harbour'},
+        'many': {'model': 'gnss_harbour', 'outage_every_s': 30.0, 'outage_s': 30.0}}.items()}
+    assert n['none'] == 3600
+    assert 3000 < n['some'] < 3600
+    assert 1000 < n['many'] < 2600
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('model, rms_deg', [
+    ('gnss_compass', 0.094), ('gnss_0p5m', 0.36), ('gnss_5m', 0.036), ('gnss_harbour', 0.255),
+    ('fog_strapdown', 0.139), ('rlg_strapdown', 0.07)])
+def test_presets_have_the_errors_of_their_class(model, rms_deg):
+    """30 h of the slowest, 7200 s: some 15 independent values, 30 % with two standard errors."""
+    read = readings(108_000.0, rate_hz=0.1, model=model)
+    error_deg = (read.headings.heading_deg - 359.9 + 180.0) % 360.0 - 180.0
+    assert np.sqrt(np.mean(error_deg**2)) == pytest.approx(rms_deg, rel=0.35)
+
+
 def test_resolution():
     heading = readings(white_deg=0.2, resolution_deg=0.5).headings.heading_deg
     assert np.abs(heading / 0.5 - np.rint(heading / 0.5)).max() < 1e-9

@@ -10,7 +10,8 @@ import math
 from heading_intercompare.ahrs.ship.earth import earth_rate, gravity, radii
 
 __all__ = ['coarse_rate', 'compute_gyrocompass_gains', 'compute_hold_gains', 'gyrocompass_azimuth',
-           'GyrocompassGains', 'HoldGains', 'settled_rate', 'speed_error', 'torque']
+           'GyrocompassGains', 'HoldGains', 'settled_rate', 'settled_speed_error', 'speed_error',
+           'torque']
 
 GYRO_MOMENTUM_N_M_S = 0.04
 TORQUE_MOTOR_N_M_A = 0.02
@@ -199,13 +200,80 @@ def speed_error(speed_m_s: float, course_rad: float, latitude_rad: float) -> flo
     References
     ----------
     e = atan2(v cos C, R W cos phi + v sin C), with R_M for the northward and R_N for the
-    eastward part.
+    eastward part: the direction of the horizontal rate of the level frame. `settled_speed_error`
+    adds what the loop makes of the other effects of the speed.
 
     """
     meridian, normal = radii(latitude_rad)
     return math.atan2(
         speed_m_s * math.cos(course_rad) / meridian,
         earth_rate(latitude_rad)[0] + speed_m_s * math.sin(course_rad) / normal)
+
+
+def settled_speed_error(speed_m_s: float, course_rad: float, latitude_rad: float,
+                        sigma_1_s: float) -> float:
+    """
+    Return the heading error to which a gyrocompass settles that takes the speed for nil.
+
+    Parameters
+    ----------
+    speed_m_s : float
+        Speed over ground, m/s.
+    course_rad : float
+        Course, radians.
+    latitude_rad : float
+        Latitude now, radians.
+    sigma_1_s : float
+        Tuning, 1/s.
+
+    Returns
+    -------
+    float
+        Indicated minus true heading, radians.
+
+    Notes
+    -----
+    To the direction of the horizontal rate, `speed_error`, come the Coriolis force
+    (2 W sin(phi) + v_E tan(phi) / R_N) v, which the level takes for a tilt; the turn of north
+    under a ship that sails east, v_E tan(phi) / R_N, which acts like a drift of the course gyro;
+    and the lag of the loop, 2 / sigma times the rate at which all this changes with the latitude.
+
+    References
+    ----------
+    S (20)-(22) and the equations of motion of docs/ahrs.md at rest in the tilts and in azimuth.
+
+    """
+    meridian = radii(latitude_rad)[0]
+    north_m_s, step = speed_m_s * math.cos(course_rad), 1e-4
+    now, before, after = (_settle(speed_m_s, course_rad, latitude_rad + away, sigma_1_s)
+                          for away in (0.0, -step, step))
+    changing = (after - before) / (2.0 * step) * north_m_s / meridian
+    return now - 2.0 / sigma_1_s * changing
+
+
+def _settle(speed_m_s: float, course_rad: float, latitude_rad: float, sigma_1_s: float) -> float:
+    """Solve for the resting platform by iteration; each round adds two digits or more."""
+    earth_north, earth_up = earth_rate(latitude_rad)
+    meridian, normal = radii(latitude_rad)
+    g, tangent = gravity(latitude_rad), math.tan(latitude_rad)
+    gains = compute_gyrocompass_gains(sigma_1_s, g)
+    north_m_s, east_m_s = speed_m_s * math.cos(course_rad), speed_m_s * math.sin(course_rad)
+    north, east = earth_north + east_m_s / normal, -north_m_s / meridian
+    turning = 2.0 * earth_up + east_m_s * tangent / normal
+    force_north, force_east = turning * east_m_s, -turning * north_m_s
+    azimuth = math.atan2(east, north)
+    alpha = beta = 0.0
+    for _ in range(12):
+        c, s = math.cos(azimuth), math.sin(azimuth)
+        rate_x, rate_y = north * c + east * s, east * c - north * s
+        rate_z = (-earth_up - east_m_s * tangent / normal) - alpha * rate_y + beta * rate_x
+        qx = -gains.k4_1_s * (rate_z + earth_up) * earth_north / gains.k3_rad_m_s2
+        beta = (gains.k1_1_s * qx - force_north * c - force_east * s) / g
+        qy = (rate_x - earth_north - beta * rate_z) / gains.k_rad_m
+        alpha = (force_east * c - force_north * s - gains.k1_1_s * qy) / g
+        missing = gains.k_rad_m * qx + alpha * rate_z
+        azimuth = math.atan2(east, north) + math.asin(missing / math.hypot(north, east))
+    return -azimuth
 
 
 def settled_rate(walk_rad_sqrt_s: float, residual_rad_s: float, sigma_1_s: float,

@@ -9,13 +9,16 @@ import math
 import numpy as np
 import pytest
 
+from heading_intercompare.ahrs.gimballed.claims import gyrocompass_sigma, output_sigma
 from heading_intercompare.ahrs.gimballed.control_laws import (
     compute_gyrocompass_gains,
     compute_hold_gains,
     gyrocompass_azimuth,
     settled_rate,
+    settled_speed_error,
     speed_error,
 )
+from heading_intercompare.ahrs.sensor_presets import ERRORS
 from heading_intercompare.ahrs.ship.earth import EARTH_RATE_RAD_S, KNOT_M_S, RAD_PER_DEG_H
 
 G = 9.806
@@ -72,3 +75,31 @@ def test_settled_rate_grows_towards_the_pole_and_has_a_floor():
     assert settled_rate(0.0, 0.0, 2e-3, 0.8) == pytest.approx(0.05 * RAD_PER_DEG_H)
     rates = [settled_rate(1e-6, 0.0, 2e-3, math.radians(latitude)) for latitude in (0, 60, 80)]
     assert rates == sorted(rates)
+
+
+def test_settled_speed_error_by_hand():
+    """
+    Eastbound, 60 degrees, 10 m/s: -2 v tan(phi) / (sigma R_N), and a quarter by the tilt.
+
+    2.5 * 10 * 1.7321 / (2e-3 * 6.394e6) = 3.386e-3 rad; the gain is that of W cos(phi) + v / R_N,
+    4 % more. Northbound the Coriolis force takes 2 W sin(phi) v tan(phi) / g = 2.23e-4 rad, the
+    lag v / R_M e tan(phi) 2 / sigma = 1.17e-4 rad, off the angle of 0.0431 rad.
+    """
+    latitude = math.radians(60.0)
+    assert settled_speed_error(10.0, math.pi / 2, latitude, 2e-3) == pytest.approx(
+        -3.386e-3, rel=0.05)
+    bare = speed_error(10.0, 0.0, latitude)
+    assert settled_speed_error(10.0, 0.0, latitude, 2e-3) - bare == pytest.approx(
+        -2.23e-4 - 1.17e-4, rel=0.05)
+    assert settled_speed_error(0.0, 1.0, latitude, 2e-3) == 0.0
+
+
+@pytest.mark.parametrize('model, sigma_deg, within', [
+    ('dtg_precision', 0.033, 0.003), ('marine_0p1', 0.1, 0.001), ('imo', 0.22, 0.03)])
+def test_class_has_the_accuracy_of_its_name(model, sigma_deg, within):
+    """Claimed at the equator, where sec(phi) is 1, four hours after power-on."""
+    errors = ERRORS[model]
+    soak = math.exp(-14400.0 / errors.soak_tau_s)
+    settled = gyrocompass_sigma(errors, errors.residual_xy_deg_h, 2e-3, soak, 0.0)
+    assert math.degrees(math.hypot(settled, output_sigma(errors))) == pytest.approx(
+        sigma_deg, abs=within)

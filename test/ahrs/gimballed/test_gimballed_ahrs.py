@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from heading_intercompare.ahrs.gimballed.control_laws import speed_error
+from heading_intercompare.ahrs.gimballed.control_laws import settled_speed_error, speed_error
 from heading_intercompare.ahrs.gimballed.modes import Mode, Validity
 from heading_intercompare.ahrs.ship.earth import EARTH_RATE_RAD_S, KNOT_M_S, RAD_PER_DEG_H
 
@@ -101,8 +101,24 @@ def test_a8_speed_error(make_ahrs, run_for, compensation):
     if compensation == 'none':
         formula = speed_error(10.0 * KNOT_M_S, 0.0, ahrs.computer.latitude_rad)
         assert error_deg == pytest.approx(math.degrees(formula), abs=0.005)
+        settled = settled_speed_error(10.0 * KNOT_M_S, 0.0, ahrs.computer.latitude_rad, 2e-3)
+        assert error_deg == pytest.approx(math.degrees(settled), abs=2e-4)
     else:
         assert abs(error_deg) * 3600.0 < 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('course_deg, error_deg', [(0.0, 2.5877), (90.0, -0.1930),
+                                                   (225.0, -1.6625)])
+def test_speed_error_has_coriolis_drift_and_lag(make_ahrs, run_for, course_deg, error_deg):
+    """20 kn from 60 degrees for 3 h: 0.022 to 0.19 degrees from the formula of the direction."""
+    ahrs = make_ahrs(60.0, legs=((0.0, course_deg, 20.0),), initial_state='aligned',
+                     azimuth_deg=0.0, speed_compensation='none')
+    found_deg = run_for(ahrs, 3.0 * HOUR).heading_error_arcmin[-1] / 60.0
+    way = (20.0 * KNOT_M_S, math.radians(course_deg), ahrs.computer.latitude_rad)
+    assert found_deg == pytest.approx(error_deg, abs=2e-4)
+    assert math.degrees(settled_speed_error(*way, 2e-3)) == pytest.approx(found_deg, abs=2e-4)
+    assert abs(math.degrees(speed_error(*way)) - found_deg) > 0.02
 
 
 @pytest.mark.slow
