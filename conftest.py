@@ -45,7 +45,7 @@ else:
     hypothesis_settings.load_profile(os.environ.get('HYPOTHESIS_PROFILE', 'quick'))
 
 OPTIONAL = ('rclpy', 'serial', 'hypothesis', 'rosbags', 'pyarrow', 'mcap_ros2', 'pybag',
-            'isal', 'distributed', 'threadpoolctl', 'jinja2', 'matplotlib',
+            'isal', 'numba', 'distributed', 'threadpoolctl', 'jinja2', 'matplotlib',
             'rich', 'argcomplete', 'ephem')
 MISSING = [name for name in OPTIONAL if find_spec(name) is None]
 

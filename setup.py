@@ -52,7 +52,7 @@ setup(
         'pdf': ['jinja2>=3.0', 'matplotlib>=3.5', 'weasyprint>=60'],
         'terminal': ['rich>=13', 'argcomplete>=3'],
         'web': ['nicegui>=3.0'],
-        'fast': ['isal>=1.5'],
+        'fast': ['isal>=1.5', 'numba>=0.59'],
         'bags': ['rosbags>=0.9.22'],
         'parquet': ['pyarrow>=14'],
         'sun': ['ephem>=4.1'],

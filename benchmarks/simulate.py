@@ -8,6 +8,10 @@ The TS is the gimballed AHRS at sea, the RS a satellite compass. Promise: 12 h w
 at 100 Hz take less than a minute, and the memory does not grow with the length. The figures are
 printed but not judged, because they depend on the machine.
 
+If numba is installed (extra `fast`), a second table compares the CPU time of the simulation alone
+with the loop of the AHRS interpreted and compiled, in this process, and checks that the readings
+are the same to the bit. The time to compile stands for itself.
+
     python benchmarks/simulate.py
     python benchmarks/simulate.py --hours 1 12 --rate-hz 10 --model marine_0p1
 """
@@ -15,14 +19,19 @@ printed but not judged, because they depend on the machine.
 from __future__ import annotations
 
 import argparse
+from importlib.util import find_spec
 from pathlib import Path
 import resource
 import subprocess
 import sys
 import tempfile
-from time import perf_counter
+from time import perf_counter, process_time
 
 import history
+import numpy as np
+
+from heading_intercompare.ahrs.settings import Scenario
+from heading_intercompare.ahrs.simulator import Simulation
 
 SCENARIO = """\
 title: Benchmark
@@ -52,6 +61,24 @@ def measure(duration_s: float, rate_hz: float, model: str) -> tuple[float, float
         return took_s, peak_mb, sum(file.stat().st_size for file in bag.iterdir())
 
 
+def compare(duration_s: float, rate_hz: float, model: str) -> tuple[float, float, bool]:
+    """Return the CPU seconds interpreted and compiled, and whether the readings are the same."""
+    scenario = Scenario.from_mapping({
+        'duration_s': duration_s, 'seaway': 'ss5', 'legs': '0 30 10; 7200 120 12; 14400 210 12',
+        'ts': {'model': model, 'rate_hz': rate_hz, 'ahrs.initial_state': 'aligned'},
+        'rs': {'model': 'gnss_compass', 'rate_hz': rate_hz}})
+    took_s, sums = [], []
+    for fast in (False, True):
+        begin, total = process_time(), 0
+        trial = Simulation(scenario).begin(fast)
+        while not trial.over:
+            read = trial.advance(trial.now_s + 60.0).ts.heading_deg
+            total = (total + int(np.bitwise_xor.reduce(read.view(np.int64)))) * 31 % 2**61
+        took_s.append(process_time() - begin)
+        sums.append(total)
+    return took_s[0], took_s[1], sums[0] == sums[1]
+
+
 def main() -> int:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.split('\n\n')[0])
@@ -69,6 +96,17 @@ def main() -> int:
         row = f'{arguments.model}, {arguments.rate_hz:g} Hz, {hours:g} h'
         figures |= {f'{row}: simulated / taken': 3600.0 * hours / took_s,
                     f'{row}: peak MB': peak_mb, f'{row}: bag MB': size / 1e6}
+    if find_spec('numba'):
+        begin = process_time()
+        compare(10.0, 1.0, arguments.model)
+        print(f'\ncompiled in {process_time() - begin:.1f} s\n'
+              'simulated  interpreted  compiled  ratio  same bits')
+        for hours in sorted(arguments.hours):
+            plain_s, fast_s, same = compare(3600.0 * hours, arguments.rate_hz, arguments.model)
+            print(f'{hours:7.2f} h {plain_s:10.1f} s {fast_s:7.1f} s {fast_s / plain_s:6.3f}  '
+                  f'{same}')
+            figures[f'{arguments.model}, {arguments.rate_hz:g} Hz, {hours:g} h: compiled / '
+                    'interpreted'] = fast_s / plain_s
     if arguments.keep:
         history.keep('simulate', figures)
     return 0

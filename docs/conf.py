@@ -36,7 +36,8 @@ autodoc_member_order = 'bysource'
 autodoc_typehints = 'none'
 autodoc_mock_imports = [name for name in (
     'rclpy', 'rcl_interfaces', 'diagnostic_msgs', 'geometry_msgs', 'nav_msgs', 'rosgraph_msgs',
-    'sensor_msgs', 'std_msgs', 'std_srvs', 'serial', 'distributed', 'isal', 'pandas', 'ephem')
+    'sensor_msgs', 'std_msgs', 'std_srvs', 'serial', 'distributed', 'isal', 'numba', 'pandas',
+    'ephem')
     if find_spec(name) is None]
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False

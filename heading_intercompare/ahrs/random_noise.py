@@ -6,11 +6,12 @@ from __future__ import annotations
 
 from itertools import accumulate, islice
 import math
+from typing import Callable
 import zlib
 
 import numpy as np
 
-__all__ = ['Markov', 'open_stream', 'Outages']
+__all__ = ['Markov', 'open_stream', 'Outages', 'recur']
 
 
 def open_stream(seed: int, name: str) -> np.random.Generator:
@@ -30,6 +31,30 @@ def open_stream(seed: int, name: str) -> np.random.Generator:
     return np.random.Generator(np.random.PCG64(child))
 
 
+def recur(driven: np.ndarray, decay: float, last: float) -> np.ndarray:
+    """
+    Return x[k] = driven[k] + decay x[k - 1], x[-1] = last, by a plain loop that numba compiles.
+
+    Examples
+    --------
+    >>> recur(np.array([1.0, 0.0, 1.0]), 0.5, 4.0).tolist()
+    [3.0, 1.5, 1.75]
+
+    """
+    values = np.empty_like(driven)
+    for k in range(driven.size):
+        last = driven[k] + decay * last
+        values[k] = last
+    return values
+
+
+def _accumulate(driven: np.ndarray, decay: float, last: float) -> np.ndarray:
+    """Return the same as `recur` and to the bit, in a quarter of the time without numba."""
+    # scipy.signal has the same filter with the same bits, but takes a second to load.
+    values = accumulate(driven.tolist(), lambda last, x: x + decay * last, initial=last)
+    return np.fromiter(islice(values, 1, None), float, driven.size)
+
+
 class Markov:
     """
     First-order Gauss-Markov noise on an even grid, stationary from the start.
@@ -45,6 +70,11 @@ class Markov:
     rng : numpy.random.Generator
         Source of the numbers, for this noise only.
 
+    Attributes
+    ----------
+    recur : callable
+        The recursion: a compiled `recur` may take the place of the interpreted one.
+
     References
     ----------
     Exact step of the Ornstein-Uhlenbeck process:
@@ -59,6 +89,7 @@ class Markov:
         self._decay = math.exp(-step_s / tau_s)
         self._drive = sigma * math.sqrt(-math.expm1(-2.0 * step_s / tau_s))
         self._last = sigma * float(rng.standard_normal())
+        self.recur: Callable[[np.ndarray, float, float], np.ndarray] = _accumulate
 
     def take(self, n: int) -> np.ndarray:
         """
@@ -70,10 +101,7 @@ class Markov:
         if n == 0 or self._sigma == 0.0:
             return np.zeros(n)
         driven = self._drive * self._rng.standard_normal(n)
-        decay = self._decay
-        # scipy.signal has the same filter with the same bits, but takes a second to load.
-        values = accumulate(driven.tolist(), lambda last, x: x + decay * last, initial=self._last)
-        values = np.fromiter(islice(values, 1, None), float, n)
+        values = self.recur(driven, self._decay, self._last)
         self._last = float(values[-1])
         return values
 

@@ -79,11 +79,13 @@ class SimulatedSensor:
         Seed of the simulation.
     role : str
         'ts' or 'rs'; names its random numbers, so that the two never share any.
+    fast : bool
+        Compile the control loop of an AHRS if numba is installed; it gives the same bits.
 
     """
 
     def __init__(self, settings: Sensor, truth: ShipTruth, start_ns: int, seed: int,
-                 role: str) -> None:
+                 role: str, fast: bool = False) -> None:
         self._settings = settings
         self._terms = terms_of(settings)
         self._deviation = parse_deviation(settings.deviation)
@@ -96,7 +98,7 @@ class SimulatedSensor:
                               1.0 / settings.rate_hz, open_stream(seed, f'{role}.markov'))
         self._outages = Outages(self._terms.outage_every_s, self._terms.outage_s,
                                 open_stream(seed, f'{role}.outage'))
-        self._ahrs = (AhrsOutput(settings, truth, seed, role)
+        self._ahrs = (AhrsOutput(settings, truth, seed, role, fast)
                       if settings.model in AHRS_MODELS else None)
         self._next = 0
 

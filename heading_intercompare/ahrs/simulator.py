@@ -23,6 +23,7 @@ from .told_motion import ToldMotion
 __all__ = ['SimulatedChunk', 'Simulation', 'Trial']
 
 BLOCK_S = 10.0
+WORTH_COMPILING_S = 3600.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +99,7 @@ class Simulation:
         s = self.scenario
         return ShipTruth(parse_legs(s.legs), s.latitude_deg, s.longitude_deg, s.seaway, s.seed)
 
-    def chunks(self, chunk_s: float = 60.0) -> Iterator[SimulatedChunk]:
+    def chunks(self, chunk_s: float = 60.0, fast: bool = True) -> Iterator[SimulatedChunk]:
         """
         Yield the trial from its start, in spans of simulated time.
 
@@ -106,6 +107,9 @@ class Simulation:
         ----------
         chunk_s : float
             Length of a span, seconds, greater than 0. The readings do not depend on it.
+        fast : bool
+            Compile the loop of an AHRS first, if numba is installed and the trial lasts longer
+            than `WORTH_COMPILING_S`. The readings do not depend on that either.
 
         Yields
         ------
@@ -117,14 +121,14 @@ class Simulation:
         """
         if not chunk_s > 0.0:
             raise ValueError(f'chunk_s = {chunk_s!r}: must be greater than 0')
-        trial, number = self.begin(), 0
+        trial, number = self.begin(fast and self.scenario.duration_s > WORTH_COMPILING_S), 0
         while not trial.over:
             number += 1
             yield trial.advance(number * chunk_s)
 
-    def begin(self) -> 'Trial':
-        """Begin the trial, which takes commands as it advances."""
-        return Trial(self.scenario, self.truth(), self.start_ns)
+    def begin(self, fast: bool = False) -> 'Trial':
+        """Begin the trial, which takes commands as it advances; see `Trial`."""
+        return Trial(self.scenario, self.truth(), self.start_ns, fast)
 
 
 class Trial:
@@ -139,6 +143,9 @@ class Trial:
         The ship.
     start_ns : int
         UTC stamp of the start, nanoseconds.
+    fast : bool
+        Compile the loop of an AHRS if numba is installed. That takes seconds, in which a live
+        trial would send nothing.
 
     Attributes
     ----------
@@ -147,14 +154,15 @@ class Trial:
 
     """
 
-    def __init__(self, scenario: Scenario, ship: ShipTruth, start_ns: int) -> None:
+    def __init__(self, scenario: Scenario, ship: ShipTruth, start_ns: int,
+                 fast: bool = False) -> None:
         s = scenario
         self.now_s = 0.0
         self._last_s = s.duration_s + max(one.latency_s for one in s.sensors.values())
         self._true = _Truth(ship, start_ns, s)
         self._told = ToldMotion(ship, start_ns, s.seed, s.motion_hz, s.duration_s)
         self._senders = {
-            role: _Sender(SimulatedSensor(sensor, ship, start_ns, s.seed, role), sensor,
+            role: _Sender(SimulatedSensor(sensor, ship, start_ns, s.seed, role, fast), sensor,
                           s.duration_s)
             for role, sensor in s.sensors.items()}
 

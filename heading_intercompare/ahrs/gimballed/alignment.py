@@ -3,17 +3,21 @@
 """
 The procedures of modes 1 to 6, from power-on to an aligned platform.
 
-A procedure is a generator. It yields the rates to command over the next control step, or None
-while the platform is caged, and returns the mode that follows. When it resumes after a yield, the
-computer has taken the measurements of that step.
+A procedure is a generator. It yields the rates to command over the next control step, or a law to
+apply over several, or None while the platform is caged, and returns the mode that follows. When it
+resumes after a yield, the computer has taken the measurements of those steps.
 """
 
 from __future__ import annotations
 
 from itertools import count
 import math
-from typing import Generator, Protocol
+from typing import Generator, NamedTuple, Protocol
 
+from heading_intercompare.ahrs.inertial.computer import Computer
+from heading_intercompare.ahrs.inertial.instruments import Instruments
+from heading_intercompare.ahrs.inertial.loop import FINE, HOLD
+from heading_intercompare.ahrs.inertial.platform import Platform
 from heading_intercompare.ahrs.settings import Ahrs, Errors
 from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, UG_M_S2
 from heading_intercompare.ahrs.ship.seaway import GRID_S
@@ -28,14 +32,19 @@ from .calibration import (
     WindowedMean,
 )
 from .claims import alignment_sigma, satellite_sigma
-from .computer import Computer
-from .instruments import Instruments
 from .modes import Mode, Validity
-from .platform import Platform
 
-__all__ = ['Machine', 'PROCEDURES', 'Procedure', 'slew', 'steps']
+__all__ = ['Machine', 'PROCEDURES', 'Procedure', 'slew', 'Steady', 'steps']
 
-Procedure = Generator[tuple[float, float, float] | None, None, Mode]
+
+class Steady(NamedTuple):
+    """A law of `loop`, and the number of control steps over which nothing else is to be done."""
+
+    law: int
+    steps: int
+
+
+Procedure = Generator[tuple[float, float, float] | Steady | None, None, Mode]
 
 POST_S, POST_LIMIT_S = 10.0, 30.0
 THERMOSTAT_LIMIT_S = 1800.0
@@ -148,8 +157,7 @@ def gyro_calibration(ahrs: Machine) -> Procedure:
     """Level, then turn the course gyro both ways to find its biases as a meter: S (4)-(6)."""
     computer = ahrs.computer
     computer.enter_hold()
-    for _ in range(steps(ahrs.settings.hold_s)):
-        yield computer.hold()
+    yield Steady(HOLD, steps(ahrs.settings.hold_s))
     for _ in range(2):
         forth = yield from _revolution(ahrs, 1.0)
         back = yield from _revolution(ahrs, -1.0)
@@ -265,8 +273,8 @@ def fine_levelling(ahrs: Machine) -> Procedure:
         left -= yield from _one_position(ahrs)
     if computer.moored or computer.gps_ok:
         left -= yield from _course_gyro_drift(ahrs)
-    for _ in range(left):
-        yield computer.fine()
+    if left > 0:
+        yield Steady(FINE, left)
     if settings.fine_s > FINE_LIMIT_S:
         ahrs.flag('FINE_LIMIT')
         ahrs.say(f'fine levelling ended at its limit of {FINE_LIMIT_S:g} s')

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import math
 from typing import Collection
 
+from heading_intercompare.ahrs.inertial.instruments import Thermostat
 from heading_intercompare.ahrs.settings import Ahrs
 
 from .alignment import COARSE_S, METER_TURN_RAD_S, POST_S
-from .instruments import Thermostat
 from .modes import AhrsStatus, Mode, Validity
 
 __all__ = ['Condition', 'describe_condition', 'progress', 'SELF_TESTS', 'self_tests']

@@ -6,11 +6,22 @@ from __future__ import annotations
 
 from bisect import insort
 from dataclasses import dataclass
+from functools import cache
 import math
 from typing import Sequence
 
 import numpy as np
 
+from heading_intercompare.ahrs.inertial import loop
+from heading_intercompare.ahrs.inertial.compiled_loop import compile_for
+from heading_intercompare.ahrs.inertial.computer import Computer
+from heading_intercompare.ahrs.inertial.control_laws import (
+    compute_gyrocompass_gains,
+    gyrocompass_azimuth,
+    torque,
+)
+from heading_intercompare.ahrs.inertial.instruments import Instruments, Thermostat
+from heading_intercompare.ahrs.inertial.platform import Platform, rows_of
 from heading_intercompare.ahrs.plans import Event, parse_events
 from heading_intercompare.ahrs.random_noise import open_stream
 from heading_intercompare.ahrs.settings import Ahrs, Errors
@@ -18,15 +29,11 @@ from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, UG_M_S2
 from heading_intercompare.ahrs.ship.seaway import BLOCK_STEPS, GRID_S
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 
-from .alignment import Procedure
+from .alignment import Procedure, Steady
 from .claims import alignment_sigma
-from .computer import Computer
 from .condition import progress, self_tests
-from .control_laws import compute_gyrocompass_gains, gyrocompass_azimuth, torque
-from .instruments import Instruments, Thermostat
 from .modes import AhrsStatus, Mode, Validity
 from .operation import POLE_RAD, PROCEDURES, TOO_NEAR_THE_POLE
-from .platform import Platform, rows_of
 
 __all__ = ['GimballedAhrs', 'Track', 'TRACK_STEPS']
 
@@ -88,11 +95,13 @@ class GimballedAhrs:
         Seed of the simulation.
     role : str
         'ts' or 'rs'; names the random numbers.
+    fast : bool
+        Compile the control loop if numba is installed; it gives the same bits.
 
     """
 
     def __init__(self, settings: Ahrs, errors: Errors, ship: ShipTruth, seed: int,
-                 role: str) -> None:
+                 role: str, fast: bool = False) -> None:
         self.settings, self.errors = settings, errors
         self._ship = ship
         self.instruments = Instruments(errors, settings, seed, role)
@@ -115,8 +124,9 @@ class GimballedAhrs:
         self._events = list(parse_events(settings.events))
         self._place = open_stream(seed, f'{role}.ahrs.start')
         self._step = self._entered = 0
-        self._rates = (0.0, 0.0, 0.0)
+        self._steady = Steady(loop.HOLD, 0)
         self.computer.prepare(float(ship.block(0).latitude_rad[0]))
+        self._compiled = compile_for(self.platform, self.computer) if fast else None
         self._set_up()
 
     def _set_up(self) -> None:
@@ -214,33 +224,64 @@ class GimballedAhrs:
         start_s, platform, computer = self.now_s, self.platform, self.computer
         if not self._step:
             self._look(ship)
-        states = [(platform.azimuth_rad, computer.azimuth_rad, platform.alpha_rad,
-                   platform.beta_rad)]
-        said, kept = [], []
-        for row in rows:
+        grid = np.empty((TRACK_STEPS + 1, 4))
+        states = grid.tolist() if self._compiled is None else grid
+        inputs = rows.tolist() if self._compiled is None else rows
+        states[0][:] = self._state()
+        said: list[AhrsStatus] = []
+        kept: list[tuple[Mode, Validity, float]] = []
+        k = 0
+        if self._compiled:
+            self._compiled.begin()
+        while k < TRACK_STEPS:
             if self._events and self._events[0].t_s <= self.now_s:
                 self._happen(self._events.pop(0).kind)
-            rates = self._next()
+            rates = None if self._steady.steps else self._next()
+            if isinstance(rates, Steady):
+                self._steady = rates
             if self._messages or self._step % 10 == 0:
                 said.append(self._status())
-            kept.append((self.mode, self.validity, self.sigma_rad))
-            if rates is None:
-                platform.rest(row)
+            n = 1
+            if self._steady.steps:
+                n = self._count_steady(TRACK_STEPS - k)
+                if self._compiled:
+                    self._compiled.run(self._steady.law, rows, k, k + n, grid)
+                else:
+                    loop.run(self._steady.law, platform, computer, self.instruments,
+                             self.instruments.thermostat, inputs, k, k + n, states)
+                self._steady = Steady(self._steady.law, self._steady.steps - n)
             else:
-                platform.step(row, *rates)
-                self._rates = rates
-                computer.take()
-            self._step += 1
+                if rates is None:
+                    platform.rest(rows[k].tolist())
+                else:
+                    platform.step(rows[k].tolist(), *rates)
+                    computer.take()
+                states[k + 1][:] = self._state()
+            kept += [(self.mode, self.validity, self.sigma_rad)] * n
+            k += n
+            self._step += n
             if self._step % 10 == 0:
                 self._watch()
-            states.append((platform.azimuth_rad, computer.azimuth_rad, platform.alpha_rad,
-                           platform.beta_rad))
         azimuth, assumed, alpha, beta = np.array(states).T
         error = np.arctan2(np.sin(assumed - azimuth), np.cos(assumed - azimuth))
         mode, validity, sigma = zip(*kept)
         return Track(start_s, azimuth, error, alpha, beta, random['flexure'], np.array(sigma),
                      np.array(mode, dtype=np.int8), np.array(validity, dtype=np.int8),
                      tuple(said))
+
+    def _state(self) -> tuple[float, float, float, float]:
+        """Return the true and the assumed azimuth, and the two tilts."""
+        platform = self.platform
+        return (platform.azimuth_rad, self.computer.azimuth_rad, platform.alpha_rad,
+                platform.beta_rad)
+
+    def _count_steady(self, most: int) -> int:
+        """Return for how many steps a law can run before something else is to be done."""
+        n = min(self._steady.steps, most, 10 - self._step % 10)
+        if self._events:
+            while n > 1 and self._events[0].t_s <= (self._step + n - 1) * GRID_S:
+                n -= 1
+        return n
 
     def _look(self, ship) -> None:
         """Measure once before the first step."""
@@ -250,7 +291,7 @@ class GimballedAhrs:
         platform.speed_m_s = float(ship.speed_m_s[0])
         computer.take()
 
-    def _next(self) -> tuple[float, float, float] | None:
+    def _next(self) -> tuple[float, float, float] | Steady | None:
         """Return the rates to command, after all changes of mode that are due."""
         while True:
             try:
@@ -261,6 +302,7 @@ class GimballedAhrs:
     def _enter(self, mode: Mode) -> None:
         """Begin a mode."""
         self.mode, self._entered = mode, self._step
+        self._steady = Steady(loop.HOLD, 0)
         if mode is not Mode.FAULT:
             self._reached = mode
         if mode is Mode.POST or mode is Mode.FAULT:
@@ -317,6 +359,8 @@ class GimballedAhrs:
             computer.gps_ok = kind == 'gps_found'
         elif kind == 'power_dip':
             self.instruments.power_on()
+            if self._compiled:
+                self._compiled.begin()
             # The estimate in force is that of the drift before.
             self.course_deg_h = math.hypot(self.errors.turn_on_deg_h, self.course_deg_h)
             self._restart()
@@ -380,13 +424,20 @@ class GimballedAhrs:
                 self.mode, mode_s, self.validity, self.instruments.thermostat.away_k,
                 self.settings),
             validity=self.validity.name,
-            tests=tuple(self_tests(self._reached, self._faults).items()), message=message,
+            tests=_results(self._reached, tuple(self._faults)), message=message,
             flags=('DEGRADED', *sorted(self._flags)) if self._flags else (),
             faults=tuple(self._faults), sigma_deg=math.degrees(self.sigma_rad),
             temperature_c=self.instruments.thermostat.SET_C + self.instruments.thermostat.away_k,
             drifts_deg_h=tuple(drift / RAD_PER_DEG_H for drift in drifts),
             biases_ug=(computer.bias_x_m_s2 / UG_M_S2, computer.bias_y_m_s2 / UG_M_S2),
-            currents_a=tuple(torque(rate)[1] for rate in self._rates))
+            currents_a=tuple(torque(rate)[1] for rate in (
+                self.platform.ux_rad_s, self.platform.uy_rad_s, self.platform.uz_rad_s)))
+
+
+@cache
+def _results(reached: Mode, faults: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+    """Return the results of the built-in tests, which seldom change."""
+    return tuple(self_tests(reached, faults).items())
 
 
 def _wrap(angle_rad: float) -> float:

@@ -8,13 +8,14 @@ from collections import deque
 from itertools import count
 import math
 
+from heading_intercompare.ahrs.inertial.control_laws import settled_rate
+from heading_intercompare.ahrs.inertial.loop import FINE, GYROCOMPASS, SCHULER
 from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, RAD_PER_DEG_SQRT_H
 from heading_intercompare.ahrs.ship.seaway import GRID_S
 
-from .alignment import Machine, Procedure, PROCEDURES as ALIGNMENT, steps
+from .alignment import Machine, Procedure, PROCEDURES as ALIGNMENT, Steady, steps
 from .calibration import drift_correction
 from .claims import alignment_sigma, azimuth_sigma, gyrocompass_sigma, output_sigma
-from .control_laws import settled_rate
 from .modes import Mode, Validity
 
 __all__ = ['POLE_RAD', 'PROCEDURES', 'TOO_NEAR_THE_POLE']
@@ -41,17 +42,16 @@ def gyrocompass(ahrs: Machine) -> Procedure:
         ahrs.sigma_rad = max(alignment_sigma(ahrs.residual_deg_h, computer.latitude_rad),
                              ahrs.sigma_rad)
     for second in count(1):
-        for _ in range(SECOND):
-            yield computer.gyrocompass()
+        yield Steady(GYROCOMPASS, SECOND)
         latitude_rad = computer.latitude_rad
         if abs(latitude_rad) > POLE_RAD:
             ahrs.say(TOO_NEAR_THE_POLE)
             return Mode.GYRO_AZIMUTH
         recent.append(computer.correction_rad_s**2)
-        limit = settled_rate(errors.random_walk_deg_sqrt_h * RAD_PER_DEG_SQRT_H,
-                             ahrs.course_deg_h * RAD_PER_DEG_H, sigma_1_s, latitude_rad)
-        rate = math.sqrt(math.fsum(recent) / len(recent)) if second % 10 == 0 else None
-        if rate is not None and second >= wait_s:
+        if second % 10 == 0 and second >= wait_s:
+            limit = settled_rate(errors.random_walk_deg_sqrt_h * RAD_PER_DEG_SQRT_H,
+                                 ahrs.course_deg_h * RAD_PER_DEG_H, sigma_1_s, latitude_rad)
+            rate = math.sqrt(math.fsum(recent) / len(recent))
             if ahrs.validity is not Validity.VALID and rate < limit:
                 ahrs.validity = Validity.VALID
                 ahrs.say('meridian found')
@@ -68,7 +68,7 @@ def gyro_azimuth(ahrs: Machine) -> Procedure:
     computer = ahrs.computer
     computer.enter_hold()
     schuler = ahrs.settings.vertical == 'schuler'
-    law = computer.schuler if schuler else computer.fine
+    law = SCHULER if schuler else FINE
     if schuler:
         computer.enter_schuler()
     if ahrs.validity is Validity.SETTLING:
@@ -78,9 +78,13 @@ def gyro_azimuth(ahrs: Machine) -> Procedure:
     start_rad = ahrs.sigma_rad
     fixes = _Fixes(ahrs)
     for second in count(1):
-        for _ in range(SECOND):
-            yield law()
-            fixes.step()
+        if not computer.gps_ok:
+            yield Steady(law, SECOND)
+            fixes.miss(SECOND)
+        else:
+            for _ in range(SECOND):
+                yield Steady(law, 1)
+                fixes.step()
         ahrs.sigma_rad = azimuth_sigma(ahrs.errors, ahrs.course_deg_h, start_rad, float(second))
 
 
@@ -93,6 +97,13 @@ class _Fixes:
         self._fixes: list[tuple[float, float, float]] = []
         self._step = 0
         self._done_rad = 0.0
+        self._sums = [0, 0.0, 0.0]
+
+    def miss(self, n: int) -> None:
+        """Add control steps without a satellite heading."""
+        self._step += n
+        for _ in range(n):
+            self._done_rad += GRID_S * self._ahrs.computer.drift_z_rad_s
         self._sums = [0, 0.0, 0.0]
 
     def step(self) -> None:

@@ -45,14 +45,17 @@ class AhrsOutput:
         Seed of the simulation.
     role : str
         'ts' or 'rs'.
+    fast : bool
+        Compile the control loop if numba is installed; it gives the same bits.
 
     """
 
-    def __init__(self, sensor: Sensor, ship: ShipTruth, seed: int, role: str) -> None:
+    def __init__(self, sensor: Sensor, ship: ShipTruth, seed: int, role: str,
+                 fast: bool = False) -> None:
         self._errors = errors_of(sensor.model, sensor.ahrs.errors)
         self._ship = ship
         self._least = Validity[sensor.ahrs.publish.upper()]
-        self._ahrs = GimballedAhrs(sensor.ahrs, self._errors, ship, seed, role)
+        self._ahrs = GimballedAhrs(sensor.ahrs, self._errors, ship, seed, role, fast)
         self._white = open_stream(seed, f'{role}.ahrs.output')
         self._noise_deg = self._errors.output_deg if sensor.ahrs.noise else 0.0
         self._phases = (2.0 * math.pi * self._white.random(2)).tolist()

@@ -77,7 +77,8 @@ def gravity(latitude_rad: float) -> float:
     9.806198
 
     """
-    s2 = math.sin(latitude_rad) ** 2
+    s = math.sin(latitude_rad)
+    s2 = s * s
     return 9.7803253359 * (1.0 + 1.931852652458e-3 * s2) / math.sqrt(1.0 - ECCENTRICITY2 * s2)
 
 

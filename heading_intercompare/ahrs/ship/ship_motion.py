@@ -111,12 +111,12 @@ class ShipTruth:
     def heading_rad(self, t_s: np.ndarray) -> np.ndarray:
         """Return the true heading as a continuous angle, shape (n,), radians."""
         t = np.asarray(t_s, dtype=np.float64)
-        return self._read_steering(t)[0] + self._sea.read('yaw', t)[0]
+        return self._read_steering(t)[0] + self._sea.read('yaw', t)
 
     def heading_rate_rad_s(self, t_s: np.ndarray) -> np.ndarray:
         """Return the rate of turn to starboard, shape (n,), rad/s."""
         t = np.asarray(t_s, dtype=np.float64)
-        return self._read_steering(t)[1] + self._sea.read('yaw', t)[1]
+        return self._read_steering(t)[1] + self._sea.read('yaw', t, 1)
 
     def speed_m_s(self, t_s: np.ndarray) -> np.ndarray:
         """Return the speed along the ship axis, shape (n,), m/s."""
@@ -138,7 +138,7 @@ class ShipTruth:
     def roll_pitch_rad(self, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return roll (starboard down) and pitch (bow up), each of shape (n,), radians."""
         t = np.asarray(t_s, dtype=np.float64)
-        return self._sea.read('roll', t)[0], self._sea.read('pitch', t)[0]
+        return self._sea.read('roll', t), self._sea.read('pitch', t)
 
     def block(self, index: int) -> ShipBlock:
         """Return the ship on the grid of the control loop, over the minute number `index`."""

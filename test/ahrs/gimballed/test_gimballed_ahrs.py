@@ -9,8 +9,8 @@ import math
 import numpy as np
 import pytest
 
-from heading_intercompare.ahrs.gimballed.control_laws import settled_speed_error, speed_error
 from heading_intercompare.ahrs.gimballed.modes import Mode, Validity
+from heading_intercompare.ahrs.inertial.control_laws import settled_speed_error, speed_error
 from heading_intercompare.ahrs.ship.earth import EARTH_RATE_RAD_S, KNOT_M_S, RAD_PER_DEG_H
 
 HOUR = 3600.0

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from heading_intercompare.ahrs.gimballed.instruments import Instruments
-from heading_intercompare.ahrs.gimballed.platform import Platform, rows_of
+from heading_intercompare.ahrs.inertial.instruments import Instruments
+from heading_intercompare.ahrs.inertial.platform import Platform, rows_of
 from heading_intercompare.ahrs.sensor_presets import ERRORS
 from heading_intercompare.ahrs.settings import Ahrs
 from heading_intercompare.ahrs.ship.earth import KNOT_M_S, radii

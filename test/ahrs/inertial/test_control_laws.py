@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.ahrs.gimballed.claims import gyrocompass_sigma, output_sigma
-from heading_intercompare.ahrs.gimballed.control_laws import (
+from heading_intercompare.ahrs.inertial.control_laws import (
     compute_gyrocompass_gains,
     compute_hold_gains,
     gyrocompass_azimuth,

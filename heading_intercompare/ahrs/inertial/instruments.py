@@ -41,17 +41,13 @@ class Thermostat:
     def __init__(self, warm: bool) -> None:
         self.away_k = 0.0 if warm else self.ROOM_C - self.SET_C
         self.broken = False
-        self._decay = math.exp(-GRID_S / self.LAG_S)
+        self.cold_k = self.ROOM_C - self.SET_C
+        self.decay = math.exp(-GRID_S / self.LAG_S)
 
     @property
     def ready(self) -> bool:
         """Whether the temperature is near its set point."""
         return abs(self.away_k) < self.READY_K
-
-    def step(self) -> None:
-        """Advance by one control step."""
-        goal_k = self.ROOM_C - self.SET_C if self.broken else 0.0
-        self.away_k = goal_k + (self.away_k - goal_k) * self._decay
 
 
 class Instruments:
@@ -68,6 +64,11 @@ class Instruments:
         Seed of the simulation.
     role : str
         'ts' or 'rs'; names the random numbers.
+
+    Attributes
+    ----------
+    coloured : dict of str to Markov
+        The coloured noises by name.
 
     Notes
     -----
@@ -86,7 +87,7 @@ class Instruments:
         self.thermostat = Thermostat(warm=settings.initial_state != 'cold')
         self.soak = (1.0 if settings.initial_state == 'cold'
                      else math.exp(-settings.powered_s / errors.soak_tau_s))
-        self._soak_decay = math.exp(-GRID_S / errors.soak_tau_s)
+        self.soak_decay = math.exp(-GRID_S / errors.soak_tau_s)
         draw = (self._stream('constants').standard_normal(14) * self._noise).tolist()
         heat = errors.temperature_deg_h_k * RAD_PER_DEG_H
         self.gyro_heat = [heat * n for n in draw[0:5]]
@@ -100,7 +101,7 @@ class Instruments:
         self.spin_axis = (math.radians(errors.spin_axis_arcsec / 3600.0) * self._noise)
         gyro = errors.markov_deg_h * RAD_PER_DEG_H
         force = errors.accelerometer_markov_ug * UG_M_S2
-        self._coloured = {
+        self.coloured = {
             **{name: self._markov(name, gyro, errors.markov_tau_s) for name in _GYROS},
             **{name: self._markov(name, force, errors.accelerometer_markov_tau_s)
                for name in _ACCELEROMETERS},
@@ -128,11 +129,6 @@ class Instruments:
                           for name, size, n in zip(_GYROS, sizes, drawn)]
         self._aligned = False
 
-    def step(self) -> None:
-        """Advance temperature and soak by one control step."""
-        self.soak *= self._soak_decay
-        self.thermostat.step()
-
     def take(self, n: int) -> dict[str, np.ndarray]:
         """
         Return the random errors of the next n control steps.
@@ -144,7 +140,7 @@ class Instruments:
             a step), 'log' in m/s, 'gps' and 'flexure' in rad.
 
         """
-        taken = {name: markov.take(n) for name, markov in self._coloured.items()}
+        taken = {name: markov.take(n) for name, markov in self.coloured.items()}
         for name, (size, rng) in self._white.items():
             taken[name] = taken[name] + size * rng.standard_normal(n)
         return taken

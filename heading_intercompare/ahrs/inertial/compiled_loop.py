@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The control loop compiled by numba, if the extra ``fast`` is installed."""
+
+from __future__ import annotations
+
+from functools import cache
+import hashlib
+from importlib.util import find_spec
+from operator import attrgetter
+from pathlib import Path
+from typing import Any, Callable
+
+import numpy as np
+
+from heading_intercompare.ahrs.random_noise import recur
+from heading_intercompare.ahrs.ship import earth
+from heading_intercompare.core.records import Reals
+
+from . import control_laws, loop
+from .computer import Computer
+from .platform import Platform
+
+__all__ = ['compile_for', 'CompiledLoop']
+
+
+class CompiledLoop:
+    """
+    `loop.run` on records that hold the state of the objects while it runs.
+
+    Parameters
+    ----------
+    platform : Platform
+    computer : Computer
+
+    """
+
+    def __init__(self, platform: Platform, computer: Computer) -> None:
+        parts = platform.instruments
+        self._twins = [_Twin(thing) for thing in (platform, computer, parts, parts.thermostat)]
+        self._run, compiled_recur = _compile()
+        for noise in parts.coloured.values():
+            noise.recur = compiled_recur
+
+    def begin(self) -> None:
+        """Read the constant lists of the objects; they may change between blocks, not within."""
+        for twin in self._twins:
+            twin.pack_lists()
+
+    def run(self, law: int, rows: Reals, first: int, stop: int, states: Reals) -> None:
+        """Run a law over some control steps: see `loop.run`."""
+        for twin in self._twins:
+            twin.pack()
+        self._run(law, *[twin.records for twin in self._twins], rows, first, stop, states)
+        for twin in self._twins:
+            twin.unpack()
+
+
+class _Twin:
+    """A record with the real and logical attributes of an object, and its constant lists."""
+
+    def __init__(self, thing: Any) -> None:
+        public = {name: value for name, value in vars(thing).items() if name[0] != '_'}
+        lists = {name: value for name, value in public.items() if isinstance(value, list)}
+        self._names = [name for name, value in public.items() if isinstance(value, (bool, float))]
+        self._lists = tuple(lists)
+        self._thing, self._attributes, self._read = thing, vars(thing), attrgetter(*self._names)
+        self.records = np.zeros(1, dtype=[
+            *((name, '?' if isinstance(public[name], bool) else 'f8') for name in self._names),
+            *((name, 'f8', (len(value),)) for name, value in lists.items())])
+        self._plain = self.records[self._names]
+
+    def pack(self) -> None:
+        """Write the attributes to the record."""
+        self._plain[0] = self._read(self._thing)
+
+    def pack_lists(self) -> None:
+        """Write the lists to the record."""
+        for name in self._lists:
+            self.records[name][0] = getattr(self._thing, name)
+
+    def unpack(self) -> None:
+        """Write the record to the attributes."""
+        self._attributes.update(zip(self._names, self._plain.item()))
+
+
+def compile_for(platform: Platform, computer: Computer) -> CompiledLoop | None:
+    """Return the compiled loop of a platform and its computer; None without numba."""
+    return CompiledLoop(platform, computer) if find_spec('numba') else None
+
+
+@cache
+def _compile() -> tuple[Callable[..., None], Callable[..., Reals]]:
+    """Return `loop.run` for arrays of one record each, and `recur`, from numba or its cache."""
+    import numba
+    from numba.extending import register_jitable
+    sources = b''.join(Path(module.__file__ or '').read_bytes()
+                       for module in (earth, control_laws, loop))
+    for function in (earth.radii, earth.gravity, loop.set_latitude, loop.resolve, loop.integrate,
+                     loop.free, loop.hold, loop.fine, loop.gyrocompass, loop.schuler, loop.show,
+                     loop.step, loop.take, loop.transport_without_azimuth, loop.run):
+        register_jitable(function)
+    version, run = hashlib.sha256(sources).hexdigest(), loop.run
+
+    def enter(law, p, c, i, t, rows, first, stop, states):
+        # Named here, it belongs to the key under which numba keeps the machine code.
+        version  # noqa: B018
+        run(law, p[0], c[0], i[0], t[0], rows, first, stop, states)
+
+    try:
+        return numba.njit(cache=True)(enter), numba.njit(cache=True)(recur)
+    except RuntimeError:
+        # There is no place where numba may write.
+        return numba.njit(enter), numba.njit(recur)
