@@ -55,8 +55,9 @@ class Processes:
         self.signal(signal.SIGKILL)
         for name, process in self.running.items():
             process.wait()
-            said = (self.folder / f'{name}.log').read_text(errors='replace')
-            print(f'== {name}', said, sep='\n')
+            said = self.folder / f'{name}.log'
+            if said.exists():
+                print(f'== {name}', said.read_text(errors='replace'), sep='\n')
 
 
 def wait_for(condition, timeout_s=30.0):
