@@ -34,7 +34,7 @@ def test_what_fits_a_bag_is_imported_and_the_rest_is_named(write, tmp_path, caps
     bag = str(tmp_path / 'bag')
     log = write('gyro.log', BEFORE)
     assert main(['import-nmea', '--ts', log, '--rs', log, '-o', bag]) == 0
-    assert capsys.readouterr().out.count('not taken: nothing; 5 with a stamp that a bag cannot') == 2
+    assert capsys.readouterr().out.count('; 5 with a stamp that a bag cannot hold') == 2
     assert BagReader(bag).topics['/ts/heading'].count == 5
 
 
