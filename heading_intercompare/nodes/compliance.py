@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import Any, Sequence
 
@@ -39,17 +40,14 @@ from .settings import ComplianceNode, Taking
 
 __all__ = ['Compliance', 'main']
 
-# How long the last messages of a synchronizer that has ended may still be under way.
-_ALONE_S = 0.3
-
-# The pairs of a batch follow each other at once.
-_HOLD_OFF_S = 0.002
+# How long the last messages of a synchronizer that has ended, and of a batch, may be under way.
+_ALONE_S, _HOLD_OFF_S = 0.3, 0.002
 
 
 class Compliance(Node):
     """Publish figures of the run in progress, and the verdict and report at the end of each."""
 
-    done = False
+    done, _alone_s = False, math.inf
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('compliance', **OVERRIDES, **kwargs)
@@ -143,13 +141,14 @@ class Compliance(Node):
         """Take the last pairs and the final ledger, then end the run and report on it."""
         self.alarms.panel.muted = True
         self._end_s = time.monotonic() + self._own.end_wait_s
-        self._alone_s = time.monotonic() + _ALONE_S
 
     def _finish_if_complete(self) -> None:
         self._pairs.look()
         now_s, reporting = time.monotonic(), self._reporting
         complete = reporting.final and self._pairs.last_sequence >= reporting.paired
-        alone = not self._pairs.publishers and now_s > self._alone_s
+        # Since the first look: what has come is served before the second.
+        self._alone_s = math.inf if self._pairs.publishers else min(self._alone_s, now_s)
+        alone = now_s > self._alone_s + _ALONE_S
         if (complete or alone) and not self._pairs.waiting or now_s > self._end_s:
             self._compliance.finish()
             reporting.close(complete)
